@@ -1,0 +1,41 @@
+# One place for what every room shares: the language, the warnings, the sanitizers, and how a room and its tests are declared.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+find_program(SKEIN_CCACHE ccache)
+if(SKEIN_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SKEIN_CCACHE})
+endif()
+
+find_package(Threads REQUIRED)
+
+add_library(skein_options INTERFACE)
+target_include_directories(skein_options INTERFACE ${PROJECT_SOURCE_DIR})
+# -ffp-contract=off: the same source gives the same bits whether or not the compiler could fuse a multiply and an add.
+target_compile_options(skein_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off $<$<BOOL:${SKEIN_WERROR}>:-Werror>)
+if(SKEIN_SANITIZE)
+  target_compile_options(skein_options INTERFACE -fsanitize=${SKEIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(skein_options INTERFACE -fsanitize=${SKEIN_SANITIZE})
+endif()
+
+# skein_room(core SOURCES ... PUBLIC ... PRIVATE ...): a room is a static library named after its folder.
+function(skein_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(skein_${name} STATIC ${ROOM_SOURCES})
+  target_link_libraries(skein_${name} PUBLIC skein_options ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
+endfunction()
+
+# skein_test(core SOURCES ... LINK ...): one GoogleTest program a room; every case is a CTest test named room.Suite.Case.
+function(skein_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(skein_${name}_tests ${TEST_SOURCES})
+  target_link_libraries(skein_${name}_tests PRIVATE skein_${name} ${TEST_LINK} skein_test_main)
+  gtest_discover_tests(skein_${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 120
+    PROPERTIES LABELS ${name} TIMEOUT 300)
+endfunction()

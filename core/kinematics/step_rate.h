@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/kinematics/differential_drive.h"
+
+namespace skein::core {
+
+/// How a robot's motors turn a commanded speed into steps.
+enum class MotorModel {
+  ideal,   ///< runs exactly what the law asks for, fractions of a step included (simulation only)
+  epuck1,  ///< timer of 10 kHz: a step every floor(10000/|s|) ticks; clamps at 1000 steps/s
+  epuck2,  ///< timer of 50 kHz: a step every floor(50000/|s|) ticks; clamps at 1100 steps/s
+};
+
+/// Largest speed that the motors' firmware accepts before it clamps. [steps/s]
+double max_step_rate(MotorModel motor) noexcept;
+
+/// The step rate that the motor really runs when `commanded` (a whole number unless `ideal`) is asked for. [steps/s]
+double actual_step_rate(MotorModel motor, double commanded) noexcept;
+
+/// The whole-number command whose actual step rate is nearest to `wanted` (`wanted` itself for an ideal motor). [steps/s]
+double nearest_command(MotorModel motor, double wanted) noexcept;
+
+}  // namespace skein::core
