@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace skein::vision {
+
+/// One grey picture. Pixel (u, v) is column u to the right, row v down, (0, 0) at the CENTRE of the top-left pixel.
+/// A source fills the same Frame again and again: its buffers grow once and are then reused.
+struct Frame {
+  int width = 0;                   // px
+  int height = 0;                  // px
+  std::vector<std::uint8_t> grey;  // row by row, width * height bytes, no padding; 0 black, 255 white
+  double captured_at = 0.0;        // s: CLOCK_MONOTONIC for a camera, time in the film for a video (see FrameSource)
+  std::string source;              // file name of a picture, number of the frame in a stream
+  std::int64_t index = 0;          // counts the frames of its source from 0
+
+  /// Makes room for width x height pixels; their values are left as they happen to be.
+  void resize(int new_width, int new_height) {
+    width = new_width;
+    height = new_height;
+    grey.resize(static_cast<std::size_t>(new_width) * static_cast<std::size_t>(new_height));
+  }
+  const std::uint8_t* row(int v) const { return grey.data() + static_cast<std::ptrdiff_t>(v) * width; }
+  std::uint8_t* row(int v) { return grey.data() + static_cast<std::ptrdiff_t>(v) * width; }
+};
+
+}  // namespace skein::vision
