@@ -31,6 +31,8 @@ struct Twist {
 };
 
 /// The distance between two robots' midpoints. [m]
-inline double distance(const Pose& a, const Pose& b) noexcept { return std::hypot(a.x - b.x, a.y - b.y); }
+inline double distance(const Pose& a, const Pose& b) noexcept {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
 
 }  // namespace skein::core

@@ -8,7 +8,8 @@ WheelSpeeds DifferentialDrive::wheels(const Twist& twist) const noexcept {
 }
 
 Twist DifferentialDrive::twist(const WheelSpeeds& wheels) const noexcept {
-  return {0.5 * metres_per_step() * (wheels.right + wheels.left), metres_per_step() * (wheels.right - wheels.left) / track};
+  return {0.5 * metres_per_step() * (wheels.right + wheels.left),
+          metres_per_step() * (wheels.right - wheels.left) / track};
 }
 
 }  // namespace skein::core

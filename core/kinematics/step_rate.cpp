@@ -5,11 +5,15 @@
 namespace skein::core {
 namespace {
 
-double timer_rate(MotorModel motor) noexcept { return motor == MotorModel::epuck2 ? 50000.0 : 10000.0; }
+double timer_rate(MotorModel motor) noexcept {
+  return motor == MotorModel::epuck2 ? 50000.0 : 10000.0;
+}
 
 }  // namespace
 
-double max_step_rate(MotorModel motor) noexcept { return motor == MotorModel::epuck2 ? 1100.0 : 1000.0; }
+double max_step_rate(MotorModel motor) noexcept {
+  return motor == MotorModel::epuck2 ? 1100.0 : 1000.0;
+}
 
 double actual_step_rate(MotorModel motor, double commanded) noexcept {
   const double limit = max_step_rate(motor);

@@ -17,7 +17,8 @@ double max_step_rate(MotorModel motor) noexcept;
 /// The step rate that the motor really runs when `commanded` (a whole number unless `ideal`) is asked for. [steps/s]
 double actual_step_rate(MotorModel motor, double commanded) noexcept;
 
-/// The whole-number command whose actual step rate is nearest to `wanted` (`wanted` itself for an ideal motor). [steps/s]
+/// The whole-number command whose actual step rate is nearest to `wanted` (`wanted` itself for an ideal motor).
+/// [steps/s]
 double nearest_command(MotorModel motor, double wanted) noexcept;
 
 }  // namespace skein::core

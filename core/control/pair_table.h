@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace skein::core {
+
+/// One number for every pair of different robots. Symmetric by construction, as (18c-e) ask: (i, j) and (j, i) are the
+/// same cell.
+class PairTable {
+ public:
+  PairTable() = default;
+  explicit PairTable(std::size_t robots, double value = 0.0)
+      : robots_(robots), cells_(robots * (robots - 1) / 2, value) {}
+
+  std::size_t robots() const noexcept { return robots_; }
+
+  /// The value for robots i != j, both counted from 0.
+  double operator()(std::size_t i, std::size_t j) const noexcept { return cells_[cell(i, j)]; }
+  void set(std::size_t i, std::size_t j, double value) noexcept { cells_[cell(i, j)] = value; }
+  void fill(double value) noexcept { std::fill(cells_.begin(), cells_.end(), value); }
+
+  /// The sum over all robots j != i, as in (18f, g).
+  double row_sum(std::size_t i) const noexcept {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < robots_; ++j)
+      if (j != i) sum += (*this)(i, j);
+    return sum;
+  }
+  double largest() const noexcept { return cells_.empty() ? 0.0 : *std::max_element(cells_.begin(), cells_.end()); }
+
+  friend bool operator==(const PairTable&, const PairTable&) = default;
+
+ private:
+  // Row by row through the upper triangle: (0,1) (0,2) ... (1,2) ...
+  std::size_t cell(std::size_t i, std::size_t j) const noexcept {
+    if (i > j) std::swap(i, j);
+    return i * (2 * robots_ - i - 1) / 2 + (j - i - 1);
+  }
+
+  std::size_t robots_ = 0;
+  std::vector<double> cells_;
+};
+
+}  // namespace skein::core

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/estimation/measurement.h"
+#include "core/geometry/pose.h"
+
+namespace skein::core {
+
+/// Carries a measured pose to the time at which the next command acts, along the arcs that the robot was told to drive
+/// since. One for each robot. A measurement that is as old as the command's time comes back unchanged, bit for bit.
+class Predictor {
+ public:
+  /// Notes that the robot drives with `twist` from time `acts_at` on. Times must not run backwards. [s]
+  void command(double acts_at, const Twist& twist) noexcept;
+
+  /// The pose at `time`, from the measurement and the noted commands. Further back than the memory reaches (2.5 s at 25
+  /// Hz), the robot counts as having stood still.
+  Pose predict(const Measurement& measurement, double time) const noexcept;
+
+ private:
+  struct Entry {
+    double from = 0.0;
+    Twist twist;
+  };
+  static constexpr std::size_t memory = 64;
+
+  std::array<Entry, memory> entries_{};
+  std::size_t count_ = 0;  // of all that were ever noted; entry k lives at k % memory
+};
+
+}  // namespace skein::core

@@ -1,0 +1,14 @@
+#include "core/reference/platoon.h"
+
+namespace skein::core {
+
+ReferencePoint Platoon::at(std::size_t i, double t) const noexcept {
+  const PathPoint point = path_->at(start_ - static_cast<double>(i) * spacing_ + speed_ * t);
+  return {point.pose, {speed_, speed_ * point.curvature}};
+}
+
+void Platoon::at(double t, std::span<ReferencePoint> points) const noexcept {
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = at(i, t);
+}
+
+}  // namespace skein::core

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/kinematics/differential_drive.h"
+
+namespace skein::core {
+
+/// What one robot can do: the box (14) and its wheels, which make a diamond |v| + |omega| track/2 <= wheel limit.
+struct CommandLimits {
+  double v_max = 0.1;      ///< (14) [m/s]
+  double omega_max = 1.7;  ///< (14) [rad/s]
+  DifferentialDrive drive;
+
+  /// The largest turning rate that box and wheels allow. [rad/s]
+  double omega_limit() const noexcept;
+  /// The largest forward speed that box and wheels allow beside this turning rate. [m/s]
+  double v_limit(double omega) const noexcept;
+  /// The twist held inside box and diamond, signs kept. The turning rate is served first: it keeps the robot on its
+  /// path, and what the wheels have left goes to the forward speed.
+  Twist limit(const Twist& wanted) const noexcept;
+};
+
+}  // namespace skein::core

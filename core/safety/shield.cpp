@@ -1,0 +1,86 @@
+#include "core/safety/shield.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace skein::core {
+
+Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(robots), upper_(robots) {
+  constraints_.reserve(robots * (robots - 1) / 2 + robots * obstacles);
+}
+
+void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
+                     std::span<const double> v_limit) noexcept {
+  constraints_.clear();
+  const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
+                       bool moves) {
+    const double d = std::hypot(dx, dy);
+    // Two robots cannot close in faster than their limits: a pair with more room than that asks for nothing.
+    if (p.gamma * (d - keep) >= fastest_closing || d == 0.0) return;
+    const double n_x = dx / d, n_y = dy / d;
+    const double a_i = n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta);
+    const double a_j = moves ? -(n_x * std::cos(poses[j].theta) + n_y * std::sin(poses[j].theta)) : 0.0;
+    constraints_.push_back({i, j, a_i, a_j, -p.gamma * std::max(0.0, d - keep), 0.0});
+  };
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t j = i + 1; j < poses.size(); ++j)
+      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y, p.distance, v_limit[i] + v_limit[j], true);
+    for (const Obstacle& o : obstacles)
+      add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - robot_radius + o.radius, v_limit[i], false);
+  }
+}
+
+void Shield::apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
+                   std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched) noexcept {
+  std::fill(touched.begin(), touched.end(), false);
+  if (!parameters.enabled) return;
+  collect(parameters, poses, obstacles, v_limit);
+  const auto left_of = [&](const Constraint& c) {
+    return c.a_i * v_[c.i] + (c.j != c.i ? c.a_j * v_[c.j] : 0.0) - c.bound;
+  };
+  for (std::size_t i = 0; i < poses.size(); ++i) v_[i] = commands[i].v, lower_[i] = upper_[i] = 0.0;
+  if (std::all_of(constraints_.begin(), constraints_.end(), [&](const Constraint& c) { return left_of(c) >= 0.0; }))
+    return;
+
+  // Hildreth's method: dual coordinate ascent, one constraint after the other, speed limits included. Converges to the
+  // optimum.
+  constexpr int most_sweeps = 200;
+  constexpr double converged = 1e-12;
+  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    double largest_change = 0.0;
+    const auto ascend = [&](double slack, double norm2, double& multiplier) {
+      const double step = std::max(-multiplier, -slack / norm2);
+      multiplier += step;
+      largest_change = std::max(largest_change, std::abs(step));
+      return step;
+    };
+    for (Constraint& c : constraints_) {
+      const double norm2 = c.a_i * c.a_i + c.a_j * c.a_j;
+      if (norm2 < 1e-12) continue;  // both drive across the line between them: their speeds do not close the gap
+      const double step = ascend(left_of(c), norm2, c.multiplier);
+      v_[c.i] += step * c.a_i;
+      if (c.j != c.i) v_[c.j] += step * c.a_j;
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      v_[i] += ascend(v_[i] + v_limit[i], 1.0, lower_[i]);
+      v_[i] -= ascend(v_limit[i] - v_[i], 1.0, upper_[i]);
+    }
+    if (largest_change < converged) break;
+  }
+
+  // Whatever the sweeps left over: hold the limits, then shrink all speeds until every pair's condition holds. Speed 0
+  // holds them all, and they are linear, so a share of v always does.
+  double share = 1.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) v_[i] = std::clamp(v_[i], -v_limit[i], v_limit[i]);
+  for (const Constraint& c : constraints_) {
+    const double closing = left_of(c) + c.bound;
+    if (closing < c.bound) share = std::min(share, c.bound / closing);
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    v_[i] *= share;
+    touched[i] = std::abs(v_[i] - commands[i].v) > 1e-9;
+    if (touched[i]) commands[i].v = v_[i];
+  }
+}
+
+}  // namespace skein::core

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/avoidance/obstacle.h"
+#include "core/geometry/pose.h"
+
+namespace skein::core {
+
+struct ShieldParameters {
+  bool enabled = true;
+  double distance =
+      0.078;  ///< midpoints are kept this far apart [m]: an e-puck's 70 mm, and 8 mm for what sampling and wheels lose
+  double gamma = 4.0;  ///< how fast the gap may close, as a share of what is left of it [1/s]
+};
+
+/// The last word before the wheels: changes forward speeds alone, as little as possible, so that no two robots close in
+/// faster than the gap between them allows:
+///   minimise sum (v_i - v_i*)^2   s.t.  n_ij . (v_i u_i - v_j u_j) >= -gamma (d_ij - D),   |v_i| <= v_limit,i
+/// with u_i the heading and n_ij the unit vector from j to i. v = 0 always satisfies it, so it is always feasible;
+/// where d < D already, it asks that the gap does not shrink. Turning rates stay as they are: robots go on turning
+/// away. A round obstacle counts as a robot that stands still.
+class Shield {
+ public:
+  Shield(std::size_t robots, std::size_t obstacles);
+
+  /// Changes `commands` in place; `touched[i]` becomes true where v_i had to change (by more than 1e-9 m/s).
+  /// v_limit: what the limits leave each robot beside its turning rate [m/s]; |v_i| <= v_limit,i on entry.
+  void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
+             std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched) noexcept;
+
+ private:
+  /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle (then j = i).
+  struct Constraint {
+    std::size_t i, j;
+    double a_i, a_j, bound, multiplier;
+  };
+  void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>,
+               std::span<const double>) noexcept;
+
+  std::vector<Constraint> constraints_;  // reserved for every pair: apply never allocates
+  std::vector<double> v_, lower_, upper_;
+};
+
+}  // namespace skein::core

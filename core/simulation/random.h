@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace skein::core {
+
+/// A seeded source of random numbers whose values are the same with every standard library: the engine's sequence is
+/// fixed by the C++ standard, the distributions are ours (std::normal_distribution is each library's own).
+class Random {
+ public:
+  /// Streams of one seed are independent of one another: one for each robot.
+  Random(std::uint64_t seed, std::uint64_t stream);
+
+  /// Uniform in [0, 1).
+  double uniform() noexcept;
+  /// Gaussian with mean 0 and standard deviation 1.
+  double gaussian() noexcept;
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace skein::core

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/estimation/measurement.h"
+#include "core/kinematics/differential_drive.h"
+#include "core/kinematics/step_rate.h"
+#include "core/simulation/random.h"
+
+namespace skein::core {
+
+/// How a simulated robot and its localisation differ from ideal ones. Zeros: ideal.
+struct Imperfection {
+  double pose_noise = 0.0;     ///< standard deviation of measured x and y [m]
+  double heading_noise = 0.0;  ///< of the measured heading [rad]
+  double latency = 0.0;        ///< from the moment of capture until the pose is at hand [s]; at most 2.5 s at 25 Hz
+  double dropout = 0.0;        ///< share of measurements that are lost, 0 to 1
+  double slip = 0.0;           ///< standard deviation of each wheel's way, as a share of it, drawn anew every step
+};
+
+/// A robot on the floor: wheels that run as its motors run them, exact arcs, and a localisation with faults.
+/// The same seed and the same calls give the same bits.
+class SimulatedRobot {
+ public:
+  SimulatedRobot(const DifferentialDrive& drive, MotorModel motor, const Imperfection& imperfection, std::uint64_t seed,
+                 std::uint64_t stream);
+
+  const Pose& pose() const noexcept { return pose_; }
+  /// Puts the robot somewhere, as a hand does.
+  void place(const Pose& pose) noexcept { pose_ = pose; }
+
+  /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot.
+  void command(const WheelSpeeds& commanded) noexcept;
+  /// The step rates that its motors run now.
+  const WheelSpeeds& wheels() const noexcept { return wheels_; }
+  /// The twist that these give without slip.
+  Twist twist() const noexcept { return drive_.twist(wheels_); }
+
+  /// Drives for dt seconds.
+  void step(double dt) noexcept;
+
+  /// Takes a measurement at time `now` and returns the newest one that has arrived by then (captured at now - latency
+  /// or before).
+  Measurement measure(double now) noexcept;
+
+ private:
+  static constexpr std::size_t in_flight = 64;
+
+  DifferentialDrive drive_;
+  MotorModel motor_;
+  Imperfection imperfection_;
+  Random slip_random_, sensor_random_;
+  Pose pose_;
+  WheelSpeeds wheels_;
+  std::array<Measurement, in_flight> queue_{};  // measurements on their way; number k lives at k % in_flight
+  std::size_t taken_ = 0, arrived_ = 0;
+  Measurement newest_;
+};
+
+}  // namespace skein::core
