@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// The e-puck's serial protocol, "advanced sercom" (asercom): bytes from values and values from bytes, nothing else.
+/// Source: the firmware's own parsers (e-puck1 Asercom.c, e-puck2 Asercom2.c). Pure functions, any thread, no
+/// exceptions but bad_alloc.
+namespace skein::comms {
+
+/// A pair of wheel speeds as the robot takes them. [steps/s], positive drives forward
+struct WheelCommand {
+  std::int16_t left = 0;
+  std::int16_t right = 0;
+
+  friend bool operator==(const WheelCommand&, const WheelCommand&) = default;
+};
+
+/// The fastest that any e-puck runs: 1100 steps/s, an e-puck2. (An e-puck1's own firmware clamps at 1000.)
+inline constexpr int fastest_motor = 1100;
+
+/// The nearest command that a robot can carry out; a value outside int16 would otherwise wrap and drive backwards.
+WheelCommand clamped(int left, int right) noexcept;
+
+/// A reading of the step counters. They count commanded steps (slip goes unseen) and an e-puck1's are 16 bits wide, so
+/// only the difference of two readings means anything.
+struct Encoders {
+  std::int16_t left = 0;   ///< [steps]
+  std::int16_t right = 0;  ///< [steps]
+
+  friend bool operator==(const Encoders&, const Encoders&) = default;
+};
+
+/// Steps from one reading to a later one, right as long as less than 32768 steps lie between them.
+std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept;
+
+// --- Requests: binary -----------------------------------------------------------------------------------------------
+
+/// `BC l l r r AF 00`: sets the speeds (as soon as the arguments are in) and asks for the encoders, whose 4-byte answer
+/// is acknowledgement, heartbeat and round-trip probe in one.
+std::array<std::uint8_t, 7> set_speeds_read_encoders(WheelCommand command) noexcept;
+
+/// `AF 00`: asks for the encoders and leaves the wheels alone; 4 bytes back.
+std::array<std::uint8_t, 2> read_encoders() noexcept;
+
+/// Bytes in the answer to both of the above: left then right, little-endian int16.
+inline constexpr std::size_t encoder_reply_size = 4;
+
+/// The bytes that stop an e-puck whatever half command its parser is stuck in: 40 x 0x00 end any binary sequence and
+/// supply any arguments still awaited, "\r" ends a half line, "S\r" is the stop. Its answer ends with a line "s";
+/// "d", "z,..." and greeting lines may come before. 43 bytes: fits the e-puck1's 64-byte ring behind one exchange.
+std::span<const std::uint8_t> stop_sequence() noexcept;
+
+// --- Requests: ASCII ------------------------------------------------------------------------------------------------
+
+/// One line "X\n" or "X,a,b\n". One "\n", never "\r\n": a second line end swallows the first byte of what follows.
+std::string ascii_request(char command, std::span<const int> arguments = {});
+
+// --- Replies --------------------------------------------------------------------------------------------------------
+
+/// A reply line taken apart: "q,12,-7" is letter 'q', values 12, -7.
+struct ReplyLine {
+  char letter = 0;          ///< the first character; 0 for an empty line
+  std::vector<int> values;  ///< the whole numbers after it, as far as they go; "b,3195 (62%)" gives 3195
+  std::string text;         ///< the whole line without its end
+};
+ReplyLine parse_reply_line(std::string_view line);
+
+/// True of a line that a robot says only when it boots. The start of the line may be missing.
+bool is_greeting(std::string_view line) noexcept;
+
+/// What one reply turned out to be.
+struct Reply {
+  enum class Kind {
+    encoders,  ///< an answer to a binary request
+    stopped,   ///< the line "s": the robot has carried out a stop
+    line       ///< any other line: "d", "z,Command not found", a greeting, or debris
+  };
+  Kind kind = Kind::line;
+  Encoders encoders;  ///< for Kind::encoders
+  std::string text;   ///< for Kind::line, without its end
+};
+
+/// Cuts the bytes that a robot sends into replies, whatever chunks they arrive in. The protocol does not say whether
+/// an answer is binary or text; who sent the request does.
+class ReplyParser {
+ public:
+  /// What the next bytes are: text until told otherwise, or one binary encoder reply and then nothing.
+  void expect_lines() noexcept { expected_ = Expected::lines; }
+  void expect_encoders() noexcept { expected_ = Expected::encoders; }
+
+  void feed(std::span<const std::uint8_t> bytes);
+
+  /// The next complete reply. A line "s" is found behind up to 4 bytes of a late binary answer as well.
+  std::optional<Reply> next();
+
+  /// Bytes fed and not yet part of a reply; with nothing expected they are debris. [bytes]
+  std::size_t pending() const noexcept { return buffer_.size(); }
+  void clear() noexcept { buffer_.clear(); }
+
+ private:
+  enum class Expected { nothing, lines, encoders };
+  std::optional<Reply> next_line();
+
+  Expected expected_ = Expected::lines;
+  std::vector<std::uint8_t> buffer_;
+};
+
+}  // namespace skein::comms

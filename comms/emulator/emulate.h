@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "core/kinematics/step_rate.h"
+
+namespace skein::comms {
+
+/// What `skein emulate` was asked for.
+struct EmulateOptions {
+  std::size_t robots = 1;                             ///< how many, 1 or more
+  core::MotorModel model = core::MotorModel::epuck2;  ///< of all of them
+  std::string directory;  ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
+  bool verbose = false;   ///< print every change of a robot's wheels
+};
+
+/// Runs emulated robots until SIGINT or SIGTERM comes (to the process or to this thread). Prints one line
+/// "robot N: serial:PATH" for each on stdout. Returns the program's exit status: 0, 2 (options), 3 (the system
+/// refused). Blocks both signals in the calling thread meanwhile: call it before other threads are started.
+int emulate(const EmulateOptions& options);
+
+}  // namespace skein::comms

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/kinematics/step_rate.h"
+
+namespace skein::comms {
+
+/// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, byte for byte what the
+/// manufacturer's parser answers, mistakes included. No I/O, no clock. Not thread-safe.
+///
+/// Emulated: every request of the protocol that needs no camera, sound, extension board (these are answered as by a
+/// robot that lacks them, or pass unanswered). Sensors read constants. Not emulated: the e-puck1's 64-byte receive
+/// ring, which loses bytes of bursts over ~58.
+class EpuckFirmware {
+ public:
+  /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
+  explicit EpuckFirmware(core::MotorModel model);
+
+  /// Feeds bytes to the parser and appends to `reply` what the robot answers. What is not finished is kept, also when
+  /// the host goes away meanwhile.
+  void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply);
+
+  /// The step rates that the motors really run. [steps/s]
+  core::WheelSpeeds wheels() const noexcept;
+
+  /// Lets `dt` seconds pass: the encoders count.
+  void advance(double dt) noexcept;
+
+  /// What the robot says when it boots.
+  std::string greeting() const;
+  /// Switches it off and on: wheels stand, counters are 0, the parser is fresh. The greeting is the caller's to send.
+  void boot() noexcept;
+
+ private:
+  enum class Parsing { top, line_start, line, sequence, arguments };
+
+  void take(std::uint8_t byte, std::vector<std::uint8_t>& reply);
+  void run_line(std::vector<std::uint8_t>& reply);
+  void run_letter(std::uint8_t letter);
+  void run_letter_with_arguments();
+  int scan_arguments(int* first, int* second) const;
+  void append(std::int64_t value);
+  void set_motors() noexcept;
+  void set_counters(int left, int right) noexcept;
+  std::int64_t counter(double position) const noexcept;
+  bool epuck1() const noexcept { return model_ == core::MotorModel::epuck1; }
+
+  core::MotorModel model_;
+  Parsing parsing_ = Parsing::top;
+  std::string line_;                  // the ASCII line so far, or finished
+  std::vector<std::uint8_t> merged_;  // the answer of the binary sequence so far
+  std::uint8_t letter_ = 0;           // the binary command whose arguments are awaited
+  std::vector<std::uint8_t> arguments_;
+  std::size_t arguments_needed_ = 0;
+
+  int speed_left_ = 0, speed_right_ = 0;        // as E reports: last commanded, unclamped
+  int position_left_ = 0, position_right_ = 0;  // last arguments of P
+  int motor_left_ = 0, motor_right_ = 0;        // what the motors were last told
+  double steps_left_ = 0.0, steps_right_ = 0.0;
+};
+
+}  // namespace skein::comms

@@ -1,0 +1,28 @@
+#pragma once
+
+namespace skein::comms {
+
+/// When links give up, try again and stop by themselves. The defaults suit e-pucks over Bluetooth at 25 Hz.
+struct LinkOptions {
+  /// A reply later than this is a lost reply [s]. Measured round trips are 1 to 10 ms at the 99th percentile; a busy
+  /// radio adds tens of ms; 0.2 s is 5 ticks, at most 26 mm of way at full speed.
+  double reply_timeout = 0.2;
+  /// A connection that is not made after this long is begun anew [s]. Bluetooth's own page time-out is 5.12 s.
+  double connect_timeout = 5.0;
+  /// A link that hears no new command for this long stops its robot by itself [s]: e-pucks have no watchdog. 2.5 ticks,
+  /// so one late tick does not stop the group. 0 or less: never (lock-step runs, where wall time means nothing).
+  double command_silence = 0.1;
+  /// An idle link asks for the encoders this often [s], so a robot that dies between runs is noticed. 0 or less: never.
+  double heartbeat = 1.0;
+  /// Wait before the first new attempt to connect, doubled after every failure [s]. At once often meets EBUSY.
+  double reconnect_first = 0.2;
+  /// The longest wait between two attempts [s].
+  double reconnect_longest = 2.0;
+  /// A link that has said nothing for this long is closed and opened again [s]. Longer than the ~17 s after which Linux
+  /// itself notices that a Bluetooth peer has lost power, because until then a new connection cannot be made.
+  double silence_reconnect = 20.0;
+  /// How long the destructor tries to stop the robots when close() was not called [s].
+  double close_timeout = 2.0;
+};
+
+}  // namespace skein::comms

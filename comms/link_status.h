@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace skein::comms {
+
+enum class LinkState {
+  down,           ///< not open: not tried yet, or waiting to try again (reason says why)
+  connecting,     ///< a connection is being made
+  synchronising,  ///< open; the stop sequence is sent, its answer awaited
+  up,             ///< the robot answers
+  stale,          ///< open, but the robot owes a reply; the stop sequence is repeated until it answers
+  failed,         ///< given up (reason says why): could never be opened, or closed with the stop not acknowledged
+  closed          ///< closed after the robot acknowledged its stop
+};
+
+/// The state as a word for logs and tables: "up", "stale", ...
+std::string_view to_text(LinkState state) noexcept;
+
+/// What is known of one link.
+struct LinkStatus {
+  LinkState state = LinkState::down;
+  std::string reason;       ///< the newest thing that went wrong, as a sentence; empty: nothing yet
+  double rtt_median = 0.0;  ///< round trip of the last 256 exchanges, 0 before the first [s]
+  double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_received = 0;
+  std::uint64_t exchanges = 0;   ///< requests answered
+  std::uint64_t timeouts = 0;    ///< requests and stops not answered in time
+  std::uint64_t reconnects = 0;  ///< times that the link came up again after it was lost
+  std::int64_t left_steps =
+      0;  ///< unwrapped encoder, from the first reading on; a robot's restart adds nothing [steps]
+  std::int64_t right_steps = 0;    ///< the same, right wheel [steps]
+  bool stop_acknowledged = false;  ///< the robot said "s" and was sent no speed since: it stands
+};
+
+}  // namespace skein::comms

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "comms/link_address.h"
+#include "comms/link_options.h"
+#include "comms/link_status.h"
+
+namespace skein::comms {
+
+/// Keeps the links to a group of robots, on one thread of its own for all of them.
+///
+/// Every robot has a slot for its newest command and at most one request outstanding. A link that is opened or that
+/// lost a reply sends the stop sequence first. A robot that was reconnected stays stopped until a new command comes.
+/// Robots are counted from 0 here and from 1 in every sentence. Nothing but bad_alloc in the constructor is thrown.
+class LinkSupervisor {
+ public:
+  explicit LinkSupervisor(std::vector<LinkAddress> robots, LinkOptions options = {});
+  ~LinkSupervisor();  ///< close() with options.close_timeout
+  LinkSupervisor(const LinkSupervisor&) = delete;
+  LinkSupervisor& operator=(const LinkSupervisor&) = delete;
+
+  /// Opens every link and stops every robot; returns when all are up. Otherwise the sentence names the robot and why,
+  /// and all links are closed again: a supervisor is started once.
+  tl::expected<void, std::string> start(double timeout_s);
+
+  /// Puts the newest wheel speeds [steps/s] into a robot's slot (clamped, see asercom.h); older ones not yet sent are
+  /// forgotten. Lock-free and wait-free: atomics and one write to an eventfd. Ignored while stopped by emergency_stop()
+  /// and for a robot that does not exist. One thread at a time per robot.
+  void command(std::size_t robot, int left, int right) noexcept;
+
+  /// Stops every robot and keeps it stopped: each link sends the stop sequence at once, even with a reply outstanding,
+  /// and repeats it until the robot answers; commands given before, or from now until release_stop(), are void. Any
+  /// thread; async-signal-safe.
+  void emergency_stop() noexcept;
+  /// Lets commands through again. Robots stay stopped until the next command.
+  void release_stop() noexcept;
+  bool stopped() const noexcept;  ///< between emergency_stop() and release_stop()
+
+  /// Blocks until every robot has answered its newest command (commands made void by an emergency stop need no answer);
+  /// false: not within `timeout_s`. For runs in lock-step. Any thread.
+  bool wait_acknowledged(double timeout_s);
+
+  /// A snapshot, in the order of the robots. Any thread; waits at most for one turn of the link thread (microseconds).
+  std::vector<LinkStatus> status() const;
+
+  /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so);
+  /// then closes the links and ends the thread. The final status: `stop_acknowledged` says for each robot whether it is
+  /// known to stand. Idempotent: a second call returns the same.
+  std::vector<LinkStatus> close(double timeout_s);
+
+  std::size_t size() const noexcept;
+
+ private:
+  class Loop;
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace skein::comms

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "comms/link_address.h"
+
+namespace skein::comms {
+
+/// Why a link could not be opened or was lost.
+struct TransportError {
+  std::string reason;  ///< a sentence for the operator
+  bool permanent =
+      false;  ///< trying again cannot help until somebody changes something (no such device, no permission)
+};
+
+/// The sentence for an errno value met at `address`.
+TransportError describe_transport_error(int error, const LinkAddress& address);
+
+/// A byte stream to one robot on a non-blocking descriptor: serial line (raw, 115200 8N1) or RFCOMM socket. Move-only;
+/// closes on destruction, says nothing to the robot when it does. No call waits. Not thread-safe.
+class Transport {
+ public:
+  /// Opens a serial line, or begins to connect a socket: then connecting() is true until the descriptor is writable and
+  /// finish_connecting() has said how it went. A serial line is locked (flock) against a second program.
+  static tl::expected<Transport, TransportError> open(const LinkAddress& address);
+
+  Transport(Transport&& other) noexcept;
+  Transport& operator=(Transport&& other) noexcept;
+  ~Transport();
+
+  int descriptor() const noexcept { return descriptor_; }
+  bool connecting() const noexcept { return connecting_; }
+  tl::expected<void, TransportError> finish_connecting();
+
+  /// Number of bytes read into `into`; 0: nothing there now. The error: the link is gone.
+  tl::expected<std::size_t, TransportError> read(std::span<std::uint8_t> into);
+  /// Number of bytes that the system took; 0: it is full now. The error: the link is gone.
+  tl::expected<std::size_t, TransportError> write(std::span<const std::uint8_t> bytes);
+
+ private:
+  Transport(int descriptor, bool connecting, LinkAddress address);
+  static tl::expected<Transport, TransportError> open_serial(const LinkAddress& address);
+  static tl::expected<Transport, TransportError> open_rfcomm(const LinkAddress& address);
+
+  int descriptor_ = -1;
+  bool connecting_ = false;
+  LinkAddress address_;
+};
+
+}  // namespace skein::comms
