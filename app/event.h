@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace skein::app {
+
+/// Something that happened at a tick: small enough to be copied without allocating; `describe` makes the log's words of
+/// it.
+struct Event {
+  enum class Kind : std::uint8_t {
+    start,            // operator or program
+    pause,            // operator
+    resume,           // operator
+    stop,             // operator's STOP, or a failure
+    finish,           // the duration is over
+    perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
+    move,             // robot; values x, y, theta: put there by the operator
+    gain,             // name; values from, to: a new target
+    gain_held,        // name; values asked for, held at: (18) forbids more
+    lost,             // robot: no pose within the bridge time, it was stopped
+    found,            // robot: its pose is back
+    avoid,            // robot: entered a detection region
+    clear,            // robot: back on the nominal reference
+    deadline_missed,  // values[0]: how many ticks were skipped
+    link,             // robot; values[0]: comms::LinkState it went to
+    lyapunov_rise,    // values V before, V after: nothing known explains it
+  };
+  enum class Gain : std::uint8_t { k_xx, k_tt, k_yy };
+
+  Kind kind = Kind::start;
+  int robot = -1;  ///< from 0; -1: none
+  Gain gain = Gain::k_xx;
+  std::array<double, 3> values{};
+};
+
+/// A bounded list that never allocates; what does not fit is counted.
+class EventList {
+ public:
+  static constexpr std::size_t capacity = 16;
+
+  void add(const Event& event) noexcept {
+    if (size_ < capacity)
+      events_[size_++] = event;
+    else
+      ++dropped_;
+  }
+  void clear() noexcept { size_ = 0, dropped_ = 0; }
+  const Event* begin() const noexcept { return events_.data(); }
+  const Event* end() const noexcept { return events_.data() + size_; }
+  std::size_t size() const noexcept { return size_; }
+  bool empty() const noexcept { return size_ == 0; }
+  std::size_t dropped() const noexcept { return dropped_; }
+
+ private:
+  std::array<Event, capacity> events_{};
+  std::size_t size_ = 0, dropped_ = 0;
+};
+
+/// One event in words without commas, robots from 1, for the CSV, the log and the window: "perturb r2 dx=0.05 dy=0.15
+/// dtheta=0", "gain k_xx 0.008 -> 0.01", "lost r3", "stop".
+std::string describe(const Event& event);
+/// All events of a tick, joined by "; ", "+N more" where some were dropped.
+std::string describe(const EventList& events);
+
+const char* name(Event::Gain gain) noexcept;  ///< "k_xx", "k_tt", "k_yy"
+
+}  // namespace skein::app

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/experiment.h"
+#include "app/tick_record.h"
+
+namespace skein::app {
+
+/// How long after a perturbation errors came back into a band for good (until the next perturbation or the end). Empty:
+/// they did not.
+struct Settling {
+  std::optional<double> formation_1cm, formation_5mm;  ///< largest |delta_ij| [s]
+  std::optional<double> tracking_1cm, tracking_5mm;    ///< largest position error [s]
+};
+
+struct PerturbationResult {
+  double t = 0.0;
+  int robot = -1;
+  std::string what;  ///< as in the log
+  Settling settling;
+  /// The paper's claim, at 1 cm: the formation settled, and before tracking did.
+  bool formation_first() const noexcept;
+};
+
+/// The sum of a run, gathered row by row.
+class Statistics final : public RecordSink {
+ public:
+  explicit Statistics(const Experiment& experiment);
+  void record(const TickRecord& record) override;
+
+  struct Summary {
+    std::string name;
+    std::int64_t ticks = 0;
+    double duration = 0.0;                ///< of the experiment, as far as it ran [s]
+    double final_error = none;            ///< largest position error of the last tick [m]
+    double final_formation_error = none;  ///< [m]
+    double min_distance = none;           ///< [m]
+    std::int64_t collisions = 0;          ///< times that a pair came closer than 70 mm
+    std::int64_t missed_deadlines = 0;
+    double largest_period = none;                          ///< [s]
+    double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
+    bool stopped = false;                                  ///< by the operator or a failure
+    std::vector<PerturbationResult> perturbations;         ///< of the file and of the operator's moves
+    std::vector<std::pair<double, std::string>> events;    ///< all, with their t
+  };
+  Summary summary() const;
+
+ private:
+  struct Sample {
+    double t, formation, tracking;
+  };
+  const Experiment experiment_;
+  Summary so_far_;
+  std::vector<Sample> samples_;
+  std::vector<double> compute_times_;
+  std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick
+};
+
+/// Which of the file's [expect] failed, each as a sentence that says by how much. Empty: all held.
+std::vector<std::string> failed_expectations(const Expectations& expect, const Statistics::Summary& summary);
+
+/// The summary as `key: value` lines, and as one JSON object (the text of summary.json).
+std::string as_lines(const Statistics::Summary& summary);
+std::string as_json(const Statistics::Summary& summary);
+
+}  // namespace skein::app

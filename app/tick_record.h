@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "app/event.h"
+#include "core/control/gains.h"
+#include "core/control/tracking_error.h"
+#include "core/estimation/measurement.h"
+#include "core/kinematics/differential_drive.h"
+
+namespace skein::app {
+
+/// No value: an empty cell of the CSV.
+inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+/// What governs a robot at a tick; those that apply are added up (bits).
+enum Mode : std::uint8_t {
+  staging = 1,
+  tracking = 2,
+  avoiding = 4,  ///< follows a modified reference
+  shielded = 8,  ///< the shield changed its forward speed
+  limited = 16,  ///< box or wheels changed what the law asked for
+  stopped = 32,  ///< commanded to stand: not running, paused, STOP, lost
+  lost = 64,     ///< no pose within the bridge time
+};
+
+/// One robot at one tick. Poses in the world frame.
+struct RobotRecord {
+  core::Measurement measurement;                ///< the newest one at hand
+  double pose_age = none;                       ///< now - captured_at [s]
+  core::Pose pose;                              ///< the pose the law used
+  core::Pose truth{none, none, none};           ///< simulated robots only
+  core::ReferencePoint nominal;                 ///< of the formation
+  core::ReferencePoint reference;               ///< after avoidance
+  core::TrackingError error{none, none, none};  ///< (4), from pose and reference; none while lost
+  core::Twist law;                              ///< what (15) gave, before any limit
+  core::Twist command;                          ///< after limits and shield
+  core::WheelSpeeds wheels;                     ///< sent [steps/s]
+  double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
+  core::Margins margins{};                      ///< of (18), now
+  std::uint8_t mode = stopped;
+
+  bool is(Mode m) const noexcept { return (mode & m) != 0; }
+};
+
+/// Where a run is.
+enum class Phase : std::uint8_t {
+  ready,  ///< waits for Start; robots stand
+  running,
+  paused,    ///< the reference stands still, robots stand
+  stopped,   ///< STOP: latched; the run is over
+  finished,  ///< the duration is over
+};
+
+/// Everything about one tick: the CSV row, the plot sample, the replay's input, what tests compare.
+struct TickRecord {
+  Phase phase = Phase::ready;
+  double now = 0.0;                           ///< session's clock [s]
+  double t = 0.0;                             ///< time of the experiment [s]
+  std::int64_t tick = 0;                      ///< t * rate; jumps where deadlines were missed
+  double k_xx = 0.0, k_tt = 0.0, k_yy = 0.0;  ///< the largest of all pairs
+  double V = 0.0, V_dot = 0.0;                ///< (19), (20)
+  std::vector<double> delta;                  ///< (37) for neighbours i, i+1: size n-1 [m]
+  double min_distance = none;                 ///< between any two robots, true poses where known [m]
+  double period = none;                       ///< since the tick before [s]
+  double compute_time = none;  ///< that the tick took [s]; none on the virtual clock, so that runs repeat to the bit
+  EventList events;
+  std::vector<RobotRecord> robots;
+
+  /// Largest position error of all robots that are not lost, from the references after avoidance. [m]
+  double tracking_error() const noexcept {
+    double largest = 0.0;
+    for (const RobotRecord& r : robots)
+      if (!r.is(lost)) largest = std::fmax(largest, std::hypot(r.error.x, r.error.y));
+    return largest;
+  }
+  /// Largest |delta|. [m]
+  double formation_error() const noexcept {
+    double largest = 0.0;
+    for (const double d : delta) largest = std::fmax(largest, std::abs(d));
+    return largest;
+  }
+};
+
+/// Takes the records of a run, one after the other.
+class RecordSink {
+ public:
+  virtual ~RecordSink() = default;
+  virtual void record(const TickRecord& record) = 0;
+};
+
+}  // namespace skein::app
