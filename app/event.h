@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "core/control/gain_schedule.h"
+
 namespace skein::app {
 
 /// Something that happened at a tick: small enough to be copied without allocating; `describe` makes the log's words of
@@ -15,7 +17,6 @@ struct Event {
     pause,            // operator
     resume,           // operator
     stop,             // operator's STOP, or a failure
-    finish,           // the duration is over
     perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
     move,             // robot; values x, y, theta: put there by the operator
     gain,             // name; values from, to: a new target
@@ -26,13 +27,10 @@ struct Event {
     clear,            // robot: back on the nominal reference
     deadline_missed,  // values[0]: how many ticks were skipped
     link,             // robot; values[0]: comms::LinkState it went to
-    lyapunov_rise,    // values V before, V after: nothing known explains it
   };
-  enum class Gain : std::uint8_t { k_xx, k_tt, k_yy };
-
   Kind kind = Kind::start;
   int robot = -1;  ///< from 0; -1: none
-  Gain gain = Gain::k_xx;
+  core::GainName gain = core::GainName::k_xx;
   std::array<double, 3> values{};
 };
 
@@ -65,6 +63,6 @@ std::string describe(const Event& event);
 /// All events of a tick, joined by "; ", "+N more" where some were dropped.
 std::string describe(const EventList& events);
 
-const char* name(Event::Gain gain) noexcept;  ///< "k_xx", "k_tt", "k_yy"
+const char* name(core::GainName gain) noexcept;  ///< "k_xx", "k_tt", "k_yy"
 
 }  // namespace skein::app

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/avoidance/avoidance.h"
+#include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
 #include "core/kinematics/step_rate.h"
 #include "core/reference/platoon.h"
@@ -35,12 +36,6 @@ struct ReferenceSpec {
   PathSpec path;
 };
 
-/// The coupling gains of all pairs.
-struct CouplingGains {
-  core::PairTable k_xx, k_tt, k_yy;
-  friend bool operator==(const CouplingGains&, const CouplingGains&) = default;
-};
-
 struct ControllerSpec {
   core::Saturation saturation = core::Saturation::tanh;
   core::Coupling coupling = core::Coupling::paper;
@@ -48,7 +43,7 @@ struct ControllerSpec {
   double c_x = 20.0, c_xx = 1.5, l_xx = 100.0;
   double c_theta = 1.0, c_tt = 0.04, l_tt = 100.0;
   double c_yy = 1.5, k_y = 11.0, k = 200.0;
-  CouplingGains gains;  ///< (36): 0.008, 0.025, 0.08
+  core::CouplingGains gains;  ///< (36): 0.008, 0.025, 0.08
 };
 
 /// From time t on, the given gains move to new values at a constant rate within `ramp` seconds.

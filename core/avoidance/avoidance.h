@@ -10,11 +10,6 @@
 
 namespace skein::core {
 
-/// The share of v_max and omega_max that always stays with tracking: neither the couplings nor a modified reference may
-/// take it, so that (18a) holds for the gains of (36). 5 % still corrects 1 cm in 2 s, and leaves nearly everything to
-/// the experiment.
-inline constexpr double tracking_share = 0.05;
-
 /// What a modified reference of one robot may ask, so that (18f, g) go on holding with the present couplings.
 struct ReferenceBounds {
   double v;      ///< largest v_ref [m/s]

@@ -41,6 +41,11 @@ struct Gains {
   std::size_t robots() const noexcept { return v_max.size(); }
 };
 
+/// The share of v_max and omega_max that always stays with tracking: neither the couplings nor a modified reference may
+/// take it, so that (18a) holds for the gains of (36). 5 % still corrects 1 cm in 2 s, and leaves nearly everything to
+/// the experiment.
+inline constexpr double tracking_share = 0.05;
+
 /// The values of (36) for n robots. k_x and k_theta are those of `use_all_authority` at standstill.
 Gains paper_gains(std::size_t robots);
 

@@ -33,6 +33,8 @@ class SimulatedRobot {
 
   /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot.
   void command(const WheelSpeeds& commanded) noexcept;
+  /// The same when the step rates come from an emulated robot's own motors: taken as they are.
+  void turn(const WheelSpeeds& actual) noexcept { wheels_ = actual; }
   /// The step rates that its motors run now.
   const WheelSpeeds& wheels() const noexcept { return wheels_; }
   /// The twist that these give without slip.

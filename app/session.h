@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment.h"
+#include "app/tick_record.h"
+
+namespace skein::app {
+
+/// What the camera saw last, for the window.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> grey;  ///< row by row, 0 black
+};
+
+/// One robot's link as the window and the summary show it.
+struct RobotStatus {
+  std::string link;          ///< "simulated", "up", "stale", "failed" ...
+  std::string reason;        ///< why, where it is not up
+  double round_trip = none;  ///< median [s]
+  std::uint64_t exchanges = 0, timeouts = 0, reconnects = 0;
+  bool stop_acknowledged = false;  ///< after close()
+};
+
+struct SessionOptions {
+  bool pictures = false;           ///< keep the newest camera picture at hand
+  std::vector<RecordSink*> sinks;  ///< told every row of the run, on a thread of their own in a real-time session
+};
+
+/// An experiment with everything that runs it: plant, camera, links, control thread, recorder. The facade that the
+/// window and the command line both use: commands in, records and status out.
+///
+/// Life: open -> (ready: robots stand, poses flow) -> start -> running <-> paused -> finished or stopped -> close.
+/// Everything may be called from one controlling thread; stop() from any thread, at any time.
+class Session {
+ public:
+  /// In which time a session lives.
+  enum class Clock {
+    wall,     ///< real time: absolute deadlines, camera and links on threads of their own
+    virtual_  ///< as fast as the machine goes, everything in step; `run` is then the way to run it
+  };
+
+  /// Opens camera and links and puts the simulated robots at their starts. The error says what failed and what to do.
+  static tl::expected<std::unique_ptr<Session>, std::string> open(const Experiment& experiment, Clock clock,
+                                                                  SessionOptions options = {});
+  ~Session();  ///< closes
+
+  const Experiment& experiment() const noexcept;
+
+  void start();
+  void pause();
+  void resume();
+  /// STOP: latched, straight to every link and every simulated wheel, without waiting for the tick; the run is over.
+  void stop() noexcept;
+
+  /// A new value for all pairs. It is approached at a bounded rate, and held at `gain_border` where (18) ends.
+  void set_gain(core::GainName name, double value);
+  /// The largest value that (18f, g) leave to this gain over the whole reference, with the others as they are.
+  double gain_border(core::GainName name) const;
+
+  /// Puts a simulated robot somewhere, as a hand does. Refused for a real one, with the reason.
+  tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);
+
+  /// Hands over every record since the last call (ready and paused ones too), oldest first. For one thread: the
+  /// window's.
+  std::size_t drain(const std::function<void(const TickRecord&)>& take);
+
+  /// The newest camera picture, if there is a newer one than the last that was handed over. For one thread: the
+  /// window's.
+  bool picture(Picture& out);
+  bool has_camera() const noexcept;
+  /// Where a point of the plane of the robots' tags stands in the camera's picture, (0, 0) the centre of its top-left
+  /// pixel.
+  std::array<double, 2> pixel(double x, double y) const;
+
+  std::vector<RobotStatus> robots() const;
+  /// Why the session failed (camera gone, a link that could not be held, an exception), if it did.
+  std::optional<std::string> failure() const;
+
+  /// Virtual clock: runs from start to the end (finished, stopped or failed); `keep_on` is asked now and then and may
+  /// say no, which is a stop. Wall clock: starts, and waits for the end.
+  Phase run(const std::function<bool()>& keep_on = {});
+
+  /// Stops every robot, waits until each has acknowledged (at most a second), ends all threads. Idempotent. After it,
+  /// `robots` says who acknowledged.
+  void close();
+
+ private:
+  struct Impl;
+  explicit Session(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace skein::app

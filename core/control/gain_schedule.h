@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/control/gains.h"
+
+namespace skein::core {
+
+/// The coupling gains of all pairs.
+struct CouplingGains {
+  PairTable k_xx, k_tt, k_yy;
+  friend bool operator==(const CouplingGains&, const CouplingGains&) = default;
+};
+
+enum class GainName { k_xx, k_tt, k_yy };
+inline constexpr std::array gain_names{GainName::k_xx, GainName::k_tt, GainName::k_yy};
+
+/// The most that a reference asks for over its whole course; what couplings may take is what it leaves.
+struct ReferenceDemand {
+  double v = 0.0;        ///< largest |v_ref| [m/s]
+  double turning = 0.0;  ///< largest |omega_ref| + k_y |v_ref| [rad/s]
+};
+
+/// The largest value that one gain may have for all pairs at once: (18f, g) hold, and `tracking_share` of v_max and
+/// omega_max is left to tracking at every point of the reference. Never negative. `others` holds the gains that share
+/// the bound (18g).
+double gain_border(GainName name, const Gains& gains, const CouplingGains& others,
+                   const ReferenceDemand& demand) noexcept;
+
+/// Coupling gains that change with time, never by a jump: Theorem 1 wants them continuous.
+class GainSchedule {
+ public:
+  explicit GainSchedule(CouplingGains start) : now_(start), target_(start), rate_(std::move(start)) {}
+
+  const CouplingGains& now() const noexcept { return now_; }
+  const CouplingGains& target() const noexcept { return target_; }
+
+  /// Every pair moves to its value in `target` within `seconds`, each at its own constant rate.
+  void ramp(GainName name, const PairTable& target, double seconds) noexcept;
+  /// All pairs move to `value` at most `rate` per second.
+  void move(GainName name, double value, double rate) noexcept;
+  void step(double dt) noexcept;
+
+ private:
+  CouplingGains now_, target_, rate_;
+};
+
+PairTable& table(CouplingGains& gains, GainName name) noexcept;
+const PairTable& table(const CouplingGains& gains, GainName name) noexcept;
+
+}  // namespace skein::core
