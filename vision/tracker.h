@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vision/calibration.h"
+#include "vision/tag_plane.h"
 #include "vision/tag_pose.h"
 
 namespace skein::vision {
@@ -16,10 +17,10 @@ struct TrackerOptions {
   int audit_every = 25;    // frames between full searches when none is missing: finds a second copy of an id
   double window = 2.2;     // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
   double max_speed = 0.3;  // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
-  double corner_sigma_px = 0.07;  // noise of a corner; measured with 36h11 of 38 px, noise 4 of 255, blur 0.7 px
-  double shape_tolerance = 0.3;   // a tag whose edge is off by more than this part of tag_size, or whose corners are by
+  double corner_sigma = corner_sigma_px;  // noise of a corner [px]
+  double shape_tolerance = 0.3;  // a tag whose edge is off by more than this part of tag_size, or whose corners are by
                                  // half of it, does not lie on a standing robot and is rejected
-  int threads = 1;  // of a full search
+  int threads = 1;               // of a full search
 };
 
 /// What the tracker has done since it was made.

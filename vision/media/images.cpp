@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "vision/media/sources.h"
+
+namespace skein::vision::media {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool looks_like_a_picture(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  static constexpr std::array known = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".bmp", ".tif", ".tiff"};
+  return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+/// A JPEG that breaks off decodes without complaint, its lower part grey. It has no end marker behind its last start of
+/// a scan; neither marker occurs among coded pixels.
+bool breaks_off(const std::vector<std::uint8_t>& bytes) {
+  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) return false;
+  for (std::size_t i = bytes.size() - 1; i > 0; --i) {
+    if (bytes[i - 1] != 0xff) continue;
+    if (bytes[i] == 0xd9) return false;
+    if (bytes[i] == 0xda) return true;
+  }
+  return true;
+}
+
+class Images final : public FrameSource {
+ public:
+  Images(std::vector<fs::path> files, std::string what) : files_(std::move(files)), what_(std::move(what)) {}
+
+  tl::expected<bool, std::string> read(Frame& frame) override {
+    while (next_ < files_.size()) {
+      const fs::path& file = files_[next_++];
+      if (const char* problem = load(file, frame)) {
+        skipped_.push_back(fmt::format("{}: {}", file.string(), problem));
+        continue;
+      }
+      frame.index = frames_++;
+      frame.source = file.filename().string();
+      frame.captured_at = static_cast<double>(frame.index) / 25.0;
+      return true;
+    }
+    return false;
+  }
+
+  std::string describe() const override {
+    return fmt::format("{} ({} {})", what_, files_.size(), files_.size() == 1 ? "picture" : "pictures");
+  }
+  bool stills() const override { return true; }
+  std::span<const std::string> skipped() const override { return skipped_; }
+
+ private:
+  /// Null, or what is wrong with the file.
+  const char* load(const fs::path& file, Frame& frame) {
+    std::ifstream in(file, std::ios::binary);
+    bytes_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    if (!in) return "cannot be read";
+    if (bytes_.empty()) return "is empty";
+    if (breaks_off(bytes_)) return "is cut short";
+    try {
+      // Turned as its camera says, which is how every viewer shows it.
+      cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE, &decoded_);
+    } catch (const cv::Exception&) {
+      return "cannot be decoded";
+    }
+    if (decoded_.empty()) return "cannot be decoded";
+    frame.resize(decoded_.cols, decoded_.rows);
+    for (int v = 0; v < decoded_.rows; ++v) {
+      std::copy(decoded_.ptr(v), decoded_.ptr(v) + decoded_.cols, frame.row(v));
+    }
+    return nullptr;
+  }
+
+  std::vector<fs::path> files_;
+  std::string what_;
+  std::size_t next_ = 0;
+  std::int64_t frames_ = 0;
+  std::vector<std::string> skipped_;
+  std::vector<std::uint8_t> bytes_;
+  cv::Mat decoded_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_images(const std::string& path, std::string& error) {
+  std::error_code code;
+  std::vector<fs::path> files;
+  if (fs::is_directory(path, code)) {
+    for (const auto& entry : fs::directory_iterator(path, code)) {
+      if (entry.is_regular_file(code) && looks_like_a_picture(entry.path())) files.push_back(entry.path());
+    }
+    if (files.empty()) {
+      error = fmt::format("{}: no picture (png, jpg, pgm, ppm, bmp, tif) in this folder", path);
+      return nullptr;
+    }
+    std::sort(files.begin(), files.end());
+  } else if (fs::is_regular_file(path, code)) {
+    files.emplace_back(path);
+  } else {
+    error = fmt::format("{}: no such file or folder", path);
+    return nullptr;
+  }
+  return std::make_unique<Images>(std::move(files), "images " + path);
+}
+
+}  // namespace skein::vision::media

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "vision/media/media.h"
+
+namespace skein::vision::media {
+
+/// The pictures of a folder by name, or one picture. A folder without any is an error.
+std::unique_ptr<FrameSource> open_images(const std::string& path, std::string& error);
+
+/// A film.
+std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error);
+
+}  // namespace skein::vision::media

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "vision/frame_source.h"
+
+namespace skein::vision {
+
+/// A camera through the kernel's V4L2 interface, its memory-mapped buffers read where the driver wrote them. See
+/// open_source.
+tl::expected<std::unique_ptr<FrameSource>, std::string> open_v4l2(const std::string& device,
+                                                                  const SourceOptions& options);
+
+}  // namespace skein::vision
