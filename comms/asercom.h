@@ -102,6 +102,9 @@ class ReplyParser {
 
   /// Bytes fed and not yet part of a reply; with nothing expected they are debris. [bytes]
   std::size_t pending() const noexcept { return buffer_.size(); }
+  std::string_view pending_text() const noexcept {
+    return {reinterpret_cast<const char*>(buffer_.data()), buffer_.size()};
+  }
   void clear() noexcept { buffer_.clear(); }
 
  private:

@@ -46,6 +46,7 @@ class EpuckFirmware {
   void run_letter_with_arguments();
   int scan_arguments(int* first, int* second) const;
   void append(std::int64_t value);
+  void append_all_sensors();
   void set_motors() noexcept;
   void set_counters(int left, int right) noexcept;
   std::int64_t counter(double position) const noexcept;

@@ -1,0 +1,77 @@
+#include "comms/emulator/emulate.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <system_error>
+#include <vector>
+
+#include "comms/emulator/pty_emulator.h"
+
+namespace skein::comms {
+namespace {
+
+/// SIGINT and SIGTERM held back from this thread and those that it starts, to be waited for.
+class HeldSignals {
+ public:
+  HeldSignals() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+  }
+  ~HeldSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+
+  void wait() const {
+    int which = 0;
+    while (sigwait(&signals_, &which) != 0) {
+    }
+  }
+
+ private:
+  sigset_t signals_{};
+  sigset_t before_{};
+};
+
+void say(const std::string& line) {
+  fmt::print("{}\n", line);
+  std::fflush(stdout);  // for a script that waits for the line at the other end of a pipe
+}
+
+}  // namespace
+
+int emulate(const EmulateOptions& options) {
+  if (options.robots < 1) {
+    fmt::print(stderr, "skein emulate: {} robots; allowed: 1 or more\n", options.robots);
+    return 2;
+  }
+  const HeldSignals signals;
+  const auto start = std::chrono::steady_clock::now();
+  const auto clock = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  PtyEmulator::WheelsChanged on_wheels;
+  if (options.verbose) {
+    on_wheels = [&clock](std::size_t robot, const core::WheelSpeeds& actual) {
+      say(fmt::format("{:.3f} robot {}: wheels {:.1f} {:.1f} steps/s", clock(), robot + 1, actual.left, actual.right));
+    };
+  }
+  try {
+    const PtyEmulator emulator(std::vector<core::MotorModel>(options.robots, options.model), on_wheels, clock,
+                               options.directory);
+    for (std::size_t i = 0; i < emulator.size(); ++i)
+      say(fmt::format("robot {}: serial:{}", i + 1, emulator.device(i)));
+    signals.wait();
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "skein emulate: {}\n", error.what());
+    return 3;
+  }
+  return 0;
+}
+
+}  // namespace skein::comms

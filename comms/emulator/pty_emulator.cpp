@@ -1,0 +1,302 @@
+#include "comms/emulator/pty_emulator.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <pty.h>
+#include <sys/eventfd.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <condition_variable>
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "comms/emulator/epuck_firmware.h"
+
+namespace skein::comms {
+namespace {
+
+[[noreturn]] void refuse(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// A pseudo-terminal in raw mode. It keeps the program's end open as well: otherwise the robot's end would report a
+/// hang-up whenever no program is there, and forget the settings.
+class Pty {
+ public:
+  Pty() {
+    termios raw{};
+    ::cfmakeraw(&raw);
+    std::array<char, 64> name{};
+    if (::openpty(&robot_, &program_, name.data(), &raw, nullptr) != 0) refuse("pseudo-terminal");
+    for (const int descriptor : {robot_, program_}) ::fcntl(descriptor, F_SETFD, FD_CLOEXEC);
+    ::fcntl(robot_, F_SETFL, O_NONBLOCK);
+    path_ = name.data();
+  }
+  Pty(Pty&& other) noexcept
+      : robot_(std::exchange(other.robot_, -1)),
+        program_(std::exchange(other.program_, -1)),
+        path_(std::move(other.path_)) {}
+  Pty& operator=(Pty&& other) noexcept {
+    std::swap(robot_, other.robot_);
+    std::swap(program_, other.program_);
+    std::swap(path_, other.path_);
+    return *this;
+  }
+  ~Pty() {
+    for (const int descriptor : {robot_, program_})
+      if (descriptor >= 0) ::close(descriptor);
+  }
+
+  int robot() const noexcept { return robot_; }
+  const std::string& path() const noexcept { return path_; }
+
+ private:
+  int robot_ = -1;
+  int program_ = -1;
+  std::string path_;
+};
+
+/// A directory for the robots' names; removed again if it was made here.
+class Directory {
+ public:
+  explicit Directory(std::string path) : path_(std::move(path)) {
+    if (!path_.empty()) {
+      made_ = std::filesystem::create_directories(path_);
+      return;
+    }
+    std::string pattern = (std::filesystem::temp_directory_path() / "skein-robots-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) refuse("directory for temporary files");
+    path_ = pattern;
+    made_ = true;
+  }
+  ~Directory() {
+    std::error_code ignored;
+    if (made_) std::filesystem::remove(path_, ignored);
+  }
+  Directory(const Directory&) = delete;
+  Directory& operator=(const Directory&) = delete;
+
+  std::string name(std::size_t robot) const { return fmt::format("{}/robot{}", path_, robot + 1); }
+
+ private:
+  std::string path_;
+  bool made_ = false;
+};
+
+/// Makes `name` lead to `target`, in one step for whoever looks.
+void point(const std::string& name, const std::string& target) {
+  const std::string fresh = name + ".new";
+  std::filesystem::remove(fresh);
+  std::filesystem::create_symlink(target, fresh);
+  std::filesystem::rename(fresh, name);
+}
+
+}  // namespace
+
+class PtyEmulator::Loop {
+ public:
+  Loop(std::vector<core::MotorModel> models, WheelsChanged on_wheels, std::function<double()> clock,
+       std::string directory)
+      : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)), directory_(std::move(directory)), last_(clock_()) {
+    for (const core::MotorModel model : models) robots_.emplace_back(model);
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      // A name left behind by a program that died may be taken over; anything else is somebody's file.
+      const std::string name = directory_.name(i);
+      if (std::filesystem::exists(std::filesystem::symlink_status(name)) && !std::filesystem::is_symlink(name)) {
+        errno = EEXIST;
+        refuse(name.c_str());
+      }
+      point(name, robots_[i].pty.path());
+    }
+    wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    if (wake_ < 0) refuse("eventfd");
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Loop() {
+    ask([this] { ending_ = true; });
+    thread_.join();
+    ::close(wake_);
+    std::error_code ignored;
+    for (std::size_t i = 0; i < robots_.size(); ++i) std::filesystem::remove(directory_.name(i), ignored);
+  }
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+
+  std::size_t size() const noexcept { return robots_.size(); }
+  std::string device(std::size_t robot) const { return directory_.name(robot); }
+
+  core::WheelSpeeds wheels(std::size_t robot) const {
+    const std::lock_guard lock(mutex_);
+    return robots_.at(robot).wheels;
+  }
+
+  void hang_up(std::size_t robot) {
+    ask([this, robot] {
+      Pty fresh;  // first: the name must lead somewhere before the old line breaks
+      point(directory_.name(robot), fresh.path());
+      robots_.at(robot).pty = std::move(fresh);
+    });
+  }
+  void reboot(std::size_t robot) {
+    ask([this, robot] {
+      robots_.at(robot).firmware.boot();
+      publish(robot);
+      write(robot, robots_[robot].firmware.greeting());
+    });
+  }
+  void silence(std::size_t robot, bool silent) {
+    ask([this, robot, silent] { robots_.at(robot).silent = silent; });
+  }
+  void say(std::size_t robot, const std::string& bytes) {
+    ask([this, robot, &bytes] { write(robot, bytes); });
+  }
+
+ private:
+  struct Robot {
+    explicit Robot(core::MotorModel model) : firmware(model) {}
+    EpuckFirmware firmware;    // the thread's own
+    Pty pty;                   // the thread's own
+    bool silent = false;       // the thread's own
+    core::WheelSpeeds wheels;  // guarded by mutex_
+  };
+
+  // Has the thread do something between two turns, and waits until it is done.
+  void ask(std::function<void()> what) {
+    const std::lock_guard one_at_a_time(asking_);
+    std::unique_lock lock(mutex_);
+    request_ = std::move(what);
+    ring();
+    answered_.wait(lock, [this] { return !request_; });
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  void run() {
+    std::vector<pollfd> polled;
+    while (!ending_) {
+      polled.assign(1, {.fd = wake_, .events = POLLIN, .revents = 0});
+      for (const Robot& robot : robots_) polled.push_back({.fd = robot.pty.robot(), .events = POLLIN, .revents = 0});
+      if (::poll(polled.data(), polled.size(), /*for ever*/ -1) < 0) continue;
+      for (std::size_t i = 0; i < robots_.size(); ++i)
+        if ((polled[i + 1].revents & POLLIN) != 0) serve(i);
+      if (polled[0].revents != 0) answer_request();
+    }
+  }
+
+  void answer_request() {
+    std::uint64_t rings = 0;
+    [[maybe_unused]] const auto read = ::read(wake_, &rings, sizeof rings);
+    std::function<void()> request;
+    {
+      const std::lock_guard lock(mutex_);
+      request = request_;
+    }
+    std::exception_ptr failure;
+    try {
+      if (request) request();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      request_ = nullptr;
+      failure_ = failure;
+    }
+    answered_.notify_all();
+  }
+
+  void serve(std::size_t i) {
+    Robot& robot = robots_[i];
+    std::array<std::uint8_t, 512> bytes;
+    const ssize_t count = ::read(robot.pty.robot(), bytes.data(), bytes.size());
+    if (count <= 0 || robot.silent) return;
+    let_time_pass();
+    reply_.clear();
+    robot.firmware.receive(std::span(bytes).first(static_cast<std::size_t>(count)), reply_);
+    publish(i);
+    write(i, {reinterpret_cast<const char*>(reply_.data()), reply_.size()});
+  }
+
+  void let_time_pass() {
+    const double now = clock_();
+    for (Robot& robot : robots_) robot.firmware.advance(now - last_);
+    last_ = now;
+  }
+
+  void publish(std::size_t i) {
+    const core::WheelSpeeds actual = robots_[i].firmware.wheels();
+    {
+      const std::lock_guard lock(mutex_);
+      if (robots_[i].wheels == actual) return;
+      robots_[i].wheels = actual;
+    }
+    if (on_wheels_) on_wheels_(i, actual);
+  }
+
+  // A robot does not wait for a host that does not read either: what finds no room is lost.
+  void write(std::size_t i, std::string_view bytes) {
+    if (bytes.empty()) return;
+    [[maybe_unused]] const auto written = ::write(robots_[i].pty.robot(), bytes.data(), bytes.size());
+  }
+
+  void ring() noexcept {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
+  }
+
+  WheelsChanged on_wheels_;
+  std::function<double()> clock_;
+  Directory directory_;
+  double last_;  // when the robots' time was last brought up to date
+  std::vector<Robot> robots_;
+  std::vector<std::uint8_t> reply_;
+  int wake_ = -1;  // eventfd
+  bool ending_ = false;
+
+  mutable std::mutex mutex_;
+  std::condition_variable answered_;
+  std::function<void()> request_;  // guarded by mutex_; empty: none
+  std::exception_ptr failure_;     // guarded by mutex_; of the last request
+  std::mutex asking_;
+  std::thread thread_;
+};
+
+PtyEmulator::PtyEmulator(std::vector<core::MotorModel> robots, WheelsChanged on_wheels, std::function<double()> clock,
+                         std::string directory)
+    : loop_(std::make_unique<Loop>(std::move(robots), std::move(on_wheels), std::move(clock), std::move(directory))) {}
+PtyEmulator::~PtyEmulator() = default;
+
+std::size_t PtyEmulator::size() const noexcept {
+  return loop_->size();
+}
+std::string PtyEmulator::device(std::size_t robot) const {
+  return loop_->device(robot);
+}
+core::WheelSpeeds PtyEmulator::wheels(std::size_t robot) const {
+  return loop_->wheels(robot);
+}
+void PtyEmulator::hang_up(std::size_t robot) {
+  loop_->hang_up(robot);
+}
+void PtyEmulator::reboot(std::size_t robot) {
+  loop_->reboot(robot);
+}
+void PtyEmulator::silence(std::size_t robot, bool silent) {
+  loop_->silence(robot, silent);
+}
+void PtyEmulator::say(std::size_t robot, const std::string& bytes) {
+  loop_->say(robot, bytes);
+}
+
+}  // namespace skein::comms

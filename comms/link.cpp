@@ -1,0 +1,153 @@
+#include "comms/link.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace skein::comms {
+
+Link::Link(LinkAddress address, const LinkOptions& options)
+    : address_(std::move(address)), options_(options), session_(options), wait_(options.reconnect_first) {}
+
+pollfd Link::wanted() const noexcept {
+  if (!transport_) return {.fd = -1, .events = 0, .revents = 0};  // poll() passes over negative descriptors
+  const bool to_write = transport_->connecting() || !session_.output().empty();
+  return {
+      .fd = transport_->descriptor(), .events = static_cast<short>(to_write ? POLLIN | POLLOUT : POLLIN), .revents = 0};
+}
+
+double Link::deadline() const noexcept {
+  if (!transport_) return try_at_;
+  if (transport_->connecting()) return connecting_until_;
+  return std::min(session_.deadline(), session_.silent_since() + options_.silence_reconnect);
+}
+
+void Link::turn(short events, std::uint32_t emergency, double now) {
+  if (!transport_ && now >= try_at_) open(now);
+  if (transport_ && transport_->connecting()) {
+    if (events != 0)
+      finish_connecting(now);
+    else if (now >= connecting_until_)
+      lose({fmt::format("no connection within {:g} s", options_.connect_timeout)}, now);
+  }
+  if (transport_ && (events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
+  take_command(emergency, now);
+  session_.advance(now);
+  if (transport_ && session_.open() && now >= session_.silent_since() + options_.silence_reconnect)
+    lose({fmt::format("the robot said nothing for {:g} s", options_.silence_reconnect)}, now);
+  if (session_.up() && reopened_) {
+    if (reached_) ++reconnects_;
+    reached_ = true;
+    reopened_ = false;
+    wait_ = options_.reconnect_first;
+  }
+  write(now);
+}
+
+void Link::open(double now) {
+  auto transport = Transport::open(address_);
+  if (!transport) return lose(transport.error(), now);
+  transport_ = std::move(*transport);
+  connecting_until_ = now + options_.connect_timeout;
+  if (!transport_->connecting()) opened(now);
+}
+
+void Link::finish_connecting(double now) {
+  if (const auto connected = transport_->finish_connecting(); !connected) return lose(connected.error(), now);
+  opened(now);
+}
+
+void Link::opened(double now) {
+  reopened_ = true;
+  session_.opened(now);
+}
+
+void Link::read(double now) {
+  std::array<std::uint8_t, 512> bytes;
+  // A few rounds: one robot that talks without end must not keep the others waiting.
+  for (int round = 0; transport_ && !transport_->connecting() && round < 8; ++round) {
+    const auto count = transport_->read(bytes);
+    if (!count) return lose(count.error(), now);
+    if (*count == 0) return;
+    session_.received(std::span(bytes).first(*count), now);
+  }
+}
+
+void Link::take_command(std::uint32_t emergency, double now) {
+  const CommandSlot::Content content = slot.content();
+  if (content.ticket == taken_) return;
+  taken_ = content.ticket;
+  // Odd: stopped. Another epoch: given before a stop that has been released meanwhile.
+  const bool void_now = (emergency & 1u) != 0 || content.epoch != static_cast<std::uint16_t>(emergency) || closing_;
+  if (void_now)
+    voided_ = content.ticket;
+  else
+    session_.command(content.command, content.ticket, now);
+}
+
+void Link::write(double now) {
+  while (transport_ && !transport_->connecting() && !session_.output().empty()) {
+    const auto count = transport_->write(session_.output());
+    if (!count) return lose(count.error(), now);
+    if (*count == 0) return;  // full: poll() says when there is room
+    session_.sent(*count);
+  }
+}
+
+void Link::lose(const TransportError& error, double now) {
+  transport_.reset();
+  reopened_ = false;
+  session_.lost(error.reason);
+  // A robot that was reached once may be moving: only a new connection can stop it, so that is tried for ever.
+  failed_ = error.permanent && !reached_;
+  try_at_ = failed_ ? never : now + wait_;
+  wait_ = closing_ ? options_.reconnect_first : std::min(2.0 * wait_, options_.reconnect_longest);
+}
+
+void Link::stop(double now) {
+  voided_ = taken_;
+  session_.stop(now);
+}
+
+void Link::begin_closing(double now) {
+  closing_ = true;
+  stop(now);
+  if (!transport_) try_at_ = reached_ ? std::min(try_at_, now + options_.reconnect_first) : never;
+}
+
+void Link::fail(std::string reason) {
+  transport_.reset();
+  session_.lost(std::move(reason));
+  failed_ = true;
+  try_at_ = never;
+}
+
+void Link::end() {
+  ended_ = true;
+  transport_.reset();
+}
+
+bool Link::settled() const noexcept {
+  const std::uint16_t newest = slot.content().ticket;
+  return newest == session_.answered_ticket() || newest == voided_;
+}
+
+bool Link::may_end() const noexcept {
+  return session_.stop_acknowledged() || failed_ || (!reached_ && !session_.open());
+}
+
+LinkStatus Link::status() const {
+  LinkStatus status = session_.status();
+  status.reconnects = reconnects_;
+  if (failed_ || (ended_ && !status.stop_acknowledged))
+    status.state = LinkState::failed;
+  else if (ended_)
+    status.state = LinkState::closed;
+  else if (transport_ && transport_->connecting())
+    status.state = LinkState::connecting;
+  return status;
+}
+
+}  // namespace skein::comms

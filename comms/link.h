@@ -1,0 +1,74 @@
+#pragma once
+
+#include <poll.h>
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "comms/command_slot.h"
+#include "comms/link_address.h"
+#include "comms/link_options.h"
+#include "comms/link_session.h"
+#include "comms/link_status.h"
+#include "comms/transport.h"
+
+namespace skein::comms {
+
+/// One robot's link inside LinkSupervisor: opens the transport, opens it again when it is lost, and carries bytes
+/// between it and the session. All calls but those on `slot` come from the link thread, or with it held off.
+class Link {
+ public:
+  Link(LinkAddress address, const LinkOptions& options);
+
+  CommandSlot slot;  ///< filled by the control thread
+
+  // --- Link thread --------------------------------------------------------------------------------------------------
+  pollfd wanted() const noexcept;    ///< what to wait for
+  double deadline() const noexcept;  ///< when turn() must be called at the latest [s]
+  /// Does all there is to do now. `events`: what poll() reported; `emergency`: see LinkSupervisor::Loop.
+  void turn(short events, std::uint32_t emergency, double now);
+  void stop(double now);           ///< stop at once; commands given so far are void
+  void begin_closing(double now);  ///< stop, take no more commands, reconnect quickly if need be
+  void fail(std::string reason);   ///< gives the link up
+  void end();                      ///< closes the transport, whatever the robot does
+
+  // --- What is known ------------------------------------------------------------------------------------------------
+  const LinkAddress& address() const noexcept { return address_; }
+  bool up() const noexcept { return session_.up(); }
+  bool failed() const noexcept { return failed_; }
+  bool settled() const noexcept;  ///< the newest command is answered or void
+  bool may_end() const noexcept;  ///< the robot has acknowledged its stop, or was never reached
+  LinkStatus status() const;
+
+ private:
+  void open(double now);
+  void finish_connecting(double now);
+  void opened(double now);
+  void read(double now);
+  void take_command(std::uint32_t emergency, double now);
+  void write(double now);
+  void lose(const TransportError& error, double now);
+
+  static constexpr double never = std::numeric_limits<double>::infinity();
+
+  LinkAddress address_;
+  LinkOptions options_;
+  std::optional<Transport> transport_;
+  LinkSession session_;
+
+  double try_at_ = 0.0;  // when to open the transport next
+  double wait_;          // before the attempt after that
+  double connecting_until_ = 0.0;
+  bool reached_ = false;   // was up at least once
+  bool reopened_ = false;  // open, and not up since
+  bool failed_ = false;
+  bool closing_ = false;
+  bool ended_ = false;
+  std::uint16_t taken_ = 0;   // ticket of the newest command taken from the slot
+  std::uint16_t voided_ = 0;  // ticket of the newest command that an emergency stop made void
+  std::uint64_t reconnects_ = 0;
+};
+
+}  // namespace skein::comms

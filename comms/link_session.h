@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "comms/asercom.h"
+#include "comms/link_options.h"
+#include "comms/link_status.h"
+#include "comms/round_trips.h"
+
+namespace skein::comms {
+
+/// The conversation with one robot over one link, as a state machine: bytes and times in, bytes and the time of the
+/// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
+/// that never goes back. Not thread-safe.
+///
+///     opened --> synchronising --"s"--> idle <--> waiting (one exchange)      a reply that does not come, or bytes
+///     that
+///                     ^ stop sequence,      |        |                        nobody asked for, lead back to the stop
+///                     | repeated            +--------+                        sequence
+///                     +---------------------+
+class LinkSession {
+ public:
+  explicit LinkSession(const LinkOptions& options) : options_(options) {}
+
+  // --- What happens to the link -------------------------------------------------------------------------------------
+  void opened(double now);        ///< the link is open (again): stop sequence; commands from before are dropped
+  void lost(std::string reason);  ///< the link is gone
+  void received(std::span<const std::uint8_t> bytes, double now);
+  void advance(double now);  ///< lets time pass; call it at deadline() at the latest
+
+  // --- What is asked of the robot -----------------------------------------------------------------------------------
+  /// The newest wheel speeds: sent now, or as soon as the outstanding reply is in; a newer one replaces it meanwhile.
+  void command(WheelCommand command, std::uint16_t ticket, double now);
+  /// The stop sequence, at once whatever is outstanding, repeated until acknowledged; drops commands not yet answered.
+  void stop(double now);
+
+  // --- What is to be done -------------------------------------------------------------------------------------------
+  std::span<const std::uint8_t> output() const noexcept { return output_; }  ///< bytes to write
+  void sent(std::size_t bytes);                                              ///< the first so many are written
+  double deadline() const noexcept;                                          ///< infinity: none
+
+  // --- What is known ------------------------------------------------------------------------------------------------
+  bool open() const noexcept { return phase_ != Phase::closed; }
+  bool up() const noexcept { return phase_ == Phase::idle || phase_ == Phase::waiting; }
+  bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
+  double silent_since() const noexcept;  ///< since when it has owed an answer and said nothing; infinity: it owes none
+  std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
+  LinkStatus status() const;
+
+ private:
+  enum class Phase { closed, synchronising, idle, waiting };
+  struct Pending {
+    WheelCommand command;
+    std::uint16_t ticket = 0;
+    double given_at = 0.0;
+  };
+
+  void send_stop(double now);
+  void begin_exchange(double now);
+  void send_next(double now);
+  void resynchronise(std::string reason, double now);
+  void read_lines(double now);
+  void unasked(double now);
+  void restarted();
+  void stop_answered(double now);
+  void exchange_answered(Encoders encoders, double now);
+  void synchronised(double now);
+  bool fresh(const Pending& pending, double now) const noexcept;
+  bool silence_counts() const noexcept { return options_.command_silence > 0.0 && moving_allowed_; }
+
+  LinkOptions options_;
+  Phase phase_ = Phase::closed;
+  ReplyParser parser_;
+  std::vector<std::uint8_t> output_;
+
+  std::optional<Pending> pending_;    // newest command, not sent yet
+  std::optional<Pending> in_flight_;  // the command whose answer is awaited
+  double asked_at_ = 0.0;             // when the outstanding request or stop was sent
+  double silent_since_ = 0.0;         // the robot was asked then, or said something
+  double commanded_at_ = 0.0;         // when the newest command came
+  bool moving_allowed_ = false;       // a command was sent and no stop since: command silence must stop the robot
+  int stops_unanswered_ = 0;
+  bool stop_acknowledged_ = false;
+  std::uint16_t answered_ticket_ = 0;
+
+  std::optional<Encoders> encoders_;  // the reading that the next is compared with
+  double encoders_at_ = 0.0;
+  RoundTrips round_trips_;
+  bool owes_reply_ = false;  // synchronising because of a reply that did not come
+  std::string reason_;
+  LinkStatus counters_;
+};
+
+}  // namespace skein::comms

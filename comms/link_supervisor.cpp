@@ -1,0 +1,276 @@
+#include "comms/link_supervisor.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "comms/link.h"
+
+namespace skein::comms {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_now() {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+Clock::time_point in(double seconds) {
+  // Bounded: "wait for ever" given as infinity must not overflow the clock.
+  const double bounded = std::clamp(seconds, 0.0, 1e6);
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(bounded));
+}
+
+}  // namespace
+
+/// The thread and what it shares. The links are the thread's own, but for their slots; others look at them only with
+/// `mutex_` held, which the thread lets go of whenever it waits.
+class LinkSupervisor::Loop {
+ public:
+  Loop(std::vector<LinkAddress> robots, LinkOptions options) : options_(options) {
+    for (LinkAddress& address : robots) links_.emplace_back(std::move(address), options);
+    polled_.reserve(links_.size() + 1);  // the thread never allocates for it
+    wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  }
+  ~Loop() {
+    close(options_.close_timeout);
+    if (wake_ >= 0) ::close(wake_);
+  }
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+
+  tl::expected<void, std::string> start(double timeout_s);
+  void command(std::size_t robot, int left, int right) noexcept;
+  void emergency_stop() noexcept;
+  void release_stop() noexcept;
+  bool stopped() const noexcept { return (emergency_.load() & 1u) != 0; }
+  bool wait_acknowledged(double timeout_s);
+  std::vector<LinkStatus> status() const;
+  std::vector<LinkStatus> close(double timeout_s);
+  std::size_t size() const noexcept { return links_.size(); }
+
+ private:
+  void run() noexcept;
+  void wait();
+  void turn(double now);
+  bool finished(double now) const;
+  void wake() noexcept;
+  void ring() noexcept;
+
+  LinkOptions options_;
+  std::deque<Link> links_;  // a deque: a link with its atomic slot cannot move
+  std::vector<pollfd> polled_;
+  int wake_ = -1;  // eventfd
+  std::thread thread_;
+
+  std::atomic<bool> woken_{false};           // the eventfd has been rung and not yet answered
+  std::atomic<std::uint32_t> emergency_{0};  // odd: stopped; +1 at every stop and every release, so its value names the
+                                             // epoch between two of them
+  std::atomic<bool> closing_{false};
+  std::uint32_t stops_seen_ = 0;
+  bool closing_seen_ = false;
+
+  mutable std::mutex mutex_;
+  std::condition_variable turned_;  // told after every turn
+  double close_by_ = 0.0;           // guarded by mutex_
+  bool started_ = false;            // guarded by mutex_
+  std::mutex close_mutex_;          // one close() at a time
+};
+
+// --- Any thread -----------------------------------------------------------------------------------------------------
+
+tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
+  if (wake_ < 0) return tl::unexpected(std::string("the system has no descriptor left for the links"));
+  std::string failure;
+  {
+    std::unique_lock lock(mutex_);
+    if (std::exchange(started_, true)) return tl::unexpected(std::string("the links were started before"));
+    try {
+      thread_ = std::thread([this] { run(); });
+    } catch (const std::system_error& error) {
+      return tl::unexpected(fmt::format("the link thread cannot be started: {}", error.what()));
+    }
+    const auto is_up = [](const Link& link) { return link.up(); };
+    const auto is_failed = [](const Link& link) { return link.failed(); };
+    turned_.wait_until(lock, in(timeout_s), [&] {
+      return closing_.load() || std::all_of(links_.begin(), links_.end(), is_up) ||
+             std::any_of(links_.begin(), links_.end(), is_failed);
+    });
+    auto culprit = std::find_if(links_.begin(), links_.end(), is_failed);
+    if (culprit == links_.end()) culprit = std::find_if_not(links_.begin(), links_.end(), is_up);
+    if (culprit == links_.end()) return {};
+    const LinkStatus status = culprit->status();
+    failure = fmt::format(
+        "robot {} ({}): {}", culprit - links_.begin() + 1, to_text(culprit->address()),
+        status.reason.empty() ? fmt::format("still {} after {:g} s", to_text(status.state), timeout_s) : status.reason);
+  }
+  close(options_.close_timeout);
+  return tl::unexpected(failure);
+}
+
+void LinkSupervisor::Loop::command(std::size_t robot, int left, int right) noexcept {
+  const std::uint32_t epoch = emergency_.load();
+  if (robot >= links_.size() || (epoch & 1u) != 0) return;
+  links_[robot].slot.put(clamped(left, right), static_cast<std::uint16_t>(epoch));
+  wake();
+}
+
+void LinkSupervisor::Loop::emergency_stop() noexcept {
+  emergency_.fetch_or(1u);
+  // Not wake(): in a signal handler on top of a command() that has set the flag and not yet rung, nobody would ring.
+  woken_.store(true);
+  ring();
+}
+
+void LinkSupervisor::Loop::release_stop() noexcept {
+  std::uint32_t epoch = emergency_.load();
+  if ((epoch & 1u) != 0) emergency_.compare_exchange_strong(epoch, epoch + 1);
+}
+
+void LinkSupervisor::Loop::wake() noexcept {
+  if (!woken_.exchange(true)) ring();  // one write for the commands of a whole tick
+}
+
+void LinkSupervisor::Loop::ring() noexcept {
+  const int kept = errno;
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);  // full means rung already
+  errno = kept;
+}
+
+bool LinkSupervisor::Loop::wait_acknowledged(double timeout_s) {
+  std::unique_lock lock(mutex_);
+  return turned_.wait_until(lock, in(timeout_s), [&] {
+    return std::all_of(links_.begin(), links_.end(), [](const Link& link) { return link.settled(); });
+  });
+}
+
+std::vector<LinkStatus> LinkSupervisor::Loop::status() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<LinkStatus> status;
+  for (const Link& link : links_) status.push_back(link.status());
+  return status;
+}
+
+std::vector<LinkStatus> LinkSupervisor::Loop::close(double timeout_s) {
+  const std::lock_guard only(close_mutex_);
+  if (thread_.joinable()) {
+    {
+      const std::lock_guard lock(mutex_);
+      close_by_ = seconds_now() + timeout_s;
+    }
+    closing_.store(true);
+    woken_.store(true);
+    ring();
+    thread_.join();
+  }
+  return status();
+}
+
+// --- The link thread ------------------------------------------------------------------------------------------------
+
+void LinkSupervisor::Loop::run() noexcept {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    const double now = seconds_now();
+    turn(now);
+    turned_.notify_all();
+    if (finished(now)) break;
+    lock.unlock();
+    wait();
+    lock.lock();
+  }
+  for (Link& link : links_) link.end();
+}
+
+void LinkSupervisor::Loop::turn(double now) {
+  woken_.store(false);  // before the atomics are read: what is set from here on rings again
+  const std::uint32_t emergency = emergency_.load();
+  const bool close_now = closing_.load() && !std::exchange(closing_seen_, true);
+  // Counted, so that a stop is carried out even if it was released before this thread came round.
+  const std::uint32_t stops = emergency / 2 + (emergency & 1u);
+  const bool stop_now = std::exchange(stops_seen_, stops) != stops;
+
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    try {
+      if (stop_now) link.stop(now);
+      if (close_now) link.begin_closing(now);
+      link.turn(polled_.empty() ? short{0} : polled_[i].revents, emergency, now);
+    } catch (const std::exception& error) {
+      link.fail(fmt::format("internal error: {}", error.what()));
+    }
+  }
+}
+
+bool LinkSupervisor::Loop::finished(double now) const {
+  return closing_seen_ && (now >= close_by_ ||
+                           std::all_of(links_.begin(), links_.end(), [](const Link& link) { return link.may_end(); }));
+}
+
+void LinkSupervisor::Loop::wait() {
+  double until = closing_seen_ ? close_by_ : seconds_now() + 3600.0;
+  polled_.clear();
+  for (const Link& link : links_) {
+    polled_.push_back(link.wanted());
+    until = std::min(until, link.deadline());
+  }
+  polled_.push_back({.fd = wake_, .events = POLLIN, .revents = 0});
+  const double seconds = std::max(0.0, until - seconds_now());
+  const timespec timeout{.tv_sec = static_cast<time_t>(seconds),
+                         .tv_nsec = static_cast<long>((seconds - std::floor(seconds)) * 1e9)};
+  if (::ppoll(polled_.data(), polled_.size(), &timeout, nullptr) < 0)
+    for (pollfd& polled : polled_) polled.revents = 0;  // interrupted: a turn with no events does no harm
+  std::uint64_t rings = 0;
+  [[maybe_unused]] const auto read = ::read(wake_, &rings, sizeof rings);
+}
+
+// --- The interface --------------------------------------------------------------------------------------------------
+
+LinkSupervisor::LinkSupervisor(std::vector<LinkAddress> robots, LinkOptions options)
+    : loop_(std::make_unique<Loop>(std::move(robots), options)) {}
+LinkSupervisor::~LinkSupervisor() = default;
+
+tl::expected<void, std::string> LinkSupervisor::start(double timeout_s) {
+  return loop_->start(timeout_s);
+}
+void LinkSupervisor::command(std::size_t robot, int left, int right) noexcept {
+  loop_->command(robot, left, right);
+}
+void LinkSupervisor::emergency_stop() noexcept {
+  loop_->emergency_stop();
+}
+void LinkSupervisor::release_stop() noexcept {
+  loop_->release_stop();
+}
+bool LinkSupervisor::stopped() const noexcept {
+  return loop_->stopped();
+}
+bool LinkSupervisor::wait_acknowledged(double timeout_s) {
+  return loop_->wait_acknowledged(timeout_s);
+}
+std::vector<LinkStatus> LinkSupervisor::status() const {
+  return loop_->status();
+}
+std::vector<LinkStatus> LinkSupervisor::close(double timeout_s) {
+  return loop_->close(timeout_s);
+}
+std::size_t LinkSupervisor::size() const noexcept {
+  return loop_->size();
+}
+
+}  // namespace skein::comms

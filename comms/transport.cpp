@@ -1,0 +1,186 @@
+#include "comms/transport.h"
+
+#include <bluetooth/bluetooth.h>
+#include <bluetooth/hci.h>
+#include <bluetooth/hci_lib.h>
+#include <bluetooth/rfcomm.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+#include <utility>
+
+namespace skein::comms {
+namespace {
+
+tl::unexpected<TransportError> fail(int error, const LinkAddress& address) {
+  return tl::unexpected(describe_transport_error(error, address));
+}
+
+bool nothing_now(int error) {
+  return error == EAGAIN || error == EWOULDBLOCK || error == EINTR;
+}
+
+// Raw bytes at 115200 baud, 8 data bits, no parity, 1 stop bit, no flow control of either kind.
+bool make_raw(int descriptor) {
+  termios settings{};
+  if (::tcgetattr(descriptor, &settings) != 0) return false;
+  ::cfmakeraw(&settings);
+  ::cfsetispeed(&settings, B115200);
+  ::cfsetospeed(&settings, B115200);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB | PARENB);
+  settings.c_cc[VMIN] = 1;  // with 0 a read of an empty line would look like a hang-up
+  settings.c_cc[VTIME] = 0;
+  return ::tcsetattr(descriptor, TCSANOW, &settings) == 0 && ::tcflush(descriptor, TCIOFLUSH) == 0;
+}
+
+// 1: bound, 0: errno says why not.
+bool bind_to_adapter(int descriptor, const std::string& adapter) {
+  sockaddr_rc local{};
+  local.rc_family = AF_BLUETOOTH;
+  if (adapter.starts_with("hci")) {
+    if (::hci_devba(std::atoi(adapter.c_str() + 3), &local.rc_bdaddr) != 0) return false;
+  } else {
+    ::str2ba(adapter.c_str(), &local.rc_bdaddr);
+  }
+  return ::bind(descriptor, reinterpret_cast<const sockaddr*>(&local), sizeof local) == 0;
+}
+
+}  // namespace
+
+TransportError describe_transport_error(int error, const LinkAddress& address) {
+  const bool rfcomm = address.kind == LinkKind::rfcomm;
+  switch (error) {
+    case ECONNREFUSED:
+      return {
+          fmt::format("the robot refuses channel {}: is its selector at 3? An e-puck1 listens on 1, an e-puck2 on 2",
+                      address.channel)};
+    case EHOSTDOWN:
+      return {"the robot does not answer: is it switched on, in range, and the address right?"};
+    case EBUSY:
+      if (rfcomm) return {"the robot or its channel is busy: another connection to it is still open"};
+      return {"another program is using the device"};
+    case EWOULDBLOCK:  // what flock says of a device that is locked
+      return {"another program is using the device"};
+    case EHOSTUNREACH:
+    case ENETDOWN:
+    case ENODEV:
+      if (rfcomm) return {"no Bluetooth adapter is on: plug one in, or switch it on with \"bluetoothctl power on\""};
+      return {"the device is gone"};
+    case EADDRNOTAVAIL:
+      return {fmt::format("this machine has no Bluetooth adapter {}", address.adapter), true};
+    case EAFNOSUPPORT:
+    case EPROTONOSUPPORT:
+    case ESOCKTNOSUPPORT:
+      return {"this machine's kernel has no Bluetooth serial connections (RFCOMM)", true};
+    case ETIMEDOUT:
+      return {"the robot did not answer in time"};
+    case ECONNRESET:
+    case EPIPE:
+      return {"the robot broke the connection off"};
+    case ECONNABORTED:
+      return {"the Bluetooth adapter was unplugged or reset"};
+    case EIO:
+      return {rfcomm ? "the connection failed" : "the line hung up"};
+    case EACCES:
+    case EPERM:
+      if (rfcomm) return {"the robot or the system refuses the connection: has the robot been paired?", true};
+      return {fmt::format("no permission for {}: is the user in the group dialout?", address.device), true};
+    case ENOENT:
+      return {fmt::format("there is no device {}", address.device), true};
+    case ENOTTY:
+      return {fmt::format("{} is not a serial line", address.device), true};
+    default:
+      return {std::generic_category().message(error)};
+  }
+}
+
+tl::expected<Transport, TransportError> Transport::open(const LinkAddress& address) {
+  return address.kind == LinkKind::serial ? open_serial(address) : open_rfcomm(address);
+}
+
+tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress& address) {
+  const int descriptor = ::open(address.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return fail(errno, address);
+  Transport transport(descriptor, /*connecting=*/false, address);  // closes the descriptor on the ways out below
+  if (::isatty(descriptor) == 0) return fail(ENOTTY, address);
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(errno, address);
+  if (!make_raw(descriptor)) return fail(errno, address);
+  return transport;
+}
+
+tl::expected<Transport, TransportError> Transport::open_rfcomm(const LinkAddress& address) {
+  const int descriptor = ::socket(AF_BLUETOOTH, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, BTPROTO_RFCOMM);
+  if (descriptor < 0) return fail(errno, address);
+  Transport transport(descriptor, /*connecting=*/true, address);
+  if (const auto adapter = check_adapter(address.adapter); !adapter)
+    return tl::unexpected(TransportError{adapter.error(), true});
+  if (!address.adapter.empty() && !bind_to_adapter(descriptor, address.adapter)) {
+    const bool absent = errno == ENODEV || errno == EADDRNOTAVAIL;
+    return fail(absent ? EADDRNOTAVAIL : errno, address);
+  }
+  sockaddr_rc robot{};
+  robot.rc_family = AF_BLUETOOTH;
+  robot.rc_channel = static_cast<std::uint8_t>(address.channel);
+  ::str2ba(address.device.c_str(), &robot.rc_bdaddr);
+  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&robot), sizeof robot) == 0)
+    transport.connecting_ = false;
+  else if (errno != EINPROGRESS && errno != EAGAIN)
+    return fail(errno, address);
+  return transport;
+}
+
+Transport::Transport(int descriptor, bool connecting, LinkAddress address)
+    : descriptor_(descriptor), connecting_(connecting), address_(std::move(address)) {}
+
+Transport::Transport(Transport&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      connecting_(other.connecting_),
+      address_(std::move(other.address_)) {}
+
+Transport& Transport::operator=(Transport&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(connecting_, other.connecting_);
+  std::swap(address_, other.address_);
+  return *this;
+}
+
+Transport::~Transport() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+tl::expected<void, TransportError> Transport::finish_connecting() {
+  int error = 0;
+  socklen_t size = sizeof error;
+  if (::getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size) != 0) error = errno;
+  if (error != 0) return fail(error, address_);
+  connecting_ = false;
+  return {};
+}
+
+tl::expected<std::size_t, TransportError> Transport::read(std::span<std::uint8_t> into) {
+  const ssize_t count = ::read(descriptor_, into.data(), into.size());
+  if (count > 0) return static_cast<std::size_t>(count);
+  if (count < 0 && nothing_now(errno)) return 0;
+  if (count < 0) return fail(errno, address_);
+  return fail(address_.kind == LinkKind::rfcomm ? ECONNRESET : EIO, address_);  // end of file: hung up
+}
+
+tl::expected<std::size_t, TransportError> Transport::write(std::span<const std::uint8_t> bytes) {
+  // A socket whose other end is gone would raise SIGPIPE, a terminal cannot and knows no flags.
+  const ssize_t count = address_.kind == LinkKind::rfcomm
+                            ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                            : ::write(descriptor_, bytes.data(), bytes.size());
+  if (count >= 0) return static_cast<std::size_t>(count);
+  if (nothing_now(errno)) return 0;
+  return fail(errno, address_);
+}
+
+}  // namespace skein::comms
