@@ -7,17 +7,9 @@
 #include <tl/expected.hpp>
 
 #include "app/experiment.h"
+#include "app/problem.h"
 
 namespace skein::app {
-
-/// One thing wrong with an experiment file or a --set: where, what, and what is allowed.
-struct Problem {
-  std::string file;
-  int line = 0, column = 0;  ///< from 1; 0: no place (a missing key)
-  std::string text;          ///< "controller.v_max: found -1, allowed: a number above 0"
-
-  std::string message() const;  ///< "file:line:column: text"
-};
 
 /// Reads an experiment (TOML). `sets` are "key=value" as of --set, with dotted keys ("controller.v_max=0.08",
 /// "robot.2.tag=7"). All problems are reported at once, in the order of the file.

@@ -1,0 +1,52 @@
+#include "app/experiment.h"
+
+#include <cmath>
+
+namespace skein::app {
+namespace {
+
+std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
+  if (path.shape == PathSpec::Shape::circle) return std::make_shared<core::Circle>(path.radius);
+  return std::make_shared<core::RoundedRectangle>(path.width, path.height, path.radius);
+}
+
+}  // namespace
+
+std::int64_t Experiment::ticks() const noexcept {
+  return std::llround(duration * rate);
+}
+
+core::Platoon make_reference(const Experiment& experiment) {
+  const ReferenceSpec& r = experiment.reference;
+  return {make_path(r.path), experiment.robots.size(), r.spacing, r.speed, r.start};
+}
+
+core::Gains make_gains(const Experiment& experiment) {
+  const ControllerSpec& c = experiment.controller;
+  const std::size_t n = experiment.robots.size();
+  core::Gains gains = core::paper_gains(n);  // every member has its size, then its value
+  gains.saturation = c.saturation;
+  gains.coupling = c.coupling;
+  gains.k_y = c.k_y;
+  gains.k = c.k;
+  gains.v_max.assign(n, c.v_max);
+  gains.omega_max.assign(n, c.omega_max);
+  gains.c_x.assign(n, c.c_x);
+  gains.c_theta.assign(n, c.c_theta);
+  gains.k_xx = c.gains.k_xx;
+  gains.c_xx.fill(c.c_xx);
+  gains.l_xx.fill(c.l_xx);
+  gains.k_tt = c.gains.k_tt;
+  gains.c_tt.fill(c.c_tt);
+  gains.l_tt.fill(c.l_tt);
+  gains.k_yy = c.gains.k_yy;
+  gains.c_yy.fill(c.c_yy);
+  core::use_all_authority(gains, std::vector<core::Twist>(n));
+  return gains;
+}
+
+core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot) {
+  return {experiment.controller.v_max, experiment.controller.omega_max, experiment.robots[robot].drive};
+}
+
+}  // namespace skein::app

@@ -1,0 +1,238 @@
+#include "app/experiment_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace skein::app {
+namespace {
+
+/// "robot.2.link" if it is there, else the table that robots take it from.
+std::string robot_key(std::size_t i, const char* key) {
+  return fmt::format("robot.{}.{}", i + 1, key);
+}
+
+void check_duration(const Experiment& e, Problems& problems) {
+  constexpr double most_ticks = 1e7;  // a file of some 10 GB
+  const double ticks = e.duration * e.rate;
+  if (ticks < 1.0 || ticks > most_ticks)
+    problems.add("duration", fmt::format("found {} s at {} Hz, which is {:.6g} ticks, allowed: 1 to {:.0f} ticks",
+                                         e.duration, e.rate, std::floor(ticks), most_ticks));
+}
+
+void check_robots(const Experiment& e, Problems& problems) {
+  std::map<int, std::size_t> tags;
+  std::map<std::string, std::size_t> addresses;
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    const RobotSpec& robot = e.robots[i];
+    if (const auto [other, unique] = tags.emplace(robot.tag, i); !unique)
+      problems.add(robot_key(i, "tag"), fmt::format("found {}, which robot {} has already, allowed: a tag of its own",
+                                                    robot.tag, other->second + 1));
+    if (robot.simulated()) continue;
+    if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
+      problems.add(robot_key(i, "link"),
+                   fmt::format("found \"{}\", which robot {} has already, allowed: a link of its own", robot.address,
+                               other->second + 1));
+    if (e.camera.source == "none" || e.camera.source == "synthetic")
+      problems.add(
+          "camera.source",
+          fmt::format("found \"{}\", allowed: \"v4l2:DEVICE\", \"video:FILE\" or \"images:DIR\", since robot {} "
+                      "is a real one (link \"{}\") and only a camera can see it",
+                      e.camera.source, i + 1, robot.address));
+  }
+  const bool real_camera = e.camera.source != "none" && e.camera.source != "synthetic";
+  if (real_camera && e.camera.calibration.empty())
+    problems.add("camera.calibration",
+                 fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", e.camera.source));
+}
+
+bool check_path(const Experiment& e, Problems& problems) {
+  const PathSpec& path = e.reference.path;
+  const bool circle = path.shape == PathSpec::Shape::circle;
+  if (const double largest = 0.5 * std::min(path.width, path.height); !circle && path.radius > largest) {
+    problems.add("reference.path.radius",
+                 fmt::format("found {}, allowed: up to {:.6g} m, half of the shorter side of {} m x {} m", path.radius,
+                             largest, path.width, path.height));
+    return false;
+  }
+  const double width = circle ? 2.0 * path.radius : path.width, height = circle ? 2.0 * path.radius : path.height;
+  const double room = 2.0 * core::robot_radius;
+  if (width + room > e.arena_width || height + room > e.arena_height)
+    problems.add("reference.path",
+                 fmt::format("found a path of {:.6g} m x {:.6g} m, allowed: up to {:.6g} m x {:.6g} m, "
+                             "the arena less a robot's width of {} m",
+                             width, height, e.arena_width - room, e.arena_height - room, room));
+  return true;
+}
+
+/// Calls `visit` with the vector between two references of the formation: every pair, all along the path.
+template <typename Visit>
+void for_each_offset(const Experiment& e, const core::Platoon& reference, Visit&& visit) {
+  constexpr int samples = 2000;  // 2 mm on the paper's path
+  const core::Path& path = reference.path();
+  for (int k = 0; k < samples; ++k) {
+    const double s = path.length() * k / samples;
+    const core::Pose ahead = path.at(s).pose;
+    for (std::size_t j = 1; j < e.robots.size(); ++j) {
+      const core::Pose behind = path.at(s - static_cast<double>(j) * e.reference.spacing).pose;
+      visit(ahead.x - behind.x, ahead.y - behind.y);
+    }
+  }
+}
+
+/// The formation itself must neither collide nor set off what keeps robots apart.
+void check_spacing(const Experiment& e, const core::Platoon& reference, Problems& problems) {
+  constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
+  double nearest = std::numeric_limits<double>::infinity(), level = nearest;
+  for_each_offset(e, reference, [&](double dx, double dy) {
+    nearest = std::min(nearest, std::hypot(dx, dy));
+    level = std::min(level, core::region_level(e.avoidance, dx / leaves_at, dy / leaves_at));
+  });
+  if (nearest <= 2.0 * core::robot_radius) {
+    problems.add(
+        "reference.spacing",
+        fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
+                    "room on a path of {:.4g} m for {} robots",
+                    e.reference.spacing, 2.0 * core::robot_radius, nearest, reference.path().length(),
+                    e.robots.size()));
+    return;
+  }
+  if (e.avoidance.enabled && level <= 1.0) {
+    const double fits = std::pow(level, 1.0 / e.avoidance.p);
+    problems.add(
+        e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",
+        fmt::format("found a detection region of {} m x {} m (alpha, beta), allowed: below {:.4g} m x {:.4g} m, or "
+                    "the formation, whose robots are {:.4g} m apart where they are nearest, avoids itself for ever "
+                    "(a region is left at {} times its size)",
+                    e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta, nearest,
+                    leaves_at));
+  }
+  if (e.shield.enabled && e.shield.distance >= nearest)
+    problems.add("shield.distance",
+                 fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two robots "
+                             "of the formation",
+                             e.shield.distance, nearest));
+}
+
+/// What (18a) asks of the tracking gains of (36): that the reference and the couplings leave something of `whole`.
+struct Bound {
+  const char* equation;
+  const char* whole_name;
+  const char* tracking_gain;
+  const char* unit;
+  double whole;   // v_max, omega_max
+  double demand;  // what the reference takes at its most
+  std::vector<std::string> keys;
+  std::vector<const core::PairTable*> tables;
+};
+
+void check_bound(const Bound& bound, std::size_t robots, Problems& problems) {
+  const double room = bound.whole - bound.demand;
+  if (room <= 0.0) return;  // said by check_speed
+  for (std::size_t i = 0; i < robots; ++i) {
+    double sum = 0.0;
+    for (const core::PairTable* table : bound.tables) sum += table->row_sum(i);
+    if (sum < room) continue;
+    for (std::size_t k = 0; k < bound.keys.size(); ++k) {
+      const double own = bound.tables[k]->row_sum(i);
+      if (own == 0.0) continue;
+      const double left = std::max(0.0, room - (sum - own));
+      problems.add(
+          bound.keys[k],
+          fmt::format("{} fails for robot {} by {:.4g} {}: {} {:.6g} - reference {:.6g} - couplings {:.6g} leaves "
+                      "{} = {:.4g}, which must be above 0; allowed: below {:.6g} for all pairs, or a sum below "
+                      "{:.6g} over robot {}'s pairs",
+                      bound.equation, i + 1, sum - room, bound.unit, bound.whole_name, bound.whole, bound.demand, sum,
+                      bound.tracking_gain, room - sum, left / static_cast<double>(robots - 1), left, i + 1));
+    }
+    return;  // the first robot says it for the others
+  }
+}
+
+void check_speed(const Experiment& e, const core::Platoon& reference, Problems& problems) {
+  const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
+  const double curvature = reference.path().largest_curvature();
+  const double fastest = std::min(e.controller.v_max, e.controller.omega_max / (curvature + e.controller.k_y));
+  if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)
+    problems.add(
+        "reference.speed",
+        fmt::format("found {}, for which {} fails whatever the couplings; allowed: below {:.6g} m/s with v_max {}, "
+                    "omega_max {}, k_y {} and bends of {:.4g} m",
+                    e.reference.speed, demand.v >= e.controller.v_max ? "(18f)" : "(18g)", fastest, e.controller.v_max,
+                    e.controller.omega_max, e.controller.k_y, 1.0 / curvature));
+}
+
+void check_gains(const Experiment& e, const core::Platoon& reference, Problems& problems) {
+  const ControllerSpec& c = e.controller;
+  const core::ReferenceDemand demand = reference.demand(c.k_y);
+  const auto check_xx = [&](const core::CouplingGains& gains, const std::string& place) {
+    check_bound({"(18f)", "v_max", "k_x", "m/s", c.v_max, demand.v, {place + ".k_xx"}, {&gains.k_xx}}, e.robots.size(),
+                problems);
+  };
+  const auto check_tt_yy = [&](const core::CouplingGains& gains, const std::string& place) {
+    check_bound({"(18g)",
+                 "omega_max",
+                 "k_theta",
+                 "rad/s",
+                 c.omega_max,
+                 demand.turning,
+                 {place + ".k_tt", place + ".k_yy"},
+                 {&gains.k_tt, &gains.k_yy}},
+                e.robots.size(), problems);
+  };
+  core::CouplingGains gains = c.gains;
+  check_xx(gains, "controller.gains");
+  check_tt_yy(gains, "controller.gains");
+
+  std::vector<std::size_t> order(e.gain_changes.size());  // of time, which need not be that of the file
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return e.gain_changes[a].t < e.gain_changes[b].t; });
+  for (const std::size_t i : order) {
+    const GainChange& change = e.gain_changes[i];
+    const std::string place = fmt::format("gain_change.{}", i + 1);
+    if (change.k_xx) gains.k_xx = *change.k_xx;
+    if (change.k_tt) gains.k_tt = *change.k_tt;
+    if (change.k_yy) gains.k_yy = *change.k_yy;
+    if (change.k_xx) check_xx(gains, place);
+    if (change.k_tt || change.k_yy) check_tt_yy(gains, place);
+  }
+}
+
+void check_perturbations(const Experiment& e, Problems& problems) {
+  for (std::size_t i = 0; i < e.perturbations.size(); ++i) {
+    const Perturbation& p = e.perturbations[i];
+    if (p.robot < e.robots.size() && !e.robots[p.robot].simulated())
+      problems.add(fmt::format("perturb.{}.robot", i + 1),
+                   fmt::format("found {}, a real robot (link \"{}\"), allowed: a simulated one; move real ones by hand",
+                               p.robot + 1, e.robots[p.robot].address));
+  }
+}
+
+void check_estimation(const Experiment& e, Problems& problems) {
+  if (e.simulation.latency > 0.0 && e.estimation.bridge <= e.simulation.latency)
+    problems.add("estimation.bridge",
+                 fmt::format("found {}, allowed: above simulation.latency, {} s, or every pose is too "
+                             "old when it comes and every robot lost",
+                             e.estimation.bridge, e.simulation.latency));
+}
+
+}  // namespace
+
+void check_together(const Experiment& e, Problems& problems) {
+  check_duration(e, problems);
+  check_robots(e, problems);
+  check_perturbations(e, problems);
+  check_estimation(e, problems);
+  if (!check_path(e, problems)) return;  // without a path there is no reference
+  const core::Platoon reference = make_reference(e);
+  check_spacing(e, reference, problems);
+  check_speed(e, reference, problems);
+  check_gains(e, reference, problems);
+}
+
+}  // namespace skein::app

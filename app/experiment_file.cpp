@@ -1,0 +1,82 @@
+#include "app/experiment_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "app/embedded.h"
+#include "app/experiment_checks.h"
+#include "app/experiment_sets.h"
+#include "app/experiment_tables.h"
+#include "app/toml_table.h"
+
+namespace skein::app {
+namespace {
+
+/// The document as TOML text that gives the same document again.
+std::string written(const toml::table& document) {
+  std::ostringstream text;
+  text << document << '\n';
+  return text.str();
+}
+
+template <typename Timed>
+void sort_by_time(std::vector<Timed>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Timed& a, const Timed& b) { return a.t < b.t; });
+}
+
+}  // namespace
+
+tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view text, const std::string& file,
+                                                                const std::vector<std::string>& sets) {
+  toml::table document;
+  try {
+    document = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position place = error.source().begin;
+    return tl::unexpected(std::vector<Problem>{
+        {file, static_cast<int>(place.line), static_cast<int>(place.column), std::string(error.description())}});
+  }
+  std::vector<Problem> refused_sets;
+  apply_sets(document, sets, refused_sets);
+
+  Experiment experiment;
+  Problems problems(document, file);
+  read_tables(document, experiment, problems);
+  check_together(experiment, problems);
+  if (!problems.empty() || !refused_sets.empty()) {
+    std::vector<Problem> all = std::move(problems).sorted();
+    all.insert(all.end(), refused_sets.begin(), refused_sets.end());
+    return tl::unexpected(std::move(all));
+  }
+  sort_by_time(experiment.gain_changes);  // only now: places in the file are found by number
+  sort_by_time(experiment.perturbations);
+  experiment.source = sets.empty() ? std::string(text) : written(document);
+  if (!experiment.source.empty() && !experiment.source.ends_with('\n')) experiment.source += '\n';
+  experiment.directory = std::filesystem::path(file).parent_path().string();
+  return experiment;
+}
+
+tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,
+                                                               const std::vector<std::string>& sets) {
+  const auto unreadable = [&](const std::string& why) {
+    return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
+  };
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return unreadable("it is a directory");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return unreadable(std::strerror(errno));
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad()) return unreadable(std::strerror(errno));
+  return parse_experiment(text, path, sets);
+}
+
+Experiment paper_experiment() {
+  return parse_experiment(embedded::platoon_toml, "platoon.toml").value();
+}
+
+}  // namespace skein::app

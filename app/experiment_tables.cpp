@@ -1,0 +1,332 @@
+#include "app/experiment_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "comms/link_address.h"
+
+namespace skein::app {
+namespace {
+
+// Limits that only a slip of the keyboard exceeds.
+constexpr double longest = 100.0;      // [m]
+constexpr double longest_run = 86400;  // a day [s]
+constexpr std::size_t most_robots = 64;
+constexpr std::size_t longest_name = 100;
+
+bool one_line(const std::string& text) {
+  return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+}
+
+void read_run(TomlTable& t, Experiment& e) {
+  t.text("name", e.name);
+  if (const toml::node* const found = t.node("name");
+      found && (e.name.empty() || e.name.size() > longest_name || !one_line(e.name)))
+    t.refuse("name", *found, fmt::format("1 to {} characters in one line", longest_name));
+  t.number("duration", e.duration, above(0.0, longest_run, "s"));
+  t.number("rate", e.rate, between(1.0, 1000.0, "Hz"));
+  t.integer("seed", e.seed, 0, std::numeric_limits<std::int64_t>::max());
+}
+
+void read_arena(TomlTable t, Experiment& e) {
+  t.number("width", e.arena_width, between(0.1, longest, "m"));
+  t.number("height", e.arena_height, between(0.1, longest, "m"));
+  t.finish();
+}
+
+void read_path(TomlTable t, PathSpec& path) {
+  using Shape = PathSpec::Shape;
+  t.choice("shape", path.shape, {{"rounded_rectangle", Shape::rounded_rectangle}, {"circle", Shape::circle}});
+  if (path.shape == Shape::rounded_rectangle) {
+    t.number("width", path.width, above(0.0, longest, "m"));
+    t.number("height", path.height, above(0.0, longest, "m"));
+  } else {
+    t.require("radius", "the circle's radius in m");  // the default is that of a corner
+  }
+  t.number("radius", path.radius, above(0.0, longest, "m"));
+  t.finish();
+}
+
+void read_reference(TomlTable t, ReferenceSpec& r) {
+  t.choice("kind", r.kind, {{"platoon", ReferenceSpec::Kind::platoon}});
+  t.number("speed", r.speed, between(0.0, 10.0, "m/s"));
+  t.number("spacing", r.spacing, above(0.0, longest, "m"));
+  t.number("start", r.start, between(-10.0 * longest, 10.0 * longest, "m"));
+  read_path(t.table("path"), r.path);
+  t.finish();
+}
+
+/// One number for all pairs, or [[i, j, value], ...] with 0 for the pairs not listed.
+void read_gain(TomlTable& t, const char* key, core::PairTable& gain, Problems& problems) {
+  constexpr Range range = between(0.0, 100.0);
+  const toml::node* const found = t.node(key);
+  if (!found) return;
+  if (!found->is_array()) {
+    double value = 0.0;
+    t.number(key, value, range);
+    gain.fill(value);
+    return;
+  }
+  gain.fill(0.0);
+  const auto robots = static_cast<std::int64_t>(gain.robots());
+  core::PairTable listed(gain.robots());
+  std::size_t entry = 0;
+  for (const toml::node& element : *found->as_array()) {
+    const std::string name = fmt::format("{}.{}", t.full(key), ++entry);
+    const toml::array* const triple = element.as_array();
+    const bool whole = triple && triple->size() == 3;
+    const auto i = whole ? (*triple)[0].value_exact<std::int64_t>() : std::nullopt;
+    const auto j = whole ? (*triple)[1].value_exact<std::int64_t>() : std::nullopt;
+    const auto value = whole && (*triple)[2].is_number() ? (*triple)[2].value<double>() : std::nullopt;
+    const auto exists = [&](const std::optional<std::int64_t>& robot) {
+      return robot && *robot >= 1 && *robot <= robots;
+    };
+    if (!exists(i) || !exists(j) || *i == *j || !value || !range.holds(*value)) {
+      const std::string parts =
+          whole ? fmt::format("[{}, {}, {}]", shown((*triple)[0]), shown((*triple)[1]), shown((*triple)[2]))
+                : shown(element);
+      problems.add(element.source(),
+                   fmt::format("{}: found {}, allowed: [i, j, value] with two different robots from 1 "
+                               "to {} and {}",
+                               name, parts, robots, range.text()));
+      continue;
+    }
+    const auto a = static_cast<std::size_t>(*i - 1), b = static_cast<std::size_t>(*j - 1);
+    if (listed(a, b) != 0.0)
+      problems.add(element.source(), fmt::format("{}: found the pair {}, {} again, allowed: every pair once, since "
+                                                 "(18c) makes i, j and j, i the same",
+                                                 name, *i, *j));
+    listed.set(a, b, 1.0);
+    gain.set(a, b, *value);
+  }
+}
+
+void read_controller(TomlTable t, ControllerSpec& c, Problems& problems) {
+  t.choice("saturation", c.saturation, {{"tanh", core::Saturation::tanh}, {"algebraic", core::Saturation::algebraic}});
+  t.choice("coupling", c.coupling, {{"paper", core::Coupling::paper}, {"bounded", core::Coupling::bounded}});
+  t.number("v_max", c.v_max, above(0.0, 10.0, "m/s"));
+  t.number("omega_max", c.omega_max, above(0.0, 100.0, "rad/s"));
+  t.number("c_x", c.c_x, above(0.0, 1e4, "1/m"));      // (18a)
+  t.number("c_xx", c.c_xx, between(0.0, 1e4, "1/m"));  // (18b), and so on
+  t.number("l_xx", c.l_xx, between(0.0, 1e6, "1/m^2"));
+  t.number("c_theta", c.c_theta, above(0.0, 1e4, "1/rad"));
+  t.number("c_tt", c.c_tt, between(0.0, 1e4, "1/rad"));
+  t.number("l_tt", c.l_tt, between(0.0, 1e6, "1/rad^2"));
+  t.number("c_yy", c.c_yy, between(0.0, 1e4, "1/m"));
+  t.number("k_y", c.k_y, above(0.0, 1e4, "rad/m"));
+  t.number("k", c.k, above(0.0, 1e6, "1/m"));
+  TomlTable gains = t.table("gains");
+  read_gain(gains, "k_xx", c.gains.k_xx, problems);
+  read_gain(gains, "k_tt", c.gains.k_tt, problems);
+  read_gain(gains, "k_yy", c.gains.k_yy, problems);
+  gains.finish();
+  t.finish();
+}
+
+void read_gain_changes(TomlTable& document, Experiment& e, Problems& problems) {
+  for (TomlTable& t : document.tables("gain_change")) {
+    GainChange change;
+    t.require("t", "the time in s at which the gains begin to move");
+    t.number("t", change.t, between(0.0, e.duration, "s"));
+    t.number("ramp", change.ramp, above(0.0, longest_run, "s"));  // Theorem 1 wants gains that are continuous
+    const auto optional_gain = [&](const char* key, std::optional<core::PairTable>& gain) {
+      core::PairTable value(e.robots.size());
+      read_gain(t, key, value, problems);
+      if (t.has(key)) gain = value;
+    };
+    optional_gain("k_xx", change.k_xx);
+    optional_gain("k_tt", change.k_tt);
+    optional_gain("k_yy", change.k_yy);
+    if (!change.k_xx && !change.k_tt && !change.k_yy) t.require("k_xx", "at least one of k_xx, k_tt, k_yy");
+    t.finish();
+    e.gain_changes.push_back(std::move(change));
+  }
+}
+
+void read_avoidance(TomlTable t, core::AvoidanceParameters& a) {
+  t.flag("enabled", a.enabled);
+  t.number("alpha", a.alpha, above(0.0, longest, "m"));
+  t.number("beta", a.beta, above(0.0, longest, "m"));
+  t.integer("p", a.p, 1, 50);
+  t.number("K_a", a.K_a, between(0.0, 1e3, "1/s"));
+  t.number("K_o", a.K_o, between(0.0, 1e3, "m^2/s"));
+  t.finish();
+}
+
+void read_shield(TomlTable t, Experiment& e) {
+  t.flag("enabled", e.shield.enabled);
+  t.number("distance", e.shield.distance, between(2.0 * core::robot_radius, longest, "m"));
+  t.number("gamma", e.shield.gamma, above(0.0, e.rate, "1/s"));  // more would close the whole gap in one tick
+  t.finish();
+}
+
+void read_obstacles(TomlTable& document, Experiment& e) {
+  for (TomlTable& t : document.tables("obstacle")) {
+    core::Obstacle obstacle;
+    for (const char* key : {"x", "y", "radius"}) t.require(key, "its place and size in m");
+    t.number("x", obstacle.x, between(-0.5 * e.arena_width, 0.5 * e.arena_width, "m"));
+    t.number("y", obstacle.y, between(-0.5 * e.arena_height, 0.5 * e.arena_height, "m"));
+    t.number("radius", obstacle.radius, above(0.0, longest, "m"));
+    t.finish();
+    e.obstacles.push_back(obstacle);
+  }
+}
+
+/// A robot as [robot_defaults] or [[robot]] have it so far.
+struct RobotKeys {
+  RobotSpec spec;
+  std::optional<core::MotorModel> model;
+  std::string model_key;  // where it came from
+};
+
+void read_link(TomlTable& t, RobotSpec& robot) {
+  const toml::node* const found = t.node("link");
+  if (!found) return;
+  const std::string_view text = found->value_exact<std::string_view>().value_or("");
+  const bool address = text.starts_with("rfcomm:") || text.starts_with("serial:");
+  const auto parsed = comms::parse_link_address(text);
+  if (text == "sim")
+    robot.link = RobotSpec::Link::sim;
+  else if (text == "loopback")
+    robot.link = RobotSpec::Link::loopback;
+  else if (parsed)
+    robot.link = RobotSpec::Link::device;
+  else
+    t.refuse("link", *found,
+             R"("sim", "loopback", "rfcomm:ADDRESS/CHANNEL" or "serial:/dev/...")" +
+                 (address ? fmt::format(" ({})", parsed.error()) : ""));
+  robot.address = parsed ? std::string(text) : "";
+}
+
+void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
+  using Model = core::MotorModel;
+  read_link(t, robot.spec);
+  t.text("adapter", robot.spec.adapter);
+  if (const auto known = comms::check_adapter(robot.spec.adapter); !known && t.has("adapter"))
+    problems.add(t.full("adapter"), known.error());
+  t.number("wheel_diameter", robot.spec.drive.wheel_diameter, between(0.01, 0.2, "m"));
+  t.number("track", robot.spec.drive.track, between(0.01, 0.5, "m"));
+  Model model = Model::ideal;
+  t.choice("model", model, {{"ideal", Model::ideal}, {"epuck1", Model::epuck1}, {"epuck2", Model::epuck2}});
+  if (t.has("model")) robot.model = model, robot.model_key = t.full("model");
+}
+
+/// What is left to say once both tables are read.
+RobotSpec finished(const RobotKeys& keys, Problems& problems) {
+  RobotSpec robot = keys.spec;
+  const bool steps = robot.link != RobotSpec::Link::sim;  // an e-puck's firmware is asked for whole steps
+  robot.motor = keys.model.value_or(steps ? core::MotorModel::epuck2 : core::MotorModel::ideal);
+  if (steps && robot.motor == core::MotorModel::ideal)
+    problems.add(keys.model_key,
+                 R"(found "ideal", allowed: "epuck1", "epuck2"; only a robot of link "sim" can be ideal)");
+  robot.drive.max_step_rate = core::max_step_rate(robot.motor);
+  return robot;
+}
+
+void read_robots(TomlTable& document, Experiment& e, Problems& problems) {
+  RobotKeys defaults;
+  TomlTable defaults_table = document.table("robot_defaults");
+  read_robot(defaults_table, defaults, problems);
+  defaults_table.finish();
+
+  std::vector<TomlTable> tables = document.tables("robot");
+  if (document.has("robot") && (tables.empty() || tables.size() > most_robots))
+    problems.add("robot", fmt::format("found {} robots, allowed: 1 to {}", tables.size(), most_robots));
+  if (tables.empty()) tables.assign(4, TomlTable(nullptr, "robot", problems));  // the paper's four
+  tables.erase(tables.begin() + static_cast<std::ptrdiff_t>(std::min(tables.size(), most_robots)), tables.end());
+  for (TomlTable& t : tables) {
+    RobotKeys robot = defaults;
+    robot.spec.tag = static_cast<int>(e.robots.size()) + 1;
+    t.integer("tag", robot.spec.tag, 0, 586);  // the ids of the family 36h11
+    read_robot(t, robot, problems);
+    t.finish();
+    e.robots.push_back(finished(robot, problems));
+  }
+}
+
+void read_camera(TomlTable t, CameraSpec& camera, Problems& problems) {
+  t.text("source", camera.source);
+  const auto names_something = [&](std::string_view prefix) {
+    return camera.source.starts_with(prefix) && camera.source.size() > prefix.size();
+  };
+  if (camera.source != "none" && camera.source != "synthetic" && !names_something("v4l2:") &&
+      !names_something("video:") && !names_something("images:"))
+    problems.add(t.full("source"),
+                 fmt::format(R"(found "{}", allowed: "none", "synthetic", "v4l2:DEVICE", "video:FILE" or "images:DIR")",
+                             camera.source));
+  t.text("calibration", camera.calibration);
+  t.finish();
+}
+
+void read_estimation(TomlTable t, EstimationSpec& estimation) {
+  t.number("bridge", estimation.bridge, above(0.0, 10.0, "s"));
+  t.number("actuation_delay", estimation.actuation_delay, between(0.0, 1.0, "s"));
+  t.finish();
+}
+
+void read_simulation(TomlTable t, Experiment& e) {
+  constexpr double in_flight = 62.0;  // measurements that a simulated robot can have on their way
+  t.number("pose_noise", e.simulation.pose_noise, between(0.0, 1.0, "m"));
+  t.number("heading_noise", e.simulation.heading_noise, between(0.0, 4.0, "rad"));
+  t.number("latency", e.simulation.latency, between(0.0, in_flight / e.rate, "s"));
+  t.number("dropout", e.simulation.dropout, between(0.0, 1.0));
+  t.number("slip", e.simulation.slip, between(0.0, 1.0));
+  t.finish();
+}
+
+void read_perturbations(TomlTable& document, Experiment& e) {
+  const auto robots = static_cast<std::int64_t>(e.robots.size());
+  for (TomlTable& t : document.tables("perturb")) {
+    Perturbation p;
+    std::int64_t robot = 1;
+    t.require("t", "the time in s");
+    t.number("t", p.t, between(0.0, e.duration, "s"));
+    t.require("robot", fmt::format("the robot to move, from 1 to {}", robots));
+    t.integer("robot", robot, 1, robots);
+    p.robot = static_cast<std::size_t>(robot - 1);
+    t.number("dx", p.dx, between(-e.arena_width, e.arena_width, "m"));
+    t.number("dy", p.dy, between(-e.arena_height, e.arena_height, "m"));
+    t.number("dtheta", p.dtheta, between(-core::pi, core::pi, "rad"));
+    if (!t.has("dx") && !t.has("dy") && !t.has("dtheta")) t.require("dx", "at least one of dx, dy, dtheta");
+    t.finish();
+    e.perturbations.push_back(p);
+  }
+}
+
+void read_expectations(TomlTable t, Expectations& expect) {
+  t.number("final_error", expect.final_error, between(0.0, longest, "m"));
+  t.number("min_distance", expect.min_distance, between(0.0, longest, "m"));
+  t.flag("formation_first", expect.formation_first);
+  t.integer("collisions", expect.collisions, 0, 1000000);
+  t.finish();
+}
+
+}  // namespace
+
+core::CouplingGains paper_couplings(std::size_t robots) {
+  return {core::PairTable(robots, 0.008), core::PairTable(robots, 0.025), core::PairTable(robots, 0.08)};
+}
+
+void read_tables(const toml::table& document, Experiment& e, Problems& problems) {
+  TomlTable t(&document, "", problems);
+  read_run(t, e);
+  read_arena(t.table("arena"), e);
+  read_reference(t.table("reference"), e.reference);
+  read_robots(t, e, problems);  // before everything that is said of robots
+  e.controller.gains = paper_couplings(e.robots.size());
+  read_controller(t.table("controller"), e.controller, problems);
+  read_gain_changes(t, e, problems);
+  read_avoidance(t.table("avoidance"), e.avoidance);
+  read_shield(t.table("shield"), e);
+  read_obstacles(t, e);
+  read_camera(t.table("camera"), e.camera, problems);
+  read_estimation(t.table("estimation"), e.estimation);
+  read_simulation(t.table("simulation"), e);
+  read_perturbations(t, e);
+  read_expectations(t.table("expect"), e.expect);
+  t.finish();
+}
+
+}  // namespace skein::app
