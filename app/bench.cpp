@@ -1,0 +1,169 @@
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <unistd.h>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "app/command_line.h"
+#include "app/commands.h"
+#include "app/control_tick.h"
+#include "app/csv_writer.h"
+#include "app/experiment_file.h"
+#include "app/session.h"
+#include "app/statistics.h"
+#include "core/control/coordination_law.h"
+
+namespace skein::app {
+namespace {
+
+/// Keeps what a tick is fed with, and what it gives.
+class Recording final : public RecordSink {
+ public:
+  void record(const TickRecord& record) override { records.push_back(record); }
+  std::vector<TickRecord> records;
+};
+
+std::vector<TickRecord> record_run(const Experiment& experiment) {
+  Recording recording;
+  auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&recording}});
+  (*session)->run();
+  return std::move(recording.records);
+}
+
+/// The law alone, on the errors of the same run: the baseline of the tick.
+void law(benchmark::State& state) {
+  const Experiment experiment = paper_experiment();
+  const std::vector<TickRecord> run = record_run(experiment);
+  const core::Gains gains = make_gains(experiment);
+  const std::size_t n = experiment.robots.size();
+  std::vector<core::TrackingError> errors(n);
+  std::vector<core::Twist> reference(n), command(n);
+  std::size_t k = 0;
+  for (auto _ : state) {
+    const TickRecord& row = run[k++ % run.size()];
+    for (std::size_t i = 0; i < n; ++i) errors[i] = row.robots[i].error, reference[i] = row.robots[i].reference.twist;
+    core::coordination_law(gains, errors, reference, command);
+    benchmark::DoNotOptimize(command.data());
+  }
+}
+
+/// The whole tick, on the measurements of a run: estimate, reference, avoidance, law, limits, shield, wheels, record.
+void tick(benchmark::State& state) {
+  const Experiment experiment = paper_experiment();
+  const std::vector<TickRecord> run = record_run(experiment);
+  const std::size_t n = experiment.robots.size();
+  std::vector<core::Measurement> measurements(n);
+  const OperatorCommand start{};
+  auto control = std::make_unique<ControlTick>(experiment);
+  std::size_t k = 0;
+  for (auto _ : state) {
+    if (k == run.size()) {  // the run is over: begin again
+      state.PauseTiming();
+      control = std::make_unique<ControlTick>(experiment);
+      k = 0;
+      state.ResumeTiming();
+    }
+    for (std::size_t i = 0; i < n; ++i) measurements[i] = run[k].robots[i].measurement;
+    TickInput input;
+    input.now = run[k].now;
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&start, 1};
+    benchmark::DoNotOptimize(control->step(input).V);
+    ++k;
+  }
+}
+
+/// `skein run platoon.toml --csv`: 2,100 ticks, every column to a file, and the summary.
+void whole_run(benchmark::State& state) {
+  const Experiment experiment = paper_experiment();
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("skein-bench-{}.csv", ::getpid());
+  for (auto _ : state) {
+    std::ofstream file(path, std::ios::binary);
+    CsvWriter csv(file, experiment);
+    Statistics statistics(experiment);
+    auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&csv, &statistics}});
+    (*session)->run();
+    (*session)->close();
+    benchmark::DoNotOptimize(statistics.summary().final_error);
+  }
+  std::filesystem::remove(path);
+  state.counters["times_real_time"] =
+      benchmark::Counter(experiment.duration * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+/// The same through camera and protocol in real time: rendered frames, AprilTag, asercom over pseudo-terminals.
+void loopback(benchmark::State& state) {
+  const auto experiment =
+      parse_experiment(paper_experiment().source, "platoon.toml",
+                       {"robot_defaults.link=loopback", "robot_defaults.model=epuck2", "camera.source=synthetic"});
+  for (auto _ : state) {
+    Recording recording;
+    Statistics statistics(*experiment);
+    auto session = Session::open(*experiment, Session::Clock::wall, {false, {&recording, &statistics}});
+    if (!session) {
+      state.SkipWithError(session.error().c_str());
+      break;
+    }
+    (*session)->run([] { return !interrupted(); });
+    (*session)->close();
+    const Statistics::Summary summary = statistics.summary();
+    std::vector<double> lateness, age;
+    for (std::size_t k = 1; k < recording.records.size(); ++k) {
+      const TickRecord& row = recording.records[k];
+      lateness.push_back(std::abs(row.period - experiment->period()));
+      for (const RobotRecord& robot : row.robots) age.push_back(robot.pose_age);
+    }
+    const auto percentile = [](std::vector<double>& values, double share) {
+      std::sort(values.begin(), values.end());
+      return values.empty() ? none
+                            : 1e3 * values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    };
+    const auto first = std::count_if(summary.perturbations.begin(), summary.perturbations.end(),
+                                     [](const PerturbationResult& p) { return p.formation_first(); });
+    state.counters["ticks"] = static_cast<double>(summary.ticks);
+    state.counters["missed_deadlines"] = static_cast<double>(summary.missed_deadlines);
+    state.counters["period_error_ms_p99"] = percentile(lateness, 0.99);
+    state.counters["pose_age_ms_p50"] = percentile(age, 0.5);
+    state.counters["pose_age_ms_p99"] = percentile(age, 0.99);
+    state.counters["formation_first"] = static_cast<double>(first);
+    state.counters["perturbations"] = static_cast<double>(summary.perturbations.size());
+    state.counters["final_error_mm"] = 1e3 * summary.final_error;
+  }
+}
+
+}  // namespace
+
+int bench(const std::string& what, std::vector<std::string> arguments) {
+  const auto asked = [&](const char* name) { return what.empty() || what == name; };
+  if (asked("tick")) {
+    // One tick and its baseline, interleaved; the median of nine repetitions stands for each.
+    const auto often = [](auto* b) { b->Repetitions(9)->ReportAggregatesOnly(true)->Unit(benchmark::kMicrosecond); };
+    often(benchmark::RegisterBenchmark("law (n = 4, baseline)", law));
+    often(benchmark::RegisterBenchmark("tick (n = 4)", tick));
+  }
+  if (asked("run"))
+    benchmark::RegisterBenchmark("run platoon.toml --csv", whole_run)
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->MinTime(2.0);
+  if (asked("loopback"))
+    benchmark::RegisterBenchmark("loopback in real time", loopback)
+        ->Unit(benchmark::kSecond)
+        ->UseRealTime()
+        ->Iterations(1);
+
+  std::string program = "skein bench";
+  std::vector<char*> words{program.data()};
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  int count = static_cast<int>(words.size());
+  words.push_back(nullptr);
+  benchmark::Initialize(&count, words.data());
+  if (benchmark::ReportUnrecognizedArguments(count, words.data())) return wrong_input;
+  benchmark::RunSpecifiedBenchmarks();
+  return done;
+}
+
+}  // namespace skein::app

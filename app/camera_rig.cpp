@@ -1,0 +1,155 @@
+#include "app/camera_rig.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace skein::app {
+namespace {
+
+/// Edge of the black square of the tags that the synthetic camera draws: what fits on an e-puck without a plate. [m]
+constexpr double synthetic_tag_size = 0.04;
+
+vision::TrackerOptions tracker_options(const Experiment& experiment) {
+  vision::TrackerOptions options;
+  for (const RobotSpec& robot : experiment.robots) options.tags.push_back(robot.tag);
+  return options;
+}
+
+tl::expected<vision::Calibration, std::string> find_calibration(const Experiment& experiment) {
+  if (!experiment.camera.calibration.empty())
+    return vision::load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
+        .and_then([&](vision::Calibration c) -> tl::expected<vision::Calibration, std::string> {
+          if (c.world_from_camera) return c;
+          return tl::unexpected(
+              fmt::format("camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor",
+                          experiment.camera.calibration));
+        });
+  if (experiment.camera.source == "synthetic") {
+    vision::Calibration calibration = vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
+    calibration.tag_size = synthetic_tag_size;
+    return calibration;
+  }
+  return tl::unexpected(
+      fmt::format("camera.calibration is missing: {} needs a calibration file", experiment.camera.source));
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
+                                                                      SimulatedWorld& world, bool pictures) {
+  auto calibration = find_calibration(experiment);
+  if (!calibration) return tl::unexpected(calibration.error());
+  std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures));
+  if (experiment.camera.source == "synthetic") {
+    rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
+  } else {
+    auto source =
+        vision::open_source(experiment.camera.source, {calibration->width, calibration->height, experiment.rate});
+    if (!source) return tl::unexpected(source.error());
+    rig->source_ = std::move(*source);
+    rig->live_ = experiment.camera.source.starts_with("v4l2:");
+  }
+  return rig;
+}
+
+CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world,
+                     vision::Calibration calibration, bool pictures)
+    : experiment_(experiment),
+      clock_(clock),
+      world_(world),
+      calibration_(std::move(calibration)),
+      tracker_(calibration_, tracker_options(experiment)),
+      pictures_(pictures),
+      poses_(experiment.robots.size()),
+      seen_(experiment.robots.size()),
+      measurements_(seen_) {}
+
+void CameraRig::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
+}
+
+void CameraRig::end() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void CameraRig::thread(const std::stop_token& stop) {
+  try {
+    // Half a period out of step with the control thread, as far as a camera that nobody triggers can be.
+    double deadline = clock_.now() + 0.5 * experiment_.period();
+    while (!stop.stop_requested()) {
+      if (!live_) {
+        deadline += experiment_.period() * std::max(1.0, std::ceil((clock_.now() - deadline) / experiment_.period()));
+        std::this_thread::sleep_until(clock_.at(deadline));
+      }
+      if (!capture()) break;
+      work_off();
+    }
+  } catch (const std::exception& error) {
+    reason_ = fmt::format("camera: {}", error.what());
+  }
+  if (!reason_.empty()) failed_.store(true, std::memory_order_release);
+}
+
+void CameraRig::look() {
+  if (failed()) return;
+  if (capture())
+    work_off();
+  else
+    failed_.store(true, std::memory_order_release);
+}
+
+bool CameraRig::capture() {
+  if (synthetic_) {
+    const double now = clock_.now();
+    world_.advance(now);
+    world_.poses(poses_);
+    tags_.clear();
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
+    synthetic_->render(tags_, now, frame_);
+    return true;
+  }
+  const auto read = source_->read(frame_);
+  if (!read)
+    reason_ = read.error();
+  else if (!*read)
+    reason_ = fmt::format("{}: the stream is at its end", experiment_.camera.source);
+  if (!reason_.empty()) return false;
+  frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : clock_.now();
+  return true;
+}
+
+void CameraRig::work_off() {
+  for (const vision::TagPose& tag : tracker_.process(frame_))
+    for (std::size_t i = 0; i < seen_.size(); ++i)
+      if (experiment_.robots[i].tag == tag.tag) seen_[i] = {tag.pose, tag.captured_at};
+  measurements_.draft() = seen_;
+  measurements_.publish();
+  if (!pictures_) return;
+  Picture& picture = picture_.draft();
+  picture.width = frame_.width;
+  picture.height = frame_.height;
+  picture.grey = frame_.grey;
+  picture_.publish();
+}
+
+void CameraRig::newest(std::span<core::Measurement> measurements) noexcept {
+  if (!measurements_.take()) return;
+  std::copy(measurements_.value().begin(), measurements_.value().end(), measurements.begin());
+}
+
+bool CameraRig::picture(Picture& out) {
+  if (!picture_.take()) return false;
+  out = picture_.value();
+  return true;
+}
+
+std::array<double, 2> CameraRig::pixel(double x, double y) const {
+  const auto p = vision::pixel_from_world(calibration_, {x, y, calibration_.tag_height});
+  return p ? std::array{p->x(), p->y()} : std::array{none, none};
+}
+
+}  // namespace skein::app

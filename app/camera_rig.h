@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment.h"
+#include "app/newest.h"
+#include "app/session.h"
+#include "app/session_clock.h"
+#include "app/simulated_world.h"
+#include "vision/calibration.h"
+#include "vision/frame_source.h"
+#include "vision/synthetic_camera.h"
+#include "vision/tracker.h"
+
+namespace skein::app {
+
+/// The camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
+/// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
+class CameraRig {
+ public:
+  static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
+                                                                    SimulatedWorld& world, bool pictures);
+  ~CameraRig() { end(); }
+
+  /// Wall clock: starts the thread.
+  void start();
+  void end();
+  /// Virtual clock: takes and works off one frame now.
+  void look();
+
+  /// Overwrites the measurement of every robot that was seen since. The control thread's.
+  void newest(std::span<core::Measurement> measurements) noexcept;
+
+  bool picture(Picture& out);
+  std::array<double, 2> pixel(double x, double y) const;
+
+  /// True once the camera has failed for good; then `reason` says why.
+  bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
+  const std::string& reason() const noexcept { return reason_; }
+
+ private:
+  CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world, vision::Calibration calibration,
+            bool pictures);
+  void thread(const std::stop_token& stop);
+  bool capture();  // false: the stream is over or broken, reason_ says which
+  void work_off();
+
+  const Experiment& experiment_;
+  SessionClock& clock_;
+  SimulatedWorld& world_;
+  vision::Calibration calibration_;
+  vision::TagTracker tracker_;
+  std::unique_ptr<vision::SyntheticCamera> synthetic_;
+  std::unique_ptr<vision::FrameSource> source_;
+  bool live_ = false;  // a camera that stamps its frames with CLOCK_MONOTONIC
+  bool pictures_;
+
+  vision::Frame frame_;
+  std::vector<core::Pose> poses_;
+  std::vector<vision::SyntheticTag> tags_;
+  std::vector<core::Measurement> seen_;  // by the camera's side
+  Newest<std::vector<core::Measurement>> measurements_;
+  Newest<Picture> picture_;
+  std::string reason_;
+  std::atomic<bool> failed_{false};
+  std::jthread thread_;
+};
+
+}  // namespace skein::app

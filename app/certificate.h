@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/experiment.h"
+
+namespace skein::app {
+
+/// What can be said of an experiment before it runs: how much room (18) and the actuators leave, at the worst point of
+/// the whole reference and of the gains' changes.
+struct Certificate {
+  struct Worst {
+    double value = 0.0;
+    double t = 0.0;  ///< when [s]
+  };
+  struct Robot {
+    Worst k_x;      ///< smallest k_x of (36) [m/s]; (18a) and (18f) ask for more than 0
+    Worst k_theta;  ///< smallest k_theta of (36) [rad/s]; (18a) and (18g) ask for more than 0
+    Worst b;        ///< smallest of its coupling parameters (18b)
+    Worst v;        ///< largest |v_ref| as a share of v_max
+    Worst omega;    ///< largest |omega_ref| as a share of omega_max
+    Worst wheel;    ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
+  };
+  std::vector<Robot> robots;
+  double v_max = 0.0, omega_max = 0.0;
+
+  /// (18a-g) hold and the reference is inside the actuators' limits, everywhere.
+  bool holds() const noexcept;
+};
+
+/// Goes through the whole reference at the experiment's rate.
+Certificate certify(const Experiment& experiment);
+
+/// As `key: value` lines.
+std::string as_lines(const Certificate& certificate);
+
+}  // namespace skein::app

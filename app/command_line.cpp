@@ -1,0 +1,166 @@
+#include "app/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "app/commands.h"
+#include "comms/emulator/emulate.h"
+
+namespace skein::app {
+namespace {
+
+std::atomic<bool> interrupted_flag{false};
+
+void on_signal(int) {
+  interrupted_flag.store(true);
+}
+
+void install_signal_handlers() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that has gone is a write error, not the end of a run
+}
+
+/// What all commands that run or check an experiment have in common.
+struct ExperimentOptions {
+  std::string file;
+  std::vector<std::string> sets;
+  std::string duration, seed;
+
+  void add_to(CLI::App& command, bool required) {
+    auto* option = command.add_option("experiment", file, "experiment file (TOML)");
+    if (required) option->required();
+    command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  void add_run_length(CLI::App& command) {
+    command.add_option("--duration", duration, "seconds of the experiment, instead of the file's")->type_name("S");
+    command.add_option("--seed", seed, "seed of all that is random, instead of the file's")->type_name("N");
+  }
+  ExperimentRequest request() const {
+    ExperimentRequest result{file, sets};
+    if (!duration.empty()) result.sets.push_back("duration=" + duration);
+    if (!seed.empty()) result.sets.push_back("seed=" + seed);
+    return result;
+  }
+};
+
+int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
+  CLI::App program{
+      "Skein: real-time lab control for groups of unicycle robots.\n"
+      "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
+  program.set_version_flag("--version", "skein " SKEIN_VERSION);
+  program.require_subcommand(0, 1);
+  std::string window_file;
+  program.add_option("experiment", window_file, "experiment file (TOML) for the window");
+
+  CLI::App& run_command = *program.add_subcommand("run", "Runs an experiment without a window");
+  ExperimentOptions run_experiment;
+  RunRequest run_request;
+  run_experiment.add_to(run_command, true);
+  run_experiment.add_run_length(run_command);
+  run_command.add_option("--csv", run_request.csv, "write every tick to this file")->type_name("FILE");
+  run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json there")
+      ->type_name("DIR");
+  run_command
+      .add_option(
+          "--speed", run_request.speed,
+          "max: as fast as the machine goes, in step (the default where nothing is real); realtime: at the file's rate")
+      ->check(CLI::IsMember({"max", "realtime"}));
+  run_command.add_flag("--quiet", run_request.quiet, "no progress, no summary");
+  run_command.add_flag("--json", run_request.json, "print the summary as one JSON object");
+
+  CLI::App& check_command = *program.add_subcommand(
+      "check", "Says everything that is wrong with an experiment file, and certifies its gains");
+  ExperimentOptions check_experiment;
+  check_experiment.add_to(check_command, true);
+
+  CLI::App& replay_command = *program.add_subcommand(
+      "replay", "Runs a recorded CSV through the same tick and says whether every command comes out bit for bit");
+  std::string replay_file;
+  replay_command.add_option("file", replay_file, "a CSV written by `skein run --csv` or by the window")->required();
+
+  CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
+  TrackRequest track_request;
+  track_command.add_option("source", track_request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+  track_command.add_option("--camera", track_request.camera, "calibration file; without one, pixels only")
+      ->type_name("CAL.TOML");
+  track_command.add_option("--csv", track_request.csv, "one row a detection; default: stdout")->type_name("FILE");
+  track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
+
+  CLI::App& emulate_command = *program.add_subcommand(
+      "emulate", "Runs emulated e-pucks on pseudo-terminals until it is interrupted, and says how to reach them");
+  comms::EmulateOptions emulate_options;
+  std::string model = "epuck2";
+  emulate_command.add_option("--robots", emulate_options.robots, "how many")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  emulate_command.add_option("--model", model, "epuck1 or epuck2")
+      ->check(CLI::IsMember({"epuck1", "epuck2"}))
+      ->capture_default_str();
+  emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
+      ->type_name("DIR");
+  emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
+
+  CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
+  std::string bench_what;
+  bench_command.add_option("what", bench_what, "tick, run or loopback (84 s); default: all")
+      ->check(CLI::IsMember({"tick", "run", "loopback"}));
+  bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
+  }
+
+  // The emulator waits for signals in its own way.
+  if (emulate_command) {
+    emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
+    return comms::emulate(emulate_options);
+  }
+  install_signal_handlers();
+  if (run_command) {
+    run_request.experiment = run_experiment.request();
+    return run(run_request);
+  }
+  if (check_command) return check(check_experiment.request());
+  if (replay_command) return replay(replay_file);
+  if (track_command) return track(track_request);
+  if (bench_command) return bench(bench_what, bench_command.remaining());
+
+  if (!show_window) {
+    fmt::print(stderr, "skein: this program was built without a window; try: skein run EXPERIMENT, skein --help\n");
+    return wrong_input;
+  }
+  const auto experiment = load({window_file, {}});
+  return experiment ? show_window({*experiment, window_file.empty()}, argc, argv) : wrong_input;
+}
+
+}  // namespace
+
+bool interrupted() noexcept {
+  return interrupted_flag.load();
+}
+
+int command_line(int argc, char** argv, const ShowWindow& show_window) {
+  try {
+    return parse_and_do(argc, argv, show_window);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "skein: {}\n", error.what());
+  } catch (...) {
+    fmt::print(stderr, "skein: an unknown error\n");
+  }
+  return device_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include "app/command_line.h"
+#include "app/commands.h"
+#include "app/csv_writer.h"
+#include "app/experiment_file.h"
+#include "app/report.h"
+#include "app/session.h"
+#include "app/statistics.h"
+
+namespace skein::app {
+namespace {
+
+/// A CSV on disk that fails loudly: a row that could not be written is an error of the run, not a gap in the data.
+class CsvFile final : public RecordSink {
+ public:
+  CsvFile(const std::string& path, const Experiment& experiment) : path_(path), buffer_(1 << 20) {
+    file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    file_.open(path, std::ios::binary | std::ios::trunc);
+    if (file_) writer_.emplace(file_, experiment);
+    check();
+  }
+  void record(const TickRecord& record) override {
+    writer_->record(record);
+    check();
+  }
+  void finish() {
+    file_.flush();
+    check();
+  }
+
+ private:
+  void check() const {
+    if (!file_) throw std::runtime_error(fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
+  }
+  std::string path_;
+  std::vector<char> buffer_;
+  std::ofstream file_;
+  std::optional<CsvWriter> writer_;
+};
+
+/// Tells a person at a terminal how far the run is; says nothing into a pipe.
+class Progress final : public RecordSink {
+ public:
+  Progress(const Experiment& experiment, bool quiet)
+      : duration_(experiment.duration), shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
+  ~Progress() override {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  void record(const TickRecord& record) override {
+    if (!shown_ || record.tick % 25 != 0) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    fmt::print(stderr, "\r\033[K{:.1f} s of {:g} s, tracking error {:.1f} mm", record.t, duration_,
+               1e3 * record.tracking_error());
+  }
+
+ private:
+  double duration_;
+  bool shown_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+bool anything_real(const Experiment& experiment) {
+  const bool real_robot = std::any_of(experiment.robots.begin(), experiment.robots.end(),
+                                      [](const RobotSpec& robot) { return !robot.simulated(); });
+  return real_robot || (experiment.camera.source != "none" && experiment.camera.source != "synthetic");
+}
+
+void complain(const std::string& text) {
+  fmt::print(stderr, "skein: {}\n", text);
+}
+
+}  // namespace
+
+std::optional<Experiment> load(const ExperimentRequest& request) {
+  if (request.file.empty()) return paper_experiment();
+  auto experiment = load_experiment(request.file, request.sets);
+  if (experiment) return std::move(*experiment);
+  for (const Problem& problem : experiment.error()) fmt::print(stderr, "{}\n", problem.message());
+  return {};
+}
+
+int run(const RunRequest& request) {
+  const auto experiment = load(request.experiment);
+  if (!experiment) return wrong_input;
+  const bool real = anything_real(*experiment);
+  if (real && request.speed == "max") {
+    complain("--speed max: only a run in which nothing is real can go faster than real time; allowed here: realtime");
+    return wrong_input;
+  }
+  const auto clock = real || request.speed == "realtime" ? Session::Clock::wall : Session::Clock::virtual_;
+  if (!request.report.empty())
+    if (auto possible = check_report(request.report); !possible) {
+      complain(possible.error());
+      return wrong_input;
+    }
+
+  Statistics statistics(*experiment);
+  Progress progress(*experiment, request.quiet);
+  SessionOptions options;
+  options.sinks = {&statistics, &progress};
+  std::vector<std::unique_ptr<CsvFile>> files;
+  try {
+    for (const std::string& path :
+         {request.csv, request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()}) {
+      if (path.empty()) continue;
+      files.push_back(std::make_unique<CsvFile>(path, *experiment));
+      options.sinks.push_back(files.back().get());
+    }
+  } catch (const std::exception& error) {
+    complain(error.what());
+    return wrong_input;
+  }
+
+  auto session = Session::open(*experiment, clock, options);
+  if (!session) {
+    complain(session.error());
+    return device_failed;
+  }
+  const Phase end = (*session)->run([] { return !interrupted(); });
+  (*session)->close();
+  for (const auto& file : files) file->finish();
+
+  Statistics::Summary summary = statistics.summary();
+  summary.stopped = end != Phase::finished;
+  summary.failure = (*session)->failure().value_or("");
+  const std::vector<RobotStatus> robots = (*session)->robots();
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    if (!robots[i].stop_acknowledged) summary.not_stopped.push_back(static_cast<int>(i));
+
+  if (!request.report.empty())
+    if (auto written = write_report(request.report, *experiment, summary); !written) {
+      complain(written.error());
+      return wrong_input;
+    }
+  if (!request.quiet) fmt::print("{}", request.json ? as_json(summary) + "\n" : as_lines(summary));
+
+  for (const int robot : summary.not_stopped)
+    complain(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",
+                         robot + 1));
+  if (!summary.failure.empty()) complain(summary.failure);
+  if (!summary.failure.empty() || !summary.not_stopped.empty()) return device_failed;
+  std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
+  if (summary.stopped)
+    failed.insert(failed.begin(), fmt::format("stopped at {:g} s of {:g} s", summary.duration, experiment->duration));
+  for (const std::string& sentence : failed) complain(sentence);
+  return failed.empty() ? done : expectation_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iostream>
+
+#include "app/command_line.h"
+#include "app/commands.h"
+#include "vision/track.h"
+
+namespace skein::app {
+
+int track(const TrackRequest& request) {
+  vision::TrackOptions options;
+  options.source = request.source;
+  if (!request.camera.empty()) {
+    auto calibration = vision::load_calibration(request.camera);
+    if (!calibration) {
+      fmt::print(stderr, "{}\n", calibration.error());
+      return wrong_input;
+    }
+    options.calibration = std::move(*calibration);
+  }
+  std::ofstream file;
+  if (!request.csv.empty()) {
+    file.open(request.csv, std::ios::binary | std::ios::trunc);
+    if (!file) {
+      fmt::print(stderr, "skein: {}: cannot be written\n", request.csv);
+      return wrong_input;
+    }
+  }
+  options.csv = request.csv.empty() ? &std::cout : &file;
+  const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
+  options.keep_going = [&](std::int64_t frames) {
+    if (show_progress && frames % 10 == 0) fmt::print(stderr, "\r\033[K{} frames", frames);
+    return !interrupted();
+  };
+  const auto summary = vision::track(options);
+  if (show_progress) fmt::print(stderr, "\r\033[K");
+  if (!summary) {
+    fmt::print(stderr, "skein: {}\n", summary.error());
+    return device_failed;
+  }
+  for (const std::string& skipped : summary->skipped) fmt::print(stderr, "skein: skipped {}\n", skipped);
+  if (!request.quiet) {
+    // With the rows on stdout the summary must not stand among them.
+    std::FILE* out = request.csv.empty() ? stderr : stdout;
+    fmt::print(out, "source: {}\nframes: {}\ndetections: {}\nids: {}\nskipped: {}\n", summary->source, summary->frames,
+               summary->detections, fmt::join(summary->ids, " "), summary->skipped.size());
+  }
+  return done;
+}
+
+}  // namespace skein::app

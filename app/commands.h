@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/experiment.h"
+
+namespace skein::app {
+
+/// The bodies of the subcommands; each returns an ExitStatus and says what went wrong on stderr.
+
+/// Where an experiment comes from on the command line.
+struct ExperimentRequest {
+  std::string file;               ///< empty: the paper's experiment
+  std::vector<std::string> sets;  ///< --set, with --duration and --seed
+};
+/// Loads it, or prints every problem to stderr.
+std::optional<Experiment> load(const ExperimentRequest& request);
+
+struct RunRequest {
+  ExperimentRequest experiment;
+  std::string csv, report, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
+  bool quiet = false, json = false;
+};
+int run(const RunRequest& request);
+
+int check(const ExperimentRequest& request);
+int replay(const std::string& csv);
+
+struct TrackRequest {
+  std::string source, camera, csv;
+  bool quiet = false;
+};
+int track(const TrackRequest& request);
+
+/// `what`: "tick", "run", "loopback"; empty: all. Further words go to Google Benchmark.
+int bench(const std::string& what, std::vector<std::string> arguments);
+
+}  // namespace skein::app

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <functional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/control_tick.h"
+#include "app/plant.h"
+#include "app/session_clock.h"
+
+namespace skein::app {
+
+/// Drives the tick: measure, tick, act, report, 25 times a second or as fast as the virtual clock goes. The same
+/// `cycle` in both.
+class ControlLoop {
+ public:
+  /// `report` gets every record on the control thread; it must neither wait nor allocate on the wall clock.
+  ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
+              std::function<void(const TickRecord&)> report);
+
+  // --- any one controlling thread ---
+  /// False when too much is asked at once (the queue of 64 is full).
+  bool post(const OperatorCommand& command) { return commands_.push(command); }
+  bool post_move(std::size_t robot, const core::Pose& pose) { return moves_.push({robot, pose}); }
+  /// Any thread: STOP, latched.
+  void stop() noexcept { stop_.store(true, std::memory_order_release); }
+
+  /// Wall clock: runs cycles at absolute deadlines until told to end. An exception in it is a stop and a failure.
+  void start_thread();
+  void end_thread();
+  /// Virtual clock: one tick.
+  void cycle_virtual();
+
+  Phase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
+  /// The present targets of the gains (the largest of all pairs), for the window.
+  double target(core::GainName name) const noexcept { return targets_[static_cast<std::size_t>(name)].load(); }
+  /// Set when the control thread died; the reason may be read then.
+  bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
+  const std::string& reason() const noexcept { return reason_; }
+  const TickRecord& prototype() const noexcept { return tick_.record(); }
+
+ private:
+  struct Move {
+    std::size_t robot;
+    core::Pose pose;
+  };
+  void thread(const std::stop_token& stop);
+  void cycle(double now, int elapsed);
+  void perturb(int elapsed, EventList& events);
+
+  const Experiment& experiment_;
+  SessionClock& clock_;
+  Plant& plant_;
+  std::function<void(const TickRecord&)> report_;
+  ControlTick tick_;
+  TickRecord out_;
+
+  boost::lockfree::spsc_queue<OperatorCommand, boost::lockfree::capacity<64>> commands_;
+  boost::lockfree::spsc_queue<Move, boost::lockfree::capacity<64>> moves_;
+  std::array<OperatorCommand, 64> obeyed_{};
+  std::vector<core::Measurement> newest_;
+  std::vector<core::Pose> truth_;
+  std::vector<core::WheelSpeeds> wheels_;
+  std::size_t next_perturbation_ = 0;
+  std::int64_t virtual_ticks_ = 0;
+
+  std::atomic<bool> stop_{false}, failed_{false};
+  std::atomic<Phase> phase_{Phase::ready};
+  std::array<std::atomic<double>, 3> targets_{};
+  std::string reason_;
+  std::jthread thread_;
+};
+
+}  // namespace skein::app

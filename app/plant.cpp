@@ -1,0 +1,163 @@
+#include "app/plant.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace skein::app {
+namespace {
+
+constexpr double open_timeout = 15.0;      // a Bluetooth connection takes a few seconds, a robot may be asked twice [s]
+constexpr double close_timeout = 1.0;      // for the stops to be acknowledged [s]
+constexpr double lock_step_timeout = 2.0;  // an emulated robot answers in well under a millisecond [s]
+constexpr double tolerated_down_time = 0.2;  // a link that is not up for longer than this ends the run [s]
+
+tl::expected<comms::LinkAddress, std::string> address_of(const RobotSpec& robot) {
+  auto address = comms::parse_link_address(robot.address);
+  if (address && !robot.adapter.empty()) address->adapter = robot.adapter;
+  return address;
+}
+
+}  // namespace
+
+Plant::Plant(const Experiment& experiment, SessionClock& clock)
+    : experiment_(experiment), clock_(clock), world_(experiment) {}
+
+Plant::~Plant() {
+  close();
+}
+
+tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& experiment, SessionClock& clock,
+                                                              bool pictures) {
+  std::unique_ptr<Plant> plant(new Plant(experiment, clock));
+
+  std::vector<core::MotorModel> emulated;
+  std::vector<std::size_t> emulated_robots;
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    if (experiment.robots[i].link == RobotSpec::Link::sim) continue;
+    plant->linked_.push_back(i);
+    if (experiment.robots[i].link != RobotSpec::Link::loopback) continue;
+    emulated.push_back(experiment.robots[i].motor);
+    emulated_robots.push_back(i);
+  }
+  if (!emulated.empty()) {
+    SimulatedWorld& world = plant->world_;
+    plant->emulator_ = std::make_unique<comms::PtyEmulator>(
+        emulated,
+        [&world, &clock, emulated_robots](std::size_t k, const core::WheelSpeeds& actual) {
+          world.turn(emulated_robots[k], clock.now(), actual);
+        },
+        [&clock] { return clock.now(); });
+  }
+  if (!plant->linked_.empty()) {
+    std::vector<comms::LinkAddress> addresses;
+    std::size_t next_emulated = 0;
+    for (const std::size_t i : plant->linked_) {
+      if (experiment.robots[i].link == RobotSpec::Link::loopback) {
+        comms::LinkAddress address;
+        address.kind = comms::LinkKind::serial;
+        address.device = plant->emulator_->device(next_emulated++);
+        addresses.push_back(address);
+        continue;
+      }
+      auto address = address_of(experiment.robots[i]);
+      if (!address) return tl::unexpected(fmt::format("robot {}: {}", i + 1, address.error()));
+      addresses.push_back(*address);
+    }
+    comms::LinkOptions options;
+    // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
+    if (!clock.wall()) options.command_silence = options.reply_timeout = lock_step_timeout;
+    plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, options);
+    plant->down_since_.assign(addresses.size(), none);
+    if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
+  }
+  if (experiment.camera.source != "none") {
+    auto camera = CameraRig::open(experiment, clock, plant->world_, pictures);
+    if (!camera) return tl::unexpected(camera.error());
+    plant->camera_ = std::move(*camera);
+    if (clock.wall()) plant->camera_->start();
+  }
+  return plant;
+}
+
+void Plant::measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth) {
+  world_.advance(now);
+  if (camera_) {
+    if (!clock_.wall()) camera_->look();
+    camera_->newest(newest);
+  } else {
+    for (std::size_t i = 0; i < newest.size(); ++i)
+      if (simulated(i)) newest[i] = world_.measure(i, now);
+  }
+  world_.poses(truth);
+}
+
+void Plant::act(std::span<const core::WheelSpeeds> wheels) {
+  const bool stopped = stopped_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < wheels.size(); ++i)
+    if (experiment_.robots[i].link == RobotSpec::Link::sim)
+      world_.command(i, stopped ? core::WheelSpeeds{} : wheels[i]);
+  if (!links_ || stopped) return;
+  for (std::size_t k = 0; k < linked_.size(); ++k) {
+    const core::WheelSpeeds& w = wheels[linked_[k]];
+    links_->command(k, static_cast<int>(w.left), static_cast<int>(w.right));
+  }
+  if (!clock_.wall() && !links_->wait_acknowledged(lock_step_timeout))
+    unacknowledged_.store(true, std::memory_order_release);
+}
+
+void Plant::stop() noexcept {
+  stopped_.store(true, std::memory_order_release);
+  if (links_) links_->emergency_stop();
+  try {
+    world_.stop();
+  } catch (...) {  // a mutex that cannot be locked; the control thread's next act stops the simulated robots as well
+  }
+}
+
+std::vector<RobotStatus> Plant::robots() const {
+  std::vector<RobotStatus> all(experiment_.robots.size());
+  for (RobotStatus& robot : all) {
+    robot.link = "simulated";
+    robot.stop_acknowledged = true;
+  }
+  if (!links_) return all;
+  const std::vector<comms::LinkStatus> links = final_status_.empty() ? links_->status() : final_status_;
+  for (std::size_t k = 0; k < links.size(); ++k)
+    all[linked_[k]] = {std::string(comms::to_text(links[k].state)),
+                       links[k].reason,
+                       links[k].exchanges > 0 ? links[k].rtt_median : none,
+                       links[k].exchanges,
+                       links[k].timeouts,
+                       links[k].reconnects,
+                       links[k].stop_acknowledged};
+  return all;
+}
+
+std::optional<std::string> Plant::failure() {
+  if (camera_ && camera_->failed()) return camera_->reason();
+  if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
+  if (!links_ || !final_status_.empty()) return {};
+  const std::vector<comms::LinkStatus> links = links_->status();
+  const double now = clock_.now();
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const bool up = links[k].state == comms::LinkState::up;
+    if (up)
+      down_since_[k] = none;
+    else if (std::isnan(down_since_[k]))
+      down_since_[k] = now;
+    else if (now - down_since_[k] > tolerated_down_time)
+      return fmt::format("robot {}: the link is {}{}{}", linked_[k] + 1, comms::to_text(links[k].state),
+                         links[k].reason.empty() ? "" : ": ", links[k].reason);
+  }
+  return {};
+}
+
+void Plant::close() {
+  stopped_.store(true, std::memory_order_release);
+  if (camera_) camera_->end();
+  if (links_ && final_status_.empty()) final_status_ = links_->close(close_timeout);
+  world_.stop();
+}
+
+}  // namespace skein::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/camera_rig.h"
+#include "app/session.h"
+#include "app/session_clock.h"
+#include "app/simulated_world.h"
+#include "comms/emulator/pty_emulator.h"
+#include "comms/link_supervisor.h"
+
+namespace skein::app {
+
+/// Everything between a wheel command and a measured pose: what stands at the two ends of the control tick. Simulated
+/// robots, emulated ones and real ones, a camera or none, as the experiment file says for each.
+class Plant {
+ public:
+  static tl::expected<std::unique_ptr<Plant>, std::string> open(const Experiment& experiment, SessionClock& clock,
+                                                                bool pictures);
+  ~Plant();
+
+  /// The newest pose of each robot at time `now`, and the true ones of those that are simulated. The control thread's.
+  void measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth);
+  /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
+  /// thread's.
+  void act(std::span<const core::WheelSpeeds> wheels);
+  /// Stops everything at once and for good. Any thread.
+  void stop() noexcept;
+
+  /// True where a robot is simulated; `move` puts it somewhere.
+  bool simulated(std::size_t robot) const { return experiment_.robots[robot].simulated(); }
+  void move(std::size_t robot, const core::Pose& pose) { world_.place(robot, pose); }
+  core::Pose pose(std::size_t robot) const { return world_.pose(robot); }
+
+  CameraRig* camera() noexcept { return camera_.get(); }
+  const CameraRig* camera() const noexcept { return camera_.get(); }
+
+  std::vector<RobotStatus> robots() const;
+  /// Looks after links and camera: why the run cannot go on, if it cannot. Not the control thread's.
+  std::optional<std::string> failure();
+  /// Stops every robot and waits, at most a second, until each has acknowledged.
+  void close();
+
+ private:
+  Plant(const Experiment& experiment, SessionClock& clock);
+
+  const Experiment& experiment_;
+  SessionClock& clock_;
+  SimulatedWorld world_;
+  std::vector<std::size_t> linked_;  // robot of each link
+  std::unique_ptr<comms::PtyEmulator> emulator_;
+  std::unique_ptr<comms::LinkSupervisor> links_;
+  std::vector<comms::LinkStatus> final_status_;  // after close()
+  std::unique_ptr<CameraRig> camera_;            // last: its thread uses the world
+  std::atomic<bool> stopped_{false}, unacknowledged_{false};
+  std::vector<double> down_since_;  // of each link; NaN while up
+};
+
+}  // namespace skein::app

@@ -1,0 +1,223 @@
+#include "app/session.h"
+
+#include <fmt/format.h>
+
+#include <mutex>
+#include <thread>
+
+#include "app/control_loop.h"
+#include "app/plant.h"
+#include "app/record_channel.h"
+
+namespace skein::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t channel_capacity =
+    500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
+constexpr auto recorder_period = 20ms;
+
+/// The rows of a run: its running ticks, and after the start whatever else something happened in (pause, stop).
+bool belongs_to_run(const TickRecord& record, bool started) noexcept {
+  return record.phase == Phase::running || (started && !record.events.empty());
+}
+
+}  // namespace
+
+/// Every arrow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control loop.
+struct Session::Impl {
+  Impl(const Experiment& e, Clock c, SessionOptions o)
+      : experiment(e), options(std::move(o)), clock(c == Clock::wall) {}
+
+  void publish(const TickRecord& record) {  // on the control thread
+    if (clock.wall()) {
+      recorder_channel->push(record);
+      window_channel->push(record);
+    } else {
+      tell_sinks(record);
+    }
+  }
+
+  void tell_sinks(const TickRecord& record) {
+    if (belongs_to_run(record, started))
+      for (RecordSink* sink : options.sinks) sink->record(record);
+    started = started || record.phase == Phase::running;
+  }
+
+  void fail(std::string reason) {
+    {
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::move(reason);
+    }
+    stop();
+  }
+
+  void stop() noexcept {
+    loop->stop();
+    plant->stop();
+  }
+
+  /// Rows to the sinks, an eye on links and camera; a thread of its own, so that a slow disk delays nobody.
+  void recorder(const std::stop_token& token) {
+    while (true) {
+      const bool last = token.stop_requested();
+      try {
+        recorder_channel->drain([this](const TickRecord& record) { tell_sinks(record); });
+      } catch (const std::exception& error) {
+        fail(fmt::format("the record of the run could not be kept: {}", error.what()));
+        return;
+      }
+      if (last) return;
+      watch();
+      std::this_thread::sleep_for(recorder_period);
+    }
+  }
+
+  void watch() {
+    const Phase phase = loop->phase();
+    if (loop->failed()) fail(loop->reason());
+    if (phase == Phase::stopped || phase == Phase::finished) return;
+    if (auto reason = plant->failure()) fail(*reason);
+  }
+
+  const Experiment experiment;
+  SessionOptions options;
+  SessionClock clock;
+  core::Gains gains;
+  core::ReferenceDemand demand;
+  std::unique_ptr<Plant> plant;
+  std::unique_ptr<ControlLoop> loop;
+  std::unique_ptr<RecordChannel> recorder_channel, window_channel;
+  std::jthread recorder_thread;
+  bool started = false;  // the sinks' thread's
+  bool closed = false;
+  mutable std::mutex failure_mutex;
+  std::optional<std::string> failure;
+};
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Session::~Session() {
+  close();
+}
+
+tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experiment& experiment, Clock clock,
+                                                                  SessionOptions options) {
+  auto impl = std::make_unique<Impl>(experiment, clock, std::move(options));
+  Impl& i = *impl;
+  i.gains = make_gains(experiment);
+  i.demand = make_reference(experiment).demand(experiment.controller.k_y);
+
+  auto plant = Plant::open(i.experiment, i.clock, i.options.pictures);
+  if (!plant) return tl::unexpected(plant.error());
+  i.plant = std::move(*plant);
+  i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
+                                         [&i](const TickRecord& record) { i.publish(record); });
+  if (i.clock.wall()) {
+    i.recorder_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
+    i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
+    i.recorder_thread = std::jthread([&i](const std::stop_token& token) { i.recorder(token); });
+    i.loop->start_thread();
+  }
+  return std::unique_ptr<Session>(new Session(std::move(impl)));
+}
+
+const Experiment& Session::experiment() const noexcept {
+  return impl_->experiment;
+}
+
+void Session::start() {
+  impl_->loop->post({OperatorCommand::Kind::start, {}, 0.0});
+}
+void Session::pause() {
+  impl_->loop->post({OperatorCommand::Kind::pause, {}, 0.0});
+}
+void Session::resume() {
+  impl_->loop->post({OperatorCommand::Kind::resume, {}, 0.0});
+}
+void Session::stop() noexcept {
+  impl_->stop();
+}
+
+void Session::set_gain(core::GainName name, double value) {
+  impl_->loop->post({OperatorCommand::Kind::gain, name, value});
+}
+
+double Session::gain_border(core::GainName name) const {
+  const std::size_t n = impl_->experiment.robots.size();
+  const auto all_pairs = [&](core::GainName gain) { return core::PairTable(n, impl_->loop->target(gain)); };
+  const core::CouplingGains targets{all_pairs(core::GainName::k_xx), all_pairs(core::GainName::k_tt),
+                                    all_pairs(core::GainName::k_yy)};
+  return core::gain_border(name, impl_->gains, targets, impl_->demand);
+}
+
+tl::expected<void, std::string> Session::move_robot(std::size_t robot, const core::Pose& pose) {
+  if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  if (!impl_->plant->simulated(robot))
+    return tl::unexpected(fmt::format("robot {} is real: put it there by hand", robot + 1));
+  if (!impl_->loop->post_move(robot, pose)) return tl::unexpected(std::string("too many moves at once"));
+  return {};
+}
+
+std::size_t Session::drain(const std::function<void(const TickRecord&)>& take) {
+  return impl_->window_channel ? impl_->window_channel->drain(take) : 0;
+}
+
+bool Session::picture(Picture& out) {
+  return has_camera() && !impl_->closed && impl_->plant->camera()->picture(out);
+}
+bool Session::has_camera() const noexcept {
+  return impl_->experiment.camera.source != "none";
+}
+
+std::array<double, 2> Session::pixel(double x, double y) const {
+  const CameraRig* camera = impl_->plant->camera();
+  return camera ? camera->pixel(x, y) : std::array{none, none};
+}
+
+std::vector<RobotStatus> Session::robots() const {
+  return impl_->plant->robots();
+}
+
+std::optional<std::string> Session::failure() const {
+  const std::lock_guard lock(impl_->failure_mutex);
+  return impl_->failure;
+}
+
+Phase Session::run(const std::function<bool()>& keep_on) {
+  Impl& i = *impl_;
+  const auto over = [&] { return i.loop->phase() == Phase::stopped || i.loop->phase() == Phase::finished; };
+  const auto ask = [&] {
+    if (keep_on && !keep_on()) i.stop();
+  };
+  start();
+  if (i.clock.wall()) {
+    while (!over() && !i.loop->failed()) {
+      ask();
+      std::this_thread::sleep_for(5ms);
+    }
+    return i.loop->phase();
+  }
+  constexpr int between_questions = 16;  // ticks: a fraction of a second even where a camera is rendered
+  for (int k = 0; !over(); ++k) {
+    if (k % between_questions == 0) ask();
+    i.loop->cycle_virtual();
+    i.watch();
+  }
+  return i.loop->phase();
+}
+
+void Session::close() {
+  Impl& i = *impl_;
+  if (i.closed) return;
+  i.closed = true;
+  i.stop();
+  i.loop->end_thread();
+  i.plant->close();
+  if (i.recorder_thread.joinable()) {
+    i.recorder_thread.request_stop();
+    i.recorder_thread.join();
+  }
+}
+
+}  // namespace skein::app

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <mutex>
+#include <vector>
+
+#include "app/experiment.h"
+
+namespace skein::app {
+
+/// The floor with the simulated robots of an experiment (those behind an emulated e-puck included). Shared by the
+/// control thread, the camera's and the emulator's: every call is short and holds the one mutex. Robots that are not
+/// simulated are not on it: they have no pose (NaN) and ignore everything.
+class SimulatedWorld {
+ public:
+  explicit SimulatedWorld(const Experiment& experiment);
+
+  /// Everybody drives on until `now` [s]. Times in the past change nothing.
+  void advance(double now);
+  /// Wheel speeds as commanded [steps/s], from now on.
+  void command(std::size_t robot, const core::WheelSpeeds& wheels);
+  /// Step rates as an emulated robot's motors run them, from time `now` on.
+  void turn(std::size_t robot, double now, const core::WheelSpeeds& actual);
+  void stop();
+
+  void place(std::size_t robot, const core::Pose& pose);
+  core::Pose pose(std::size_t robot) const;
+  void poses(std::span<core::Pose> all) const;
+  core::Measurement measure(std::size_t robot, double now);
+
+ private:
+  void advance_locked(double now);
+
+  mutable std::mutex mutex_;
+  std::vector<core::SimulatedRobot> robots_;
+  std::vector<bool> simulated_;
+  double now_ = 0.0;
+};
+
+}  // namespace skein::app
