@@ -36,6 +36,15 @@ constexpr auto the_stop_sequence = make_stop_sequence();
 // Longest run of bytes without a line end that is kept; the longest line that a robot says has 63.
 constexpr std::size_t longest_line = 4096;
 
+// "s", or "s" behind a late binary answer, which has no line end of its own: up to 4 bytes, not all of them text. (Four
+// that happen to be are passed over, and the repeated stop gets a line of its own.)
+bool says_stopped(std::string_view line) {
+  if (line.empty() || line.back() != 's') return false;
+  line.remove_suffix(1);
+  const auto is_text = [](char c) { return c >= ' ' && c <= '~'; };
+  return line.empty() || (line.size() <= encoder_reply_size && !std::all_of(line.begin(), line.end(), is_text));
+}
+
 }  // namespace
 
 WheelCommand clamped(int left, int right) noexcept {
@@ -126,9 +135,7 @@ std::optional<Reply> ReplyParser::next_line() {
     const std::string text(buffer_.begin(), end);
     const bool whole = *end == '\r' && *(end + 1) == '\n';
     buffer_.erase(buffer_.begin(), end + (whole ? 2 : 1));
-    // A late binary answer has no line end of its own: up to 4 bytes of it stand in front of the "s".
-    if (whole && !text.empty() && text.back() == 's' && text.size() <= 1 + encoder_reply_size)
-      return Reply{.kind = Reply::Kind::stopped, .encoders = {}, .text = {}};
+    if (whole && says_stopped(text)) return Reply{.kind = Reply::Kind::stopped, .encoders = {}, .text = {}};
     if (!text.empty()) return Reply{.kind = Reply::Kind::line, .encoders = {}, .text = text};
   }
 }

@@ -11,8 +11,8 @@ namespace skein::comms {
 struct EmulateOptions {
   std::size_t robots = 1;                             ///< how many, 1 or more
   core::MotorModel model = core::MotorModel::epuck2;  ///< of all of them
-  std::string directory;  ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
-  bool verbose = false;   ///< print every change of a robot's wheels
+  std::string directory{};  ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
+  bool verbose = false;     ///< print every change of a robot's wheels
 };
 
 /// Runs emulated robots until SIGINT or SIGTERM comes (to the process or to this thread). Prints one line

@@ -1,0 +1,396 @@
+#include "comms/link_session.h"
+
+#include <limits>
+#include <optional>
+
+#include "comms/emulator/epuck_firmware.h"
+#include "tests/comms/bytes.h"
+#include "tests/property.h"
+
+namespace skein::comms {
+namespace {
+
+using test::Bytes;
+using test::bytes;
+
+const Bytes exact_stop(stop_sequence().begin(), stop_sequence().end());
+
+/// A session and an emulated robot on a clock of their own, with the link between them in the test's hands.
+struct Lab {
+  explicit Lab(LinkOptions options = {}, core::MotorModel model = core::MotorModel::epuck2)
+      : session(options), robot(model) {}
+
+  /// What the session wants to send now; taken off it.
+  Bytes take() {
+    const Bytes out(session.output().begin(), session.output().end());
+    session.sent(out.size());
+    return out;
+  }
+  /// Carries bytes to and fro until nobody has anything to say.
+  void talk() {
+    while (!session.output().empty()) {
+      Bytes reply;
+      robot.receive(take(), reply);
+      session.received(reply, now);
+    }
+  }
+  void pass(double seconds) {
+    robot.advance(seconds);
+    now += seconds;
+    session.advance(now);
+  }
+  /// To the session's next deadline.
+  void pass() { pass(std::max(0.0, session.deadline() - now)); }
+  void command(int left, int right) { session.command(clamped(left, right), ++ticket, now); }
+  void open() {
+    session.opened(now);
+    talk();
+    ASSERT_TRUE(session.up());
+  }
+  LinkState state() const { return session.status().state; }
+
+  double now = 1000.0;
+  LinkSession session;
+  EpuckFirmware robot;
+  std::uint16_t ticket = 0;
+};
+
+TEST(LinkSession, OpensWithTheStopSequence) {
+  Lab lab;
+  EXPECT_EQ(lab.state(), LinkState::down);
+  lab.session.opened(lab.now);
+  EXPECT_EQ(lab.state(), LinkState::synchronising);
+  EXPECT_EQ(lab.take(), exact_stop);
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_EQ(lab.state(), LinkState::up);
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+}
+
+TEST(LinkSession, RepeatsTheStopUntilItIsAnswered) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(lab.take(), exact_stop);
+    EXPECT_FALSE(lab.session.stop_acknowledged());
+    lab.pass();
+  }
+  EXPECT_EQ(lab.state(), LinkState::stale);
+  EXPECT_EQ(lab.session.status().timeouts, 5u);
+  // Six answers were asked for; the link is up when all have come, so that none is mistaken for something else.
+  lab.take();
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+  EXPECT_FALSE(lab.session.up());
+  for (int i = 0; i < 5; ++i) lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_TRUE(lab.session.up());
+}
+
+TEST(LinkSession, DoesNotWaitForeverForAnswersToRepetitions) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  lab.take();
+  lab.pass();
+  lab.take();
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_FALSE(lab.session.up());
+  lab.pass();
+  EXPECT_TRUE(lab.session.up());
+}
+
+TEST(LinkSession, OneExchangeSetsSpeedsAndReadsEncoders) {
+  Lab lab;
+  lab.open();
+  lab.command(100, -200);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xAF, 0x00}));
+  EXPECT_FALSE(lab.session.stop_acknowledged());
+  lab.pass(0.003);
+  lab.session.received(Bytes{0, 0, 0, 0}, lab.now);
+  const LinkStatus status = lab.session.status();
+  EXPECT_EQ(status.exchanges, 1u);
+  EXPECT_NEAR(status.rtt_median, 0.003, 1e-9);
+  EXPECT_EQ(status.bytes_sent, exact_stop.size() + 7u);
+  EXPECT_EQ(status.bytes_received, 3u + 4u);
+  EXPECT_EQ(lab.session.answered_ticket(), lab.ticket);
+}
+
+TEST(LinkSession, WhileAReplyIsOutstandingTheNewestCommandWaits) {
+  Lab lab;
+  lab.open();
+  lab.command(1, 1);
+  lab.take();
+  lab.command(2, 2);
+  lab.command(3, 3);
+  EXPECT_EQ(lab.take(), Bytes{});
+  lab.session.received(Bytes{0, 0}, lab.now);  // half a reply
+  EXPECT_EQ(lab.take(), Bytes{});
+  lab.session.received(Bytes{0, 0}, lab.now);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 3, 0, 3, 0, 0xAF, 0}));
+}
+
+TEST(LinkSession, CommandSilenceStopsTheRobotOnce) {
+  Lab lab;
+  lab.open();
+  lab.command(300, 300);
+  lab.talk();
+  EXPECT_NE(lab.robot.wheels(), core::WheelSpeeds{});
+  lab.pass(0.099);
+  EXPECT_EQ(lab.take(), Bytes{});
+  lab.pass(0.002);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0, 0, 0, 0, 0xAF, 0}));
+  lab.session.received(Bytes{0, 0, 0, 0}, lab.now);
+  lab.pass();
+  EXPECT_EQ(lab.take(), (Bytes{0xAF, 0x00})) << "then only heartbeats, which leave the wheels alone";
+  lab.session.received(Bytes{0, 0, 0, 0}, lab.now);
+  lab.command(300, 300);
+  lab.talk();
+  lab.pass(0.11);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0, 0, 0, 0, 0xAF, 0})) << "and again after the next silence";
+}
+
+TEST(LinkSession, SilenceAndHeartbeatCanBeTurnedOff) {
+  Lab lab({.command_silence = 0.0, .heartbeat = 0.0});
+  lab.open();
+  lab.command(300, 300);
+  lab.talk();
+  EXPECT_EQ(lab.session.deadline(), std::numeric_limits<double>::infinity());
+  lab.pass(100.0);
+  EXPECT_EQ(lab.take(), Bytes{});
+  EXPECT_EQ(lab.session.silent_since(), std::numeric_limits<double>::infinity());
+}
+
+TEST(LinkSession, ALostReplyLeadsToTheStopAndTheCommandIsSentAgain) {
+  Lab lab({.command_silence = 0.0});
+  lab.open();
+  lab.command(300, 300);
+  lab.take();  // lost on the way
+  lab.pass();
+  EXPECT_EQ(lab.state(), LinkState::stale);
+  EXPECT_EQ(lab.take(), exact_stop);
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x2C, 0x01, 0x2C, 0x01, 0xAF, 0}));
+  EXPECT_NE(lab.session.answered_ticket(), lab.ticket);
+}
+
+TEST(LinkSession, AfterALostReplyAnOldCommandIsNotSentAgain) {
+  Lab lab({.reply_timeout = 0.2, .command_silence = 0.1});
+  lab.open();
+  lab.command(300, 300);
+  lab.take();
+  lab.pass();
+  lab.take();
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_TRUE(lab.session.up());
+  EXPECT_EQ(lab.take(), Bytes{});
+}
+
+TEST(LinkSession, ALateReplyInFrontOfTheStopsAnswerIsNoTrouble) {
+  Lab lab;
+  lab.open();
+  lab.command(300, 300);
+  lab.take();
+  lab.pass();
+  lab.take();
+  lab.session.received(Bytes{0x0D, 0x0A, 0x73, 0x0D}, lab.now);
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_TRUE(lab.session.up());
+}
+
+TEST(LinkSession, EmergencyStopGoesOutWithAReplyOutstanding) {
+  Lab lab;
+  lab.open();
+  lab.command(300, 300);
+  Bytes late;
+  lab.robot.receive(lab.take(), late);
+  lab.command(400, 400);
+  lab.session.stop(lab.now);
+  EXPECT_EQ(lab.session.output().size(), exact_stop.size());
+  EXPECT_FALSE(lab.session.stop_acknowledged());
+  lab.session.received(late, lab.now);
+  lab.talk();
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+  EXPECT_EQ(lab.robot.wheels(), core::WheelSpeeds{});
+  EXPECT_TRUE(lab.session.up());
+  EXPECT_EQ(lab.take(), Bytes{}) << "the command that waited is void";
+}
+
+TEST(LinkSession, EmergencyStopReplacesBytesThatNobodyTook) {
+  Lab lab;
+  lab.open();
+  lab.command(300, 300);
+  lab.session.sent(3);  // the system took no more
+  lab.session.stop(lab.now);
+  EXPECT_EQ(lab.take(), exact_stop);
+}
+
+TEST(LinkSession, AfterAReconnectItStaysStoppedUntilANewCommand) {
+  Lab lab;
+  lab.open();
+  lab.command(300, 300);
+  lab.talk();
+  lab.session.lost("the line hung up");
+  EXPECT_EQ(lab.state(), LinkState::down);
+  EXPECT_EQ(lab.session.status().reason, "the line hung up");
+  EXPECT_FALSE(lab.session.stop_acknowledged());
+  lab.command(310, 310);
+  lab.open();
+  EXPECT_EQ(lab.robot.wheels(), core::WheelSpeeds{});
+  lab.command(200, 200);
+  lab.talk();
+  EXPECT_EQ(lab.robot.wheels(), (core::WheelSpeeds{200, 200}));
+}
+
+TEST(LinkSession, EncodersAreUnwrappedAndARestartAddsNothing) {
+  Lab lab({.command_silence = 0.0, .heartbeat = 0.0}, core::MotorModel::epuck1);
+  lab.open();
+  lab.command(0, 0);
+  lab.talk();
+  for (int i = 0; i < 100; ++i) {
+    lab.command(1000, -1000);
+    lab.talk();
+    lab.pass(1.0);
+  }
+  lab.command(0, 0);
+  lab.talk();
+  EXPECT_EQ(lab.session.status().left_steps, 100000);
+  EXPECT_EQ(lab.session.status().right_steps, -100000);
+
+  lab.robot.boot();
+  lab.session.received(bytes(lab.robot.greeting()), lab.now);
+  EXPECT_EQ(lab.session.status().reason, "the robot restarted");
+  EXPECT_EQ(lab.state(), LinkState::stale);
+  lab.talk();
+  lab.command(0, 0);
+  lab.talk();
+  EXPECT_EQ(lab.state(), LinkState::up);
+  EXPECT_EQ(lab.session.status().left_steps, 100000);
+}
+
+TEST(LinkSession, AGreetingInPlaceOfAReplyIsNotTakenForEncoders) {
+  Lab lab;
+  lab.open();
+  lab.command(100, 100);
+  lab.talk();
+  const std::int64_t steps = lab.session.status().left_steps;
+  lab.command(100, 100);
+  lab.take();  // the robot loses power before it hears this
+  lab.robot.boot();
+  const std::string greeting = lab.robot.greeting();
+  lab.session.received(bytes(greeting.substr(0, 30)), lab.now);
+  lab.session.received(bytes(greeting.substr(30)), lab.now);
+  lab.talk();
+  EXPECT_EQ(lab.session.status().reason, "the robot restarted");
+  EXPECT_EQ(lab.session.status().left_steps, steps);
+  EXPECT_TRUE(lab.session.up());
+}
+
+TEST(LinkSession, UnaskedBytesLeadToTheStop) {
+  Lab lab;
+  lab.open();
+  lab.session.received(bytes("?"), lab.now);
+  EXPECT_EQ(lab.state(), LinkState::stale);
+  EXPECT_EQ(lab.take(), exact_stop);
+}
+
+// Whatever goes wrong on the line, once it is quiet the link comes up and does as it is told.
+TEST(LinkSession, RecoversFromAnything) {
+  test::holds("after losses, noise, restarts and stops the link works again", [] {
+    Lab lab({}, *rc::gen::element(core::MotorModel::epuck1, core::MotorModel::epuck2));
+    lab.session.opened(lab.now);
+    const int events = *rc::gen::inRange(0, 40);
+    for (int i = 0; i < events; ++i) {
+      switch (*rc::gen::inRange(0, 9)) {
+        case 0:
+          lab.command(*rc::gen::inRange(-1200, 1200), *rc::gen::inRange(-1200, 1200));
+          break;
+        case 1:
+          lab.talk();
+          break;
+        case 2:
+          lab.take();  // lost on the way to the robot
+          break;
+        case 3: {  // a part of it lost, the answer too
+          const Bytes out = lab.take();
+          Bytes ignored;
+          lab.robot.receive(std::span(out).first(*rc::gen::inRange<std::size_t>(0, out.size() + 1)), ignored);
+          break;
+        }
+        case 4:
+          lab.session.received(*rc::gen::arbitrary<Bytes>(), lab.now);
+          break;
+        case 5:
+          lab.robot.boot();
+          lab.session.received(bytes(lab.robot.greeting()), lab.now);
+          break;
+        case 6:
+          lab.session.stop(lab.now);
+          break;
+        case 7:
+          lab.session.lost("test");
+          lab.session.opened(lab.now);
+          break;
+        default:
+          lab.pass(*rc::gen::inRange(0, 300) * 0.001);
+      }
+      RC_ASSERT(lab.session.output().size() <= exact_stop.size());
+    }
+    for (int i = 0; i < 5; ++i) {
+      lab.talk();
+      lab.pass();
+    }
+    lab.talk();
+    RC_ASSERT(lab.session.up());
+    lab.command(123, -45);
+    lab.talk();
+    RC_ASSERT(lab.session.answered_ticket() == lab.ticket);
+    RC_ASSERT(lab.robot.wheels().left == core::actual_step_rate(core::MotorModel::epuck2, 123) ||
+              lab.robot.wheels().left == core::actual_step_rate(core::MotorModel::epuck1, 123));
+    lab.session.stop(lab.now);
+    lab.talk();
+    RC_ASSERT(lab.session.stop_acknowledged());
+    RC_ASSERT(lab.robot.wheels() == core::WheelSpeeds{});
+  });
+}
+
+// The safety rule itself: an acknowledged stop is a robot that stands, as long as the bytes arrive unchanged.
+TEST(LinkSession, AnAcknowledgedStopIsTrue) {
+  test::holds("stop_acknowledged() only while the wheels stand", [] {
+    Lab lab;
+    lab.session.opened(lab.now);
+    Bytes on_the_way_there, on_the_way_back;
+    const int events = *rc::gen::inRange(0, 60);
+    for (int i = 0; i < events; ++i) {
+      switch (*rc::gen::inRange(0, 6)) {
+        case 0:
+          lab.command(*rc::gen::inRange(1, 1200), *rc::gen::inRange(-1200, 0));
+          break;
+        case 1: {
+          const Bytes out = lab.take();
+          on_the_way_there.insert(on_the_way_there.end(), out.begin(), out.end());
+          break;
+        }
+        case 2: {
+          const auto count = *rc::gen::inRange<std::size_t>(0, on_the_way_there.size() + 1);
+          lab.robot.receive(std::span(on_the_way_there).first(count), on_the_way_back);
+          on_the_way_there.erase(on_the_way_there.begin(),
+                                 on_the_way_there.begin() + static_cast<std::ptrdiff_t>(count));
+          break;
+        }
+        case 3: {
+          const auto count = *rc::gen::inRange<std::size_t>(0, on_the_way_back.size() + 1);
+          lab.session.received(std::span(on_the_way_back).first(count), lab.now);
+          on_the_way_back.erase(on_the_way_back.begin(), on_the_way_back.begin() + static_cast<std::ptrdiff_t>(count));
+          break;
+        }
+        case 4:
+          lab.session.stop(lab.now);
+          break;
+        default:
+          lab.pass(*rc::gen::inRange(0, 250) * 0.001);
+      }
+      if (lab.session.stop_acknowledged()) RC_ASSERT(lab.robot.wheels() == core::WheelSpeeds{});
+    }
+  });
+}
+
+}  // namespace
+}  // namespace skein::comms
