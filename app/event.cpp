@@ -2,43 +2,72 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "comms/link_status.h"
 
 namespace skein::app {
 namespace {
 
-const char* word(Event::Kind kind) noexcept {
-  switch (kind) {
-    case Event::Kind::start:
-      return "start";
-    case Event::Kind::pause:
-      return "pause";
-    case Event::Kind::resume:
-      return "resume";
-    case Event::Kind::stop:
-      return "stop";
-    case Event::Kind::perturb:
-      return "perturb";
-    case Event::Kind::move:
-      return "move";
-    case Event::Kind::gain:
-      return "gain";
-    case Event::Kind::gain_held:
-      return "gain_held";
-    case Event::Kind::lost:
-      return "lost";
-    case Event::Kind::found:
-      return "found";
-    case Event::Kind::avoid:
-      return "avoid";
-    case Event::Kind::clear:
-      return "clear";
-    case Event::Kind::deadline_missed:
-      return "deadline_missed";
-    case Event::Kind::link:
-      return "link";
+using Kind = Event::Kind;
+
+constexpr std::array<std::pair<Kind, std::string_view>, 14> words{{{Kind::start, "start"},
+                                                                   {Kind::pause, "pause"},
+                                                                   {Kind::resume, "resume"},
+                                                                   {Kind::stop, "stop"},
+                                                                   {Kind::perturb, "perturb"},
+                                                                   {Kind::move, "move"},
+                                                                   {Kind::gain, "gain"},
+                                                                   {Kind::gain_held, "gain_held"},
+                                                                   {Kind::lost, "lost"},
+                                                                   {Kind::found, "found"},
+                                                                   {Kind::avoid, "avoid"},
+                                                                   {Kind::clear, "clear"},
+                                                                   {Kind::deadline_missed, "deadline_missed"},
+                                                                   {Kind::link, "link"}}};
+
+constexpr int link_states = static_cast<int>(comms::LinkState::closed) + 1;
+
+std::string_view link_word(double state) {
+  return comms::to_text(static_cast<comms::LinkState>(static_cast<int>(state)));
+}
+
+template <typename Number>
+bool read(std::string_view text, Number& value) {
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && stop == text.data() + text.size();
+}
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
   }
-  return "?";
+  return parts;
+}
+
+/// What stands behind word and robot: numbers, bare or as name=number; the name of a gain; a link's state.
+bool read_detail(std::string_view text, Event& event, std::size_t& values) {
+  for (const core::GainName gain : core::gain_names)
+    if (text == name(gain)) {
+      event.gain = gain;
+      return true;
+    }
+  for (int state = 0; state < link_states; ++state)
+    if (event.kind == Kind::link && text == link_word(state)) {
+      event.values[0] = state;
+      return true;
+    }
+  if (text == "->") return true;
+  const std::size_t equals = text.find('=');
+  if (equals != std::string_view::npos) text.remove_prefix(equals + 1);
+  return values < event.values.size() && read(text, event.values[values++]);
 }
 
 }  // namespace
@@ -49,20 +78,21 @@ const char* name(core::GainName gain) noexcept {
 
 std::string describe(const Event& event) {
   const auto [a, b, c] = event.values;
-  std::string text = word(event.kind);
+  const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == event.kind; });
+  std::string text(word->second);
   if (event.robot >= 0) text += fmt::format(" r{}", event.robot + 1);
   switch (event.kind) {
-    case Event::Kind::perturb:
-      return text + fmt::format(" dx={:.6g} dy={:.6g} dtheta={:.6g}", a, b, c);
-    case Event::Kind::move:
-      return text + fmt::format(" x={:.6g} y={:.6g} theta={:.6g}", a, b, c);
-    case Event::Kind::gain:
-    case Event::Kind::gain_held:
-      return text + fmt::format(" {} {:.6g} -> {:.6g}", name(event.gain), a, b);
-    case Event::Kind::deadline_missed:
-      return text + fmt::format(" {:.0f}", a);
-    case Event::Kind::link:
-      return text + fmt::format(" {}", comms::to_text(static_cast<comms::LinkState>(static_cast<int>(a))));
+    case Kind::perturb:
+      return text + fmt::format(" dx={} dy={} dtheta={}", a, b, c);
+    case Kind::move:
+      return text + fmt::format(" x={} y={} theta={}", a, b, c);
+    case Kind::gain:
+    case Kind::gain_held:
+      return text + fmt::format(" {} {} -> {}", name(event.gain), a, b);
+    case Kind::deadline_missed:
+      return text + fmt::format(" {}", a);
+    case Kind::link:
+      return text + fmt::format(" {}", link_word(a));
     default:
       return text;
   }
@@ -73,6 +103,24 @@ std::string describe(const EventList& events) {
   for (const Event& event : events) text += (text.empty() ? "" : "; ") + describe(event);
   if (events.dropped() > 0) text += fmt::format("; +{} more", events.dropped());
   return text;
+}
+
+std::optional<Event> parse_event(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text);
+  const auto word = std::find_if(words.begin(), words.end(),
+                                 [&](const auto& w) { return !parts.empty() && w.second == parts.front(); });
+  if (word == words.end()) return std::nullopt;
+  Event event;
+  event.kind = word->first;
+  std::size_t values = 0;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    int robot = 0;
+    if (i == 1 && parts[i].starts_with('r') && read(parts[i].substr(1), robot))
+      event.robot = robot - 1;
+    else if (!read_detail(parts[i], event, values))
+      return std::nullopt;
+  }
+  return event;
 }
 
 }  // namespace skein::app

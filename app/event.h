@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/control/gain_schedule.h"
 
@@ -60,6 +62,8 @@ class EventList {
 /// One event in words without commas, robots from 1, for the CSV, the log and the window: "perturb r2 dx=0.05 dy=0.15
 /// dtheta=0", "gain k_xx 0.008 -> 0.01", "lost r3", "stop".
 std::string describe(const Event& event);
+/// The event that `describe` put into these words; none if they are not such words.
+std::optional<Event> parse_event(std::string_view text);
 /// All events of a tick, joined by "; ", "+N more" where some were dropped.
 std::string describe(const EventList& events);
 

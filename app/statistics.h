@@ -12,10 +12,12 @@
 namespace skein::app {
 
 /// How long after a perturbation errors came back into a band for good (until the next perturbation or the end). Empty:
-/// they did not.
+/// they did not; 0: they never left it.
 struct Settling {
   std::optional<double> formation_1cm, formation_5mm;  ///< largest |delta_ij| [s]
-  std::optional<double> tracking_1cm, tracking_5mm;    ///< largest position error [s]
+  /// Largest distance of a robot from its place in the formation (the reference BEFORE avoidance: one that avoids is
+  /// close to its modified reference all the while) [s]
+  std::optional<double> tracking_1cm, tracking_5mm;
 };
 
 struct PerturbationResult {
@@ -27,7 +29,8 @@ struct PerturbationResult {
   bool formation_first() const noexcept;
 };
 
-/// The sum of a run, gathered row by row.
+/// The sum of a run, gathered row by row. Perturbations and moves less than 0.2 s apart count as one, from the last of
+/// them on: a hand that carries a robot is one disturbance.
 class Statistics final : public RecordSink {
  public:
   explicit Statistics(const Experiment& experiment);
@@ -37,7 +40,7 @@ class Statistics final : public RecordSink {
     std::string name;
     std::int64_t ticks = 0;
     double duration = 0.0;                ///< of the experiment, as far as it ran [s]
-    double final_error = none;            ///< largest position error of the last tick [m]
+    double final_error = none;            ///< largest distance from the places in the formation, last tick [m]
     double final_formation_error = none;  ///< [m]
     double min_distance = none;           ///< [m]
     std::int64_t collisions = 0;          ///< times that a pair came closer than 70 mm
@@ -45,8 +48,10 @@ class Statistics final : public RecordSink {
     double largest_period = none;                          ///< [s]
     double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
     bool stopped = false;                                  ///< by the operator or a failure
-    std::vector<PerturbationResult> perturbations;         ///< of the file and of the operator's moves
-    std::vector<std::pair<double, std::string>> events;    ///< all, with their t
+    std::string failure;                                   ///< why it was stopped, where a camera or a robot failed
+    std::vector<int> not_stopped;                   ///< robots that did not acknowledge their stop at the end, from 0
+    std::vector<PerturbationResult> perturbations;  ///< of the file and of the operator's moves
+    std::vector<std::pair<double, std::string>> events;  ///< all, with their t
   };
   Summary summary() const;
 
@@ -54,9 +59,20 @@ class Statistics final : public RecordSink {
   struct Sample {
     double t, formation, tracking;
   };
+  /// What somebody's hand did: a window for settling begins here.
+  struct Disturbance {
+    double t;
+    int robot;
+    std::string what;
+  };
+  void count_collisions(const TickRecord& record);
+  void disturb(double t, const Event& event);
+  Settling settling(double begin, double end) const;
+
   const Experiment experiment_;
   Summary so_far_;
   std::vector<Sample> samples_;
+  std::vector<Disturbance> disturbances_;
   std::vector<double> compute_times_;
   std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick
 };

@@ -1,0 +1,189 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "app/tick_record.h"
+
+namespace skein::app {
+
+/// The columns of a run's CSV in their order, for the writer and the reader alike; docs/csv.md says what they mean.
+
+/// A column of numbers: where its value lives in a Record.
+template <typename Record>
+struct NumberColumn {
+  /// `where` is a generic lambda that takes a record, const or not, and returns a reference to the value.
+  template <typename Where>
+  constexpr NumberColumn(const char* column_name, Where where) : name(column_name), get(where), at(where) {}
+
+  const char* name;
+  const double& (*get)(const Record&);
+  double& (*at)(Record&);
+};
+
+// Before the columns of delta: t, tick, and then
+inline constexpr std::array<NumberColumn<TickRecord>, 5> gain_columns{{{"k_xx", [](auto& r) -> auto& {return r.k_xx;
+}  // namespace skein::app
+}
+, {"k_tt", [](auto& r) -> auto& {return r.k_tt;
+}
+}
+, {"k_yy", [](auto& r) -> auto& {return r.k_yy;
+}
+}
+, {"V", [](auto& r) -> auto& {return r.V;
+}
+}
+, {"V_dot", [](auto& r) -> auto& {return r.V_dot;
+}
+}
+,
+}
+}
+;
+// After them, and before `event`.
+inline constexpr std::array<NumberColumn<TickRecord>, 3> group_columns{
+    {{"min_distance", [](auto& r) -> auto& {return r.min_distance;
+}
+}
+, {"period", [](auto& r) -> auto& {return r.period;
+}
+}
+, {"compute_time", [](auto& r) -> auto& {return r.compute_time;
+}
+}
+,
+}
+}
+;
+// Of robot i, prefix r<i>_; before `mode`.
+inline constexpr std::array<NumberColumn<RobotRecord>, 25> robot_columns{{{"x", [](auto& r) -> auto& {return r.pose.x;
+}
+}
+, {"y", [](auto& r) -> auto& {return r.pose.y;
+}
+}
+, {"theta", [](auto& r) -> auto& {return r.pose.theta;
+}
+}
+, {"x_true", [](auto& r) -> auto& {return r.truth.x;
+}
+}
+, {"y_true", [](auto& r) -> auto& {return r.truth.y;
+}
+}
+, {"theta_true", [](auto& r) -> auto& {return r.truth.theta;
+}
+}
+, {"x_nom", [](auto& r) -> auto& {return r.nominal.pose.x;
+}
+}
+, {"y_nom", [](auto& r) -> auto& {return r.nominal.pose.y;
+}
+}
+, {"theta_nom", [](auto& r) -> auto& {return r.nominal.pose.theta;
+}
+}
+, {"v_nom", [](auto& r) -> auto& {return r.nominal.twist.v;
+}
+}
+, {"omega_nom", [](auto& r) -> auto& {return r.nominal.twist.omega;
+}
+}
+, {"x_ref", [](auto& r) -> auto& {return r.reference.pose.x;
+}
+}
+, {"y_ref", [](auto& r) -> auto& {return r.reference.pose.y;
+}
+}
+, {"theta_ref", [](auto& r) -> auto& {return r.reference.pose.theta;
+}
+}
+, {"v_ref", [](auto& r) -> auto& {return r.reference.twist.v;
+}
+}
+, {"omega_ref", [](auto& r) -> auto& {return r.reference.twist.omega;
+}
+}
+, {"x_e", [](auto& r) -> auto& {return r.error.x;
+}
+}
+, {"y_e", [](auto& r) -> auto& {return r.error.y;
+}
+}
+, {"theta_e", [](auto& r) -> auto& {return r.error.theta;
+}
+}
+, {"v_law", [](auto& r) -> auto& {return r.law.v;
+}
+}
+, {"omega_law", [](auto& r) -> auto& {return r.law.omega;
+}
+}
+, {"v", [](auto& r) -> auto& {return r.command.v;
+}
+}
+, {"omega", [](auto& r) -> auto& {return r.command.omega;
+}
+}
+, {"wheel_left", [](auto& r) -> auto& {return r.wheels.left;
+}
+}
+, {"wheel_right", [](auto& r) -> auto& {return r.wheels.right;
+}
+}
+,
+}
+}
+;
+// After `mode`. All empty for a robot that was never seen. The newest measurement and `now`, the last column of a row,
+// are what a replay puts in.
+inline constexpr std::array<NumberColumn<RobotRecord>, 5> measurement_columns{
+    {{"pose_age", [](auto& r) -> auto& {return r.pose_age;
+}
+}
+, {"x_meas", [](auto& r) -> auto& {return r.measurement.pose.x;
+}
+}
+, {"y_meas", [](auto& r) -> auto& {return r.measurement.pose.y;
+}
+}
+, {"theta_meas", [](auto& r) -> auto& {return r.measurement.pose.theta;
+}
+}
+, {"t_meas", [](auto& r) -> auto& {return r.measurement.captured_at;
+}
+}
+,
+}
+}
+;
+
+struct ModeName {
+  Mode mode;
+  std::string_view name;
+};
+inline constexpr std::array<ModeName, 7> mode_names{{{staging, "staging"},
+                                                     {tracking, "tracking"},
+                                                     {avoiding, "avoiding"},
+                                                     {shielded, "shielded"},
+                                                     {limited, "limited"},
+                                                     {stopped, "stopped"},
+                                                     {lost, "lost"}}};
+
+/// The lines before the header row.
+inline constexpr std::string_view version_line = "# skein ";
+inline constexpr std::string_view experiment_line = "# experiment: ";
+inline constexpr std::string_view hash_line = "# hash: ";
+inline constexpr std::string_view seed_line = "# seed: ";
+inline constexpr std::string_view source_line = "#| ";  ///< a line of the experiment file
+
+/// FNV-1a, 64 bit: tells one experiment from another, no more.
+constexpr std::uint64_t fnv1a(std::string_view text) noexcept {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,89 @@
+#include "app/csv_writer.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "app/csv_columns.h"
+
+namespace skein::app {
+
+/// One row or head at a time, in a buffer that grows once and is then reused.
+struct CsvWriter::Impl {
+  std::ostream& out;
+  std::string row;
+
+  void number(double value) {
+    if (!std::isnan(value)) {
+      char text[32];  // the longest double has 24 characters
+      row.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+    }
+    row += ',';
+  }
+  void mode(std::uint8_t bits) {
+    const char* joint = "";
+    for (const auto& [mode, name] : mode_names)
+      if (bits & mode) row.append(joint).append(name), joint = "+";
+    row += ',';
+  }
+  void robot(const RobotRecord& record) {
+    for (const auto& column : robot_columns) number(column.get(record));
+    mode(record.mode);
+    const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
+    for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
+  }
+
+  void head(const Experiment& experiment) {
+    row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
+                      hash_line, fnv1a(experiment.source), seed_line, experiment.seed);
+    std::string_view rest = experiment.source;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
+      row.append(source_line).append(rest.substr(0, end)) += '\n';
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+  void header(std::size_t robots) {
+    row += "t,tick,";
+    for (const auto& column : gain_columns) row.append(column.name) += ',';
+    for (std::size_t i = 1; i < robots; ++i) row += fmt::format("delta_{}_{},", i, i + 1);
+    for (const auto& column : group_columns) row.append(column.name) += ',';
+    row += "event,";
+    for (std::size_t i = 1; i <= robots; ++i) {
+      for (const auto& column : robot_columns) row += fmt::format("r{}_{},", i, column.name);
+      row += fmt::format("r{}_mode,", i);
+      for (const auto& column : measurement_columns) row += fmt::format("r{}_{},", i, column.name);
+    }
+    row += "now\n";
+  }
+  void write() {
+    out.write(row.data(), static_cast<std::streamsize>(row.size()));
+    row.clear();
+  }
+};
+
+CsvWriter::CsvWriter(std::ostream& out, const Experiment& experiment) : impl_(new Impl{out, {}}) {
+  impl_->head(experiment);
+  impl_->header(experiment.robots.size());
+  impl_->write();
+}
+
+CsvWriter::~CsvWriter() = default;
+
+void CsvWriter::record(const TickRecord& record) {
+  Impl& csv = *impl_;
+  csv.number(record.t);
+  csv.row.append(fmt::format_int(record.tick).c_str()) += ',';
+  for (const auto& column : gain_columns) csv.number(column.get(record));
+  for (const double delta : record.delta) csv.number(delta);
+  for (const auto& column : group_columns) csv.number(column.get(record));
+  if (!record.events.empty()) csv.row += describe(record.events);
+  csv.row += ',';
+  for (const RobotRecord& robot : record.robots) csv.robot(robot);
+  csv.number(record.now);
+  csv.row.back() = '\n';
+  csv.write();
+}
+
+}  // namespace skein::app

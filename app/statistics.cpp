@@ -1,0 +1,156 @@
+#include "app/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace skein::app {
+namespace {
+
+constexpr double touch = 2.0 * core::robot_radius;  // two robots' midpoints when their bodies meet [m]
+constexpr double touch_hysteresis = 1e-3;           // a pair that rubs along is one collision [m]
+constexpr double one_disturbance = 0.2;             // [s]
+
+/// Where a robot is, as well as it is known; nothing of one that was never seen.
+core::Pose place(const RobotRecord& robot) noexcept {
+  if (!std::isnan(robot.truth.x)) return robot.truth;
+  const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+  return seen ? robot.pose : core::Pose{none, none, none};
+}
+
+double tracking_error(const TickRecord& record) noexcept {
+  double largest = 0.0;
+  for (const RobotRecord& robot : record.robots)
+    largest = std::fmax(largest, core::distance(robot.nominal.pose, robot.pose));
+  return largest;
+}
+
+}  // namespace
+
+bool PerturbationResult::formation_first() const noexcept {
+  return settling.formation_1cm && (!settling.tracking_1cm || *settling.formation_1cm < *settling.tracking_1cm);
+}
+
+Statistics::Statistics(const Experiment& experiment) : experiment_(experiment) {
+  so_far_.name = experiment.name;
+  const std::size_t n = experiment.robots.size();
+  touching_.assign(n * n, false);
+  samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(0, experiment.ticks())));
+}
+
+void Statistics::record(const TickRecord& record) {
+  const Sample sample{record.t, record.formation_error(), tracking_error(record)};
+  samples_.push_back(sample);
+  ++so_far_.ticks;
+  so_far_.duration = record.t + experiment_.period();
+  so_far_.final_error = sample.tracking;
+  so_far_.final_formation_error = sample.formation;
+  so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
+  if (so_far_.ticks > 1) so_far_.largest_period = std::fmax(so_far_.largest_period, record.period);
+  if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
+  if (record.phase == Phase::stopped) so_far_.stopped = true;
+  count_collisions(record);
+
+  for (const Event& event : record.events) {
+    so_far_.events.emplace_back(record.t, describe(event));
+    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move) disturb(record.t, event);
+    if (event.kind == Event::Kind::deadline_missed)
+      so_far_.missed_deadlines += static_cast<std::int64_t>(event.values[0]);
+  }
+}
+
+void Statistics::count_collisions(const TickRecord& record) {
+  const std::size_t n = record.robots.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const double distance = core::distance(place(record.robots[i]), place(record.robots[j]));
+      const std::size_t pair = i * n + j;
+      if (distance < touch && !touching_[pair]) {
+        ++so_far_.collisions;
+        touching_[pair] = true;
+      } else if (distance > touch + touch_hysteresis) {
+        touching_[pair] = false;
+      }
+    }
+}
+
+void Statistics::disturb(double t, const Event& event) {
+  const std::string what = describe(event);
+  if (disturbances_.empty() || t - disturbances_.back().t > one_disturbance) {
+    disturbances_.push_back({t, event.robot, what});
+    return;
+  }
+  Disturbance& same = disturbances_.back();
+  same.t = t;
+  same.what = same.robot == event.robot ? what : same.what + "; " + what;
+  same.robot = event.robot;
+}
+
+/// Errors of the samples from `begin` to before `end` [s].
+Settling Statistics::settling(double begin, double end) const {
+  const auto earlier = [](const Sample& sample, double t) { return sample.t < t; };
+  const auto first = std::lower_bound(samples_.begin(), samples_.end(), begin, earlier);
+  const auto last = std::lower_bound(first, samples_.end(), end, earlier);
+  const auto settled = [&](double Sample::*error, double band) -> std::optional<double> {
+    auto in = last;  // the first sample of those that stay inside to the end
+    while (in != first && (*(in - 1)).*error <= band) --in;
+    if (in == last) return std::nullopt;
+    return in->t - begin;
+  };
+  return {settled(&Sample::formation, 0.01), settled(&Sample::formation, 0.005), settled(&Sample::tracking, 0.01),
+          settled(&Sample::tracking, 0.005)};
+}
+
+Statistics::Summary Statistics::summary() const {
+  Summary summary = so_far_;
+  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
+    const Disturbance& d = disturbances_[i];
+    const bool is_last = i + 1 == disturbances_.size();
+    const double end = is_last ? std::numeric_limits<double>::infinity() : disturbances_[i + 1].t;
+    summary.perturbations.push_back({d.t, d.robot, d.what, settling(d.t, end)});
+  }
+  if (!compute_times_.empty()) {
+    std::vector<double> times = compute_times_;
+    const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+    std::nth_element(times.begin(), middle, times.end());
+    summary.median_compute = *middle;
+    summary.largest_compute = *std::max_element(middle, times.end());
+  }
+  return summary;
+}
+
+std::vector<std::string> failed_expectations(const Expectations& expect, const Statistics::Summary& summary) {
+  std::vector<std::string> failed;
+  const auto at_most = [&](const char* key, double limit, double value, const char* unit) {
+    if (value <= limit) return;
+    failed.push_back(std::isnan(value)
+                         ? fmt::format("expect.{}: expected at most {} {}, found no value", key, limit, unit)
+                         : fmt::format("expect.{}: expected at most {} {}, found {:.6g} {}, which is {:.4g} too much",
+                                       key, limit, unit, value, unit, value - limit));
+  };
+  if (expect.final_error) at_most("final_error", *expect.final_error, summary.final_error, "m");
+  if (const auto limit = expect.min_distance; limit && !(summary.min_distance >= *limit)) {
+    failed.push_back(
+        std::isnan(summary.min_distance)
+            ? fmt::format("expect.min_distance: expected at least {} m, found no value", *limit)
+            : fmt::format("expect.min_distance: expected at least {} m, found {:.6g} m, which is {:.4g} m too "
+                          "little",
+                          *limit, summary.min_distance, *limit - summary.min_distance));
+  }
+  if (expect.collisions && summary.collisions > *expect.collisions)
+    failed.push_back(
+        fmt::format("expect.collisions: expected at most {}, found {}", *expect.collisions, summary.collisions));
+  const auto time = [](const std::optional<double>& t) { return t ? fmt::format("after {:.2f} s", *t) : "never"; };
+  if (expect.formation_first)
+    for (const PerturbationResult& p : summary.perturbations)
+      if (p.formation_first() != *expect.formation_first)
+        failed.push_back(fmt::format(
+            "expect.formation_first: expected {}, but after \"{}\" at {:g} s the formation settled "
+            "to 1 cm {} and the tracking {}",
+            *expect.formation_first, p.what, p.t, time(p.settling.formation_1cm), time(p.settling.tracking_1cm)));
+  return failed;
+}
+
+}  // namespace skein::app
