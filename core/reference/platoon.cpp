@@ -7,6 +7,11 @@ ReferencePoint Platoon::at(std::size_t i, double t) const noexcept {
   return {point.pose, {speed_, speed_ * point.curvature}};
 }
 
+ReferenceDemand Platoon::demand(double k_y) const noexcept {
+  const double v = std::abs(speed_);
+  return {v, v * path_->largest_curvature() + k_y * v};
+}
+
 void Platoon::at(double t, std::span<ReferencePoint> points) const noexcept {
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = at(i, t);
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "core/control/gain_schedule.h"
 #include "core/control/tracking_error.h"
 #include "core/reference/path.h"
 
@@ -25,6 +26,9 @@ class Platoon {
   ReferencePoint at(std::size_t i, double t) const noexcept;
   /// The same for all robots.
   void at(double t, std::span<ReferencePoint> points) const noexcept;
+
+  /// The most that it asks for over its whole course, beside the law's k_y [rad/m].
+  ReferenceDemand demand(double k_y) const noexcept;
 
  private:
   std::shared_ptr<const Path> path_;
