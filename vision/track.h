@@ -13,13 +13,13 @@
 namespace skein::vision {
 
 struct TrackOptions {
-  std::string source;                      // as for open_source
-  std::optional<Calibration> calibration;  // none: ids and corners in px only
-  std::ostream* csv = nullptr;             // rows go here; none: only the summary is wanted
-  std::int64_t max_frames = 0;             // 0: until the end of the stream; a camera has none
+  std::string source{};                      // as for open_source
+  std::optional<Calibration> calibration{};  // none: ids and corners in px only
+  std::ostream* csv = nullptr;               // rows go here; none: only the summary is wanted
+  std::int64_t max_frames = 0;               // 0: until the end of the stream; a camera has none
   double decimate = 0.0;  // as for DetectorOptions; 0: chosen so that no tag known to be readable is lost
   std::function<bool(std::int64_t frames)>
-      keep_going;  // asked after every frame: false ends the run (progress, Ctrl-C)
+      keep_going{};  // asked after every frame: false ends the run (progress, Ctrl-C)
 };
 
 struct TrackSummary {
@@ -27,7 +27,7 @@ struct TrackSummary {
   std::int64_t detections = 0;
   std::vector<std::string> skipped;  // pictures that could not be read: file and reason
   std::vector<int> ids;              // seen, ascending
-  std::string source;                // FrameSource::describe()
+  std::string source{};              // FrameSource::describe()
 };
 
 /// Every tag of every frame as CSV, one row each, no control: the body of `skein track`. Columns: frame, source, t [s],

@@ -11,12 +11,12 @@
 namespace skein::vision {
 
 struct TrackerOptions {
-  std::vector<int> tags;   // ids wanted, each once; others are not reported
-  int search_every = 5;    // frames between searches of the full frame while a tag is missing: a tag that left the
-                           // arena for good must not cost a full search (10 ms and more) in every frame
-  int audit_every = 25;    // frames between full searches when none is missing: finds a second copy of an id
-  double window = 2.2;     // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
-  double max_speed = 0.3;  // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
+  std::vector<int> tags{};  // ids wanted, each once; others are not reported
+  int search_every = 5;     // frames between searches of the full frame while a tag is missing: a tag that left the
+                            // arena for good must not cost a full search (10 ms and more) in every frame
+  int audit_every = 25;     // frames between full searches when none is missing: finds a second copy of an id
+  double window = 2.2;      // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
+  double max_speed = 0.3;   // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
   double corner_sigma = corner_sigma_px;  // noise of a corner [px]
   double shape_tolerance = 0.3;  // a tag whose edge is off by more than this part of tag_size, or whose corners are by
                                  // half of it, does not lie on a standing robot and is rejected

@@ -86,6 +86,16 @@ class FloorPainter {
 
  private:
   void strip(double x, double y, double angle, double length, double width, Shade shade) {
+    // In pieces, since every pixel of a box around the whole of a long thin one would be asked for.
+    const int pieces = static_cast<int>(std::ceil(length / std::max(0.05, 2.0 * width)));
+    const double piece = length / pieces;
+    for (int i = 0; i < pieces; ++i) {
+      const double along = (i + 0.5) * piece - 0.5 * length;
+      short_strip(x + along * std::cos(angle), y + along * std::sin(angle), angle, piece, width, shade);
+    }
+  }
+
+  void short_strip(double x, double y, double angle, double length, double width, Shade shade) {
     const auto cx = static_cast<float>(x);
     const auto cy = static_cast<float>(y);
     const auto c = static_cast<float>(std::cos(angle));
@@ -96,7 +106,7 @@ class FloorPainter {
     painter_.paint<16>(canvas_, box, 0.0, [=](float px, float py) {
       const float along = c * (px - cx) + s * (py - cy);
       const float across = c * (py - cy) - s * (px - cx);
-      return std::abs(along) < half_length && std::abs(across) < half_width ? shade : Shade{};
+      return along >= -half_length && along < half_length && std::abs(across) < half_width ? shade : Shade{};
     });
   }
 

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "vision/media/jpeg.h"
 #include "vision/media/sources.h"
 
 namespace skein::vision::media {
@@ -22,18 +23,6 @@ bool looks_like_a_picture(const fs::path& path) {
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   static constexpr std::array known = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".bmp", ".tif", ".tiff"};
   return std::find(known.begin(), known.end(), extension) != known.end();
-}
-
-/// A JPEG that breaks off decodes without complaint, its lower part grey. It has no end marker behind its last start of
-/// a scan; neither marker occurs among coded pixels.
-bool breaks_off(const std::vector<std::uint8_t>& bytes) {
-  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) return false;
-  for (std::size_t i = bytes.size() - 1; i > 0; --i) {
-    if (bytes[i - 1] != 0xff) continue;
-    if (bytes[i] == 0xd9) return false;
-    if (bytes[i] == 0xda) return true;
-  }
-  return true;
 }
 
 class Images final : public FrameSource {
@@ -68,10 +57,10 @@ class Images final : public FrameSource {
     bytes_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
     if (!in) return "cannot be read";
     if (bytes_.empty()) return "is empty";
-    if (breaks_off(bytes_)) return "is cut short";
+    if (jpeg_breaks_off(bytes_)) return "is cut short";
     try {
       // Turned as its camera says, which is how every viewer shows it.
-      cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE, &decoded_);
+      decoded_ = cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE);
     } catch (const cv::Exception&) {
       return "cannot be decoded";
     }

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "vision/media/jpeg.h"
 #include "vision/media/sources.h"
 
 namespace skein::vision::media {
@@ -11,13 +13,13 @@ std::unique_ptr<FrameSource> open(MediaKind kind, const std::string& path, std::
 }
 
 bool decode_jpeg(const std::uint8_t* bytes, std::size_t size, Frame& frame) {
+  if (jpeg_breaks_off({bytes, size})) return false;
   const cv::Mat coded(1, static_cast<int>(size), CV_8U, const_cast<std::uint8_t*>(bytes));
   try {
-    // The picture's own buffer is reused by OpenCV as long as the size stays.
-    cv::Mat grey(frame.height, frame.width, CV_8U, frame.grey.data());
-    cv::Mat decoded = cv::imdecode(coded, cv::IMREAD_GRAYSCALE, &grey);
+    // Decoding into the frame at once would save a copy (0.1 ms of 3) and leave the last picture in it when this one is
+    // damaged.
+    const cv::Mat decoded = cv::imdecode(coded, cv::IMREAD_GRAYSCALE);
     if (decoded.empty() || !decoded.isContinuous()) return false;
-    if (decoded.data == frame.grey.data()) return true;
     frame.resize(decoded.cols, decoded.rows);
     std::copy(decoded.data, decoded.data + decoded.total(), frame.grey.data());
     return true;
