@@ -103,6 +103,13 @@ void ReplyParser::feed(std::span<const std::uint8_t> bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
+bool ReplyParser::skip_stopped() {
+  constexpr std::string_view stopped = "s\r\n";
+  if (!pending_text().starts_with(stopped)) return false;
+  buffer_.erase(buffer_.begin(), buffer_.begin() + stopped.size());
+  return true;
+}
+
 std::optional<Reply> ReplyParser::next() {
   switch (expected_) {
     case Expected::nothing:

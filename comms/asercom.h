@@ -100,6 +100,10 @@ class ReplyParser {
   /// The next complete reply. A line "s" is found behind up to 4 bytes of a late binary answer as well.
   std::optional<Reply> next();
 
+  /// Takes a line "s" off the front, whatever is expected: the late answer to a stop in front of a binary answer.
+  /// False: there is none.
+  bool skip_stopped();
+
   /// Bytes fed and not yet part of a reply; with nothing expected they are debris. [bytes]
   std::size_t pending() const noexcept { return buffer_.size(); }
   std::string_view pending_text() const noexcept {

@@ -22,7 +22,7 @@ void LinkSession::opened(double now) {
   output_.clear();
   parser_.clear();
   owes_reply_ = false;
-  stops_unanswered_ = 0;
+  stops_unanswered_ = late_answers_ = 0;
   silent_since_ = now;
   stop_acknowledged_ = false;
   send_stop(now);
@@ -48,14 +48,15 @@ void LinkSession::command(WheelCommand command, std::uint16_t ticket, double now
 void LinkSession::stop(double now) {
   pending_.reset();
   in_flight_.reset();
-  stop_acknowledged_ = false;
-  if (phase_ == Phase::closed) return;
   // While synchronising a stop is on its way already, and nothing else is sent after it.
-  if (phase_ != Phase::synchronising) send_stop(now);
+  if (phase_ == Phase::closed || phase_ == Phase::synchronising) return;
+  stop_acknowledged_ = false;
+  send_stop(now);
 }
 
 void LinkSession::send_stop(double now) {
   if (phase_ == Phase::idle) silent_since_ = now;
+  if (phase_ != Phase::synchronising) late_answers_ = stops_unanswered_;
   phase_ = Phase::synchronising;
   moving_allowed_ = false;
   // What was not written yet need not be: the stop sequence cuts through a request broken off anywhere. So the output
@@ -83,6 +84,8 @@ void LinkSession::received(std::span<const std::uint8_t> bytes, double now) {
   silent_since_ = now;
   parser_.feed(bytes);
   if (phase_ == Phase::synchronising) return read_lines(now);
+  while (stops_unanswered_ > 0 && parser_.skip_stopped()) --stops_unanswered_;
+  if (parser_.pending() == 0) return;
   // An answer has exactly 4 bytes and comes after the request has gone out.
   if (phase_ == Phase::idle || !output_.empty() || parser_.pending() > encoder_reply_size) return unasked(now);
   if (const auto reply = parser_.next()) exchange_answered(reply->encoders, now);
@@ -115,18 +118,25 @@ void LinkSession::restarted() {
 }
 
 void LinkSession::stop_answered(double now) {
-  stop_acknowledged_ = true;
   asked_at_ = now;
-  // Answers to earlier repetitions are still to come: wait for them, or they would be taken for answers to requests.
-  if (--stops_unanswered_ <= 0 && output_.empty()) synchronised(now);
+  stops_unanswered_ = std::max(0, stops_unanswered_ - 1);
+  // Answers come in the order of the requests: first those to stops from before the last speed command, which say
+  // nothing about it.
+  if (late_answers_ > 0)
+    --late_answers_;
+  else
+    stop_acknowledged_ = true;
+  // Answers to the repetitions are still to come: wait for them, or they would be taken for answers to requests.
+  if (stop_acknowledged_ && stops_unanswered_ == 0 && output_.empty()) synchronised(now);
 }
 
 void LinkSession::synchronised(double now) {
   phase_ = Phase::idle;
-  stops_unanswered_ = 0;
   owes_reply_ = false;
   if (pending_ && fresh(*pending_, now)) return send_next(now);
   pending_.reset();
+  // Were the missing answers lost, or are they late? They would come before the answer to this.
+  if (stops_unanswered_ > 0) send_heartbeat(now);
 }
 
 bool LinkSession::fresh(const Pending& pending, double now) const noexcept {
@@ -136,6 +146,7 @@ bool LinkSession::fresh(const Pending& pending, double now) const noexcept {
 void LinkSession::exchange_answered(Encoders encoders, double now) {
   round_trips_.add(now - asked_at_);
   ++counters_.exchanges;
+  stops_unanswered_ = 0;  // what has not come by now is lost
   if (encoders_) {
     const int left = steps_between(encoders_->left, encoders.left);
     const int right = steps_between(encoders_->right, encoders.right);
@@ -154,15 +165,18 @@ void LinkSession::exchange_answered(Encoders encoders, double now) {
 }
 
 void LinkSession::send_next(double now) {
-  const auto request = set_speeds_read_encoders(pending_->command);
   if (pending_->command != WheelCommand{}) stop_acknowledged_ = false;
   moving_allowed_ = true;
   in_flight_ = std::exchange(pending_, std::nullopt);
-  output_.assign(request.begin(), request.end());
-  begin_exchange(now);
+  begin_exchange(set_speeds_read_encoders(in_flight_->command), now);
 }
 
-void LinkSession::begin_exchange(double now) {
+void LinkSession::send_heartbeat(double now) {
+  begin_exchange(read_encoders(), now);
+}
+
+void LinkSession::begin_exchange(std::span<const std::uint8_t> request, double now) {
+  output_.assign(request.begin(), request.end());
   phase_ = Phase::waiting;
   parser_.clear();
   parser_.expect_encoders();
@@ -176,7 +190,7 @@ void LinkSession::advance(double now) {
     case Phase::closed:
       return;
     case Phase::synchronising:
-      // The answers to repetitions are not coming.
+      // Answers to repetitions are missing.
       if (stop_acknowledged_ && output_.empty()) return synchronised(now);
       ++counters_.timeouts;
       owes_reply_ = true;
@@ -189,14 +203,10 @@ void LinkSession::advance(double now) {
       if (silence_counts()) {
         // Nobody commands any more: the robot must not run on. Once, until the next command.
         reason_ = fmt::format("no command for {:g} s: stopped", options_.command_silence);
-        const auto request = set_speeds_read_encoders({});
-        output_.assign(request.begin(), request.end());
         moving_allowed_ = false;
-      } else {
-        const auto request = read_encoders();
-        output_.assign(request.begin(), request.end());
+        return begin_exchange(set_speeds_read_encoders({}), now);
       }
-      return begin_exchange(now);
+      return send_heartbeat(now);
     }
   }
 }

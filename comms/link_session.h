@@ -60,7 +60,8 @@ class LinkSession {
   };
 
   void send_stop(double now);
-  void begin_exchange(double now);
+  void send_heartbeat(double now);
+  void begin_exchange(std::span<const std::uint8_t> request, double now);
   void send_next(double now);
   void resynchronise(std::string reason, double now);
   void read_lines(double now);
@@ -83,7 +84,8 @@ class LinkSession {
   double silent_since_ = 0.0;         // the robot was asked then, or said something
   double commanded_at_ = 0.0;         // when the newest command came
   bool moving_allowed_ = false;       // a command was sent and no stop since: command silence must stop the robot
-  int stops_unanswered_ = 0;
+  int stops_unanswered_ = 0;          // stops whose answers may still come
+  int late_answers_ = 0;              // how many of these were sent before the last speed command
   bool stop_acknowledged_ = false;
   std::uint16_t answered_ticket_ = 0;
 
