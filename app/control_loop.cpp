@@ -19,9 +19,7 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       newest_(experiment.robots.size()),
       truth_(experiment.robots.size(), core::Pose{none, none, none}),
       wheels_(experiment.robots.size()) {
-  const core::CouplingGains& gains = experiment.controller.gains;
-  for (const core::GainName name : core::gain_names)
-    targets_[static_cast<std::size_t>(name)] = core::table(gains, name).largest();
+  for (const core::GainName name : core::gain_names) targets_[static_cast<std::size_t>(name)] = tick_.gain_target(name);
 }
 
 void ControlLoop::cycle(double now, int elapsed) {
@@ -47,8 +45,8 @@ void ControlLoop::cycle(double now, int elapsed) {
 
   out_ = record;
   if (clock_.wall()) out_.compute_time = compute_time;
-  for (const Event& event : record.events)
-    if (event.kind == Event::Kind::gain) targets_[static_cast<std::size_t>(event.gain)].store(event.values[1]);
+  for (const core::GainName name : core::gain_names)
+    targets_[static_cast<std::size_t>(name)].store(tick_.gain_target(name), std::memory_order_relaxed);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
 }

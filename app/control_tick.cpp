@@ -1,7 +1,9 @@
 #include "app/control_tick.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/control/coordination_law.h"
 #include "core/control/formation.h"
@@ -52,6 +54,7 @@ struct ControlTick::State {
   std::size_t next_change = 0;
   core::Gains gains;
   core::GainSchedule schedule;
+  std::array<bool, 3> changed_before_start{};
   core::Avoidance avoidance;
   core::Shield shield;
   std::vector<core::Predictor> predictors;
@@ -134,6 +137,11 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
     case OperatorCommand::Kind::start:
       if (record.phase != Phase::ready) return;
       record.phase = Phase::running;
+      // What was changed before the run began belongs into its record, or it could not be repeated from it.
+      for (const core::GainName name : core::gain_names)
+        if (changed_before_start[static_cast<std::size_t>(name)])
+          note_gain(Event::Kind::gain, name, core::table(experiment.controller.gains, name).largest(),
+                    core::table(schedule.target(), name).largest());
       record.events.add({Event::Kind::start, -1, {}, {}});
       return;
     case OperatorCommand::Kind::pause:
@@ -152,6 +160,13 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
       const double from = core::table(schedule.target(), command.gain).largest();
       if (command.value > border) note_gain(Event::Kind::gain_held, command.gain, command.value, value);
       if (value == from) return;
+      if (record.phase == Phase::ready) {  // no motion yet that a jump could disturb
+        schedule.move(command.gain, value, std::numeric_limits<double>::infinity());
+        schedule.step(1.0);
+        changed_before_start[static_cast<std::size_t>(command.gain)] = true;
+        note_gain(Event::Kind::gain, command.gain, from, value);
+        return;
+      }
       const double authority = command.gain == core::GainName::k_xx ? gains.v_max[0] : gains.omega_max[0];
       const auto partners = static_cast<double>(std::max<std::size_t>(1, robots() - 1));
       schedule.move(command.gain, value, authority / partners / operator_ramp);
@@ -186,7 +201,7 @@ void ControlTick::State::schedule_gains() noexcept {
                                                      : name == core::GainName::k_tt ? change.k_tt
                                                                                     : change.k_yy;
       if (!target) continue;
-      note_gain(Event::Kind::gain, name, core::table(schedule.target(), name).largest(), target->largest());
+      note_gain(Event::Kind::schedule, name, core::table(schedule.target(), name).largest(), target->largest());
       schedule.ramp(name, *target, change.ramp);
     }
   }
@@ -300,6 +315,10 @@ ControlTick::~ControlTick() = default;
 double ControlTick::next_time(int elapsed) const noexcept {
   const State& tick = *state_;
   return static_cast<double>(tick.record.tick + (tick.running() ? elapsed : 0)) / tick.experiment.rate;
+}
+
+double ControlTick::gain_target(core::GainName name) const noexcept {
+  return core::table(state_->schedule.target(), name).largest();
 }
 
 const TickRecord& ControlTick::record() const noexcept {

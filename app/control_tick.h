@@ -41,6 +41,9 @@ class ControlTick {
   /// The time of the experiment that the next tick will have, if `elapsed` ticks pass until then. [s]
   double next_time(int elapsed) const noexcept;
 
+  /// Where a gain is going (the largest of all pairs).
+  double gain_target(core::GainName name) const noexcept;
+
   const TickRecord& record() const noexcept;  ///< of the latest tick
 
  private:

@@ -23,142 +23,56 @@ struct NumberColumn {
 };
 
 // Before the columns of delta: t, tick, and then
-inline constexpr std::array<NumberColumn<TickRecord>, 5> gain_columns{{{"k_xx", [](auto& r) -> auto& {return r.k_xx;
-}  // namespace skein::app
-}
-, {"k_tt", [](auto& r) -> auto& {return r.k_tt;
-}
-}
-, {"k_yy", [](auto& r) -> auto& {return r.k_yy;
-}
-}
-, {"V", [](auto& r) -> auto& {return r.V;
-}
-}
-, {"V_dot", [](auto& r) -> auto& {return r.V_dot;
-}
-}
-,
-}
-}
-;
+inline constexpr std::array<NumberColumn<TickRecord>, 5> gain_columns{{
+    {"k_xx", [](auto& r) -> decltype(auto) { return (r.k_xx); }},
+    {"k_tt", [](auto& r) -> decltype(auto) { return (r.k_tt); }},
+    {"k_yy", [](auto& r) -> decltype(auto) { return (r.k_yy); }},
+    {"V", [](auto& r) -> decltype(auto) { return (r.V); }},
+    {"V_dot", [](auto& r) -> decltype(auto) { return (r.V_dot); }},
+}};
 // After them, and before `event`.
-inline constexpr std::array<NumberColumn<TickRecord>, 3> group_columns{
-    {{"min_distance", [](auto& r) -> auto& {return r.min_distance;
-}
-}
-, {"period", [](auto& r) -> auto& {return r.period;
-}
-}
-, {"compute_time", [](auto& r) -> auto& {return r.compute_time;
-}
-}
-,
-}
-}
-;
+inline constexpr std::array<NumberColumn<TickRecord>, 3> group_columns{{
+    {"min_distance", [](auto& r) -> decltype(auto) { return (r.min_distance); }},
+    {"period", [](auto& r) -> decltype(auto) { return (r.period); }},
+    {"compute_time", [](auto& r) -> decltype(auto) { return (r.compute_time); }},
+}};
 // Of robot i, prefix r<i>_; before `mode`.
-inline constexpr std::array<NumberColumn<RobotRecord>, 25> robot_columns{{{"x", [](auto& r) -> auto& {return r.pose.x;
-}
-}
-, {"y", [](auto& r) -> auto& {return r.pose.y;
-}
-}
-, {"theta", [](auto& r) -> auto& {return r.pose.theta;
-}
-}
-, {"x_true", [](auto& r) -> auto& {return r.truth.x;
-}
-}
-, {"y_true", [](auto& r) -> auto& {return r.truth.y;
-}
-}
-, {"theta_true", [](auto& r) -> auto& {return r.truth.theta;
-}
-}
-, {"x_nom", [](auto& r) -> auto& {return r.nominal.pose.x;
-}
-}
-, {"y_nom", [](auto& r) -> auto& {return r.nominal.pose.y;
-}
-}
-, {"theta_nom", [](auto& r) -> auto& {return r.nominal.pose.theta;
-}
-}
-, {"v_nom", [](auto& r) -> auto& {return r.nominal.twist.v;
-}
-}
-, {"omega_nom", [](auto& r) -> auto& {return r.nominal.twist.omega;
-}
-}
-, {"x_ref", [](auto& r) -> auto& {return r.reference.pose.x;
-}
-}
-, {"y_ref", [](auto& r) -> auto& {return r.reference.pose.y;
-}
-}
-, {"theta_ref", [](auto& r) -> auto& {return r.reference.pose.theta;
-}
-}
-, {"v_ref", [](auto& r) -> auto& {return r.reference.twist.v;
-}
-}
-, {"omega_ref", [](auto& r) -> auto& {return r.reference.twist.omega;
-}
-}
-, {"x_e", [](auto& r) -> auto& {return r.error.x;
-}
-}
-, {"y_e", [](auto& r) -> auto& {return r.error.y;
-}
-}
-, {"theta_e", [](auto& r) -> auto& {return r.error.theta;
-}
-}
-, {"v_law", [](auto& r) -> auto& {return r.law.v;
-}
-}
-, {"omega_law", [](auto& r) -> auto& {return r.law.omega;
-}
-}
-, {"v", [](auto& r) -> auto& {return r.command.v;
-}
-}
-, {"omega", [](auto& r) -> auto& {return r.command.omega;
-}
-}
-, {"wheel_left", [](auto& r) -> auto& {return r.wheels.left;
-}
-}
-, {"wheel_right", [](auto& r) -> auto& {return r.wheels.right;
-}
-}
-,
-}
-}
-;
+inline constexpr std::array<NumberColumn<RobotRecord>, 25> robot_columns{{
+    {"x", [](auto& r) -> decltype(auto) { return (r.pose.x); }},
+    {"y", [](auto& r) -> decltype(auto) { return (r.pose.y); }},
+    {"theta", [](auto& r) -> decltype(auto) { return (r.pose.theta); }},
+    {"x_true", [](auto& r) -> decltype(auto) { return (r.truth.x); }},
+    {"y_true", [](auto& r) -> decltype(auto) { return (r.truth.y); }},
+    {"theta_true", [](auto& r) -> decltype(auto) { return (r.truth.theta); }},
+    {"x_nom", [](auto& r) -> decltype(auto) { return (r.nominal.pose.x); }},
+    {"y_nom", [](auto& r) -> decltype(auto) { return (r.nominal.pose.y); }},
+    {"theta_nom", [](auto& r) -> decltype(auto) { return (r.nominal.pose.theta); }},
+    {"v_nom", [](auto& r) -> decltype(auto) { return (r.nominal.twist.v); }},
+    {"omega_nom", [](auto& r) -> decltype(auto) { return (r.nominal.twist.omega); }},
+    {"x_ref", [](auto& r) -> decltype(auto) { return (r.reference.pose.x); }},
+    {"y_ref", [](auto& r) -> decltype(auto) { return (r.reference.pose.y); }},
+    {"theta_ref", [](auto& r) -> decltype(auto) { return (r.reference.pose.theta); }},
+    {"v_ref", [](auto& r) -> decltype(auto) { return (r.reference.twist.v); }},
+    {"omega_ref", [](auto& r) -> decltype(auto) { return (r.reference.twist.omega); }},
+    {"x_e", [](auto& r) -> decltype(auto) { return (r.error.x); }},
+    {"y_e", [](auto& r) -> decltype(auto) { return (r.error.y); }},
+    {"theta_e", [](auto& r) -> decltype(auto) { return (r.error.theta); }},
+    {"v_law", [](auto& r) -> decltype(auto) { return (r.law.v); }},
+    {"omega_law", [](auto& r) -> decltype(auto) { return (r.law.omega); }},
+    {"v", [](auto& r) -> decltype(auto) { return (r.command.v); }},
+    {"omega", [](auto& r) -> decltype(auto) { return (r.command.omega); }},
+    {"wheel_left", [](auto& r) -> decltype(auto) { return (r.wheels.left); }},
+    {"wheel_right", [](auto& r) -> decltype(auto) { return (r.wheels.right); }},
+}};
 // After `mode`. All empty for a robot that was never seen. The newest measurement and `now`, the last column of a row,
 // are what a replay puts in.
-inline constexpr std::array<NumberColumn<RobotRecord>, 5> measurement_columns{
-    {{"pose_age", [](auto& r) -> auto& {return r.pose_age;
-}
-}
-, {"x_meas", [](auto& r) -> auto& {return r.measurement.pose.x;
-}
-}
-, {"y_meas", [](auto& r) -> auto& {return r.measurement.pose.y;
-}
-}
-, {"theta_meas", [](auto& r) -> auto& {return r.measurement.pose.theta;
-}
-}
-, {"t_meas", [](auto& r) -> auto& {return r.measurement.captured_at;
-}
-}
-,
-}
-}
-;
+inline constexpr std::array<NumberColumn<RobotRecord>, 5> measurement_columns{{
+    {"pose_age", [](auto& r) -> decltype(auto) { return (r.pose_age); }},
+    {"x_meas", [](auto& r) -> decltype(auto) { return (r.measurement.pose.x); }},
+    {"y_meas", [](auto& r) -> decltype(auto) { return (r.measurement.pose.y); }},
+    {"theta_meas", [](auto& r) -> decltype(auto) { return (r.measurement.pose.theta); }},
+    {"t_meas", [](auto& r) -> decltype(auto) { return (r.measurement.captured_at); }},
+}};
 
 struct ModeName {
   Mode mode;

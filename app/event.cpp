@@ -15,13 +15,14 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 14> words{{{Kind::start, "start"},
+constexpr std::array<std::pair<Kind, std::string_view>, 15> words{{{Kind::start, "start"},
                                                                    {Kind::pause, "pause"},
                                                                    {Kind::resume, "resume"},
                                                                    {Kind::stop, "stop"},
                                                                    {Kind::perturb, "perturb"},
                                                                    {Kind::move, "move"},
                                                                    {Kind::gain, "gain"},
+                                                                   {Kind::schedule, "schedule"},
                                                                    {Kind::gain_held, "gain_held"},
                                                                    {Kind::lost, "lost"},
                                                                    {Kind::found, "found"},
@@ -87,6 +88,7 @@ std::string describe(const Event& event) {
     case Kind::move:
       return text + fmt::format(" x={} y={} theta={}", a, b, c);
     case Kind::gain:
+    case Kind::schedule:
     case Kind::gain_held:
       return text + fmt::format(" {} {} -> {}", name(event.gain), a, b);
     case Kind::deadline_missed:

@@ -21,7 +21,8 @@ struct Event {
     stop,             // operator's STOP, or a failure
     perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
     move,             // robot; values x, y, theta: put there by the operator
-    gain,             // name; values from, to: a new target
+    gain,             // name; values from, to: the operator's new target for all pairs
+    schedule,         // name; values from, to: a [[gain_change]] of the file begins
     gain_held,        // name; values asked for, held at: (18) forbids more
     lost,             // robot: no pose within the bridge time, it was stopped
     found,            // robot: its pose is back

@@ -1,0 +1,30 @@
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "app/command_line.h"
+#include "app/commands.h"
+#include "app/replay.h"
+
+namespace skein::app {
+
+int replay(const std::string& csv) {
+  std::ifstream file(csv, std::ios::binary);
+  if (!file) {
+    fmt::print(stderr, "skein: {}: cannot be read\n", csv);
+    return wrong_input;
+  }
+  const auto result = replay(file, csv);
+  if (!result) {
+    fmt::print(stderr, "skein: {}\n", result.error());
+    return wrong_input;
+  }
+  for (const std::string& warning : result->warnings) fmt::print(stderr, "skein: {}: {}\n", csv, warning);
+  fmt::print("experiment: {}\nticks: {}\ncommands: {}\ndifferent: {}\n", result->experiment, result->ticks,
+             result->commands, result->different);
+  if (result->different == 0) return done;
+  fmt::print(stderr, "skein: {}: not bit for bit; first at {}\n", csv, result->first);
+  return expectation_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <istream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace skein::app {
+
+/// A recorded run, put through the same tick once more.
+struct ReplayResult {
+  std::string experiment;  ///< its name
+  std::int64_t ticks = 0;
+  std::int64_t commands = 0;   ///< compared: one a robot and tick
+  std::int64_t different = 0;  ///< that did not come out bit for bit
+  std::string first;           ///< where the first difference is, and what it is; empty: there is none
+  std::vector<std::string> warnings;
+};
+
+/// Feeds the measurements, times and operator's commands of a run's CSV to a new tick and compares every command (v,
+/// omega and both wheels) with the recorded one. `file` stands for the stream in messages. The error says where the
+/// file cannot be read.
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file);
+
+}  // namespace skein::app

@@ -1,0 +1,79 @@
+// The tick allocates nothing: counted in a program of its own, which replaces operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "app/control_tick.h"
+#include "app/experiment_file.h"
+#include "app/record_channel.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace skein::app {
+namespace {
+
+TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
+  Experiment experiment = paper_experiment();
+  // Everything that a tick can be busy with: avoidance, shield, limits, gains on their way, a robot that comes and goes.
+  experiment.obstacles = {{0.3, -0.45, 0.05}};
+  GainChange change;
+  change.t = 1.0;
+  change.k_xx = core::PairTable(4, 0.002);
+  experiment.gain_changes = {change};
+  ControlTick tick(experiment);
+  RecordChannel channel(8, tick.record());
+  const core::Platoon reference = make_reference(experiment);
+
+  std::vector<core::Measurement> measurements(4);
+  std::vector<core::Pose> truth(4);
+  const OperatorCommand start{};
+  const OperatorCommand gain{OperatorCommand::Kind::gain, core::GainName::k_yy, 1.0};
+
+  const long before = allocations.load();
+  int avoided = 0, shielded_ticks = 0, limited_ticks = 0, lost_ticks = 0;
+  for (int k = 0; k < 1500; ++k) {
+    const double now = k / 25.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      core::Pose pose = reference.at(i, now).pose;
+      if (k > 200 && i == 1) pose.x += 0.12 * std::sin(0.01 * k);  // through its neighbours
+      if (k > 700 && i == 2) pose.y += 0.6;                        // far off
+      if (k < 900 || i != 3) measurements[i] = {pose, now};
+      truth[i] = pose;
+    }
+    TickInput input;
+    input.now = now;
+    input.measurements = measurements;
+    input.truth = truth;
+    if (k == 0) input.commands = {&start, 1};
+    if (k == 500) input.commands = {&gain, 1};
+    const TickRecord& record = tick.step(input);
+    channel.push(record);
+    channel.drain([](const TickRecord&) {});
+    for (const RobotRecord& robot : record.robots) {
+      avoided += robot.is(avoiding);
+      shielded_ticks += robot.is(shielded);
+      limited_ticks += robot.is(limited);
+      lost_ticks += robot.is(lost);
+    }
+  }
+  EXPECT_EQ(allocations.load() - before, 0);
+  EXPECT_GT(avoided, 0);
+  EXPECT_GT(shielded_ticks, 0);
+  EXPECT_GT(limited_ticks, 0);
+  EXPECT_GT(lost_ticks, 0);
+}
+
+}  // namespace
+}  // namespace skein::app
