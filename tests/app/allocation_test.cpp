@@ -18,15 +18,20 @@ void* operator new(std::size_t size) {
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace skein::app {
 namespace {
 
 TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   Experiment experiment = paper_experiment();
-  // Everything that a tick can be busy with: avoidance, shield, limits, gains on their way, a robot that comes and goes.
+  // Everything that a tick can be busy with: avoidance, shield, limits, gains on their way, a robot that comes and
+  // goes.
   experiment.obstacles = {{0.3, -0.45, 0.05}};
   GainChange change;
   change.t = 1.0;

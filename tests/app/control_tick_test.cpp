@@ -122,7 +122,8 @@ TEST(ControlTick, StopIsLatched) {
   for (const RobotRecord& robot : record.robots) EXPECT_TRUE(stands(robot));
 
   bench.stop = false;  // whatever is asked afterwards, nobody moves
-  const TickRecord& after = bench.step({{OperatorCommand::Kind::start, {}, 0.0}, {OperatorCommand::Kind::resume, {}, 0.0}});
+  const TickRecord& after =
+      bench.step({{OperatorCommand::Kind::start, {}, 0.0}, {OperatorCommand::Kind::resume, {}, 0.0}});
   EXPECT_EQ(after.phase, Phase::stopped);
   for (const RobotRecord& robot : after.robots) EXPECT_TRUE(stands(robot));
 }
@@ -157,7 +158,8 @@ TEST(ControlTick, ALostRobotStopsAndLeavesTheGroup) {
   Bench bench;
   bench.start();
   bench.steps(50);
-  bench.robots[1].place({bench.truth[1].x, bench.truth[1].y + 0.05, bench.truth[1].theta});  // so that couplings do something
+  bench.robots[1].place(
+      {bench.truth[1].x, bench.truth[1].y + 0.05, bench.truth[1].theta});  // so that couplings do something
   bench.steps(2);
   EXPECT_GT(std::abs(bench.tick.record().robots[0].error.x), 1e-6) << "its neighbour feels it";
 
@@ -174,7 +176,8 @@ TEST(ControlTick, ALostRobotStopsAndLeavesTheGroup) {
 
   // Nobody is coupled to a guess: the others come home as if it were not there.
   const TickRecord& later = bench.steps(500);
-  for (const std::size_t i : {0u, 2u, 3u}) EXPECT_LT(std::hypot(later.robots[i].error.x, later.robots[i].error.y), 2e-3);
+  for (const std::size_t i : {0u, 2u, 3u})
+    EXPECT_LT(std::hypot(later.robots[i].error.x, later.robots[i].error.y), 2e-3);
 
   bench.blind[1] = false;
   const TickRecord& found = bench.step();
@@ -233,7 +236,8 @@ TEST(ControlTick, LimitsBiteVisiblyAndAreObeyed) {
   Bench bench;
   bench.start();
   bench.steps(20);
-  // The witness of the reading notes: x_e of one robot nearly 0, of the other a metre. The coupling as printed asks for far too much.
+  // The witness of the reading notes: x_e of one robot nearly 0, of the other a metre. The coupling as printed asks for
+  // far too much.
   const core::Pose there = bench.truth[3];
   bench.robots[3].place({there.x + std::cos(there.theta), there.y + std::sin(there.theta), there.theta});
   bool bitten = false;

@@ -32,8 +32,8 @@ Experiment experiment_with(const std::vector<std::string>& sets) {
   return *experiment;
 }
 
-const std::vector<std::string> through_camera_and_protocol{"robot_defaults.link=loopback", "robot_defaults.model=epuck2",
-                                                           "camera.source=synthetic", "camera.calibration="};
+const std::vector<std::string> through_camera_and_protocol{
+    "robot_defaults.link=loopback", "robot_defaults.model=epuck2", "camera.source=synthetic", "camera.calibration="};
 
 /// Waits for something that another thread does; false: not within ten seconds.
 template <typename Condition>
@@ -58,15 +58,17 @@ TEST(Session, ThePapersExperimentOnTheVirtualClock) {
 }
 
 TEST(Session, TheSameSeedGivesTheSameBits) {
-  const Experiment noisy = experiment_with({"simulation.pose_noise=0.001", "simulation.heading_noise=0.01", "simulation.latency=0.06",
-                                            "simulation.dropout=0.05", "simulation.slip=0.02", "robot_defaults.model=epuck1"});
+  const Experiment noisy =
+      experiment_with({"simulation.pose_noise=0.001", "simulation.heading_noise=0.01", "simulation.latency=0.06",
+                       "simulation.dropout=0.05", "simulation.slip=0.02", "robot_defaults.model=epuck1"});
   const auto commands = [](const Experiment& experiment) {
     Rows sink;
     auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&sink}});
     (*session)->run();
     std::vector<double> all;
     for (const TickRecord& row : sink.rows)
-      for (const RobotRecord& robot : row.robots) all.insert(all.end(), {robot.truth.x, robot.command.v, robot.command.omega, robot.wheels.left});
+      for (const RobotRecord& robot : row.robots)
+        all.insert(all.end(), {robot.truth.x, robot.command.v, robot.command.omega, robot.wheels.left});
     return all;
   };
   const std::vector<double> once = commands(noisy);
@@ -135,8 +137,8 @@ TEST(Session, OnTheWallClockTheOperatorIsObeyed) {
   for (const RobotRecord& robot : latest.robots) EXPECT_EQ(robot.wheels, core::WheelSpeeds{});
   session.close();
 
-  for (const Event::Kind kind :
-       {Event::Kind::start, Event::Kind::move, Event::Kind::gain, Event::Kind::pause, Event::Kind::resume, Event::Kind::stop})
+  for (const Event::Kind kind : {Event::Kind::start, Event::Kind::move, Event::Kind::gain, Event::Kind::pause,
+                                 Event::Kind::resume, Event::Kind::stop})
     EXPECT_EQ(sink.count(kind), 1) << describe(Event{kind, -1, {}, {}}) << ": the log of the run has it";
   EXPECT_FALSE(session.failure());
 }
@@ -165,7 +167,8 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
 }
 
 TEST(Session, ARobotThatIsNotThereIsNamed) {
-  auto session = Session::open(experiment_with({"robot.2.link=serial:/dev/nowhere", "camera.source=synthetic"}), Session::Clock::wall);
+  auto session = Session::open(experiment_with({"robot.2.link=serial:/dev/nowhere", "camera.source=synthetic"}),
+                               Session::Clock::wall);
   ASSERT_FALSE(session);
   EXPECT_NE(session.error().find("2"), std::string::npos) << session.error();
   EXPECT_NE(session.error().find("/dev/nowhere"), std::string::npos) << session.error();

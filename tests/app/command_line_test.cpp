@@ -1,0 +1,228 @@
+// The program as a user's script sees it: exit statuses, what goes to stdout and stderr, files that appear, signals.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+extern char** environ;
+
+namespace {
+
+const std::string experiments = SKEIN_SOURCE_DIR "/resources/experiments/";
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// A folder of this test alone, gone afterwards.
+class Folder {
+ public:
+  Folder()
+      : path(std::filesystem::temp_directory_path() /
+             ("skein-cli-" + std::to_string(::getpid()) + "-" + std::to_string(++count_))) {
+    std::filesystem::create_directories(path);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::string operator/(const std::string& name) const { return (path / name).string(); }
+  std::filesystem::path path;
+
+ private:
+  static inline int count_ = 0;
+};
+
+/// The program with these words, its output in files.
+class Program {
+ public:
+  explicit Program(const std::vector<std::string>& words) {
+    std::vector<std::string> all{SKEIN_PROGRAM};
+    all.insert(all.end(), words.begin(), words.end());
+    std::vector<char*> arguments;
+    for (std::string& word : all) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 1, (folder_ / "out").c_str(), O_CREAT | O_WRONLY, 0600);
+    posix_spawn_file_actions_addopen(&actions, 2, (folder_ / "err").c_str(), O_CREAT | O_WRONLY, 0600);
+    EXPECT_EQ(posix_spawn(&pid_, all[0].c_str(), &actions, nullptr, arguments.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+  }
+  void send(int signal) const { ::kill(pid_, signal); }
+  int wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  std::string out() const { return read_file(folder_ / "out"); }
+  std::string err() const { return read_file(folder_ / "err"); }
+
+ private:
+  Folder folder_;
+  pid_t pid_ = 0;
+};
+
+struct Result {
+  int status;
+  std::string out, err;
+};
+
+Result skein(const std::vector<std::string>& words) {
+  Program program(words);
+  const int status = program.wait();
+  return {status, program.out(), program.err()};
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(CommandLine, ThePapersClaimHolds) {
+  Folder folder;
+  const Result r = skein({"run", experiments + "platoon.toml", "--csv", folder / "run.csv"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.out, "perturbation_1_formation_first: true")) << r.out;
+  EXPECT_TRUE(has(r.out, "perturbation_2_formation_first: true"));
+  EXPECT_TRUE(has(r.out, "perturbation_3_formation_first: true"));
+  EXPECT_TRUE(has(r.out, "collisions: 0"));
+  EXPECT_TRUE(r.err.empty()) << "quiet in a pipe: " << r.err;
+  EXPECT_TRUE(has(read_file(folder / "run.csv"),
+                  "\nt,tick,k_xx,k_tt,k_yy,V,V_dot,delta_1_2,delta_2_3,delta_3_4,min_distance,"
+                  "period,compute_time,event,r1_x,r1_y,r1_theta,r1_x_true,"));
+}
+
+TEST(CommandLine, TwoRunsGiveTheSameFile) {
+  Folder folder;
+  for (const char* name : {"a.csv", "b.csv"})
+    ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--set", "simulation.pose_noise=0.001", "--set",
+                     "expect.final_error=0.01", "--quiet", "--csv", folder / name})
+                  .status,
+              0);
+  EXPECT_EQ(read_file(folder / "a.csv"), read_file(folder / "b.csv"));
+}
+
+TEST(CommandLine, AnExpectationThatFailsSaysByHowMuch) {
+  const Result r = skein({"run", experiments + "platoon.toml", "--set", "expect.final_error=1e-9", "--quiet"});
+  EXPECT_EQ(r.status, 1);
+  EXPECT_TRUE(has(r.err, "final_error")) << r.err;
+  EXPECT_TRUE(r.out.empty());
+}
+
+TEST(CommandLine, WithoutCouplingsTheClaimDoesNotHold) {
+  // The comparison that makes the claim worth something: the same kicks, all couplings zero.
+  const Result r = skein({"run", experiments + "uncoupled.toml", "--set", "expect.formation_first=true"});
+  EXPECT_EQ(r.status, 1) << r.out;
+  EXPECT_TRUE(has(r.err, "formation")) << r.err;
+}
+
+TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
+  Folder folder;
+  std::ofstream(folder / "bad.toml") << "name = \"bad\"\n[controller]\nv_max = -1\nwhatever = 3\n";
+  for (const char* command : {"run", "check"}) {
+    const Result r = skein({command, folder / "bad.toml"});
+    EXPECT_EQ(r.status, 2);
+    EXPECT_TRUE(has(r.err, "bad.toml:3:")) << r.err;
+    EXPECT_TRUE(has(r.err, "bad.toml:4:")) << r.err;
+    EXPECT_TRUE(has(r.err, "v_max"));
+  }
+  EXPECT_EQ(skein({"run", folder / "missing.toml"}).status, 2);
+  EXPECT_EQ(skein({"run"}).status, 2);
+  EXPECT_EQ(skein({"run", experiments + "platoon.toml", "--speed", "warp"}).status, 2);
+  EXPECT_EQ(skein({"fly"}).status, 2);
+  EXPECT_EQ(skein({"run", experiments + "platoon.toml", "--csv", "/nowhere/run.csv"}).status, 2);
+  EXPECT_EQ(skein({"track", "images:/nowhere"}).status, 3);
+}
+
+TEST(CommandLine, ARobotThatIsNotThereIsStatusThree) {
+  const Result r = skein({"run", experiments + "platoon.toml", "--set", "robot.3.link=serial:/dev/nowhere", "--set",
+                          "camera.source=synthetic", "--set", "robot.3.model=epuck2"});
+  EXPECT_EQ(r.status, 3) << r.err;
+  EXPECT_TRUE(has(r.err, "robot 3")) << r.err;
+}
+
+TEST(CommandLine, CheckCertifiesTheGains) {
+  const Result r = skein({"check", experiments + "platoon.toml"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.out, "conditions_18: hold"));
+  EXPECT_TRUE(has(r.out, "robot_1_smallest_k_x: 0.026 m/s")) << "v_max - v_ref - 3 k_xx of (36a)";
+}
+
+TEST(CommandLine, ARecordedRunReplaysBitForBit) {
+  Folder folder;
+  ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--csv", folder / "run.csv", "--quiet", "--set",
+                   "simulation.pose_noise=0.002", "--set", "simulation.latency=0.1", "--set", "simulation.dropout=0.1",
+                   "--set", "expect.final_error=0.02", "--set", "expect.formation_first=false", "--set",
+                   "robot_defaults.model=epuck1"})
+                .status,
+            0);
+  const Result r = skein({"replay", folder / "run.csv"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.out, "different: 0"));
+
+  // One measured digit changed, and it says where.
+  std::string text = read_file(folder / "run.csv");
+  const std::size_t row = text.find("\n40,1000,");
+  ASSERT_NE(row, std::string::npos);
+  const std::size_t end = text.find('\n', row + 1);
+  const std::string header = text.substr(text.find("\nt,tick,") + 1);
+  std::istringstream names(header.substr(0, header.find('\n')));
+  std::size_t column = 0;
+  for (std::string name; std::getline(names, name, ',') && name != "r2_y_meas";) ++column;
+  std::size_t cell = row + 1;
+  for (std::size_t k = 0; k < column; ++k) cell = text.find(',', cell) + 1;
+  ASSERT_LT(cell, end);
+  text.replace(cell, text.find(',', cell) - cell, "0.3");
+  std::ofstream(folder / "changed.csv") << text;
+  const Result changed = skein({"replay", folder / "changed.csv"});
+  EXPECT_EQ(changed.status, 1);
+  EXPECT_TRUE(has(changed.err, "tick 1000")) << changed.err;
+}
+
+TEST(CommandLine, JsonIsOneObject) {
+  const Result r = skein({"run", experiments + "platoon.toml", "--json"});
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.out.front(), '{');
+  EXPECT_TRUE(has(r.out, "\"perturbations\""));
+}
+
+TEST(CommandLine, HelpOfEveryCommand) {
+  for (const char* command : {"run", "check", "replay", "track", "emulate", "bench"}) {
+    const Result r = skein({command, "--help"});
+    EXPECT_EQ(r.status, 0) << command;
+    EXPECT_GT(r.out.size(), 80u) << command;
+  }
+  EXPECT_EQ(skein({"--version"}).out.substr(0, 6), "skein ");
+}
+
+class Signal : public testing::TestWithParam<int> {};
+
+TEST_P(Signal, StopsEveryRobotAndSaysSo) {
+  Folder folder;
+  Program program({"run", experiments + "platoon-loopback.toml", "--speed", "realtime", "--csv", folder / "run.csv"});
+  // Robots drive as soon as a row of the run is in the file.
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!std::filesystem::exists(folder / "run.csv") || std::filesystem::file_size(folder / "run.csv") < 8000) {
+    ASSERT_LT(std::chrono::steady_clock::now(), until);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  program.send(GetParam());
+  EXPECT_EQ(program.wait(), 1) << program.err();
+  EXPECT_TRUE(has(program.out(), "not_stopped: none")) << program.out();
+  EXPECT_TRUE(has(program.err(), "stopped at")) << program.err();
+  EXPECT_TRUE(has(read_file(folder / "run.csv"), "stop")) << "the log of the run has it";
+}
+
+INSTANTIATE_TEST_SUITE_P(CommandLine, Signal, testing::Values(SIGINT, SIGTERM));
+
+}  // namespace
