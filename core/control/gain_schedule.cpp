@@ -54,6 +54,7 @@ void GainSchedule::move(GainName name, double value, double rate) noexcept {
 }
 
 void GainSchedule::step(double dt) noexcept {
+  if (!(dt > 0.0)) return;  // an instant rate times no time is not a number
   for (const GainName name : gain_names) {
     PairTable& now = table(now_, name);
     const PairTable& target = table(target_, name);
