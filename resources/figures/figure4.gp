@@ -1,0 +1,106 @@
+# Figure 4 of the paper: tracking errors of every robot in the world's frame, e_x = x_ref - x and so on, with the reference
+# of the formation; and the errors in keeping the formation (37). Grey: a robot was put elsewhere. Dashed: the formation
+# had settled again, to 1 cm.
+data = "run.csv"
+
+set datafile separator ","
+set datafile columnheaders
+set encoding utf8
+set minussign
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart; from robot 9 on they come again.
+array colour[8] = [0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0xE69F00, 0x56B4E9, 0x000000, 0xF0E442]
+of(i) = colour[(i - 1) % 8 + 1]
+of_pair(i) = colour[(i + 3) % 8 + 1]
+smaller(a, b) = (a < b ? a : b)
+larger(a, b) = (a > b ? a : b)
+
+# What the four panels show.
+wrapped(angle) = angle - 2 * pi * floor((angle + pi) / (2 * pi))
+difference(i, quantity) = column(sprintf("r%d_%s_nom", i, quantity)) - column(sprintf("r%d_%s", i, quantity))
+e(i, quantity) = (quantity eq "theta" ? wrapped(difference(i, quantity)) : difference(i, quantity))
+delta(i) = column(sprintf("delta_%d_%d", i, i + 1))
+
+# Ranges with three to six round steps; e_x and e_y have the same one. At least 2 mm, or 0.02 rad: less is noise.
+nice(step) = (p = 10**floor(log10(step)), f = step / p, p * (f <= 1 ? 1 : f <= 2 ? 2 : f <= 5 ? 5 : 10))
+xy_low = -0.001; xy_high = 0.001; theta_low = -0.01; theta_high = 0.01; delta_low = -0.001; delta_high = 0.001
+do for [i=1:n] {
+  do for [quantity in "x y"] {
+    stats data using (e(i, quantity)) nooutput
+    xy_low = smaller(xy_low, STATS_min); xy_high = larger(xy_high, STATS_max)
+  }
+  stats data using (e(i, "theta")) nooutput
+  theta_low = smaller(theta_low, STATS_min); theta_high = larger(theta_high, STATS_max)
+}
+do for [i=1:n-1] {
+  stats data using (delta(i)) nooutput
+  delta_low = smaller(delta_low, STATS_min); delta_high = larger(delta_high, STATS_max)
+}
+stats data using (column("t")) nooutput
+set xrange [STATS_min : larger(STATS_max, STATS_min + 0.001)]
+
+set tics nomirror scale 0.6
+set border linewidth 0.75
+set grid ytics linecolor rgb 0xDDDDDD linewidth 0.5 dashtype solid
+do for [t in perturbed] {
+  set arrow from first t + 0, graph 0 to first t + 0, graph 1 nohead back linecolor rgb 0xBBBBBB linewidth 1.5
+}
+do for [t in settled] {
+  set arrow from first t + 0, graph 0 to first t + 0, graph 1 nohead front linecolor rgb 0x404040 linewidth 0.75 dashtype 2
+}
+
+# One column of a journal, 88 mm; four panels below one another, each legend above its own. In cm:
+width = 8.8
+beside = 1.55; beyond = 0.25; below = 1.0; panel = 2.85; gap = 0.25; legend = 0.5
+above(k) = below + (4 - k) * (panel + gap) + panel + (k < 4 ? legend : 0)  # upper edge of panel k, 1 on top
+rows = (n > 4 ? 2 : 1)
+height = above(1) + 0.1 + rows * 0.45
+set lmargin at screen beside / width
+set rmargin at screen 1 - beyond / width
+begin_panel(k) = sprintf("set tmargin at screen %f; set bmargin at screen %f", above(k) / height, (above(k) - panel) / height)
+begin_key(k, closer) = (n > 8 ? "unset key" : \
+  sprintf("set key at screen %f, screen %f center bottom vertical maxrows rows Left reverse samplen 1.5 width %g", \
+          0.5 * (beside + width - beyond) / width, (above(k) + 0.08) / height, closer))
+spread(low, high) = sprintf("set yrange [%g : %g]; set ytics %g", low - 0.08 * (high - low), high + 0.08 * (high - low), \
+                            nice((high - low) / 5))
+beside_panel(text) = sprintf("set label 1 '%s' at screen %f, graph 0.5 center rotate", text, 0.3 / width)
+
+do for [kind in "pdf svg png"] {
+  if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }
+  if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,10.7" linewidth 1 background "white" }
+  if (kind eq "png") { set terminal pngcairo color enhanced size width * 118.1, height * 118.1 font "sans,8" fontscale 3.1 linewidth 3 pointscale 3 }
+  set output "figure4." . kind
+  set multiplot
+  set format x ""
+  unset xlabel
+  eval begin_panel(1)
+  eval begin_key(1, -1.5)
+  eval spread(xy_low, xy_high)
+  eval beside_panel("{/:Italic e_x} [m]")
+  plot for [i=1:n] data using (column("t")):(e(i, "x")) with lines linecolor rgb of(i) title sprintf("robot %d", i)
+
+  unset key
+  eval begin_panel(2)
+  eval beside_panel("{/:Italic e_y} [m]")
+  plot for [i=1:n] data using (column("t")):(e(i, "y")) with lines linecolor rgb of(i)
+
+  eval begin_panel(3)
+  eval spread(theta_low, theta_high)
+  eval beside_panel("{/:Italic e}_θ [rad]")
+  plot for [i=1:n] data using (column("t")):(e(i, "theta")) with lines linecolor rgb of(i)
+
+  set format x "%g"
+  set xlabel "{/:Italic t} [s]" offset 0, 0.3
+  eval begin_panel(4)
+  eval begin_key(4, 0)
+  eval spread(delta_low, delta_high)
+  eval beside_panel("δ [m]")
+  if (n > 1) {
+    plot for [i=1:n-1] data using (column("t")):(delta(i)) with lines linecolor rgb of_pair(i) \
+           title sprintf("δ_{%d,%d}", i, i + 1)
+  } else {
+    plot 0 with lines linecolor rgb 0x808080 notitle
+  }
+  unset multiplot
+  unset output
+}

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "app/control_tick.h"
+#include "core/simulation/simulated_robot.h"
+
+namespace skein::test {
+
+/// The rows of a whole run: simulated robots around the tick on a clock of its own, without session, threads or files.
+inline std::vector<app::TickRecord> simulate(const app::Experiment& e) {
+  const core::Platoon reference = app::make_reference(e);
+  std::vector<core::SimulatedRobot> robots;
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
+    robots.back().place(reference.at(i, 0.0).pose);
+  }
+  const app::OperatorCommand start;
+  std::vector<core::Measurement> measured(robots.size());
+  std::vector<core::Pose> truth(robots.size());
+  std::vector<app::TickRecord> rows;
+  app::ControlTick tick(e);
+  std::size_t next_perturbation = 0;
+  for (std::int64_t k = 0; k < e.ticks(); ++k) {
+    app::TickInput input;
+    input.now = static_cast<double>(k) / e.rate;
+    for (; next_perturbation < e.perturbations.size(); ++next_perturbation) {
+      const app::Perturbation& p = e.perturbations[next_perturbation];
+      if (p.t > input.now + 1e-9) break;
+      const core::Pose pose = robots[p.robot].pose();
+      robots[p.robot].place({pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
+      input.events.add({app::Event::Kind::perturb, static_cast<int>(p.robot), {}, {p.dx, p.dy, p.dtheta}});
+    }
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      measured[i] = robots[i].measure(input.now);
+      truth[i] = robots[i].pose();
+    }
+    input.measurements = measured;
+    input.truth = truth;
+    if (k == 0) input.commands = {&start, 1};
+    rows.push_back(tick.step(input));
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      robots[i].command(rows.back().robots[i].wheels);
+      robots[i].step(e.period());
+    }
+  }
+  return rows;
+}
+
+}  // namespace skein::test
