@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace skein::comms {
@@ -17,7 +18,7 @@ class RoundTrips {
     if (size == 0) return 0.0;
     auto sorted = times_;
     const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(size);
-    const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(size - 1) + 0.5);
+    const auto nth = sorted.begin() + std::lround(share * static_cast<double>(size - 1));
     std::nth_element(sorted.begin(), nth, end);
     return *nth;
   }

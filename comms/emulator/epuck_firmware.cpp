@@ -5,16 +5,10 @@
 #include <cctype>
 #include <cmath>
 
+#include "comms/emulator/epuck_values.h"
+
 namespace skein::comms {
 namespace {
-
-// What the sensors read: a robot alone on a table. The arguments of "S" and the LEDs change nothing that can be read.
-constexpr std::array<int, 8> proximity{12, 9, 15, 11, 10, 14, 8, 13};
-constexpr std::array<int, 8> ambient{3900, 3905, 3898, 3910, 3902, 3897, 3908, 3901};
-constexpr std::array<int, 3> acceleration{2048, 2050, 2870};
-constexpr int selector = 3;
-constexpr int battery_raw_epuck2 = 3195;  // 3.9 V * 819.2
-constexpr int battery_percent_epuck2 = 62;
 
 constexpr std::string_view welcome =
     "\f\aWELCOME to the SerCom protocol on e-Puck\r\nthe EPFL education robot type \"H\" for help\r\n";
@@ -29,10 +23,6 @@ std::string list(char letter, const std::array<int, N>& values) {
   return line + "\r\n";
 }
 
-int as_int16(int value) {
-  return static_cast<std::int16_t>(value);
-}
-
 }  // namespace
 
 EpuckFirmware::EpuckFirmware(core::MotorModel model) : model_(model) {}
@@ -42,7 +32,7 @@ void EpuckFirmware::boot() noexcept {
 }
 
 std::string EpuckFirmware::greeting() const {
-  return (epuck1() ? fmt::format("Selector pos {}\r\n", selector) : "") + std::string(welcome);
+  return (epuck1() ? fmt::format("Selector pos {}\r\n", epuck_alone.selector) : "") + std::string(welcome);
 }
 
 // --- The parser -----------------------------------------------------------------------------------------------------
@@ -145,19 +135,20 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
       answer += "HW version: FFFF\r\n";
       break;
     case 'b':  // an e-puck1 before hardware 1.3 knows only good and low
-      answer = epuck1() ? "b,1\r\n" : fmt::format("b,{} ({}%)\r\n", battery_raw_epuck2, battery_percent_epuck2);
+      answer =
+          epuck1() ? "b,1\r\n" : fmt::format("b,{} ({}%)\r\n", epuck_alone.battery_raw, epuck_alone.battery_percent);
       break;
     case 'A':
-      answer = list('a', acceleration);
+      answer = list('a', epuck_alone.acceleration);
       break;
     case 'C':
-      answer = fmt::format("c,{}\r\n", selector);
+      answer = fmt::format("c,{}\r\n", epuck_alone.selector);
       break;
     case 'N':
-      answer = list('n', proximity);
+      answer = list('n', epuck_alone.proximity);
       break;
     case 'O':
-      answer = list('o', ambient);
+      answer = list('o', epuck_alone.ambient);
       break;
     case 'U':
       answer = "u,0,0,0\r\n";
@@ -198,120 +189,6 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
       answer = "z,Command not found\r\n";
   }
   reply.insert(reply.end(), answer.begin(), answer.end());
-}
-
-// --- Binary ---------------------------------------------------------------------------------------------------------
-
-void EpuckFirmware::append(std::int64_t value) {
-  merged_.push_back(static_cast<std::uint8_t>(value & 0xFF));
-  merged_.push_back(static_cast<std::uint8_t>((value >> 8) & 0xFF));
-}
-
-void EpuckFirmware::run_letter(std::uint8_t letter) {
-  parsing_ = Parsing::sequence;
-  letter_ = letter;
-  arguments_.clear();
-  arguments_needed_ = 0;
-  if (letter < 0x80) return;  // a positive char inside a sequence: ignored
-  switch (256 - letter) {
-    case 'D':
-    case 'P':
-      arguments_needed_ = 4;
-      break;
-    case 'L':
-      arguments_needed_ = 2;
-      break;
-    case 'W':
-      arguments_needed_ = 3;
-      break;
-    case 'w':
-      arguments_needed_ = 35;
-      break;
-    case 'Q':
-      append(counter(steps_left_));
-      append(counter(steps_right_));
-      break;
-    case 'E':
-      append(speed_left_);
-      append(speed_right_);
-      break;
-    case 'a':
-      for (const int value : acceleration) append(value);
-      break;
-    case 'b':
-      append(epuck1() ? 1 : battery_raw_epuck2);
-      break;
-    case 'N':
-      for (const int value : proximity) append(value);
-      break;
-    case 'O':
-      for (const int value : ambient) append(value);
-      break;
-    case 't':
-      merged_.push_back(0);
-      break;
-    case 'g':
-    case 'u':
-      merged_.insert(merged_.end(), 6, 0);
-      break;
-    case 0x8:  // all sensors at once
-      if (!epuck1()) append_all_sensors();
-      break;
-    case 0x9:  // all actuators at once
-      if (!epuck1()) arguments_needed_ = 19;
-      break;
-    case 0xA:  // coloured LEDs
-      if (!epuck1()) arguments_needed_ = 12;
-      break;
-    default:  // unknown or not emulated: passed over in silence
-      break;
-  }
-  if (arguments_needed_ > 0) parsing_ = Parsing::arguments;
-}
-
-void EpuckFirmware::run_letter_with_arguments() {
-  // An e-puck2 puts the bytes together in 32 bits without a sign: -100 is 65436 there, until the motors take 16 bits of
-  // it. An e-puck1's int has 16 bits.
-  const auto argument = [this](std::size_t at) {
-    const int value = arguments_[at] + (arguments_[at + 1] << 8);
-    return epuck1() ? as_int16(value) : value;
-  };
-  switch (256 - letter_) {
-    case 'D':
-      speed_left_ = argument(0);
-      speed_right_ = argument(2);
-      set_motors();
-      break;
-    case 'P':
-      position_left_ = argument(0);
-      position_right_ = argument(2);
-      set_counters(position_left_, position_right_);
-      break;
-    case 0x9:
-      speed_left_ = argument(1);
-      speed_right_ = argument(3);
-      if ((arguments_[0] & 0x04) == 0) set_motors();  // else they are positions, which an e-puck2 cannot set
-      break;
-    default:
-      break;
-  }
-}
-
-// 103 bytes in the firmware's order; what a robot alone does not sense is 0.
-void EpuckFirmware::append_all_sensors() {
-  constexpr std::size_t whole = 103, before_proximity = 37, before_encoders = 79;
-  const std::size_t start = merged_.size();
-  for (const int value : acceleration) append(value);
-  merged_.resize(start + before_proximity);  // spherical acceleration, gyroscope, magnetic field, temperature
-  for (const int value : proximity) append(value);
-  for (const int value : ambient) append(value);
-  merged_.resize(start + before_encoders);  // distance, microphones
-  append(counter(steps_left_));
-  append(counter(steps_right_));
-  append(battery_raw_epuck2);
-  merged_.insert(merged_.end(), 4, 0);  // memory card, remote control
-  merged_.push_back(selector);
-  merged_.resize(start + whole);  // ground sensors
 }
 
 // --- Wheels ---------------------------------------------------------------------------------------------------------

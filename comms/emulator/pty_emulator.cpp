@@ -1,141 +1,46 @@
 #include "comms/emulator/pty_emulator.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
 #include <poll.h>
-#include <pty.h>
 #include <sys/eventfd.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <condition_variable>
 #include <cstdint>
-#include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "comms/emulator/epuck_firmware.h"
+#include "comms/emulator/pty.h"
 
 namespace skein::comms {
-namespace {
-
-[[noreturn]] void refuse(const char* what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
-
-/// A pseudo-terminal in raw mode. It keeps the program's end open as well: otherwise the robot's end would report a
-/// hang-up whenever no program is there, and forget the settings.
-class Pty {
- public:
-  Pty() {
-    termios raw{};
-    ::cfmakeraw(&raw);
-    std::array<char, 64> name{};
-    if (::openpty(&robot_, &program_, name.data(), &raw, nullptr) != 0) refuse("pseudo-terminal");
-    for (const int descriptor : {robot_, program_}) ::fcntl(descriptor, F_SETFD, FD_CLOEXEC);
-    ::fcntl(robot_, F_SETFL, O_NONBLOCK);
-    path_ = name.data();
-  }
-  Pty(Pty&& other) noexcept
-      : robot_(std::exchange(other.robot_, -1)),
-        program_(std::exchange(other.program_, -1)),
-        path_(std::move(other.path_)) {}
-  Pty& operator=(Pty&& other) noexcept {
-    std::swap(robot_, other.robot_);
-    std::swap(program_, other.program_);
-    std::swap(path_, other.path_);
-    return *this;
-  }
-  ~Pty() {
-    for (const int descriptor : {robot_, program_})
-      if (descriptor >= 0) ::close(descriptor);
-  }
-
-  int robot() const noexcept { return robot_; }
-  const std::string& path() const noexcept { return path_; }
-
- private:
-  int robot_ = -1;
-  int program_ = -1;
-  std::string path_;
-};
-
-/// A directory for the robots' names; removed again if it was made here.
-class Directory {
- public:
-  explicit Directory(std::string path) : path_(std::move(path)) {
-    if (!path_.empty()) {
-      made_ = std::filesystem::create_directories(path_);
-      return;
-    }
-    std::string pattern = (std::filesystem::temp_directory_path() / "skein-robots-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) refuse("directory for temporary files");
-    path_ = pattern;
-    made_ = true;
-  }
-  ~Directory() {
-    std::error_code ignored;
-    if (made_) std::filesystem::remove(path_, ignored);
-  }
-  Directory(const Directory&) = delete;
-  Directory& operator=(const Directory&) = delete;
-
-  std::string name(std::size_t robot) const { return fmt::format("{}/robot{}", path_, robot + 1); }
-
- private:
-  std::string path_;
-  bool made_ = false;
-};
-
-/// Makes `name` lead to `target`, in one step for whoever looks.
-void point(const std::string& name, const std::string& target) {
-  const std::string fresh = name + ".new";
-  std::filesystem::remove(fresh);
-  std::filesystem::create_symlink(target, fresh);
-  std::filesystem::rename(fresh, name);
-}
-
-}  // namespace
 
 class PtyEmulator::Loop {
  public:
-  Loop(std::vector<core::MotorModel> models, WheelsChanged on_wheels, std::function<double()> clock,
+  Loop(const std::vector<core::MotorModel>& models, WheelsChanged on_wheels, std::function<double()> clock,
        std::string directory)
-      : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)), directory_(std::move(directory)), last_(clock_()) {
+      : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)), names_(std::move(directory)), last_(clock_()) {
     for (const core::MotorModel model : models) robots_.emplace_back(model);
-    for (std::size_t i = 0; i < robots_.size(); ++i) {
-      // A name left behind by a program that died may be taken over; anything else is somebody's file.
-      const std::string name = directory_.name(i);
-      if (std::filesystem::exists(std::filesystem::symlink_status(name)) && !std::filesystem::is_symlink(name)) {
-        errno = EEXIST;
-        refuse(name.c_str());
-      }
-      point(name, robots_[i].pty.path());
-    }
+    for (std::size_t i = 0; i < robots_.size(); ++i) names_.point(i, robots_[i].pty.path());
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    if (wake_ < 0) refuse("eventfd");
+    if (wake_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
     thread_ = std::thread([this] { run(); });
   }
   ~Loop() {
     ask([this] { ending_ = true; });
     thread_.join();
     ::close(wake_);
-    std::error_code ignored;
-    for (std::size_t i = 0; i < robots_.size(); ++i) std::filesystem::remove(directory_.name(i), ignored);
   }
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
   std::size_t size() const noexcept { return robots_.size(); }
-  std::string device(std::size_t robot) const { return directory_.name(robot); }
+  std::string device(std::size_t robot) const { return names_.name(robot); }
 
   core::WheelSpeeds wheels(std::size_t robot) const {
     const std::lock_guard lock(mutex_);
@@ -145,7 +50,7 @@ class PtyEmulator::Loop {
   void hang_up(std::size_t robot) {
     ask([this, robot] {
       Pty fresh;  // first: the name must lead somewhere before the old line breaks
-      point(directory_.name(robot), fresh.path());
+      names_.point(robot, fresh.path());
       robots_.at(robot).pty = std::move(fresh);
     });
   }
@@ -257,7 +162,7 @@ class PtyEmulator::Loop {
 
   WheelsChanged on_wheels_;
   std::function<double()> clock_;
-  Directory directory_;
+  DeviceNames names_;
   double last_;  // when the robots' time was last brought up to date
   std::vector<Robot> robots_;
   std::vector<std::uint8_t> reply_;
@@ -272,9 +177,9 @@ class PtyEmulator::Loop {
   std::thread thread_;
 };
 
-PtyEmulator::PtyEmulator(std::vector<core::MotorModel> robots, WheelsChanged on_wheels, std::function<double()> clock,
-                         std::string directory)
-    : loop_(std::make_unique<Loop>(std::move(robots), std::move(on_wheels), std::move(clock), std::move(directory))) {}
+PtyEmulator::PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsChanged on_wheels,
+                         std::function<double()> clock, std::string directory)
+    : loop_(std::make_unique<Loop>(robots, std::move(on_wheels), std::move(clock), std::move(directory))) {}
 PtyEmulator::~PtyEmulator() = default;
 
 std::size_t PtyEmulator::size() const noexcept {

@@ -22,7 +22,7 @@ class PtyEmulator {
   /// `directory`: where the robots' names robot1, robot2, ... are made, symbolic links that follow a robot whose
   /// pseudo-terminal changes (see hang_up); made if it does not exist; empty: a new directory for temporary files.
   /// Throws std::system_error when the system refuses a pseudo-terminal or a file.
-  PtyEmulator(std::vector<core::MotorModel> robots, WheelsChanged on_wheels, std::function<double()> clock,
+  PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsChanged on_wheels, std::function<double()> clock,
               std::string directory = {});
   ~PtyEmulator();  ///< ends the thread, removes the names, hangs up
   PtyEmulator(const PtyEmulator&) = delete;

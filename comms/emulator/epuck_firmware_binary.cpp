@@ -1,0 +1,119 @@
+// The binary half of the emulated firmware; the parser that leads here is in epuck_firmware.cpp.
+#include "comms/emulator/epuck_firmware.h"
+#include "comms/emulator/epuck_values.h"
+
+namespace skein::comms {
+
+void EpuckFirmware::append(std::int64_t value) {
+  merged_.push_back(static_cast<std::uint8_t>(value & 0xFF));
+  merged_.push_back(static_cast<std::uint8_t>((value >> 8) & 0xFF));
+}
+
+void EpuckFirmware::run_letter(std::uint8_t letter) {
+  parsing_ = Parsing::sequence;
+  letter_ = letter;
+  arguments_.clear();
+  arguments_needed_ = 0;
+  if (letter < 0x80) return;  // a positive char inside a sequence: ignored
+  switch (256 - letter) {
+    case 'D':
+    case 'P':
+      arguments_needed_ = 4;
+      break;
+    case 'L':
+      arguments_needed_ = 2;
+      break;
+    case 'W':
+      arguments_needed_ = 3;
+      break;
+    case 'w':
+      arguments_needed_ = 35;
+      break;
+    case 'Q':
+      append(counter(steps_left_));
+      append(counter(steps_right_));
+      break;
+    case 'E':
+      append(speed_left_);
+      append(speed_right_);
+      break;
+    case 'a':
+      for (const int value : epuck_alone.acceleration) append(value);
+      break;
+    case 'b':
+      append(epuck1() ? 1 : epuck_alone.battery_raw);
+      break;
+    case 'N':
+      for (const int value : epuck_alone.proximity) append(value);
+      break;
+    case 'O':
+      for (const int value : epuck_alone.ambient) append(value);
+      break;
+    case 't':
+      merged_.push_back(0);
+      break;
+    case 'g':
+    case 'u':
+      merged_.insert(merged_.end(), 6, 0);
+      break;
+    case 0x8:  // all sensors at once
+      if (!epuck1()) append_all_sensors();
+      break;
+    case 0x9:  // all actuators at once
+      if (!epuck1()) arguments_needed_ = 19;
+      break;
+    case 0xA:  // coloured LEDs
+      if (!epuck1()) arguments_needed_ = 12;
+      break;
+    default:  // unknown or not emulated: passed over in silence
+      break;
+  }
+  if (arguments_needed_ > 0) parsing_ = Parsing::arguments;
+}
+
+void EpuckFirmware::run_letter_with_arguments() {
+  // An e-puck2 puts the bytes together in 32 bits without a sign: -100 is 65436 there, until the motors take 16 bits of
+  // it. An e-puck1's int has 16 bits.
+  const auto argument = [this](std::size_t at) {
+    const int value = arguments_[at] + (arguments_[at + 1] << 8);
+    return epuck1() ? as_int16(value) : value;
+  };
+  switch (256 - letter_) {
+    case 'D':
+      speed_left_ = argument(0);
+      speed_right_ = argument(2);
+      set_motors();
+      break;
+    case 'P':
+      position_left_ = argument(0);
+      position_right_ = argument(2);
+      set_counters(position_left_, position_right_);
+      break;
+    case 0x9:
+      speed_left_ = argument(1);
+      speed_right_ = argument(3);
+      if ((arguments_[0] & 0x04) == 0) set_motors();  // else they are positions, which an e-puck2 cannot set
+      break;
+    default:
+      break;
+  }
+}
+
+// 103 bytes in the firmware's order; what a robot alone does not sense is 0.
+void EpuckFirmware::append_all_sensors() {
+  constexpr std::size_t whole = 103, before_proximity = 37, before_encoders = 79;
+  const std::size_t start = merged_.size();
+  for (const int value : epuck_alone.acceleration) append(value);
+  merged_.resize(start + before_proximity);  // spherical acceleration, gyroscope, magnetic field, temperature
+  for (const int value : epuck_alone.proximity) append(value);
+  for (const int value : epuck_alone.ambient) append(value);
+  merged_.resize(start + before_encoders);  // distance, microphones
+  append(counter(steps_left_));
+  append(counter(steps_right_));
+  append(epuck_alone.battery_raw);
+  merged_.insert(merged_.end(), 4, 0);  // memory card, remote control
+  merged_.push_back(epuck_alone.selector);
+  merged_.resize(start + whole);  // ground sensors
+}
+
+}  // namespace skein::comms
