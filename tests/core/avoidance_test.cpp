@@ -189,6 +189,29 @@ TEST(Avoidance, LeavesThePlatoonAloneForAWholeLap) {
   }
 }
 
+TEST(Avoidance, DoesNotAvoidARobotWhosePoseIsNotKnown) {
+  const double nan = std::nan("");
+  Encounter e(3);
+  e.nominal = {{{0.0, 0.0, 0.0}, {0.05, 0.0}}, {{0.05, 0.0, 0.0}, {0.05, 0.0}}, {{1.0, 0.0, 0.0}, {0.05, 0.0}}};
+  e.poses = {{0.0, 0.0, 0.0}, {nan, nan, nan}, {1.0, 0.0, 0.0}};
+  e.step();
+  EXPECT_EQ(e.reference, e.nominal);
+  // It is found again next to robot 1: its own reference starts from where it is now.
+  e.poses[1] = {0.05, 0.0, 0.0};
+  e.step();
+  for (std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(e.avoidance.state(i), State::avoiding);
+    EXPECT_LT(core::distance(e.reference[i].pose, e.poses[i]), 0.1 * e.dt);
+  }
+  // And lost again while avoiding: the references stay numbers.
+  e.poses[1] = {nan, nan, nan};
+  for (int k = 0; k < 50; ++k) {
+    e.step();
+    for (const ReferencePoint& point : e.reference)
+      EXPECT_TRUE(std::isfinite(point.pose.x + point.pose.y + point.pose.theta + point.twist.v + point.twist.omega));
+  }
+}
+
 TEST(Avoidance, ForgetsOnReset) {
   Encounter e(2);
   e.poses = {{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}};

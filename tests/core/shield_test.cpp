@@ -166,6 +166,22 @@ TEST(Shield, DoesNothingWhenItIsOff) {
   EXPECT_FALSE(result.touched[0] || result.touched[1]);
 }
 
+TEST(Shield, LeavesOutARobotWhosePoseIsNotKnown) {
+  holds("a NaN pose takes nobody with it, and the others get what they would without that robot", [] {
+    const int n = any_of(2, 6);
+    Draw draw(any_seed());
+    const Crowd known = random_crowd(draw, static_cast<std::size_t>(n), 2);
+    Crowd crowd = known;
+    const double nan = std::nan("");
+    crowd.poses.push_back({nan, nan, nan});
+    crowd.v_limit.push_back(0.1);
+    crowd.wanted.push_back({0.0, 0.0});
+    const auto with = shield(crowd).commands, without = shield(known).commands;
+    for (std::size_t i = 0; i < without.size(); ++i) RC_ASSERT(with[i] == without[i]);
+    RC_ASSERT(with.back() == Twist{});
+  });
+}
+
 TEST(Shield, ForgetsTheLastMoment) {
   // One Shield through a thousand unrelated moments gives what a new one gives.
   Draw draw(12);

@@ -1,0 +1,178 @@
+#include "rules.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string_view>
+
+namespace skein::test {
+namespace {
+
+using std::string;
+using std::string_view;
+
+constexpr int most_lines = 400;
+
+/// skein (the program) -> ui -> app -> { vision, comms } -> core. Every room may also include itself.
+const std::map<string, std::set<string>, std::less<>> arrows{
+    {"core", {"core"}},
+    {"vision", {"vision", "core"}},
+    {"comms", {"comms", "core"}},
+    {"app", {"app", "vision", "comms", "core"}},
+    {"ui", {"ui", "app", "core"}},
+};
+
+/// What core may take from the standard library: everything that computes, nothing that waits, reads, writes or looks
+/// at a clock.
+const std::set<string, std::less<>> core_std{"algorithm",
+                                             "array",
+                                             "bit",
+                                             "cassert",
+                                             "cfloat",
+                                             "cmath",
+                                             "compare",
+                                             "complex",
+                                             "concepts",
+                                             "cstddef",
+                                             "cstdint",
+                                             "cstdlib",
+                                             "cstring",
+                                             "deque",
+                                             "exception",
+                                             "functional",
+                                             "initializer_list",
+                                             "iterator",
+                                             "limits",
+                                             "map",
+                                             "memory",
+                                             "new",
+                                             "numbers",
+                                             "numeric",
+                                             "optional",
+                                             "random",
+                                             "ranges",
+                                             "ratio",
+                                             "set",
+                                             "span",
+                                             "stdexcept",
+                                             "string",
+                                             "string_view",
+                                             "tuple",
+                                             "type_traits",
+                                             "unordered_map",
+                                             "unordered_set",
+                                             "utility",
+                                             "valarray",
+                                             "variant",
+                                             "vector"};
+
+bool starts_with_any(string_view text, std::initializer_list<string_view> beginnings) {
+  return std::any_of(beginnings.begin(), beginnings.end(), [&](string_view b) { return text.starts_with(b); });
+}
+
+string room_of(string_view path) {
+  return string(path.substr(0, path.find('/')));
+}
+
+bool is_opencv_or_apriltag(string_view header) {
+  return starts_with_any(header, {"opencv", "apriltag", "tag16h5", "tag25h9", "tag36h", "tagCircle", "tagCustom",
+                                  "tagStandard", "common/zarray", "common/image_u8", "common/matd"});
+}
+
+bool is_bluez(string_view header) {
+  return header.starts_with("bluetooth/");
+}
+
+/// <QWidget>, <QtCore/QObject>, <qcustomplot.h>, <qwidget.h>
+bool is_qt(string_view header) {
+  const bool capital = header.size() > 1 && header[0] == 'Q' && std::isalpha(static_cast<unsigned char>(header[1]));
+  return capital || starts_with_any(header, {"qcustomplot", "qt", "qwidget", "qobject", "qapplication"});
+}
+
+/// Files of vision that only vision itself sees.
+bool is_private_to_vision(string_view path) {
+  return path.ends_with(".cpp") || path.ends_with("_cv.h") || path.starts_with("vision/detail/") ||
+         path.starts_with("vision/media/");
+}
+
+struct Include {
+  int line;
+  string header;
+};
+
+std::vector<Include> includes_of(const string& text) {
+  static const std::regex directive(R"(^\s*#\s*include\s*["<]([^">]+)[">].*)");
+  std::vector<Include> found;
+  std::istringstream lines(text);
+  int number = 0;
+  for (string line; std::getline(lines, line);) {
+    ++number;
+    if (std::smatch match; std::regex_match(line, match, directive)) found.push_back({number, match[1]});
+  }
+  return found;
+}
+
+/// Why `path` may not include `header`; nothing where it may.
+std::optional<string> objection(const string& path, const string& header) {
+  const string room = room_of(path);
+  const bool is_program = path == "app/main.cpp";
+  const string target = header.find('/') == string::npos ? string() : room_of(header);
+
+  if (arrows.contains(target)) {
+    if (is_program && target == "ui") return {};
+    if (!arrows.at(room).contains(target)) return room + " must not know " + target;
+    if (target == "vision" && room != "vision" && is_private_to_vision(header)) return header + " is private to vision";
+    return {};
+  }
+  if (header.starts_with(".")) return "includes are written from the project's root";
+  if (is_qt(header) && room != "ui") return room + " must do without Qt";
+  if (is_opencv_or_apriltag(header)) {
+    if (room != "vision") return "OpenCV and AprilTag are private to vision";
+    if (!is_private_to_vision(path)) return "OpenCV and AprilTag must not show in vision's public headers";
+  }
+  if (is_bluez(header) && !(room == "comms" && path.ends_with(".cpp"))) return "BlueZ is private to comms' .cpp files";
+  if (room == "core" && !header.starts_with("Eigen/") && !core_std.contains(header))
+    return "core is made of itself, Eigen and the parts of the standard library that compute";
+  return {};
+}
+
+bool is_source(const std::filesystem::path& path) {
+  static const std::set<string> endings{".h", ".hpp", ".hh", ".cpp", ".cc", ".cxx", ".c", ".ipp", ".inl", ".in"};
+  return endings.contains(path.extension().string());
+}
+
+}  // namespace
+
+std::vector<string> broken_rules(const SourceFile& file) {
+  std::vector<string> broken;
+  for (const Include& include : includes_of(file.text))
+    if (const auto why = objection(file.path, include.header))
+      broken.push_back(file.path + ":" + std::to_string(include.line) + ": includes " + include.header + ": " + *why);
+  const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
+  if (lines > most_lines)
+    broken.push_back(file.path + ": " + std::to_string(lines) + " lines, more than " + std::to_string(most_lines));
+  return broken;
+}
+
+std::vector<SourceFile> sources_of(const string& room) {
+  const std::filesystem::path root = SKEIN_SOURCE_DIR;
+  std::vector<SourceFile> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
+    if (!entry.is_regular_file() || !is_source(entry.path())) continue;
+    std::ifstream in(entry.path());
+    files.push_back({entry.path().lexically_relative(root).generic_string(),
+                     string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>())});
+  }
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  return files;
+}
+
+}  // namespace skein::test
