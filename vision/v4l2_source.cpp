@@ -1,12 +1,8 @@
 #include "vision/v4l2_source.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/videodev2.h>
-#include <poll.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -31,14 +27,6 @@ constexpr double first_frame_wait = 5.0;
 constexpr double stall_frames = 5.0;
 constexpr double least_stall_wait = 0.25;
 
-int control(int fd, unsigned long request, void* argument) {
-  int result = 0;
-  do {
-    result = ioctl(fd, request, argument);
-  } while (result == -1 && errno == EINTR);
-  return result;
-}
-
 std::string four_letters(std::uint32_t format) {
   std::string text;
   for (int i = 0; i < 4; ++i) text += static_cast<char>((format >> (8 * i)) & 0x7f);
@@ -47,21 +35,21 @@ std::string four_letters(std::uint32_t format) {
 
 class V4l2Camera final : public FrameSource {
  public:
-  explicit V4l2Camera(std::string device) : device_(std::move(device)) {}
+  V4l2Camera(std::string device, V4l2Kernel& kernel) : device_(std::move(device)), kernel_(kernel) {}
   ~V4l2Camera() override {
     if (streaming_) {
       int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-      control(fd_, VIDIOC_STREAMOFF, &type);
+      control(VIDIOC_STREAMOFF, &type);
     }
-    for (const Buffer& buffer : buffers_) munmap(buffer.start, buffer.length);
-    if (fd_ >= 0) close(fd_);
+    for (const Buffer& buffer : buffers_) kernel_.unmap(buffer.start, buffer.length);
+    if (fd_ >= 0) kernel_.close(fd_);
   }
   V4l2Camera(const V4l2Camera&) = delete;
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   /// Empty, or what is in the way.
   std::string open(const SourceOptions& options) {
-    fd_ = ::open(device_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    fd_ = kernel_.open(device_.c_str());
     if (fd_ < 0) return failed("cannot be opened");
     std::string problem = check_device();
     if (problem.empty()) problem = choose_format(options);
@@ -78,11 +66,11 @@ class V4l2Camera final : public FrameSource {
         v4l2_buffer buffer{};
         buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
         buffer.memory = V4L2_MEMORY_MMAP;
-        if (control(fd_, VIDIOC_DQBUF, &buffer) == -1) {
+        if (control(VIDIOC_DQBUF, &buffer) == -1) {
           if (errno == EAGAIN) break;
           return tl::unexpected(failed("stopped delivering frames"));
         }
-        if (newest && control(fd_, VIDIOC_QBUF, &*newest) == -1) return tl::unexpected(failed("lost a buffer"));
+        if (newest && control(VIDIOC_QBUF, &*newest) == -1) return tl::unexpected(failed("lost a buffer"));
         newest = buffer;
       }
       if (!newest) continue;
@@ -93,7 +81,7 @@ class V4l2Camera final : public FrameSource {
         frame.index = frames_++;
         frame.source = std::to_string(frame.index);
       }
-      if (control(fd_, VIDIOC_QBUF, &*newest) == -1) return tl::unexpected(failed("lost a buffer"));
+      if (control(VIDIOC_QBUF, &*newest) == -1) return tl::unexpected(failed("lost a buffer"));
       if (whole) return true;
       // A damaged frame (a bad cable, a full bus): the next one may be well, but not for ever.
       if (++damaged_ > max_damaged) return tl::unexpected(device_ + ": sends only damaged frames");
@@ -112,13 +100,21 @@ class V4l2Camera final : public FrameSource {
   };
   static constexpr int max_damaged = 25;
 
+  int control(unsigned long request, void* argument) const {
+    int result = 0;
+    do {
+      result = kernel_.control(fd_, request, argument);
+    } while (result == -1 && errno == EINTR);
+    return result;
+  }
+
   std::string failed(std::string_view what) const {
     return fmt::format("{}: {} ({})", device_, what, std::strerror(errno));
   }
 
   std::string check_device() {
     v4l2_capability capability{};
-    if (control(fd_, VIDIOC_QUERYCAP, &capability) == -1) return device_ + ": is no V4L2 camera";
+    if (control(VIDIOC_QUERYCAP, &capability) == -1) return device_ + ": is no V4L2 camera";
     const std::uint32_t can =
         (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
     if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
@@ -136,7 +132,7 @@ class V4l2Camera final : public FrameSource {
       v4l2_fmtdesc description{};
       description.index = i;
       description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-      if (control(fd_, VIDIOC_ENUM_FMT, &description) == -1) break;
+      if (control(VIDIOC_ENUM_FMT, &description) == -1) break;
       offered += (offered.empty() ? "" : ", ") + four_letters(description.pixelformat);
       const auto place = std::find(liked.begin(), liked.end(), description.pixelformat);
       best = std::min(best, static_cast<std::size_t>(place - liked.begin()));
@@ -146,7 +142,7 @@ class V4l2Camera final : public FrameSource {
     }
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (control(fd_, VIDIOC_G_FMT, &format) == -1) return failed("does not tell its format");
+    if (control(VIDIOC_G_FMT, &format) == -1) return failed("does not tell its format");
     if (options.width > 0 && options.height > 0) {
       format.fmt.pix.width = static_cast<std::uint32_t>(options.width);
       format.fmt.pix.height = static_cast<std::uint32_t>(options.height);
@@ -154,7 +150,7 @@ class V4l2Camera final : public FrameSource {
     format.fmt.pix.pixelformat = liked[best];
     format.fmt.pix.field = V4L2_FIELD_NONE;
     format.fmt.pix.bytesperline = 0;
-    if (control(fd_, VIDIOC_S_FMT, &format) == -1) return failed("refuses the format " + four_letters(liked[best]));
+    if (control(VIDIOC_S_FMT, &format) == -1) return failed("refuses the format " + four_letters(liked[best]));
     format_ = format.fmt.pix.pixelformat;
     width_ = static_cast<int>(format.fmt.pix.width);
     height_ = static_cast<int>(format.fmt.pix.height);
@@ -182,9 +178,9 @@ class V4l2Camera final : public FrameSource {
     v4l2_fract& period = parameters.parm.capture.timeperframe;
     if (rate > 0.0) {
       period = {1000, static_cast<std::uint32_t>(std::max(1.0, rate * 1000.0))};
-      control(fd_, VIDIOC_S_PARM, &parameters);
+      control(VIDIOC_S_PARM, &parameters);
     }
-    if (control(fd_, VIDIOC_G_PARM, &parameters) == 0 && period.numerator > 0 && period.denominator > 0) {
+    if (control(VIDIOC_G_PARM, &parameters) == 0 && period.numerator > 0 && period.denominator > 0) {
       period_ = static_cast<double>(period.numerator) / period.denominator;
     }
   }
@@ -194,7 +190,7 @@ class V4l2Camera final : public FrameSource {
     request.count = buffers_wanted;
     request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     request.memory = V4L2_MEMORY_MMAP;
-    if (control(fd_, VIDIOC_REQBUFS, &request) == -1 || request.count < 2) {
+    if (control(VIDIOC_REQBUFS, &request) == -1 || request.count < 2) {
       return failed(errno == EBUSY ? "is in use by another program" : "has no buffers to map");
     }
     for (std::uint32_t i = 0; i < request.count; ++i) {
@@ -202,14 +198,14 @@ class V4l2Camera final : public FrameSource {
       buffer.index = i;
       buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
       buffer.memory = V4L2_MEMORY_MMAP;
-      if (control(fd_, VIDIOC_QUERYBUF, &buffer) == -1) return failed("does not describe its buffers");
-      void* start = mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, buffer.m.offset);
+      if (control(VIDIOC_QUERYBUF, &buffer) == -1) return failed("does not describe its buffers");
+      void* start = kernel_.map(fd_, buffer.length, buffer.m.offset);
       if (start == MAP_FAILED) return failed("does not share its buffers");
       buffers_.push_back({start, buffer.length});
-      if (control(fd_, VIDIOC_QBUF, &buffer) == -1) return failed("does not take its buffers");
+      if (control(VIDIOC_QBUF, &buffer) == -1) return failed("does not take its buffers");
     }
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (control(fd_, VIDIOC_STREAMON, &type) == -1) return failed("does not start");
+    if (control(VIDIOC_STREAMON, &type) == -1) return failed("does not start");
     streaming_ = true;
     return {};
   }
@@ -218,7 +214,7 @@ class V4l2Camera final : public FrameSource {
   std::string wait() const {
     const double seconds = frames_ == 0 ? first_frame_wait : std::max(least_stall_wait, stall_frames * period_);
     pollfd waiting{fd_, POLLIN, 0};
-    const int ready = poll(&waiting, 1, static_cast<int>(seconds * 1000.0));
+    const int ready = kernel_.poll(&waiting, static_cast<int>(seconds * 1000.0));
     if (ready == -1 && errno != EINTR) return failed("cannot be waited for");
     if (ready == 0) return fmt::format("{}: no frame for {:.3g} s (unplugged, or the bus is full?)", device_, seconds);
     if (ready > 0 && (waiting.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
@@ -250,6 +246,7 @@ class V4l2Camera final : public FrameSource {
   }
 
   std::string device_;
+  V4l2Kernel& kernel_;
   int fd_ = -1;
   bool streaming_ = false;
   std::vector<Buffer> buffers_;
@@ -266,8 +263,8 @@ class V4l2Camera final : public FrameSource {
 }  // namespace
 
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_v4l2(const std::string& device,
-                                                                  const SourceOptions& options) {
-  auto camera = std::make_unique<V4l2Camera>(device);
+                                                                  const SourceOptions& options, V4l2Kernel& kernel) {
+  auto camera = std::make_unique<V4l2Camera>(device, kernel);
   if (std::string problem = camera->open(options); !problem.empty()) return tl::unexpected(problem);
   return camera;
 }

@@ -103,6 +103,20 @@ TEST(CalibrationFile, ProblemsSayWhereAndWhat) {
   }
 }
 
+TEST(CalibrationFile, DamagedTextIsRefusedOrReadButNeverWorse) {
+  test::holds("text with some bytes changed", [] {
+    std::string text = good;
+    const int changes = *rc::gen::inRange(1, 6);
+    for (int i = 0; i < changes; ++i) {
+      const auto at = static_cast<std::size_t>(*rc::gen::inRange(0, static_cast<int>(text.size())));
+      text[at] = *rc::gen::arbitrary<char>();
+      if (*rc::gen::inRange(0, 4) == 0) text.erase(at, 9);
+    }
+    const auto camera = parse_calibration(text, "cal.toml");
+    RC_ASSERT(camera.has_value() || camera.error().starts_with("cal.toml:"));
+  });
+}
+
 TEST(CalibrationFile, FilesThatCannotBeUsedAreNamed) {
   const auto camera = load_calibration("/nowhere/cal.toml");
   ASSERT_FALSE(camera);

@@ -7,7 +7,9 @@
 #include <sstream>
 
 #include "tests/vision/support.h"
+#include "vision/detector.h"
 #include "vision/frame_source.h"
+#include "vision/media_loader.h"
 #include "vision/track.h"
 
 namespace skein::vision {
@@ -190,6 +192,23 @@ TEST_F(RealData, APhotoCutShortIsSkipped) {
   EXPECT_EQ(frame.width, 1280);
   ASSERT_EQ((*source)->skipped().size(), 1U);
   EXPECT_EQ((*source)->skipped()[0], folder.file("half.jpg") + ": is cut short");
+}
+
+TEST_F(RealData, FramesOfAnMjpegCameraAreDecoded) {
+  const auto module = media();
+  ASSERT_TRUE(module) << module.error();
+  const std::string photo = test::read_file(root_ + "/arenaxr/single_tag_2_3.jpg");
+  const auto decode = [&](std::size_t size, Frame& frame) {
+    return (*module)->decode_jpeg(reinterpret_cast<const std::uint8_t*>(photo.data()), size, frame);
+  };
+  Frame frame;
+  EXPECT_FALSE(decode(photo.size() / 2, frame));
+  EXPECT_FALSE(decode(0, frame));
+  ASSERT_TRUE(decode(photo.size(), frame));
+  EXPECT_EQ(frame.width, 1280);
+  EXPECT_EQ(frame.height, 720);
+  TagDetector detector;
+  ASSERT_EQ(detector.detect(frame).size(), 1U);
 }
 
 TEST_F(RealData, FilmTimesGoOn) {
