@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -47,6 +48,10 @@ void ControlLoop::cycle(double now, int elapsed) {
   if (clock_.wall()) out_.compute_time = compute_time;
   for (const core::GainName name : core::gain_names)
     targets_[static_cast<std::size_t>(name)].store(tick_.gain_target(name), std::memory_order_relaxed);
+  const auto unseen =
+      std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
+  unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),
+                std::memory_order_release);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
 }

@@ -184,7 +184,10 @@ void ControlTick::State::estimate(const TickInput& input) noexcept {
     const bool was_lost = robot.is(lost);
     robot.measurement = input.measurements[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
-    robot.pose = poses[i] = predictors[i].predict(robot.measurement, input.now + experiment.estimation.actuation_delay);
+    const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+    robot.pose = poses[i] =
+        seen ? predictors[i].predict(robot.measurement, input.now + experiment.estimation.actuation_delay)
+             : core::Pose{none, none, none};
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
     if (robot.is(lost) != was_lost) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
     if (robot.is(lost)) avoidance.reset(i);

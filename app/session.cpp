@@ -17,6 +17,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t channel_capacity =
     500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
 constexpr auto recorder_period = 20ms;
+constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
 
 /// The rows of a run: its running ticks, and after the start whatever else something happened in (pause, stop).
 bool belongs_to_run(const TickRecord& record, bool started) noexcept {
@@ -190,14 +191,25 @@ Phase Session::run(const std::function<bool()>& keep_on) {
   const auto ask = [&] {
     if (keep_on && !keep_on()) i.stop();
   };
-  start();
   if (i.clock.wall()) {
+    // Nobody drives blind: every robot has to be seen before the start.
+    const double give_up = i.clock.now() + first_sight_timeout;
+    for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed();
+         std::this_thread::sleep_for(5ms)) {
+      ask();
+      if (i.clock.now() < give_up) continue;
+      i.fail(fmt::format("robot {}: its tag {} is not seen", unseen + 1,
+                         i.experiment.robots[static_cast<std::size_t>(unseen)].tag));
+      break;
+    }
+    start();
     while (!over() && !i.loop->failed()) {
       ask();
       std::this_thread::sleep_for(5ms);
     }
     return i.loop->phase();
   }
+  start();
   constexpr int between_questions = 16;  // ticks: a fraction of a second even where a camera is rendered
   for (int k = 0; !over(); ++k) {
     if (k % between_questions == 0) ask();

@@ -23,7 +23,7 @@ Repulsion repulsion(const AvoidanceParameters& region, std::size_t i, std::span<
   Repulsion sum;
   const Pose& pose = poses[i];
   const auto add = [&](const AvoidanceParameters& a, double x_j, double y_j) {
-    if (region_level(a, pose.x - x_j, pose.y - y_j) > 1.0) return;
+    if (!(region_level(a, pose.x - x_j, pose.y - y_j) <= 1.0)) return;  // nor where a pose is not known (NaN)
     const Velocity d = descent(a, pose.x, pose.y, nominal.x, nominal.y, x_j, y_j);
     sum.velocity = {sum.velocity.x + d.x, sum.velocity.y + d.y};
     sum.inside = true;
@@ -80,7 +80,7 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     Robot& robot = robots_[i];
     const Pose previous = robot.has_previous ? robot.previous : poses[i];
     robot.previous = poses[i];
-    robot.has_previous = true;
+    robot.has_previous = !std::isnan(poses[i].x);
 
     AvoidanceParameters region = parameters;
     if (robot.state == State::avoiding) region.alpha *= hysteresis, region.beta *= hysteresis;

@@ -37,8 +37,8 @@ class Avoidance {
 
   explicit Avoidance(std::size_t robots) : robots_(robots) {}
 
-  /// One step of length dt [s]. reference[i] is written for every robot: equal to nominal[i], bit for bit, in state
-  /// nominal.
+  /// One step of length dt [s]. A robot whose pose is not known (NaN) is nobody's obstructor. reference[i] is written
+  /// for every robot: equal to nominal[i], bit for bit, in state nominal.
   void step(const AvoidanceParameters& parameters, const Gains& gains, double dt, std::span<const Pose> poses,
             std::span<const Obstacle> obstacles, std::span<const ReferencePoint> nominal,
             std::span<ReferencePoint> reference) noexcept;

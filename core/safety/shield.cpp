@@ -15,8 +15,9 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
   const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
                        bool moves) {
     const double d = std::hypot(dx, dy);
-    // Two robots cannot close in faster than their limits: a pair with more room than that asks for nothing.
-    if (p.gamma * (d - keep) >= fastest_closing || d == 0.0) return;
+    // Two robots cannot close in faster than their limits: a pair with more room than that asks for nothing. Nor does
+    // one whose distance is not known (NaN).
+    if (!(p.gamma * (d - keep) < fastest_closing) || d == 0.0) return;
     const double n_x = dx / d, n_y = dy / d;
     const double a_i = n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta);
     const double a_j = moves ? -(n_x * std::cos(poses[j].theta) + n_y * std::sin(poses[j].theta)) : 0.0;

@@ -145,10 +145,10 @@ TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
 }
 
 TEST(CommandLine, ARobotThatIsNotThereIsStatusThree) {
-  const Result r = skein({"run", experiments + "platoon.toml", "--set", "robot.3.link=serial:/dev/nowhere", "--set",
-                          "camera.source=synthetic", "--set", "robot.3.model=epuck2"});
+  const Result r = skein({"run", experiments + "platoon.toml", "--set", "robot.4.link=serial:/dev/nowhere", "--set",
+                          "camera.source=synthetic", "--set", "robot.4.model=epuck2"});
   EXPECT_EQ(r.status, 3) << r.err;
-  EXPECT_TRUE(has(r.err, "robot 3")) << r.err;
+  EXPECT_TRUE(has(r.err, "robot 4")) << r.err;
 }
 
 TEST(CommandLine, CheckCertifiesTheGains) {

@@ -168,10 +168,10 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
 
 TEST(Session, ARobotThatIsNotThereIsNamed) {
   auto session = Session::open(
-      experiment_with({"robot.2.link=serial:/dev/nowhere", "robot.2.model=epuck2", "camera.source=synthetic"}),
+      experiment_with({"robot.4.link=serial:/dev/nowhere", "robot.4.model=epuck2", "camera.source=synthetic"}),
       Session::Clock::wall);
   ASSERT_FALSE(session);
-  EXPECT_NE(session.error().find("2"), std::string::npos) << session.error();
+  EXPECT_NE(session.error().find("robot 4"), std::string::npos) << session.error();
   EXPECT_NE(session.error().find("/dev/nowhere"), std::string::npos) << session.error();
 }
 
