@@ -129,7 +129,7 @@ void read_gain_changes(TomlTable& document, Experiment& e, Problems& problems) {
   for (TomlTable& t : document.tables("gain_change")) {
     GainChange change;
     t.require("t", "the time in s at which the gains begin to move");
-    t.number("t", change.t, between(0.0, e.duration, "s"));
+    t.number("t", change.t, between(0.0, longest_run, "s"));
     t.number("ramp", change.ramp, above(0.0, longest_run, "s"));  // Theorem 1 wants gains that are continuous
     const auto optional_gain = [&](const char* key, std::optional<core::PairTable>& gain) {
       core::PairTable value(e.robots.size());
@@ -282,7 +282,7 @@ void read_perturbations(TomlTable& document, Experiment& e) {
     Perturbation p;
     std::int64_t robot = 1;
     t.require("t", "the time in s");
-    t.number("t", p.t, between(0.0, e.duration, "s"));
+    t.number("t", p.t, between(0.0, longest_run, "s"));  // later than the end: a run cut short by --duration leaves it out
     t.require("robot", fmt::format("the robot to move, from 1 to {}", robots));
     t.integer("robot", robot, 1, robots);
     p.robot = static_cast<std::size_t>(robot - 1);
