@@ -23,7 +23,8 @@ look(i) = (ox = ($0 == 0 ? NaN : x), oy = ($0 == 0 ? NaN : y), \
 # Everything that is drawn, and a twentieth around it.
 left = bottom = 1e9; right = top = -1e9
 do for [i=1:n] {
-  do for [suffix in " _nom"] {
+  do for [paths in "reference driven"] {
+    suffix = (paths eq "reference" ? "_nom" : "")
     stats data using (column(name(i, "x" . suffix))):(column(name(i, "y" . suffix))) nooutput
     left = smaller(left, STATS_min_x); right = larger(right, STATS_max_x)
     bottom = smaller(bottom, STATS_min_y); top = larger(top, STATS_max_y)
@@ -36,7 +37,8 @@ set yrange [bottom - around : top + around]
 
 # One column of a journal, 88 mm, and as high as equal axes ask. In cm:
 width = 8.8
-beside = 1.2; beyond = 0.3; below = 1.0; above = 0.9
+rows = (n > 8 ? 0 : ceil((n + 1) / 3.0))  # of the legend
+beside = 1.2; beyond = 0.3; below = 1.0; above = 0.2 + 0.35 * rows
 plot_width = width - beside - beyond
 plot_height = plot_width * (top - bottom + 2 * around) / (right - left + 2 * around)
 if (plot_height > 20) { plot_width = plot_width * 20 / plot_height; plot_height = 20 }
@@ -50,8 +52,9 @@ set xlabel "{/:Italic x} [m]" offset 0, 0.3
 set label 1 "{/:Italic y} [m]" at screen 0.3 / width, graph 0.5 center rotate
 set tics nomirror scale 0.6
 set border linewidth 0.75
-set key at screen 0.5, screen 1 - 0.1 / height center top vertical maxrows (n < 4 ? 1 : 2) Left reverse samplen 2 width -1
-if (n > 8) { unset key }
+if (rows == 0) { unset key } else {
+  set key at screen 0.5, screen 1 - 0.1 / height center top vertical maxrows rows Left reverse samplen 2 width -1
+}
 
 do for [kind in "pdf svg png"] {
   if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }

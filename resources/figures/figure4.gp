@@ -15,15 +15,15 @@ of_pair(i) = colour[(i + 3) % 8 + 1]
 smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
 
-# What the four panels show.
+# What the four panels show, in mm and rad.
 wrapped(angle) = angle - 2 * pi * floor((angle + pi) / (2 * pi))
 difference(i, quantity) = column(sprintf("r%d_%s_nom", i, quantity)) - column(sprintf("r%d_%s", i, quantity))
-e(i, quantity) = (quantity eq "theta" ? wrapped(difference(i, quantity)) : difference(i, quantity))
-delta(i) = column(sprintf("delta_%d_%d", i, i + 1))
+e(i, quantity) = (quantity eq "theta" ? wrapped(difference(i, quantity)) : 1000 * difference(i, quantity))
+delta(i) = 1000 * column(sprintf("delta_%d_%d", i, i + 1))
 
-# Ranges with three to six round steps; e_x and e_y have the same one. At least 2 mm, or 0.02 rad: less is noise.
+# Ranges with three to six round steps; e_x and e_y have the same one. At least +-1 mm and +-0.05 rad: less is noise.
 nice(step) = (p = 10**floor(log10(step)), f = step / p, p * (f <= 1 ? 1 : f <= 2 ? 2 : f <= 5 ? 5 : 10))
-xy_low = -0.001; xy_high = 0.001; theta_low = -0.01; theta_high = 0.01; delta_low = -0.001; delta_high = 0.001
+xy_low = delta_low = -1.0; xy_high = delta_high = 1.0; theta_low = -0.05; theta_high = 0.05
 do for [i=1:n] {
   do for [quantity in "x y"] {
     stats data using (e(i, quantity)) nooutput
@@ -51,19 +51,20 @@ do for [t in settled] {
 
 # One column of a journal, 88 mm; four panels below one another, each legend above its own. In cm:
 width = 8.8
-beside = 1.55; beyond = 0.25; below = 1.0; panel = 2.85; gap = 0.25; legend = 0.5
+beside = 1.65; beyond = 0.25; below = 1.0; panel = 2.85; gap = 0.25
+rows = (n > 8 ? 0 : n > 4 ? 2 : 1)  # of the legends
+legend = 0.15 + 0.35 * rows
 above(k) = below + (4 - k) * (panel + gap) + panel + (k < 4 ? legend : 0)  # upper edge of panel k, 1 on top
-rows = (n > 4 ? 2 : 1)
-height = above(1) + 0.1 + rows * 0.45
+height = above(1) + 0.1 + legend
 set lmargin at screen beside / width
 set rmargin at screen 1 - beyond / width
 begin_panel(k) = sprintf("set tmargin at screen %f; set bmargin at screen %f", above(k) / height, (above(k) - panel) / height)
-begin_key(k, closer) = (n > 8 ? "unset key" : \
+begin_key(k, closer) = (rows == 0 ? "unset key" : \
   sprintf("set key at screen %f, screen %f center bottom vertical maxrows rows Left reverse samplen 1.5 width %g", \
-          0.5 * (beside + width - beyond) / width, (above(k) + 0.08) / height, closer))
+          0.5 * (beside + width - beyond) / width, (above(k) + 0.1) / height, closer))
 spread(low, high) = sprintf("set yrange [%g : %g]; set ytics %g", low - 0.08 * (high - low), high + 0.08 * (high - low), \
                             nice((high - low) / 5))
-beside_panel(text) = sprintf("set label 1 '%s' at screen %f, graph 0.5 center rotate", text, 0.3 / width)
+beside_panel(text) = sprintf("set label 1 '%s' at screen %f, graph 0.5 center rotate", text, 0.27 / width)
 
 do for [kind in "pdf svg png"] {
   if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }
@@ -76,12 +77,12 @@ do for [kind in "pdf svg png"] {
   eval begin_panel(1)
   eval begin_key(1, -1.5)
   eval spread(xy_low, xy_high)
-  eval beside_panel("{/:Italic e_x} [m]")
+  eval beside_panel("{/:Italic e_x} [mm]")
   plot for [i=1:n] data using (column("t")):(e(i, "x")) with lines linecolor rgb of(i) title sprintf("robot %d", i)
 
   unset key
   eval begin_panel(2)
-  eval beside_panel("{/:Italic e_y} [m]")
+  eval beside_panel("{/:Italic e_y} [mm]")
   plot for [i=1:n] data using (column("t")):(e(i, "y")) with lines linecolor rgb of(i)
 
   eval begin_panel(3)
@@ -94,7 +95,7 @@ do for [kind in "pdf svg png"] {
   eval begin_panel(4)
   eval begin_key(4, 0)
   eval spread(delta_low, delta_high)
-  eval beside_panel("δ [m]")
+  eval beside_panel("δ [mm]")
   if (n > 1) {
     plot for [i=1:n-1] data using (column("t")):(delta(i)) with lines linecolor rgb of_pair(i) \
            title sprintf("δ_{%d,%d}", i, i + 1)
