@@ -1,0 +1,112 @@
+#include "ui/alert_strip.h"
+
+#include <QEvent>
+#include <QPalette>
+#include <algorithm>
+
+namespace skein::ui {
+namespace {
+
+constexpr qint64 fade_ms = 12000;
+
+/// The events that the strip shows, in words for people; the log has all of them in those of the CSV.
+QString words(const app::Event& event, double t) {
+  using Kind = app::Event::Kind;
+  const QString when = AlertStrip::tr("%1 s: ").arg(t, 0, 'f', 1);
+  const QString robot = QString::number(event.robot + 1);
+  switch (event.kind) {
+    case Kind::lost:
+      return when + AlertStrip::tr("Robot %1 is lost: no tag seen, it stands").arg(robot);
+    case Kind::found:
+      return when + AlertStrip::tr("Robot %1 is seen again").arg(robot);
+    case Kind::deadline_missed:
+      return when +
+             AlertStrip::tr("%n tick(s) too late: the machine was busy", nullptr, static_cast<int>(event.values[0]));
+    case Kind::gain_held:
+      return when + AlertStrip::tr("%1 is held at %2, its border: (18) allows no more")
+                        .arg(QLatin1String(app::name(event.gain)))
+                        .arg(event.values[1], 0, 'g', 4);
+    case Kind::link:
+      return when + QString::fromStdString(app::describe(event));
+    case Kind::perturb:
+      return when + AlertStrip::tr("Robot %1 was moved by the experiment").arg(robot);
+    case Kind::move:
+      return when + AlertStrip::tr("Robot %1 was moved by hand").arg(robot);
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
+  setObjectName(QStringLiteral("alert"));
+  setAccessibleName(tr("Latest alert"));
+  setTextFormat(Qt::PlainText);
+  setAutoFillBackground(true);
+  setContentsMargins(8, 2, 8, 2);
+  setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+  clear_alert();
+}
+
+void AlertStrip::take(const app::TickRecord& record) {
+  for (const app::Event& event : record.events) {
+    const QString text = words(event, record.t);
+    if (!text.isEmpty()) say(text, severity(event));
+  }
+}
+
+void AlertStrip::say(const QString& text, Severity severity) {
+  const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < 3000 && severity_ > severity;
+  if (held_ || graver_one_is_fresh) return;
+  text_ = text;
+  severity_ = severity;
+  since_.start();
+  dress();
+}
+
+void AlertStrip::hold(const QString& text, Severity severity) {
+  if (held_ && text == text_) return;
+  held_ = true;
+  text_ = text;
+  severity_ = severity;
+  dress();
+}
+
+void AlertStrip::clear_alert() {
+  held_ = false;
+  text_.clear();
+  severity_ = Severity::note;
+  since_.invalidate();
+  dress();
+}
+
+void AlertStrip::refresh() {
+  if (!held_ && since_.isValid() && since_.elapsed() > fade_ms) clear_alert();
+}
+
+void AlertStrip::changeEvent(QEvent* event) {
+  // Its own palette follows the program's, and setting it comes back here.
+  if (event->type() == QEvent::ApplicationPaletteChange) dress();
+  QLabel::changeEvent(event);
+}
+
+void AlertStrip::resizeEvent(QResizeEvent* event) {
+  QLabel::resizeEvent(event);
+  dress();
+}
+
+void AlertStrip::dress() {
+  const Colours c = colours(parentWidget() ? parentWidget()->palette() : palette());
+  const bool loud = severity_ == Severity::alarm || severity_ == Severity::warning;
+  const QColor background = loud ? colour(severity_, c) : c.panel;
+  QPalette p = palette();
+  p.setColor(QPalette::Window, background);
+  p.setColor(QPalette::WindowText, loud ? ink_on(background) : text_.isEmpty() ? c.faint_text : colour(severity_, c));
+  if (p != palette()) setPalette(p);
+  const QString text = text_.isEmpty() ? tr("All well") : text_;
+  setText(fontMetrics().elidedText(text, Qt::ElideRight, std::max(60, width() - 20)));
+  setToolTip(text);
+}
+
+}  // namespace skein::ui

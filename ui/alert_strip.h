@@ -1,0 +1,36 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QLabel>
+
+#include "ui/modes.h"
+
+namespace skein::ui {
+
+/// The latest thing that matters, in its colour, along the bottom of the window.
+class AlertStrip final : public QLabel {
+  Q_OBJECT
+
+ public:
+  explicit AlertStrip(QWidget* parent = nullptr);
+  void take(const app::TickRecord& record);
+  void say(const QString& text, Severity severity);
+  /// Stays until something graver comes or `clear`: STOP, a failure.
+  void hold(const QString& text, Severity severity);
+  void clear_alert();
+  void refresh();  ///< lets old news fade
+
+ protected:
+  void changeEvent(QEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
+
+ private:
+  void dress();
+
+  QString text_;
+  Severity severity_ = Severity::note;
+  bool held_ = false;
+  QElapsedTimer since_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <QImage>
+#include <QString>
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "app/experiment.h"
+#include "app/tick_record.h"
+
+namespace skein::ui {
+
+inline constexpr double robot_radius = 0.035;  ///< of an e-puck [m]
+
+/// Where a robot has been: times of the experiment, so that a pause does not wipe it out.
+struct TrailPoint {
+  double t, x, y;
+  bool jump;  ///< a hand carried it here: no line from the point before
+};
+
+/// What the arena shows: the experiment, the newest record, and what the operator is about to do.
+struct ArenaScene {
+  static constexpr double trail_seconds = 20.0;
+
+  app::Experiment experiment;
+  std::optional<app::TickRecord> record;
+  std::vector<core::Pose> path;                ///< of the reference, sampled
+  std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
+
+  bool show_picture = false, show_regions = true, show_trails = true;
+  QImage picture;
+
+  int selected = -1, hovered = -1;  ///< robots from 0
+  struct Ghost {
+    int robot;
+    core::Pose pose;
+  };
+  std::optional<Ghost> ghost;  ///< where a robot that is being dragged would be put
+  QString banner;              ///< across the top: "STOPPED by operator"
+  bool banner_alarms = false;
+  QString hint;  ///< at the bottom: what can be done here
+
+  void reset(const app::Experiment& of);
+  void take(const app::TickRecord& record);
+
+  /// Where robot i is: the truth where there is one, else the pose that the law used. Empty: never seen.
+  std::optional<core::Pose> pose(std::size_t i) const;
+  /// The robot on this point of the floor, or -1; `reach` is how far from its middle still counts [m].
+  int robot_at(double x, double y, double reach = robot_radius) const;
+};
+
+}  // namespace skein::ui

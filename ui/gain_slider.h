@@ -1,0 +1,62 @@
+#pragma once
+
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QSlider>
+#include <QTimer>
+#include <QWidget>
+
+#include "core/control/gain_schedule.h"
+
+namespace skein::ui {
+
+/// A slider whose track shows how far a gain may go: beyond the mark lies what (18) forbids.
+class BorderSlider final : public QSlider {
+  Q_OBJECT
+
+ public:
+  static constexpr int steps = 1000;
+
+  explicit BorderSlider(QWidget* parent = nullptr);
+  void set_marks(double border, double now);  ///< as shares of the track, 0 to 1
+  QSize sizeHint() const override;
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+  void wheelEvent(QWheelEvent*) override;
+
+ private:
+  double border_ = 1.0, now_ = 0.0;
+};
+
+/// One coupling gain: what is asked for, what it is now, and where its border lies.
+class GainSlider final : public QWidget {
+  Q_OBJECT
+
+ public:
+  GainSlider(core::GainName gain, QWidget* parent = nullptr);
+
+  /// A new experiment: the value of its file.
+  void reset(double value, double border);
+  void set_border(double border);
+  void set_now(double value);     ///< what governs the robots now, on its way to the target
+  void set_target(double value);  ///< what the session aims at, if it is not what the slider says
+  double target() const { return spin_->value(); }
+
+ signals:
+  void wanted(skein::core::GainName gain, double value);
+
+ private:
+  void choose(double value);
+  void set_range(double top);
+  void show_text();
+
+  core::GainName gain_;
+  BorderSlider* slider_;
+  QDoubleSpinBox* spin_;
+  QLabel *now_text_, *border_text_;
+  QTimer rest_;  // a drag along the slider is one wish, made when the hand rests
+  double top_ = 1.0, border_ = 0.0, now_ = 0.0;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <QString>
+
+namespace skein::ui {
+
+QString shortcuts_text();
+QString about_text();
+
+}  // namespace skein::ui

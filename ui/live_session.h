@@ -1,0 +1,77 @@
+#pragma once
+
+#include <QObject>
+#include <QTimer>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "app/experiment.h"
+#include "app/session.h"
+#include "ui/run_history.h"
+
+namespace skein::ui {
+
+/// The session in the window's thread: thirty times a second it hands on what the control thread has left for it.
+/// Opening and closing, which may wait for cameras and robots, happen aside, so that the window never waits.
+class LiveSession final : public QObject {
+  Q_OBJECT
+
+ public:
+  explicit LiveSession(QObject* parent = nullptr);
+  ~LiveSession() override;  ///< stops the robots, and waits until the session is closed
+
+  /// Ends the session that there is, robots first, and opens one on this experiment.
+  void open(const app::Experiment& experiment, bool start_at_once);
+  /// Ends the session; `closed` follows.
+  void close();
+
+  bool is_open() const { return session_ != nullptr; }
+  bool is_busy() const { return changing_.valid(); }  ///< opening or closing
+  const app::Experiment& experiment() const { return experiment_; }
+  app::Phase phase() const { return latest_ ? latest_->phase : app::Phase::ready; }
+  /// The newest record of this session, if one has come.
+  const app::TickRecord* latest() const { return latest_ ? &*latest_ : nullptr; }
+  const std::vector<app::RobotStatus>& robots() const { return robots_; }
+  std::optional<QString> failure() const { return failure_; }
+  bool stop_asked() const { return stop_asked_; }  ///< by the operator
+  const RunHistory& history() const { return history_; }
+
+  void start();
+  void pause();
+  void resume();
+  void stop() noexcept;  ///< at once, in any state, also while a session is being opened
+  void set_gain(core::GainName name, double value);
+  double gain_border(core::GainName name) const;
+  tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);
+  bool has_camera() const { return session_ && session_->has_camera(); }
+  bool picture(app::Picture& out) { return session_ && session_->picture(out); }
+  std::array<double, 2> pixel(double x, double y) const { return session_->pixel(x, y); }
+
+ signals:
+  void opened();
+  void open_failed(const QString& reason);
+  void record_taken(const skein::app::TickRecord& record);  ///< every one, in order
+  void frame();                                             ///< after each look, thirty times a second
+  void closed();
+
+ private:
+  using Opened = tl::expected<std::unique_ptr<app::Session>, std::string>;
+
+  void look();
+  void settle();  // takes what the thread aside has brought
+  void take_robots();
+
+  app::Experiment experiment_;
+  std::unique_ptr<app::Session> session_;
+  std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
+  bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false;
+  std::optional<app::TickRecord> latest_;
+  std::vector<app::RobotStatus> robots_;
+  std::optional<QString> failure_;
+  RunHistory history_;
+  QTimer timer_;
+  int looks_ = 0;
+};
+
+}  // namespace skein::ui

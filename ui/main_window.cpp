@@ -1,0 +1,321 @@
+#include "ui/main_window.h"
+
+#include <QCloseEvent>
+#include <QHeaderView>
+#include <QMenuBar>
+#include <QStatusBar>
+#include <QVBoxLayout>
+#include <chrono>
+#include <cmath>
+
+#include "app/command_line.h"
+#include "ui/alert_strip.h"
+#include "ui/arena_view.h"
+#include "ui/event_log.h"
+#include "ui/gains_panel.h"
+#include "ui/plots_panel.h"
+#include "ui/robots_panel.h"
+#include "ui/run_bar.h"
+#include "ui/stop_guard.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int frames_per_text = 6;  // numbers that change five times a second can be read
+
+}  // namespace
+
+MainWindow::MainWindow() {
+  setObjectName(QStringLiteral("main_window"));
+  setWindowTitle(tr("Skein"));
+  setContextMenuPolicy(Qt::NoContextMenu);  // Qt's own would offer to hide things
+  build_panels();
+  connect_panels();
+  new StopGuard([this] { return stop_by_key(); }, run_bar_->stop_button(), this);
+  default_layout();
+  restore_settings();
+}
+
+MainWindow::~MainWindow() = default;
+
+void MainWindow::build_panels() {
+  run_bar_ = new RunBar;
+  arena_ = new ArenaView;
+  gains_ = new GainsPanel;
+  plots_ = new PlotsPanel;
+  robots_ = new RobotsPanel;
+  log_ = new EventLog;
+  alert_ = new AlertStrip;
+  pace_ = new QLabel;
+  pace_->setObjectName(QStringLiteral("pace"));
+  pace_->setToolTip(tr("Pace of the control loop, and what a tick takes of it"));
+  pace_->setContentsMargins(8, 0, 8, 0);
+
+  // Above everything, and not a tool bar: STOP can be neither moved nor hidden.
+  auto* top = new QWidget;
+  auto* top_layout = new QVBoxLayout(top);
+  top_layout->setContentsMargins(0, 0, 0, 0);
+  top_layout->setSpacing(0);
+  auto* menus = new QMenuBar;
+  top_layout->addWidget(menus);
+  top_layout->addWidget(run_bar_);
+  setMenuWidget(top);
+
+  auto* middle = new QWidget;
+  auto* middle_layout = new QVBoxLayout(middle);
+  middle_layout->setContentsMargins(0, 0, 0, 0);
+  middle_layout->setSpacing(0);
+  auto* tools = new QToolBar;
+  build_menus(menus);
+  build_arena_tools(tools);
+  middle_layout->addWidget(tools);
+  middle_layout->addWidget(arena_, 1);
+  setCentralWidget(middle);
+
+  gains_dock_ = dock(gains_, tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
+  plots_dock_ = dock(plots_, tr("Errors"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
+  robots_dock_ = dock(robots_, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
+  log_dock_ = dock(log_, tr("Events"), QStringLiteral("log_dock"), Qt::BottomDockWidgetArea);
+
+  statusBar()->setSizeGripEnabled(false);
+  statusBar()->addWidget(alert_, 1);
+  statusBar()->addPermanentWidget(pace_);
+}
+
+QDockWidget* MainWindow::dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, this);
+  dock->setObjectName(name);
+  dock->setWidget(panel);
+  dock->setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetClosable);
+  addDockWidget(area, dock);
+  return dock;
+}
+
+void MainWindow::default_layout() {
+  for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_}) {
+    dock->setFloating(false);
+    dock->show();
+  }
+  setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
+  setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
+  addDockWidget(Qt::LeftDockWidgetArea, gains_dock_);
+  addDockWidget(Qt::RightDockWidgetArea, plots_dock_);
+  addDockWidget(Qt::BottomDockWidgetArea, robots_dock_);
+  splitDockWidget(robots_dock_, log_dock_, Qt::Horizontal);
+  resize(1280, 800);
+  resizeDocks({gains_dock_, plots_dock_}, {250, 400}, Qt::Horizontal);
+  resizeDocks({robots_dock_, log_dock_}, {530, 350}, Qt::Horizontal);
+  resizeDocks({robots_dock_}, {150}, Qt::Vertical);
+}
+
+void MainWindow::connect_panels() {
+  connect(run_bar_, &RunBar::go, this, &MainWindow::go);
+  connect(run_bar_, &RunBar::new_run, this, &MainWindow::new_run);
+  connect(run_bar_, &RunBar::stop, this, &MainWindow::stop);
+  connect(arena_, &ArenaView::move_wanted, this, &MainWindow::move_robot);
+  connect(arena_, &ArenaView::selected, this, &MainWindow::select_robot);
+  connect(arena_, &ArenaView::refused, this, [this](const QString& why) { alert_->say(why, Severity::notice); });
+  connect(robots_, &RobotsPanel::picked, arena_, &ArenaView::select);
+  connect(gains_, &GainsPanel::wanted, this,
+          [this](core::GainName gain, double value) { live_.set_gain(gain, value); });
+  connect(plots_, &PlotsPanel::save_wanted, this, &MainWindow::ask_save_plot);
+  connect(&live_, &LiveSession::opened, this, &MainWindow::on_opened);
+  connect(&live_, &LiveSession::open_failed, this, &MainWindow::on_open_failed);
+  connect(&live_, &LiveSession::record_taken, this, &MainWindow::on_record);
+  connect(&live_, &LiveSession::frame, this, &MainWindow::on_frame);
+  connect(&live_, &LiveSession::closed, this, [this] {
+    may_close_ = true;
+    close();
+  });
+}
+
+void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
+  if (live_.is_busy()) return;
+  teaches_ = start_at_once;
+  live_.open(experiment, start_at_once);
+  show_experiment();
+}
+
+void MainWindow::show_experiment() {
+  const app::Experiment& experiment = live_.experiment();
+  setWindowTitle(tr("%1 – Skein").arg(QString::fromStdString(experiment.name)));
+  run_bar_->show_experiment(experiment);
+  arena_->show_experiment(experiment);
+  gains_->show_experiment(experiment, [this](core::GainName gain) { return live_.gain_border(gain); });
+  plots_->show_experiment(experiment);
+  robots_->robots().show_experiment(experiment);
+  log_->clear();
+  alert_->clear_alert();
+  picture_->setEnabled(experiment.camera.source != "none");
+  regions_->setEnabled(experiment.avoidance.enabled);
+  show_state();
+}
+
+void MainWindow::on_opened() {
+  const auto border = [this](core::GainName gain) { return live_.gain_border(gain); };
+  gains_->show_experiment(live_.experiment(), border);
+  if (live_.has_camera())
+    arena_->set_camera([this](QPointF floor) {
+      const auto [u, v] = live_.pixel(floor.x(), floor.y());
+      return QPointF(u, v);
+    });
+}
+
+void MainWindow::on_open_failed(const QString& reason) {
+  log_->note(0.0, reason, Severity::alarm);
+  alert_->hold(reason, Severity::alarm);
+  show_problem(tr("The experiment could not be opened"), reason);
+}
+
+void MainWindow::on_record(const app::TickRecord& record) {
+  arena_->take(record);
+  run_bar_->take(record);
+  gains_->take(record);
+  plots_->take(record);
+  log_->take(record);
+  alert_->take(record);
+  for (const app::Event& event : record.events)
+    if (event.kind == app::Event::Kind::move) teaches_ = false;
+}
+
+void MainWindow::on_frame() {
+  if (app::interrupted() && !may_close_) close();
+  app::Picture picture;
+  if (arena_->shows_picture() && live_.picture(picture)) arena_->take(picture);
+  arena_->refresh();
+  alert_->refresh();
+  if (saving_ && saving_->problem.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    const Saving done = {saving_->file, {}};
+    const QString problem = saving_->problem.get();
+    saving_.reset();
+    if (problem.isEmpty())
+      alert_->say(tr("Saved %1").arg(done.file), Severity::good);
+    else
+      show_problem(tr("The run was not saved"), problem);
+    emit saved(done.file, problem);
+  }
+  if (++frames_ % frames_per_text == 0) show_state();
+}
+
+void MainWindow::show_state() {
+  const app::TickRecord* record = live_.latest();
+  const app::Phase phase = live_.phase();
+  const bool opening = !live_.is_open() && live_.is_busy();
+  const bool failed = !live_.is_open() && !live_.is_busy();
+  run_bar_->show_phase(phase, record ? record->t : 0.0, opening, failed);
+  const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
+  go_action_->setEnabled(live_.is_open() && !over);
+  new_run_action_->setEnabled(!live_.is_busy());
+  save_csv_action_->setEnabled(live_.history().size() > 0 && !saving_);
+
+  QString banner;
+  if (opening)
+    banner = tr("Opening …");
+  else if (failed)
+    banner = live_.failure().value_or(tr("No experiment is open"));
+  else if (phase == app::Phase::ready)
+    banner = live_.stop_asked() ? stopped_text() : tr("Ready – start with F5");
+  else if (phase == app::Phase::paused)
+    banner = tr("Paused – reference and robots stand");
+  else if (phase == app::Phase::stopped)
+    banner = stopped_text();
+  else if (phase == app::Phase::finished)
+    banner = tr("Finished – new run: Ctrl+N");
+  arena_->set_banner(banner, failed || phase == app::Phase::stopped);
+  if (phase == app::Phase::stopped) alert_->hold(stopped_text() + acknowledgements(), Severity::alarm);
+  const bool can_drag = live_.is_open() && teaches_ && !over;
+  arena_->set_hint(can_drag ? tr("Drag a robot to push it out of the formation; turn it with the mouse wheel")
+                            : QString());
+
+  if (!record) return;
+  robots_->robots().take(*record, live_.robots(), live_.stop_asked());
+  gains_->set_borders([this](core::GainName gain) { return live_.gain_border(gain); });
+  const QString closest = std::isfinite(record->min_distance)
+                              ? tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1)
+                              : QString();
+  const QString tick =
+      std::isfinite(record->compute_time) ? tr("tick %1 µs").arg(record->compute_time * 1e6, 0, 'f', 0) : QString();
+  const QString rate = tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);
+  pace_->setText(QStringList{closest, rate, tick}.join(QStringLiteral("   ·   ")));
+}
+
+QString MainWindow::stopped_text() const {
+  const auto failure = live_.failure();
+  return failure ? tr("STOPPED: %1").arg(*failure) : tr("STOPPED by operator – new run: Ctrl+N");
+}
+
+QString MainWindow::acknowledgements() const {
+  QStringList missing;
+  bool any_link = false;
+  const auto& specs = live_.experiment().robots;
+  for (std::size_t i = 0; i < specs.size() && i < live_.robots().size(); ++i) {
+    if (specs[i].link == app::RobotSpec::Link::sim) continue;
+    any_link = true;
+    if (!live_.robots()[i].stop_acknowledged) missing << QString::number(i + 1);
+  }
+  if (!any_link) return {};
+  return missing.isEmpty() ? tr(". All robots have acknowledged.")
+                           : tr(". NOT acknowledged by robot %1!").arg(missing.join(QStringLiteral(", ")));
+}
+
+void MainWindow::move_robot(int robot, const core::Pose& pose) {
+  const auto moved = live_.move_robot(static_cast<std::size_t>(robot), pose);
+  if (!moved) alert_->say(QString::fromStdString(moved.error()), Severity::warning);
+}
+
+void MainWindow::select_robot(int robot) {
+  plots_->select(robot);
+  robots_->select_robot(robot);
+}
+
+void MainWindow::stop() {
+  live_.stop();  // before anything else
+  show_state();
+}
+
+bool MainWindow::stop_by_key() {
+  const bool could_move = (live_.is_open() || live_.is_busy()) && !live_.stop_asked() &&
+                          live_.phase() != app::Phase::stopped && live_.phase() != app::Phase::finished;
+  stop();
+  return could_move;
+}
+
+void MainWindow::go() {
+  switch (live_.phase()) {
+    case app::Phase::ready:
+      return live_.start();
+    case app::Phase::running:
+      return live_.pause();
+    case app::Phase::paused:
+      return live_.resume();
+    case app::Phase::stopped:
+    case app::Phase::finished:
+      return;
+  }
+}
+
+void MainWindow::new_run() {
+  const bool teaches = teaches_;
+  open(app::Experiment(live_.experiment()), false);
+  teaches_ = teaches;
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  if (may_close_) {
+    store_settings();
+    event->accept();
+    return;
+  }
+  // The robots first; the window goes when they stand, or have not answered for a second.
+  event->ignore();
+  live_.close();
+  setEnabled(false);
+  alert_->hold(tr("Stopping all robots …"), Severity::warning);
+}
+
+void MainWindow::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) dress_icons();
+  QMainWindow::changeEvent(event);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <QDockWidget>
+#include <QLabel>
+#include <QMainWindow>
+#include <QPointer>
+#include <QToolBar>
+#include <future>
+
+#include "ui/live_session.h"
+#include "ui/palette.h"
+
+class QApplication;
+
+namespace skein::ui {
+
+class AlertStrip;
+class ArenaView;
+class EventLog;
+class GainsPanel;
+class PlotsPanel;
+class RobotsPanel;
+class RunBar;
+
+/// Style, font and names of the program, before its first window.
+void prepare(QApplication& application);
+
+/// The operator's window: arena, gains, plots, robots, log, and STOP. It wires the panels to the session; what is
+/// shown is the panels' business, what is true the session's.
+class MainWindow final : public QMainWindow {
+  Q_OBJECT
+
+ public:
+  MainWindow();
+  ~MainWindow() override;
+
+  void open(const app::Experiment& experiment, bool start_at_once);
+  /// Reads an experiment file and opens it, or says what is wrong with it.
+  void open_file(const QString& file);
+  void save_csv(const QString& file);
+  void save_plot(const QString& file);
+  void set_theme(Theme theme);
+
+  const LiveSession& live() const { return live_; }
+
+ public slots:
+  void stop();
+  void go();  ///< Start, Pause or Resume
+  void new_run();
+
+ signals:
+  void saved(const QString& file, const QString& problem);  ///< no problem: empty
+
+ protected:
+  void closeEvent(QCloseEvent*) override;
+  void changeEvent(QEvent*) override;
+
+ private:
+  // main_window.cpp: what the window is made of, and what comes from the session
+  void build_panels();
+  void connect_panels();
+  void default_layout();
+  QDockWidget* dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area);
+  void show_experiment();
+  void on_opened();
+  void on_open_failed(const QString& reason);
+  void on_record(const app::TickRecord& record);
+  void on_frame();
+  void show_state();
+  QString stopped_text() const;
+  QString acknowledgements() const;
+  void move_robot(int robot, const core::Pose& pose);
+  void select_robot(int robot);
+  /// Whether anything that stands still now could have been moving: then the key that asked for it is spent.
+  bool stop_by_key();
+
+  // main_window_actions.cpp: menus, dialogs, settings
+  void build_menus(QMenuBar* menus);
+  void build_arena_tools(QToolBar* tools);
+  void dress_icons();
+  void ask_open();
+  void ask_save_csv();
+  void ask_save_plot();
+  void show_problem(const QString& title, const QString& text, const QString& details = {});
+  void restore_settings();
+  void store_settings();
+
+  LiveSession live_;
+  RunBar* run_bar_;
+  ArenaView* arena_;
+  GainsPanel* gains_;
+  PlotsPanel* plots_;
+  RobotsPanel* robots_;
+  EventLog* log_;
+  AlertStrip* alert_;
+  QLabel* pace_;
+  QDockWidget *gains_dock_, *plots_dock_, *robots_dock_, *log_dock_;
+  QAction *picture_, *regions_, *trails_, *dark_, *go_action_, *new_run_action_, *save_csv_action_;
+  QAction *fit_, *zoom_in_, *zoom_out_, *full_screen_;
+
+  struct Saving {
+    QString file;
+    std::future<QString> problem;
+  };
+  std::optional<Saving> saving_;
+  bool may_close_ = false;  // all robots are stopped and the session is gone
+  bool teaches_ = false;    // the hint stands until a robot was moved
+  int frames_ = 0;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,239 @@
+// The window's menus, dialogs and settings.
+#include <QActionGroup>
+#include <QApplication>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QSettings>
+
+#include "app/experiment_file.h"
+#include "ui/alert_strip.h"
+#include "ui/arena_view.h"
+#include "ui/help.h"
+#include "ui/icons.h"
+#include "ui/main_window.h"
+#include "ui/modes.h"
+#include "ui/plots_panel.h"
+#include "ui/run_bar.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int layout_version = 1;  // of the docks: a layout of another version is not restored
+
+QSettings settings() {
+  return {QSettings::IniFormat, QSettings::UserScope, QStringLiteral("skein"), QStringLiteral("skein")};
+}
+
+/// Dialogs never block the window: STOP can be clicked while one is open. And they are Qt's own, never the desktop's,
+/// so that Space and Esc reach the program.
+template <typename Dialog>
+void show_beside(Dialog* dialog) {
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setWindowModality(Qt::NonModal);
+  dialog->show();
+}
+
+QFileDialog* file_dialog(QWidget* parent, const QString& title, const QString& name, const QString& filter) {
+  auto* dialog = new QFileDialog(parent, title, QString(), filter);
+  dialog->setObjectName(name);
+  dialog->setOption(QFileDialog::DontUseNativeDialog);
+  return dialog;
+}
+
+void message(QWidget* parent, const QString& name, const QString& title, const QString& text) {
+  auto* box = new QMessageBox(parent);
+  box->setObjectName(name);
+  box->setWindowTitle(title);
+  box->setTextFormat(Qt::RichText);
+  box->setText(text);
+  box->setStandardButtons(QMessageBox::Close);
+  show_beside(box);
+}
+
+}  // namespace
+
+void MainWindow::build_menus(QMenuBar* menus) {
+  const auto action = [this](QMenu* menu, const QString& text, const QString& name, const QKeySequence& keys,
+                             auto&& slot) {
+    QAction* made = menu->addAction(text, this, slot);
+    made->setObjectName(name);
+    made->setShortcut(keys);
+    return made;
+  };
+  const auto toggle = [this](QMenu* menu, const QString& text, const QString& name, bool on, auto&& slot) {
+    QAction* made = menu->addAction(text);
+    made->setObjectName(name);
+    made->setCheckable(true);
+    made->setChecked(on);
+    connect(made, &QAction::toggled, this, slot);
+    return made;
+  };
+
+  QMenu* file = menus->addMenu(tr("&File"));
+  action(file, tr("&Open experiment …"), QStringLiteral("open"), QKeySequence::Open, [this] { ask_open(); });
+  file->addSeparator();
+  save_csv_action_ =
+      action(file, tr("&Save CSV …"), QStringLiteral("save_csv"), QKeySequence::Save, [this] { ask_save_csv(); });
+  action(file, tr("Save &plot …"), QStringLiteral("save_plot"), QKeySequence(tr("Ctrl+P")),
+         [this] { ask_save_plot(); });
+  file->addSeparator();
+  action(file, tr("&Quit"), QStringLiteral("quit"), QKeySequence(tr("Ctrl+Q")), [this] { close(); });
+
+  QMenu* run = menus->addMenu(tr("&Run"));
+  go_action_ =
+      action(run, tr("Start / &pause / resume"), QStringLiteral("go_action"), QKeySequence(tr("F5")), [this] { go(); });
+  new_run_action_ =
+      action(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
+  run->addSeparator();
+  // The keys stand in the text only: StopGuard takes them before any shortcut could.
+  action(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
+
+  QMenu* view = menus->addMenu(tr("&View"));
+  picture_ = toggle(view, tr("&Camera picture"), QStringLiteral("view_picture"), false,
+                    [this](bool on) { arena_->show_picture(on); });
+  regions_ = toggle(view, tr("&Detection regions"), QStringLiteral("view_regions"), true,
+                    [this](bool on) { arena_->show_regions(on); });
+  trails_ =
+      toggle(view, tr("&Trails"), QStringLiteral("view_trails"), true, [this](bool on) { arena_->show_trails(on); });
+  view->addSeparator();
+  fit_ = action(view, tr("&Whole arena"), QStringLiteral("fit"), QKeySequence(tr("Ctrl+0")), [this] { arena_->fit(); });
+  zoom_in_ =
+      action(view, tr("Zoom &in"), QStringLiteral("zoom_in"), QKeySequence::ZoomIn, [this] { arena_->zoom_in(); });
+  zoom_out_ =
+      action(view, tr("Zoom &out"), QStringLiteral("zoom_out"), QKeySequence::ZoomOut, [this] { arena_->zoom_out(); });
+  view->addSeparator();
+  dark_ = toggle(view, tr("Dar&k palette"), QStringLiteral("view_dark"), false,
+                 [this](bool on) { set_theme(on ? Theme::dark : Theme::light); });
+  full_screen_ = toggle(view, tr("&Full screen"), QStringLiteral("view_full_screen"), false,
+                        [this](bool on) { on ? showFullScreen() : showNormal(); });
+  full_screen_->setShortcut(QKeySequence(tr("F11")));
+  QMenu* panels = view->addMenu(tr("&Panels"));
+  connect(panels, &QMenu::aboutToShow, this, [this, panels] {  // the docks come after the menus
+    panels->clear();
+    for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_})
+      panels->addAction(dock->toggleViewAction());
+    panels->addSeparator();
+    panels->addAction(tr("&Back to the usual layout"), this, [this] { default_layout(); });
+  });
+
+  QMenu* help = menus->addMenu(tr("&Help"));
+  action(help, tr("&Shortcuts"), QStringLiteral("shortcuts"), QKeySequence(tr("F1")),
+         [this] { message(this, QStringLiteral("shortcuts_dialog"), tr("Shortcuts"), shortcuts_text()); });
+  action(help, tr("&About Skein"), QStringLiteral("about"), {},
+         [this] { message(this, QStringLiteral("about_dialog"), tr("About Skein"), about_text()); });
+}
+
+void MainWindow::build_arena_tools(QToolBar* tools) {
+  tools->setObjectName(QStringLiteral("arena_tools"));
+  tools->setIconSize({18, 18});
+  tools->addActions({fit_, zoom_in_, zoom_out_});
+  tools->addSeparator();
+  tools->addActions({picture_, regions_, trails_});
+  dress_icons();
+}
+
+void MainWindow::dress_icons() {
+  const QColor ink = colours(palette()).text;
+  fit_->setIcon(icon(QStringLiteral("fit"), ink));
+  zoom_in_->setIcon(icon(QStringLiteral("zoom-in"), ink));
+  zoom_out_->setIcon(icon(QStringLiteral("zoom-out"), ink));
+  picture_->setIcon(icon(QStringLiteral("camera"), ink));
+  regions_->setIcon(icon(QStringLiteral("regions"), ink));
+  trails_->setIcon(icon(QStringLiteral("trails"), ink));
+}
+
+void MainWindow::set_theme(Theme theme) {
+  apply(theme);
+  const QSignalBlocker quiet(dark_);
+  dark_->setChecked(theme == Theme::dark);
+}
+
+void MainWindow::ask_open() {
+  QFileDialog* dialog = file_dialog(this, tr("Open experiment"), QStringLiteral("open_dialog"),
+                                    tr("Experiments (*.toml);;All files (*)"));
+  dialog->setFileMode(QFileDialog::ExistingFile);
+  connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::open_file);
+  show_beside(dialog);
+}
+
+void MainWindow::open_file(const QString& file) {
+  const auto experiment = app::load_experiment(file.toStdString());
+  if (experiment) {
+    open(*experiment, false);
+    return;
+  }
+  QStringList problems;
+  for (const app::Problem& problem : experiment.error()) problems << QString::fromStdString(problem.message());
+  show_problem(tr("This experiment cannot be run"),
+               tr("%1 has %n problem(s):", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(file).fileName()),
+               problems.join(QLatin1Char('\n')));
+}
+
+void MainWindow::ask_save_csv() {
+  QFileDialog* dialog =
+      file_dialog(this, tr("Save CSV"), QStringLiteral("save_csv_dialog"), tr("CSV (*.csv);;All files (*)"));
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix(QStringLiteral("csv"));
+  dialog->selectFile(QString::fromStdString(live_.experiment().name) + QStringLiteral(".csv"));
+  connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::save_csv);
+  show_beside(dialog);
+}
+
+void MainWindow::save_csv(const QString& file) {
+  if (saving_) return;
+  // Aside: thousands of rows of a hundred numbers take longer than a frame.
+  saving_ = Saving{file, std::async(std::launch::async, [rows = live_.history().rows(), experiment = live_.experiment(),
+                                                         file] { return write_csv(rows, experiment, file); })};
+}
+
+void MainWindow::ask_save_plot() {
+  QFileDialog* dialog =
+      file_dialog(this, tr("Save plot"), QStringLiteral("save_plot_dialog"), tr("PDF (*.pdf);;PNG (*.png)"));
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix(QStringLiteral("pdf"));
+  connect(dialog, &QFileDialog::filterSelected, dialog,
+          [dialog](const QString& filter) { dialog->setDefaultSuffix(filter.left(3).toLower()); });
+  dialog->selectFile(QString::fromStdString(live_.experiment().name) + QStringLiteral("-errors"));
+  connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::save_plot);
+  show_beside(dialog);
+}
+
+void MainWindow::save_plot(const QString& file) {
+  const QString problem = plots_->save(file);
+  if (problem.isEmpty())
+    alert_->say(tr("Saved %1").arg(file), Severity::good);
+  else
+    show_problem(tr("The plot was not saved"), problem);
+}
+
+void MainWindow::show_problem(const QString& title, const QString& text, const QString& details) {
+  QString body = text.toHtmlEscaped();
+  if (!details.isEmpty()) body += QStringLiteral("<pre>") + details.toHtmlEscaped() + QStringLiteral("</pre>");
+  message(this, QStringLiteral("problem_dialog"), title,
+          QStringLiteral("<p><b>%1</b></p><p>%2</p>").arg(title.toHtmlEscaped(), body));
+}
+
+void MainWindow::restore_settings() {
+  const QSettings stored = settings();
+  const QString theme = stored.value(QStringLiteral("theme")).toString();
+  set_theme(theme.isEmpty() ? desktop_theme() : theme == QStringLiteral("dark") ? Theme::dark : Theme::light);
+  if (stored.contains(QStringLiteral("geometry"))) {
+    restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
+    restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
+  }
+  regions_->setChecked(stored.value(QStringLiteral("regions"), true).toBool());
+  trails_->setChecked(stored.value(QStringLiteral("trails"), true).toBool());
+}
+
+void MainWindow::store_settings() {
+  QSettings stored = settings();
+  stored.setValue(QStringLiteral("theme"), dark_->isChecked() ? QStringLiteral("dark") : QStringLiteral("light"));
+  if (!isFullScreen()) stored.setValue(QStringLiteral("geometry"), saveGeometry());
+  stored.setValue(QStringLiteral("layout"), saveState(layout_version));
+  stored.setValue(QStringLiteral("regions"), regions_->isChecked());
+  stored.setValue(QStringLiteral("trails"), trails_->isChecked());
+}
+
+}  // namespace skein::ui

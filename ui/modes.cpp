@@ -1,0 +1,96 @@
+#include "ui/modes.h"
+
+#include <QCoreApplication>
+#include <QStringList>
+
+namespace skein::ui {
+namespace {
+
+QString tr(const char* text) {
+  return QCoreApplication::translate("modes", text);
+}
+
+}  // namespace
+
+ModeLook look(std::uint8_t mode, const Colours& c) {
+  if (mode & app::lost) return {app::lost, QStringLiteral("?"), tr("lost"), c.alarm};
+  if (mode & app::stopped) return {app::stopped, QStringLiteral("■"), tr("stopped"), c.standing};
+  if (mode & app::shielded) return {app::shielded, QStringLiteral("S"), tr("shielded"), c.shielded};
+  if (mode & app::avoiding) return {app::avoiding, QStringLiteral("A"), tr("avoiding"), c.avoiding};
+  if (mode & app::limited) return {app::limited, QStringLiteral("L"), tr("limited"), c.limited};
+  if (mode & app::staging) return {app::staging, {}, tr("staging"), c.notice};
+  return {app::tracking, {}, tr("tracking"), c.good};
+}
+
+QString mode_text(std::uint8_t mode) {
+  QStringList names;
+  if (mode & app::lost) names << tr("lost");
+  if (mode & app::stopped) names << tr("stopped");
+  if (mode & app::staging) names << tr("staging");
+  if (mode & app::tracking) names << tr("tracking");
+  if (mode & app::avoiding) names << tr("avoiding");
+  if (mode & app::shielded) names << tr("shielded");
+  if (mode & app::limited) names << tr("limited");
+  return names.join(QStringLiteral("+"));
+}
+
+QString phase_text(app::Phase phase) {
+  switch (phase) {
+    case app::Phase::ready:
+      return tr("Ready");
+    case app::Phase::running:
+      return tr("Running");
+    case app::Phase::paused:
+      return tr("Paused");
+    case app::Phase::stopped:
+      return tr("STOPPED");
+    case app::Phase::finished:
+      return tr("Finished");
+  }
+  return {};
+}
+
+Severity severity(const app::Event& event) {
+  using Kind = app::Event::Kind;
+  switch (event.kind) {
+    case Kind::stop:
+    case Kind::lost:
+      return Severity::alarm;
+    case Kind::deadline_missed:
+    case Kind::gain_held:
+    case Kind::link:
+      return Severity::warning;
+    case Kind::found:
+      return Severity::good;
+    case Kind::start:
+    case Kind::perturb:
+    case Kind::move:
+    case Kind::gain:
+    case Kind::schedule:
+    case Kind::pause:
+    case Kind::resume:
+      return Severity::notice;
+    case Kind::avoid:
+    case Kind::clear:
+      return Severity::note;
+  }
+  return Severity::note;
+}
+
+QColor colour(Severity severity, const Colours& c) {
+  switch (severity) {
+    case Severity::alarm:
+      return c.alarm;
+    case Severity::warning:
+      return c.warning;
+    case Severity::good:
+      return c.good;
+    case Severity::notice:
+      return c.notice;
+    case Severity::note:
+      return c.faint_text;
+  }
+  return c.text;
+}
+
+}  // namespace skein::ui

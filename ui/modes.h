@@ -1,0 +1,33 @@
+#pragma once
+
+#include <QColor>
+#include <QString>
+#include <cstdint>
+
+#include "app/event.h"
+#include "app/tick_record.h"
+#include "ui/palette.h"
+
+namespace skein::ui {
+
+/// How a mode looks: never by colour alone.
+struct ModeLook {
+  std::uint8_t mode;
+  QString symbol;  ///< one character; empty: nothing out of the ordinary
+  QString name;
+  QColor colour;
+};
+
+/// The gravest of a robot's modes.
+ModeLook look(std::uint8_t mode, const Colours& colours);
+/// All that apply, joined by "+".
+QString mode_text(std::uint8_t mode);
+
+QString phase_text(app::Phase phase);
+
+/// How much of the operator's attention an event asks for.
+enum class Severity { note, good, notice, warning, alarm };
+Severity severity(const app::Event& event);
+QColor colour(Severity severity, const Colours& colours);
+
+}  // namespace skein::ui

@@ -1,0 +1,165 @@
+#include "ui/robots_model.h"
+
+#include <QFont>
+#include <cmath>
+
+#include "ui/modes.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr double old_tag = 0.1;  // [s]: half the time after which a robot counts as lost
+
+}  // namespace
+
+void RobotsModel::show_experiment(const app::Experiment& experiment) {
+  beginResetModel();
+  specs_ = experiment.robots;
+  robots_.clear();
+  links_.clear();
+  stop_asked_ = false;
+  endResetModel();
+}
+
+void RobotsModel::take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked) {
+  robots_ = record.robots;
+  links_ = links;
+  stop_asked_ = stop_asked;
+  if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
+}
+
+void RobotsModel::set_colours(const Colours& colours) {
+  colours_ = colours;
+  if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
+}
+
+int RobotsModel::rowCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : static_cast<int>(specs_.size());
+}
+
+int RobotsModel::columnCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : columns;
+}
+
+QVariant RobotsModel::data(const QModelIndex& index, int role) const {
+  const auto i = static_cast<std::size_t>(index.row());
+  if (!index.isValid() || i >= specs_.size()) return {};
+  switch (role) {
+    case Qt::DisplayRole:
+      return text(i, index.column());
+    case Qt::ToolTipRole:
+      return tip(i, index.column());
+    case Qt::ForegroundRole:
+      return ink(i, index.column());
+    case Qt::BackgroundRole:
+      return index.column() == robot ? QVariant(colours_.robot(i)) : QVariant();
+    case Qt::FontRole:
+      if (index.column() == robot) {
+        QFont bold;
+        bold.setBold(true);
+        return bold;
+      }
+      return {};
+    case Qt::TextAlignmentRole:
+      return static_cast<int>(index.column() == link || index.column() == mode ? Qt::AlignVCenter | Qt::AlignLeft
+                              : index.column() <= tag                          ? Qt::AlignCenter
+                                                                               : Qt::AlignVCenter | Qt::AlignRight);
+    default:
+      return {};
+  }
+}
+
+QString RobotsModel::text(std::size_t i, int column) const {
+  const QString nothing = QStringLiteral("–");
+  if (column == robot) return QString::number(i + 1);
+  if (column == tag) return QString::number(specs_[i].tag);
+  if (column == link || column == round_trip) {
+    if (i >= links_.size()) return nothing;
+    const app::RobotStatus& status = links_[i];
+    if (column == link) {
+      const QString state = QString::fromStdString(status.link);
+      return stop_asked_ && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
+    }
+    return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing;
+  }
+  if (i >= robots_.size()) return nothing;
+  const app::RobotRecord& record = robots_[i];
+  if (column == mode) return mode_text(record.mode);
+  if (column == tag_age) {
+    if (!(record.pose_age < 1e6)) return tr("not seen");
+    return record.pose_age < 10 ? tr("%1 ms").arg(record.pose_age * 1000, 0, 'f', 0)
+                                : tr("%1 s").arg(record.pose_age, 0, 'f', 0);
+  }
+  return QStringLiteral("%1 / %2").arg(record.wheels.left, 0, 'f', 0).arg(record.wheels.right, 0, 'f', 0);
+}
+
+QString RobotsModel::tip(std::size_t i, int column) const {
+  if ((column == link || column == round_trip) && i < links_.size()) {
+    const app::RobotStatus& status = links_[i];
+    QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');
+    if (specs_[i].link == app::RobotSpec::Link::device)
+      tip += QString::fromStdString(specs_[i].address) + QLatin1Char('\n');
+    if (status.exchanges > 0)
+      tip += tr("%1 exchanges, %2 timeouts, %3 reconnects")
+                 .arg(status.exchanges)
+                 .arg(status.timeouts)
+                 .arg(status.reconnects);
+    return tip.trimmed();
+  }
+  return text(i, column);
+}
+
+QVariant RobotsModel::ink(std::size_t i, int column) const {
+  if (column == robot) return ink_on(colours_.robot(i));
+  if (column == link && i < links_.size()) {
+    const bool well = links_[i].link == "up" || links_[i].link == "simulated";
+    if (!well) return colours_.alarm;
+  }
+  if (i >= robots_.size()) return {};
+  if (column == mode && !look(robots_[i].mode, colours_).symbol.isEmpty()) {
+    // The colour of a ring is too pale for text on white; the gravest two are not.
+    if (robots_[i].is(app::lost)) return colours_.alarm;
+    if (robots_[i].is(app::avoiding) || robots_[i].is(app::shielded)) return colours_.warning;
+  }
+  if (column == tag_age && robots_[i].pose_age > old_tag) return colours_.alarm;
+  return {};
+}
+
+QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation != Qt::Horizontal) return {};
+  if (role == Qt::DisplayRole) switch (section) {
+      case robot:
+        return tr("#");
+      case tag:
+        return tr("Tag");
+      case link:
+        return tr("Link");
+      case round_trip:
+        return tr("Round trip");
+      case mode:
+        return tr("Mode");
+      case tag_age:
+        return tr("Tag age");
+      case wheels:
+        return tr("Wheels");
+      default:
+        return {};
+    }
+  if (role == Qt::ToolTipRole) switch (section) {
+      case robot:
+        return tr("Robot");
+      case round_trip:
+        return tr("From a command to the robot's answer, median");
+      case mode:
+        return tr("What governs the robot now");
+      case tag_age:
+        return tr("Since the pose that is in use was captured");
+      case wheels:
+        return tr("Left / right wheel, motor steps per second");
+      default:
+        return {};
+    }
+  return {};
+}
+
+}  // namespace skein::ui

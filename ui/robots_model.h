@@ -1,0 +1,43 @@
+#pragma once
+
+#include <QAbstractTableModel>
+#include <vector>
+
+#include "app/experiment.h"
+#include "app/session.h"
+#include "app/tick_record.h"
+#include "ui/palette.h"
+
+namespace skein::ui {
+
+/// The robots, one a row: link, mode, tag, wheels.
+class RobotsModel final : public QAbstractTableModel {
+  Q_OBJECT
+
+ public:
+  enum Column { robot, tag, link, round_trip, mode, tag_age, wheels, columns };
+
+  using QAbstractTableModel::QAbstractTableModel;
+
+  void show_experiment(const app::Experiment& experiment);
+  void take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked);
+  void set_colours(const Colours& colours);
+
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override;
+  QVariant data(const QModelIndex& index, int role) const override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+
+ private:
+  QString text(std::size_t i, int column) const;
+  QString tip(std::size_t i, int column) const;
+  QVariant ink(std::size_t i, int column) const;
+
+  std::vector<app::RobotSpec> specs_;
+  std::vector<app::RobotRecord> robots_;
+  std::vector<app::RobotStatus> links_;
+  Colours colours_;
+  bool stop_asked_ = false;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,61 @@
+#include "ui/robots_panel.h"
+
+#include <QEvent>
+#include <QHeaderView>
+#include <QSignalBlocker>
+#include <algorithm>
+
+namespace skein::ui {
+
+RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
+  setObjectName(QStringLiteral("robots"));
+  setAccessibleName(tr("Robots"));
+  setModel(&model_);
+  model_.set_colours(colours(palette()));
+  setSelectionBehavior(SelectRows);
+  setSelectionMode(SingleSelection);
+  setFrameShape(NoFrame);
+  setShowGrid(false);
+  setAlternatingRowColors(true);
+  setWordWrap(false);
+  setTabKeyNavigation(false);
+  setHorizontalScrollMode(ScrollPerPixel);
+  verticalHeader()->hide();
+  verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
+  horizontalHeader()->setHighlightSections(false);
+  horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
+  // Wide enough for what usually stands there; fixed, so that numbers do not make columns dance.
+  const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 16; };
+  setColumnWidth(RobotsModel::robot, width(QStringLiteral("00")));
+  setColumnWidth(RobotsModel::tag, width(tr("Tag")));
+  setColumnWidth(RobotsModel::link, width(tr("simulated")));
+  setColumnWidth(RobotsModel::round_trip, width(tr("Round trip")));
+  setColumnWidth(RobotsModel::tag_age, width(tr("not seen")));
+  setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−0000 / −0000")));
+  horizontalHeader()->setSectionResizeMode(RobotsModel::mode, QHeaderView::Stretch);
+  connect(selectionModel(), &QItemSelectionModel::currentRowChanged, this,
+          [this](const QModelIndex& now) { emit picked(now.isValid() ? now.row() : -1); });
+}
+
+void RobotsPanel::select_robot(int robot) {
+  const QSignalBlocker quiet(selectionModel());
+  if (robot < 0) {
+    clearSelection();
+    setCurrentIndex({});
+  } else {
+    selectRow(robot);
+  }
+  viewport()->update();
+}
+
+QSize RobotsPanel::sizeHint() const {
+  const int rows = std::clamp(model_.rowCount(), 2, 8);
+  return {500, horizontalHeader()->sizeHint().height() + rows * verticalHeader()->defaultSectionSize() + 4};
+}
+
+void RobotsPanel::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) model_.set_colours(colours(palette()));
+  QTableView::changeEvent(event);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,33 @@
+#include "ui/stop_guard.h"
+
+#include <QApplication>
+#include <QKeyEvent>
+#include <QLineEdit>
+#include <QMouseEvent>
+
+namespace skein::ui {
+
+StopGuard::StopGuard(std::function<bool()> stop, QWidget* button, QObject* parent)
+    : QObject(parent), stop_(std::move(stop)), button_(button) {
+  qApp->installEventFilter(this);
+}
+
+bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::KeyPress && (watched->isWidgetType() || watched->isWindowType())) {
+    const auto* key = static_cast<const QKeyEvent*>(event);
+    if (key->key() != Qt::Key_Space && key->key() != Qt::Key_Escape) return false;
+    const bool stopped_something = !key->isAutoRepeat() && stop_();  // a key held down stops once
+    if (stopped_something) return true;
+    // Space must not press a button: held down for STOP, it would go on to press whichever has the focus.
+    return key->key() == Qt::Key_Space && !qobject_cast<QLineEdit*>(QApplication::focusWidget());
+  }
+  if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
+    // An open menu would take the press only to close itself.
+    const auto* press = static_cast<const QMouseEvent*>(event);
+    const QPoint where = button_->mapFromGlobal(press->globalPosition().toPoint());
+    if (QApplication::activePopupWidget() && button_->rect().contains(where)) stop_();
+  }
+  return false;
+}
+
+}  // namespace skein::ui

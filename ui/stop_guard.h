@@ -1,0 +1,29 @@
+#pragma once
+
+#include <QObject>
+#include <QPointer>
+#include <QWidget>
+#include <functional>
+
+namespace skein::ui {
+
+/// Sees every key and every press of the mouse before any widget does, and turns Space, Esc and a press on the STOP
+/// button into STOP: whatever has the focus, whatever dialog or menu is open. A shortcut would not do: a spin box, a
+/// menu or a button with the focus may take the key first.
+class StopGuard final : public QObject {
+  Q_OBJECT
+
+ public:
+  /// `stop` is called for every such press; it answers whether robots could have been moving. If so the key is spent;
+  /// if not, Esc goes on to where it was meant for and Space to a text that is being written (a blank in a file name).
+  StopGuard(std::function<bool()> stop, QWidget* button, QObject* parent);
+
+ protected:
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
+ private:
+  std::function<bool()> stop_;
+  QPointer<QWidget> button_;
+};
+
+}  // namespace skein::ui

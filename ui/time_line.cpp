@@ -1,0 +1,93 @@
+#include "ui/time_line.h"
+
+#include <QHelpEvent>
+#include <QPainter>
+#include <QToolTip>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/palette.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr double end = 10;  // free at either end, for half a mark [px]
+constexpr double bar_height = 8;
+
+}  // namespace
+
+TimeLine::TimeLine(QWidget* parent) : QWidget(parent) {
+  setObjectName(QStringLiteral("time_line"));
+  setAccessibleName(tr("Progress of the run"));
+  setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
+}
+
+void TimeLine::show_experiment(const app::Experiment& experiment) {
+  duration_ = experiment.duration;
+  t_ = 0.0;
+  marks_.clear();
+  for (const app::Perturbation& p : experiment.perturbations)
+    marks_.push_back({p.t, static_cast<int>(p.robot),
+                      tr("%1 s: robot %2 is moved by (%3, %4) cm, %5°")
+                          .arg(p.t)
+                          .arg(p.robot + 1)
+                          .arg(p.dx * 100, 0, 'f', 1)
+                          .arg(p.dy * 100, 0, 'f', 1)
+                          .arg(p.dtheta * 180 / core::pi, 0, 'f', 0)});
+  for (const app::GainChange& change : experiment.gain_changes)
+    marks_.push_back({change.t, -1, tr("%1 s: the gains change").arg(change.t)});
+  update();
+}
+
+void TimeLine::take(const app::TickRecord& record) {
+  if (record.t == t_) return;
+  t_ = record.t;
+  update();
+}
+
+double TimeLine::x(double t) const {
+  return end + std::clamp(t / duration_, 0.0, 1.0) * (width() - 2 * end);
+}
+
+void TimeLine::paintEvent(QPaintEvent*) {
+  QPainter p(this);
+  p.setRenderHint(QPainter::Antialiasing);
+  const Colours c = colours(palette());
+  const double middle = height() / 2.0;
+  const QRectF bar(end, middle - bar_height / 2, width() - 2 * end, bar_height);
+  p.setPen(Qt::NoPen);
+  p.setBrush(c.dark ? c.panel.lighter(150) : c.panel.darker(112));
+  p.drawRoundedRect(bar, bar_height / 2, bar_height / 2);
+  p.setBrush(c.accent);
+  if (t_ > 0) p.drawRoundedRect(QRectF(bar.topLeft(), QPointF(x(t_), bar.bottom())), bar_height / 2, bar_height / 2);
+
+  QFont small = font();
+  small.setPointSizeF(std::max(9.0, font().pointSizeF() - 1));
+  small.setBold(true);
+  p.setFont(small);
+  for (const Mark& mark : marks_) {
+    const QPointF at(x(mark.t), middle);
+    const QColor colour = mark.robot >= 0 ? c.robot(static_cast<std::size_t>(mark.robot)) : c.faint_text;
+    const double r = mark.robot >= 0 ? 8.5 : 5.0;
+    p.setPen(QPen(c.panel, 1.5));
+    p.setBrush(colour);
+    p.drawEllipse(at, r, r);
+    if (mark.robot < 0) continue;
+    p.setPen(ink_on(colour));
+    p.drawText(QRectF(at - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter, QString::number(mark.robot + 1));
+  }
+}
+
+bool TimeLine::event(QEvent* event) {
+  if (event->type() != QEvent::ToolTip) return QWidget::event(event);
+  const auto* help = static_cast<QHelpEvent*>(event);
+  for (const Mark& mark : marks_)
+    if (std::abs(help->pos().x() - x(mark.t)) < 9) {
+      QToolTip::showText(help->globalPos(), mark.text, this);
+      return true;
+    }
+  QToolTip::showText(help->globalPos(), tr("%1 s of %2 s").arg(t_, 0, 'f', 1).arg(duration_), this);
+  return true;
+}
+
+}  // namespace skein::ui

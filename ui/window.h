@@ -1,0 +1,16 @@
+#pragma once
+
+#include "app/experiment.h"
+
+namespace skein::ui {
+
+struct WindowOptions {
+  int& argc;
+  char** argv;
+  bool start_at_once = false;  ///< the run begins as soon as the robots stand, with a hint of what to do with them
+};
+
+/// Opens the operator's window on an experiment; returns the program's exit status when it is closed.
+int show_window(app::Experiment experiment, const WindowOptions& options);
+
+}  // namespace skein::ui
