@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numbers>
 
 #include "vision/calibration.h"
 
@@ -9,7 +10,7 @@ namespace {
 // A robot's midpoint may stand on the arena's edge: its body and the paper of its tag reach this far over it. [m]
 constexpr double margin = 0.06;
 
-constexpr double degree = 3.14159265358979323846 / 180.0;
+constexpr double degree = std::numbers::pi / 180.0;
 
 /// The optical axis goes through the origin; the camera is `height` above the floor.
 CameraPose hang(double height) {

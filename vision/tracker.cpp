@@ -132,6 +132,7 @@ void TagTracker::Parts::follow(const Frame& frame) {
 }
 
 bool TagTracker::Parts::should_search() const {
+  if (wanted.empty()) return false;
   if (counters.full_searches == 0) return true;
   const std::int64_t since = counters.frames - last_search;
   bool missing = false;

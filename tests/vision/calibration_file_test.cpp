@@ -113,7 +113,8 @@ TEST(CalibrationFile, DamagedTextIsRefusedOrReadButNeverWorse) {
       if (*rc::gen::inRange(0, 4) == 0) text.erase(at, 9);
     }
     const auto camera = parse_calibration(text, "cal.toml");
-    RC_ASSERT(camera.has_value() || camera.error().starts_with("cal.toml:"));
+    const bool told = camera.has_value() || camera.error().starts_with("cal.toml:");  // RC_ASSERT would ask for both
+    RC_ASSERT(told);
   });
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "vision/calibration.h"
@@ -79,9 +80,9 @@ class Painter {
   Box box_around(double x, double y, double radius, double height) const {
     Box box;
     constexpr int corners = 8;  // of a polygon around the disc
-    const double reach = radius / std::cos(3.14159265358979 / corners);
+    const double reach = radius / std::cos(std::numbers::pi / corners);
     for (int i = 0; i < corners; ++i) {
-      const double angle = 2.0 * 3.14159265358979 * i / corners;
+      const double angle = 2.0 * std::numbers::pi * i / corners;
       const auto pixel =
           pixel_from_world(calibration_, {x + reach * std::cos(angle), y + reach * std::sin(angle), height});
       // A point far outside: no part of the disc is worth drawing, and its pixel might not fit an int.
