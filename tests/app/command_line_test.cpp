@@ -119,11 +119,24 @@ TEST(CommandLine, AnExpectationThatFailsSaysByHowMuch) {
   EXPECT_TRUE(r.out.empty());
 }
 
-TEST(CommandLine, WithoutCouplingsTheClaimDoesNotHold) {
-  // The comparison that makes the claim worth something: the same kicks, all couplings zero.
-  const Result r = skein({"run", experiments + "uncoupled.toml", "--set", "expect.formation_first=true"});
-  EXPECT_EQ(r.status, 1) << r.out;
-  EXPECT_TRUE(has(r.err, "formation")) << r.err;
+/// The number behind "key: " of a summary.
+double value(const std::string& summary, const std::string& key) {
+  const std::size_t at = summary.find("\n" + key + ": ");
+  EXPECT_NE(at, std::string::npos) << key;
+  return at == std::string::npos ? -1.0 : std::stod(summary.substr(at + key.size() + 3));
+}
+
+TEST(CommandLine, CouplingsTradeTrackingForFormation) {
+  // The comparison that makes the claim worth something: the same kicks with all couplings zero. With couplings the
+  // formation is back earlier, and the tracking later: they take authority from it.
+  const Result coupled = skein({"run", experiments + "platoon.toml"});
+  const Result uncoupled = skein({"run", experiments + "uncoupled.toml"});
+  EXPECT_EQ(uncoupled.status, 0) << uncoupled.err;
+  for (const std::string perturbation : {"perturbation_1", "perturbation_2", "perturbation_3"}) {
+    EXPECT_LT(value(coupled.out, perturbation + "_formation_1cm"),
+              value(uncoupled.out, perturbation + "_formation_1cm"));
+    EXPECT_GT(value(coupled.out, perturbation + "_tracking_1cm"), value(uncoupled.out, perturbation + "_tracking_1cm"));
+  }
 }
 
 TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
@@ -145,8 +158,9 @@ TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
 }
 
 TEST(CommandLine, ARobotThatIsNotThereIsStatusThree) {
-  const Result r = skein({"run", experiments + "platoon.toml", "--set", "robot.4.link=serial:/dev/nowhere", "--set",
-                          "camera.source=synthetic", "--set", "robot.4.model=epuck2"});
+  const Result r =
+      skein({"run", experiments + "platoon.toml", "--set", "robot.4.link=serial:/dev/nowhere", "--set",
+             "camera.source=images:/nowhere", "--set", "camera.calibration=cal.toml", "--set", "robot.4.model=epuck2"});
   EXPECT_EQ(r.status, 3) << r.err;
   EXPECT_TRUE(has(r.err, "robot 4")) << r.err;
 }
