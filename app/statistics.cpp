@@ -125,10 +125,11 @@ std::vector<std::string> failed_expectations(const Expectations& expect, const S
   std::vector<std::string> failed;
   const auto at_most = [&](const char* key, double limit, double value, const char* unit) {
     if (value <= limit) return;
-    failed.push_back(std::isnan(value)
-                         ? fmt::format("expect.{}: expected at most {} {}, found no value", key, limit, unit)
-                         : fmt::format("expect.{}: expected at most {} {}, found {:.6g} {}, which is {:.4g} too much",
-                                       key, limit, unit, value, unit, value - limit));
+    failed.push_back(
+        std::isnan(value)
+            ? fmt::format("expect.{}: expected at most {} {}, found no value", key, limit, unit)
+            : fmt::format("expect.{}: expected at most {} {}, found {:.6g} {}, which is {:.4g} {} too much", key, limit,
+                          unit, value, unit, value - limit, unit));
   };
   if (expect.final_error) at_most("final_error", *expect.final_error, summary.final_error, "m");
   if (const auto limit = expect.min_distance; limit && !(summary.min_distance >= *limit)) {

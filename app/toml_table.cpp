@@ -49,15 +49,20 @@ std::string Range::text() const {
   return fmt::format("{} {:.6g}{}{}", low_text, high, *unit ? " " : "", unit);
 }
 
-void Problems::add(const std::string& key, const std::string& text) {
-  const toml::node* place = &document_;
-  for (std::string_view rest = key; !rest.empty();) {
-    const std::size_t dot = std::min(rest.find('.'), rest.size());
-    const toml::node* const next = child(*place, rest.substr(0, dot));
-    if (!next) break;
-    place = next;
-    rest.remove_prefix(std::min(dot + 1, rest.size()));
+Problems::Way Problems::find(std::string_view key) const {
+  const toml::node* node = &document_;
+  while (!key.empty()) {
+    const std::size_t dot = std::min(key.find('.'), key.size());
+    const toml::node* const next = child(*node, key.substr(0, dot));
+    if (!next) return {node, false};
+    node = next;
+    key.remove_prefix(std::min(dot + 1, key.size()));
   }
+  return {node, true};
+}
+
+void Problems::add(const std::string& key, const std::string& text) {
+  const toml::node* const place = find(key).end;
   add(place == &document_ ? toml::source_region{} : place->source(), key + ": " + text);
 }
 

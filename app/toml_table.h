@@ -42,11 +42,19 @@ class Problems {
   void add(const std::string& key, const std::string& text);
   void add(const toml::source_region& place, const std::string& text);
 
+  bool has(const std::string& key) const { return find(key).whole; }
   bool empty() const noexcept { return found_.empty(); }
   /// In the order of the file; what --set brought comes last.
   std::vector<Problem> sorted() &&;
 
  private:
+  /// How far a dotted key leads.
+  struct Way {
+    const toml::node* end;
+    bool whole;
+  };
+  Way find(std::string_view key) const;
+
   const toml::table& document_;
   std::string file_;
   std::vector<Problem> found_;

@@ -1,0 +1,243 @@
+// The CSV: its exact text, and that it reads back to the same bits.
+#include "app/csv_writer.h"
+
+#include <bit>
+#include <chrono>
+#include <sstream>
+
+#include "app/csv_reader.h"
+#include "app/experiment_file.h"
+#include "tests/app/fixture.h"
+#include "tests/property.h"
+
+namespace skein::app {
+namespace {
+
+Experiment robots(std::size_t n, std::string source = "name = \"x\"\n") {
+  Experiment e;
+  e.name = "x";
+  e.seed = 42;
+  e.robots.resize(n);
+  e.source = std::move(source);
+  return e;
+}
+
+std::string csv(const Experiment& e, const std::vector<TickRecord>& rows) {
+  std::ostringstream out;
+  CsvWriter writer(out, e);
+  for (const TickRecord& row : rows) writer.record(row);
+  return out.str();
+}
+
+std::vector<TickRecord> read(const std::string& text) {
+  std::istringstream in(text);
+  auto reader = CsvReader::open(in, "run.csv");
+  EXPECT_TRUE(reader) << reader.error();
+  std::vector<TickRecord> rows;
+  TickRecord row;
+  for (;;) {
+    const auto more = reader->next(row);
+    EXPECT_TRUE(more) << more.error();
+    if (!more || !*more) return rows;
+    rows.push_back(row);
+  }
+}
+
+std::string read_error(const std::string& text) {
+  std::istringstream in(text);
+  auto reader = CsvReader::open(in, "run.csv");
+  if (!reader) return reader.error();
+  TickRecord row;
+  for (;;) {
+    const auto more = reader->next(row);
+    if (!more) return more.error();
+    if (!*more) return "";
+  }
+}
+
+/// A row in which every value is another one.
+TickRecord numbered(std::size_t n) {
+  TickRecord row;
+  double next = 1.0;
+  const auto value = [&] { return next++ / 8.0; };
+  row.t = value();
+  row.tick = 25;
+  row.k_xx = value(), row.k_tt = value(), row.k_yy = value(), row.V = value(), row.V_dot = -value();
+  for (std::size_t i = 0; i + 1 < n; ++i) row.delta.push_back(value());
+  row.min_distance = value();
+  row.period = value();
+  row.events.add({Event::Kind::perturb, 1, {}, {0.05, -0.15, 0.0}});
+  row.events.add({Event::Kind::lost, 0, {}, {}});
+  for (std::size_t i = 0; i < n; ++i) {
+    RobotRecord robot;
+    robot.pose = {value(), value(), value()};
+    if (i == 0) robot.truth = {value(), value(), value()};
+    robot.nominal = {{value(), value(), value()}, {value(), value()}};
+    robot.reference = {{value(), value(), value()}, {value(), value()}};
+    if (i == 0) robot.error = {value(), value(), value()};
+    robot.law = {value(), value()};
+    robot.command = {value(), value()};
+    robot.wheels = {value(), value()};
+    robot.mode = i == 0 ? tracking | limited : stopped | lost;
+    if (i == 0) robot.pose_age = value(), robot.measurement = {{value(), value(), value()}, value()};
+    row.robots.push_back(robot);
+  }
+  row.now = value();
+  return row;
+}
+
+TEST(CsvWriter, WritesExactlyWhatTheContractSays) {
+  EXPECT_EQ(
+      csv(robots(2, "name = \"x\"\n\n# end\n"), {numbered(2)}),
+      "# skein " SKEIN_VERSION
+      "\n# experiment: x\n# hash: 4eefc1c6185f8c8b\n# seed: 42\n#| name = \"x\"\n#| \n#| # end\n"
+      "t,tick,k_xx,k_tt,k_yy,V,V_dot,delta_1_2,min_distance,period,compute_time,event,"
+      "r1_x,r1_y,r1_theta,r1_x_true,r1_y_true,r1_theta_true,r1_x_nom,r1_y_nom,r1_theta_nom,r1_v_nom,r1_omega_nom,"
+      "r1_x_ref,r1_y_ref,r1_theta_ref,r1_v_ref,r1_omega_ref,r1_x_e,r1_y_e,r1_theta_e,r1_v_law,r1_omega_law,"
+      "r1_v,r1_omega,r1_wheel_left,r1_wheel_right,r1_mode,r1_pose_age,r1_x_meas,r1_y_meas,r1_theta_meas,r1_t_meas,"
+      "r2_x,r2_y,r2_theta,r2_x_true,r2_y_true,r2_theta_true,r2_x_nom,r2_y_nom,r2_theta_nom,r2_v_nom,r2_omega_nom,"
+      "r2_x_ref,r2_y_ref,r2_theta_ref,r2_v_ref,r2_omega_ref,r2_x_e,r2_y_e,r2_theta_e,r2_v_law,r2_omega_law,"
+      "r2_v,r2_omega,r2_wheel_left,r2_wheel_right,r2_mode,r2_pose_age,r2_x_meas,r2_y_meas,r2_theta_meas,r2_t_meas,"
+      "now\n"
+      "0.125,25,0.25,0.375,0.5,0.625,-0.75,0.875,1,1.125,,perturb r2 dx=0.05 dy=-0.15 dtheta=0; lost r1,"
+      "1.25,1.375,1.5,1.625,1.75,1.875,2,2.125,2.25,2.375,2.5,2.625,2.75,2.875,3,3.125,3.25,3.375,3.5,3.625,3.75,"
+      "3.875,4,4.125,4.25,tracking+limited,4.375,4.5,4.625,4.75,4.875,"
+      "5,5.125,5.25,,,,5.375,5.5,5.625,5.75,5.875,6,6.125,6.25,6.375,6.5,,,,6.625,6.75,6.875,7,7.125,7.25,"
+      "stopped+lost,,,,,,7.375\n");
+}
+
+TEST(CsvWriter, WritesNothingWhereThereIsNoValue) {
+  TickRecord row;
+  row.robots.resize(1);
+  const std::string text = csv(robots(1), {row});
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_EQ(text.find("-1e"), std::string::npos) << "the time of a measurement that never was";
+}
+
+TEST(CsvReader, ReadsTheHead) {
+  std::istringstream in(csv(robots(3, "name = \"x\"\n\n  # end\n"), {}));
+  const auto reader = CsvReader::open(in, "run.csv");
+  ASSERT_TRUE(reader) << reader.error();
+  EXPECT_EQ(reader->head().version, SKEIN_VERSION);
+  EXPECT_EQ(reader->head().name, "x");
+  EXPECT_EQ(reader->head().seed, 42u);
+  EXPECT_EQ(reader->head().source, "name = \"x\"\n\n  # end\n");
+  EXPECT_TRUE(reader->head().intact);
+  EXPECT_EQ(reader->robots(), 3u);
+  EXPECT_EQ(reader->columns().front(), "t");
+}
+
+TEST(CsvReader, NoticesAnExperimentThatSomebodyEdited) {
+  std::string text = csv(robots(1), {});
+  text.replace(text.find("#| name"), 7, "#| nome");
+  std::istringstream in(text);
+  EXPECT_FALSE(CsvReader::open(in, "run.csv")->head().intact);
+}
+
+TEST(CsvReader, FindsCellsByName) {
+  std::istringstream in(csv(robots(2), {numbered(2)}));
+  auto reader = CsvReader::open(in, "run.csv");
+  TickRecord row;
+  ASSERT_TRUE(reader->next(row).value());
+  EXPECT_EQ(reader->cell("r1_mode"), "tracking+limited");
+  EXPECT_EQ(reader->cell("compute_time"), "");
+  EXPECT_EQ(reader->cell("no_such_column"), "");
+  ASSERT_EQ(row.events.size(), 2u);
+  EXPECT_EQ(row.events.begin()->kind, Event::Kind::perturb);
+  EXPECT_EQ(row.events.begin()->robot, 1);
+  EXPECT_EQ(row.events.begin()->values[1], -0.15);
+}
+
+TEST(CsvReader, SaysWhereAFileIsBroken) {
+  EXPECT_EQ(read_error(""), "run.csv:0: ends before a header row, allowed: a CSV that `skein run --csv` wrote");
+  EXPECT_EQ(read_error("# skein 1\n# seed: x\n"), "run.csv:2: the seed is not a whole number");
+  EXPECT_EQ(read_error("a,b\n1,2\n"),
+            "run.csv:1: the header row has no column t, allowed: a CSV that `skein run --csv` wrote");
+  EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3\n1,2\n"), "run.csv:3: found 2 cells, allowed: 3 as in the header row");
+  EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3x\n"), "run.csv:2: column r1_x: found \"3x\", allowed: a number or nothing");
+  EXPECT_EQ(read_error("t,tick,r1_x\n1,2.5,3\n"), "run.csv:2: column tick: found \"2.5\", allowed: a whole number");
+  EXPECT_EQ(read_error("t,tick,r1_x,r1_mode\n1,2,3,flying\n"),
+            "run.csv:2: column r1_mode: found \"flying\", allowed: modes joined by +");
+  EXPECT_EQ(read_error("t,tick,r1_x,event\n1,2,3,boo\n"),
+            "run.csv:2: column event: found \"boo\", allowed: events joined by \"; \"");
+  EXPECT_EQ(read_error("other,t,tick,r1_x\r\nhello,1,2,3\r\n"), "") << "unknown columns and Windows line ends";
+}
+
+bool same(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
+}
+
+TEST(CsvReader, ReadsBackTheSameBits) {
+  test::holds("every double survives", [] {
+    const auto any = [] { return std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>()); };
+    TickRecord row = numbered(1);
+    row.V = any();
+    row.robots[0].pose.x = any();
+    row.robots[0].law.omega = any();
+    row.compute_time = any();
+    row.now = any();
+    row.robots[0].mode = static_cast<std::uint8_t>(*rc::gen::inRange(0, 128));
+    const std::vector<TickRecord> rows = read(csv(robots(1), {row}));
+    RC_ASSERT(rows.size() == 1u);
+    RC_ASSERT(same(rows[0].V, row.V));
+    RC_ASSERT(same(rows[0].robots[0].pose.x, row.robots[0].pose.x));
+    RC_ASSERT(same(rows[0].robots[0].law.omega, row.robots[0].law.omega));
+    RC_ASSERT(same(rows[0].compute_time, row.compute_time));
+    RC_ASSERT(same(rows[0].now, row.now));
+    RC_ASSERT(rows[0].robots[0].mode == row.robots[0].mode);
+  });
+}
+
+TEST(CsvReader, AWholeRunWritesTheSameTextAgain) {
+  Experiment e = paper_experiment();
+  e.duration = 20.0;
+  const std::string text = csv(e, test::simulate(e));
+  const std::vector<TickRecord> rows = read(text);
+  ASSERT_EQ(rows.size(), 500u);
+  EXPECT_EQ(csv(e, rows), text);
+}
+
+TEST(CsvWriter, ARowOfFourRobotsTakesMicroseconds) {
+  const Experiment e = paper_experiment();
+  const std::vector<TickRecord> rows = test::simulate(e);
+  const auto begin = std::chrono::steady_clock::now();
+  const std::size_t size = csv(e, rows).size();
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begin;
+  const double each = took.count() / static_cast<double>(rows.size());
+  RecordProperty("microseconds_a_row", std::to_string(each));
+  EXPECT_GT(size, 1'000'000u);
+  EXPECT_LT(each, 500.0) << "20 is the aim; a loaded machine with sanitizers takes longer";
+}
+
+TEST(Event, WordsAreRead) {
+  using Kind = Event::Kind;
+  const std::vector<std::pair<Event, std::string>> cases{
+      {{Kind::start, -1, {}, {}}, "start"},
+      {{Kind::stop, -1, {}, {}}, "stop"},
+      {{Kind::move, 0, {}, {0.1, 0.2, -1.5}}, "move r1 x=0.1 y=0.2 theta=-1.5"},
+      {{Kind::gain, -1, core::GainName::k_tt, {0.025, 0.03, 0.0}}, "gain k_tt 0.025 -> 0.03"},
+      {{Kind::gain_held, -1, core::GainName::k_yy, {1.0, 0.1 / 3.0, 0.0}}, "gain_held k_yy 1 -> 0.03333333333333333"},
+      {{Kind::deadline_missed, -1, {}, {3.0, 0.0, 0.0}}, "deadline_missed 3"},
+      {{Kind::link, 2, {}, {4.0, 0.0, 0.0}}, "link r3 stale"}};
+  for (const auto& [event, words] : cases) {
+    EXPECT_EQ(describe(event), words);
+    const auto read = parse_event(words);
+    ASSERT_TRUE(read) << words;
+    EXPECT_EQ(read->kind, event.kind);
+    EXPECT_EQ(read->robot, event.robot);
+    EXPECT_EQ(read->gain, event.gain);
+    EXPECT_EQ(read->values, event.values);
+  }
+  for (const char* nonsense : {"", "boo", "lost rx", "perturb r1 dx=", "gain 1 2 3 4"})
+    EXPECT_FALSE(parse_event(nonsense));
+}
+
+TEST(Event, AListThatOverflowedSaysSo) {
+  EventList list;
+  for (std::size_t k = 0; k < EventList::capacity + 2; ++k) list.add({Event::Kind::lost, 0, {}, {}});
+  const std::string words = describe(list);
+  EXPECT_TRUE(words.ends_with("lost r1; +2 more")) << words;
+}
+
+}  // namespace
+}  // namespace skein::app

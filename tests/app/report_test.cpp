@@ -1,0 +1,138 @@
+// The report: figures that gnuplot really drew, and errors that say what is wrong.
+#include "app/report.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "app/csv_writer.h"
+#include "app/experiment_file.h"
+#include "tests/app/fixture.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size())) ++n;
+  return n;
+}
+
+class Report : public testing::Test {
+ protected:
+  Report() {
+    std::string name =
+        (fs::temp_directory_path() / "skein report XXXXXX").string();  // with blanks, as people have them
+    directory = mkdtemp(name.data());
+  }
+  ~Report() override { fs::remove_all(directory); }
+
+  /// Runs an experiment and draws it.
+  tl::expected<void, std::string> draw(const Experiment& e) {
+    Statistics statistics(e);
+    {
+      std::ofstream out(directory / "run.csv");
+      CsvWriter csv(out, e);
+      for (const TickRecord& row : test::simulate(e)) csv.record(row), statistics.record(row);
+    }
+    return write_report(directory.string(), e, statistics.summary());
+  }
+  void expect_figures() {
+    for (const char* figure : {"figure3", "figure4"}) {
+      EXPECT_TRUE(text_of(directory / (std::string(figure) + ".pdf")).starts_with("%PDF-")) << figure;
+      EXPECT_TRUE(text_of(directory / (std::string(figure) + ".png")).starts_with("\x89PNG")) << figure;
+      const std::string svg = text_of(directory / (std::string(figure) + ".svg"));
+      EXPECT_TRUE(svg.find("<svg") != std::string::npos && svg.find("</svg>") != std::string::npos) << figure;
+    }
+  }
+  std::size_t curves(const char* figure) {
+    return count(text_of(directory / (std::string(figure) + ".svg")), "<g id=\"gnuplot_plot_");
+  }
+
+  fs::path directory;
+};
+
+Experiment experiment(const std::string& text) {
+  return parse_experiment(text, "e.toml").value();
+}
+
+TEST_F(Report, DrawsThePaper) {
+  const auto drawn = draw(paper_experiment());
+  ASSERT_TRUE(drawn) << drawn.error();
+  expect_figures();
+  EXPECT_EQ(curves("figure3"), 4u * 5u) << "reference, path, moves, both ends of each robot";
+  EXPECT_EQ(curves("figure4"), 3u * 4u + 3u) << "three errors of each robot, three pairs";
+  const std::string summary = text_of(directory / "summary.json");
+  EXPECT_NE(summary.find("\"formation_first\": true"), std::string::npos);
+  const std::string script = text_of(directory / "figure4.gp");
+  EXPECT_NE(script.find("n = 4 "), std::string::npos);
+  EXPECT_NE(script.find("perturbed = \"18 46 65\""), std::string::npos);
+  EXPECT_NE(script.find("settled = \"22.24 50.24 69.24\""), std::string::npos);
+}
+
+TEST_F(Report, DrawsAnyNumberOfRobotsWithoutPerturbations) {
+  for (const int robots : {1, 2, 9}) {
+    std::string text = "duration = 2\ncontroller.gains = { k_xx = 0, k_tt = 0, k_yy = 0 }\n";
+    for (int i = 0; i < robots; ++i) text += "[[robot]]\n";
+    const auto drawn = draw(experiment(text));
+    ASSERT_TRUE(drawn) << robots << ": " << drawn.error();
+    expect_figures();
+    const auto n = static_cast<std::size_t>(robots);
+    EXPECT_EQ(curves("figure3"), 5u * n);
+    EXPECT_EQ(curves("figure4"), 3u * n + (n > 1 ? n - 1 : 1));
+  }
+}
+
+TEST_F(Report, DrawsARunOfOneRow) {
+  const auto drawn = draw(experiment("duration = 0.04"));
+  ASSERT_TRUE(drawn) << drawn.error();
+  expect_figures();
+}
+
+TEST_F(Report, SaysWhatGnuplotSaid) {
+  const auto drawn = write_report(directory.string(), paper_experiment(), {});  // no run.csv
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().find("figure3.gp: gnuplot ended with status"), std::string::npos) << drawn.error();
+  EXPECT_NE(drawn.error().find("run.csv"), std::string::npos) << drawn.error();
+}
+
+TEST_F(Report, SaysThatGnuplotIsMissing) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const auto checked = check_report(directory.string());
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().find("install the package gnuplot-nox"), std::string::npos) << checked.error();
+}
+
+TEST_F(Report, MakesItsDirectoryAndLeavesNothingInIt) {
+  const fs::path deeper = directory / "a" / "b";
+  const auto checked = check_report(deeper.string());
+  ASSERT_TRUE(checked) << checked.error();
+  EXPECT_TRUE(fs::is_empty(deeper));
+}
+
+TEST_F(Report, RefusesADirectoryThatCannotBe) {
+  std::ofstream(directory / "file") << "x";
+  const auto checked = check_report((directory / "file" / "below").string());
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().find("file/below: cannot be made: Not a directory"), std::string::npos) << checked.error();
+
+  EXPECT_FALSE(check_report("/proc/report"));
+  const auto gone = write_report((directory / "gone").string(), paper_experiment(), {});
+  ASSERT_FALSE(gone);
+  EXPECT_NE(gone.error().find("summary.json: cannot be written: No such file"), std::string::npos) << gone.error();
+}
+
+}  // namespace
+}  // namespace skein::app

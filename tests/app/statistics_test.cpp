@@ -1,0 +1,246 @@
+// The sum of a run, on error histories whose settling times are known.
+#include "app/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/experiment_file.h"
+#include "tests/app/fixture.h"
+
+namespace skein::app {
+namespace {
+
+/// Two robots, a metre apart unless told otherwise, at 25 Hz.
+class History {
+ public:
+  TickRecord row(double tracking = 0.0, double formation = 0.0, double distance = 1.0) {
+    TickRecord r;
+    r.phase = Phase::running;
+    r.tick = tick_++;
+    r.t = static_cast<double>(r.tick) / 25.0;
+    r.period = 0.04;
+    r.delta = {formation};
+    r.min_distance = distance;
+    r.robots.resize(2);
+    r.robots[1].nominal.pose.x = distance;
+    for (RobotRecord& robot : r.robots)
+      robot.pose = robot.truth = robot.nominal.pose, robot.measurement.captured_at = r.t;
+    r.robots[0].pose.y = tracking;
+    return r;
+  }
+  void add(const TickRecord& r) { statistics_.record(r); }
+  void add(int count, double tracking, double formation) {
+    for (int k = 0; k < count; ++k) add(row(tracking, formation));
+  }
+  /// A hand, at the next row.
+  void perturb(double tracking, double formation, Event::Kind kind = Event::Kind::perturb, int robot = 0) {
+    TickRecord r = row(tracking, formation);
+    r.events.add({kind, robot, {}, {0.1, 0.0, 0.0}});
+    add(r);
+  }
+  Statistics::Summary summary() const { return statistics_.summary(); }
+
+ private:
+  static Experiment two_robots() {
+    Experiment e;
+    e.robots.resize(2);
+    return e;
+  }
+  Statistics statistics_{two_robots()};
+  std::int64_t tick_ = 0;
+};
+
+TEST(Statistics, FindsWhenErrorsSettledForGood) {
+  History h;
+  h.add(25, 0.0, 0.0);
+  h.perturb(0.1, 0.1);     // at 1 s
+  h.add(24, 0.1, 0.02);    // to 1.96 s
+  h.add(25, 0.1, 0.008);   // from 2 s: formation below 1 cm
+  h.add(25, 0.008, 0.02);  // from 3 s: and out of it again, while tracking is below 1 cm
+  h.add(25, 0.004, -0.006);
+  h.add(25, 0.004, -0.004);
+  const PerturbationResult p = h.summary().perturbations.at(0);
+  EXPECT_DOUBLE_EQ(p.t, 1.0);
+  EXPECT_EQ(p.robot, 0);
+  EXPECT_EQ(p.what, "perturb r1 dx=0.1 dy=0 dtheta=0");
+  EXPECT_NEAR(*p.settling.formation_1cm, 3.0, 1e-9);
+  EXPECT_NEAR(*p.settling.formation_5mm, 4.0, 1e-9);
+  EXPECT_NEAR(*p.settling.tracking_1cm, 2.0, 1e-9);
+  EXPECT_NEAR(*p.settling.tracking_5mm, 3.0, 1e-9);
+  EXPECT_FALSE(p.formation_first());
+}
+
+TEST(Statistics, AWindowEndsAtTheNextPerturbation) {
+  History h;
+  h.perturb(0.1, 0.1);
+  h.add(49, 0.1, 0.001);  // tracking never settles
+  h.perturb(0.1, 0.1, Event::Kind::move, 1);
+  h.add(25, 0.001, 0.1);  // formation never settles
+  const auto perturbations = h.summary().perturbations;
+  ASSERT_EQ(perturbations.size(), 2u);
+  EXPECT_NEAR(*perturbations[0].settling.formation_1cm, 0.04, 1e-9);
+  EXPECT_FALSE(perturbations[0].settling.tracking_1cm);
+  EXPECT_TRUE(perturbations[0].formation_first());
+  EXPECT_NEAR(*perturbations[1].settling.tracking_1cm, 0.04, 1e-9);
+  EXPECT_FALSE(perturbations[1].settling.formation_1cm);
+  EXPECT_FALSE(perturbations[1].formation_first());
+}
+
+TEST(Statistics, ErrorsThatNeverLeftTheBandSettledAtOnceAndProveNothing) {
+  History h;
+  h.perturb(0.001, 0.001);
+  h.add(10, 0.0, 0.0);
+  const PerturbationResult p = h.summary().perturbations.at(0);
+  EXPECT_EQ(p.settling.formation_5mm, 0.0);
+  EXPECT_EQ(p.settling.tracking_1cm, 0.0);
+  EXPECT_FALSE(p.formation_first());
+}
+
+TEST(Statistics, AHandThatCarriesARobotIsOneDisturbance) {
+  History h;
+  for (int k = 0; k < 50; ++k) h.perturb(0.1, 0.1, Event::Kind::move);  // until 1.96 s
+  h.perturb(0.1, 0.1, Event::Kind::move, 1);                            // 2 s
+  h.add(24, 0.1, 0.0);
+  h.add(25, 0.0, 0.0);
+  const auto perturbations = h.summary().perturbations;
+  ASSERT_EQ(perturbations.size(), 1u);
+  EXPECT_DOUBLE_EQ(perturbations[0].t, 2.0);
+  EXPECT_EQ(perturbations[0].what, "move r1 x=0.1 y=0 theta=0; move r2 x=0.1 y=0 theta=0");
+  EXPECT_NEAR(*perturbations[0].settling.tracking_1cm, 1.0, 1e-9);
+}
+
+TEST(Statistics, TrackingIsMeasuredAgainstTheFormationNotAgainstWhatAvoidanceMadeOfIt) {
+  History h;
+  TickRecord r = h.row();
+  r.robots[0].pose = {0.0, 0.3, 0.0};
+  r.robots[0].reference.pose = r.robots[0].pose;  // avoiding: the reference is where the robot is
+  r.robots[0].error = {0.0, 0.0, 0.0};
+  h.add(r);
+  EXPECT_DOUBLE_EQ(h.summary().final_error, 0.3);
+}
+
+TEST(Statistics, CountsEveryTouchOnce) {
+  History h;
+  for (const double d : {0.2, 0.0701, 0.0699, 0.0702, 0.0699, 0.0709, 0.0711, 0.0699, 0.2, 0.05, 0.05})
+    h.add(h.row(0.0, 0.0, d));
+  EXPECT_EQ(h.summary().collisions, 3);
+  EXPECT_DOUBLE_EQ(h.summary().min_distance, 0.05);
+}
+
+TEST(Statistics, TheTruePosesTouchEvenIfTheSeenOnesDoNot) {
+  History h;
+  TickRecord r = h.row();
+  r.robots[1].truth = {0.06, 0.0, 0.0};
+  h.add(r);
+  EXPECT_EQ(h.summary().collisions, 1);
+}
+
+TEST(Statistics, ARobotThatWasNeverSeenTouchesNobody) {
+  History h;
+  TickRecord r = h.row(0.0, 0.0, 0.0);
+  for (RobotRecord& robot : r.robots) robot = RobotRecord{};
+  h.add(r);
+  EXPECT_EQ(h.summary().collisions, 0);
+}
+
+TEST(Statistics, SumsUpTheRun) {
+  History h;
+  for (const double compute : {1e-5, 9e-5, 2e-5}) {
+    TickRecord r = h.row(0.02, -0.03);
+    r.compute_time = compute;
+    r.period = 0.04 + compute;
+    h.add(r);
+  }
+  TickRecord r = h.row(0.01, -0.02);
+  r.events.add({Event::Kind::deadline_missed, -1, {}, {2.0, 0.0, 0.0}});
+  r.events.add({Event::Kind::stop, -1, {}, {}});
+  r.phase = Phase::stopped;
+  h.add(r);
+  const Statistics::Summary s = h.summary();
+  EXPECT_EQ(s.ticks, 4);
+  EXPECT_DOUBLE_EQ(s.duration, 0.16);
+  EXPECT_DOUBLE_EQ(s.final_error, 0.01);
+  EXPECT_DOUBLE_EQ(s.final_formation_error, 0.02);
+  EXPECT_EQ(s.missed_deadlines, 2);
+  EXPECT_DOUBLE_EQ(s.median_compute, 2e-5);
+  EXPECT_DOUBLE_EQ(s.largest_compute, 9e-5);
+  EXPECT_DOUBLE_EQ(s.largest_period, 0.04009);
+  EXPECT_TRUE(s.stopped);
+  ASSERT_EQ(s.events.size(), 2u);
+  EXPECT_EQ(s.events[1].second, "stop");
+}
+
+TEST(Statistics, ARunWithoutARowHasNoValues) {
+  const Statistics::Summary s = History().summary();
+  EXPECT_TRUE(std::isnan(s.final_error));
+  EXPECT_NE(as_lines(s).find("final_error: none\n"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(as_json(s))["final_error"].is_null());
+}
+
+TEST(Expectations, HoldForThePaper) {
+  const Experiment e = paper_experiment();
+  for (const bool guarded : {true, false}) {
+    Experiment tried = e;
+    tried.avoidance.enabled = tried.shield.enabled = guarded;
+    Statistics statistics(tried);
+    for (const TickRecord& row : test::simulate(tried)) statistics.record(row);
+    const Statistics::Summary s = statistics.summary();
+    EXPECT_EQ(failed_expectations(e.expect, s), std::vector<std::string>{});
+    ASSERT_EQ(s.perturbations.size(), 3u);
+    for (const PerturbationResult& p : s.perturbations)
+      EXPECT_GT(*p.settling.tracking_1cm - *p.settling.formation_1cm, 1.0) << "the claim holds clearly";
+  }
+}
+
+TEST(Expectations, SayByHowMuchTheyFailed) {
+  Statistics::Summary s;
+  s.final_error = 0.0123;
+  s.min_distance = 0.06;
+  s.collisions = 2;
+  s.perturbations.push_back({18.0, 1, "perturb r2", {5.0, {}, 3.0, {}}});
+  s.perturbations.push_back({30.0, 1, "perturb r2", {2.0, {}, {}, {}}});
+  EXPECT_EQ(
+      failed_expectations({0.01, 0.07, true, 0}, s),
+      (std::vector<std::string>{
+          "expect.final_error: expected at most 0.01 m, found 0.0123 m, which is 0.0023 m too much",
+          "expect.min_distance: expected at least 0.07 m, found 0.06 m, which is 0.01 m too little",
+          "expect.collisions: expected at most 0, found 2",
+          "expect.formation_first: expected true, but after \"perturb r2\" at 18 s the formation settled to 1 cm after "
+          "5.00 s and the tracking after 3.00 s"}));
+  EXPECT_EQ(failed_expectations({}, s), std::vector<std::string>{});
+  EXPECT_EQ(failed_expectations({0.0123, 0.06, {}, 2}, s), std::vector<std::string>{});
+  EXPECT_EQ(failed_expectations({{}, {}, false, {}}, s).size(), 1u);
+  s.final_error = s.min_distance = none;
+  EXPECT_EQ(failed_expectations({0.01, 0.07, {}, {}}, s).size(), 2u) << "no value is no success";
+}
+
+TEST(Summary, ReadsAsLinesAndAsJson) {
+  Statistics::Summary s;
+  s.name = "a \"name\"";
+  s.ticks = 2100;
+  s.duration = 84.0;
+  s.final_error = 0.00123456789;
+  s.collisions = 1;
+  s.not_stopped = {0, 2};
+  s.perturbations.push_back({18.0, 1, "perturb r2", {4.2400000000000002, {}, 6.84, 7.76}});
+  s.events = {{0.0, "start"}, {18.0, "perturb r2"}};
+  EXPECT_EQ(
+      as_lines(s),
+      "name: a \"name\"\nticks: 2100\nduration: 84.0\nfinal_error: 0.001235\nfinal_formation_error: none\n"
+      "min_distance: none\ncollisions: 1\nmissed_deadlines: 0\nlargest_period: none\nmedian_compute: none\n"
+      "largest_compute: none\nstopped: false\nnot_stopped: 1 3\nperturbation_1_t: 18.0\nperturbation_1_robot: 2\n"
+      "perturbation_1_what: perturb r2\nperturbation_1_formation_1cm: 4.24\nperturbation_1_formation_5mm: none\n"
+      "perturbation_1_tracking_1cm: 6.84\nperturbation_1_tracking_5mm: 7.76\nperturbation_1_formation_first: true\n"
+      "events: 2\n");
+  const auto json = nlohmann::json::parse(as_json(s));
+  EXPECT_EQ(json["name"], s.name);
+  EXPECT_EQ(json["final_error"], 0.001235);
+  EXPECT_EQ(json["not_stopped"], nlohmann::json({1, 3}));
+  EXPECT_EQ(json["perturbations"][0]["formation_1cm"], 4.24);
+  EXPECT_TRUE(json["perturbations"][0]["formation_5mm"].is_null());
+  EXPECT_EQ(json["events"][1]["what"], "perturb r2");
+}
+
+}  // namespace
+}  // namespace skein::app
