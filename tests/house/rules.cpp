@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <optional>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -108,14 +107,29 @@ struct Include {
   string header;
 };
 
+/// The header that a line includes, in quotes or angle brackets; empty where it is no include directive.
+string_view included_by(string_view line) {
+  const auto skip_blanks = [&] { line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size())); };
+  const auto skip = [&](string_view word) {
+    skip_blanks();
+    const bool found = line.starts_with(word);
+    if (found) line.remove_prefix(word.size());
+    return found;
+  };
+  if (!skip("#") || !skip("include")) return {};
+  skip_blanks();
+  if (!starts_with_any(line, {"<", "\""})) return {};
+  const auto end = line.find_first_of(">\"", 1);
+  return end == string_view::npos ? string_view() : line.substr(1, end - 1);
+}
+
 std::vector<Include> includes_of(const string& text) {
-  static const std::regex directive(R"(^\s*#\s*include\s*["<]([^">]+)[">].*)");
   std::vector<Include> found;
   std::istringstream lines(text);
   int number = 0;
   for (string line; std::getline(lines, line);) {
     ++number;
-    if (std::smatch match; std::regex_match(line, match, directive)) found.push_back({number, match[1]});
+    if (const string_view header = included_by(line); !header.empty()) found.push_back({number, string(header)});
   }
   return found;
 }
