@@ -10,22 +10,31 @@ set minussign
 # Okabe and Ito's colours, which colour-blind readers can tell apart; from robot 9 on they come again.
 array colour[8] = [0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0xE69F00, 0x56B4E9, 0x000000, 0xF0E442]
 of(i) = colour[(i - 1) % 8 + 1]
-name(i, quantity) = sprintf("r%d_%s", i, quantity)
+of_robot(i, quantity) = column(sprintf("r%d_%s", i, quantity))
 smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
+
+# What is drawn, a block in memory for each robot: x, y, x_ref, y_ref. The file is read once a robot and not once a curve.
+block(i) = sprintf("$robot%d", i)
+do for [i=1:n] {
+  eval "set table " . block(i)
+  plot data using (of_robot(i, "x")):(of_robot(i, "y")):(of_robot(i, "x_nom")):(of_robot(i, "y_nom")) with table
+  unset table
+}
+set datafile separator whitespace
+set datafile nocolumnheaders
 
 # A robot that was put elsewhere jumps; driving, it never does 3 cm in a tick. Its path is broken there.
 jump = 0.03
 x = NaN; y = NaN
-look(i) = (ox = ($0 == 0 ? NaN : x), oy = ($0 == 0 ? NaN : y), \
-           x = column(name(i, "x")), y = column(name(i, "y")), moved = (sqrt((x - ox)**2 + (y - oy)**2) > jump))
+look(row) = (ox = ($0 == 0 ? NaN : x), oy = ($0 == 0 ? NaN : y), x = column(1), y = column(2), \
+           moved = (sqrt((x - ox)**2 + (y - oy)**2) > jump))
 
 # Everything that is drawn, and a twentieth around it.
 left = bottom = 1e9; right = top = -1e9
 do for [i=1:n] {
-  do for [paths in "reference driven"] {
-    suffix = (paths eq "reference" ? "_nom" : "")
-    stats data using (column(name(i, "x" . suffix))):(column(name(i, "y" . suffix))) nooutput
+  do for [k in "1 3"] {
+    stats block(i) using (column(int(k))):(column(k + 1)) nooutput
     left = smaller(left, STATS_min_x); right = larger(right, STATS_max_x)
     bottom = smaller(bottom, STATS_min_y); top = larger(top, STATS_max_y)
   }
@@ -61,14 +70,14 @@ do for [kind in "pdf svg png"] {
   if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,10.7" linewidth 1 background "white" }
   if (kind eq "png") { set terminal pngcairo color enhanced size width * 118.1, height * 118.1 font "sans,8" fontscale 3.1 linewidth 3 pointscale 3 }
   set output "figure3." . kind
-  plot for [i=1:n] data using (column(name(i, "x_nom"))):(column(name(i, "y_nom"))) with lines \
+  plot for [i=1:n] block(i) using 3:4 with lines \
          linecolor rgb 0xA0A0A0 linewidth 1.5 dashtype solid title (i == 1 ? "reference" : ""), \
-       for [i=1:n] data using (look(i), moved ? NaN : x):(y) with lines \
+       for [i=1:n] block(i) using (look(0), moved ? NaN : x):(y) with lines \
          linecolor rgb of(i) linewidth 1.5 dashtype (1.5,1.5) title sprintf("robot %d", i), \
-       for [i=1:n] data using (look(i), moved ? ox : NaN):(oy):(x - ox):(y - oy) with vectors \
+       for [i=1:n] block(i) using (look(0), moved ? ox : NaN):(oy):(x - ox):(y - oy) with vectors \
          head filled size screen 0.02,20 linecolor rgb of(i) linewidth 0.75 dashtype solid notitle, \
-       for [i=1:n] for [end in sprintf("0 %d", last)] data every ::int(end)::int(end) \
-         using (column(name(i, "x"))):(column(name(i, "y"))) with points \
+       for [i=1:n] for [end in sprintf("0 %d", last)] block(i) every ::int(end)::int(end) \
+         using 1:2 with points \
          pointtype 2 pointsize 0.75 linewidth 1 linecolor rgb of(i) notitle
   unset output
 }

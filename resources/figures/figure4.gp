@@ -15,28 +15,34 @@ of_pair(i) = colour[(i + 3) % 8 + 1]
 smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
 
-# What the four panels show, in mm and rad.
+# What the panels show, in mm and rad, a block in memory for each robot: t, e_x, e_y, e_theta, delta to the next robot. The
+# file is read once a robot and not once a curve.
 wrapped(angle) = angle - 2 * pi * floor((angle + pi) / (2 * pi))
-difference(i, quantity) = column(sprintf("r%d_%s_nom", i, quantity)) - column(sprintf("r%d_%s", i, quantity))
-e(i, quantity) = (quantity eq "theta" ? wrapped(difference(i, quantity)) : 1000 * difference(i, quantity))
-delta(i) = 1000 * column(sprintf("delta_%d_%d", i, i + 1))
+e(i, quantity) = column(sprintf("r%d_%s_nom", i, quantity)) - column(sprintf("r%d_%s", i, quantity))
+delta(i) = (i < n ? column(sprintf("delta_%d_%d", i, i + 1)) : 0)
+block(i) = sprintf("$robot%d", i)
+do for [i=1:n] {
+  eval "set table " . block(i)
+  plot data using (column("t")):(1000 * e(i, "x")):(1000 * e(i, "y")):(wrapped(e(i, "theta"))):(1000 * delta(i)) with table
+  unset table
+}
+set datafile separator whitespace
+set datafile nocolumnheaders
 
 # Ranges with three to six round steps; e_x and e_y have the same one. At least +-1 mm and +-0.05 rad: less is noise.
 nice(step) = (p = 10**floor(log10(step)), f = step / p, p * (f <= 1 ? 1 : f <= 2 ? 2 : f <= 5 ? 5 : 10))
 xy_low = delta_low = -1.0; xy_high = delta_high = 1.0; theta_low = -0.05; theta_high = 0.05
 do for [i=1:n] {
-  do for [quantity in "x y"] {
-    stats data using (e(i, quantity)) nooutput
+  do for [k in "2 3"] {
+    stats block(i) using (column(int(k))) nooutput
     xy_low = smaller(xy_low, STATS_min); xy_high = larger(xy_high, STATS_max)
   }
-  stats data using (e(i, "theta")) nooutput
+  stats block(i) using 4 nooutput
   theta_low = smaller(theta_low, STATS_min); theta_high = larger(theta_high, STATS_max)
-}
-do for [i=1:n-1] {
-  stats data using (delta(i)) nooutput
+  stats block(i) using 5 nooutput
   delta_low = smaller(delta_low, STATS_min); delta_high = larger(delta_high, STATS_max)
 }
-stats data using (column("t")) nooutput
+stats block(1) using 1 nooutput
 set xrange [STATS_min : larger(STATS_max, STATS_min + 0.001)]
 
 set tics nomirror scale 0.6
@@ -78,17 +84,17 @@ do for [kind in "pdf svg png"] {
   eval begin_key(1, -1.5)
   eval spread(xy_low, xy_high)
   eval beside_panel("{/:Italic e_x} [mm]")
-  plot for [i=1:n] data using (column("t")):(e(i, "x")) with lines linecolor rgb of(i) title sprintf("robot %d", i)
+  plot for [i=1:n] block(i) using 1:2 with lines linecolor rgb of(i) title sprintf("robot %d", i)
 
   unset key
   eval begin_panel(2)
   eval beside_panel("{/:Italic e_y} [mm]")
-  plot for [i=1:n] data using (column("t")):(e(i, "y")) with lines linecolor rgb of(i)
+  plot for [i=1:n] block(i) using 1:3 with lines linecolor rgb of(i)
 
   eval begin_panel(3)
   eval spread(theta_low, theta_high)
   eval beside_panel("{/:Italic e}_θ [rad]")
-  plot for [i=1:n] data using (column("t")):(e(i, "theta")) with lines linecolor rgb of(i)
+  plot for [i=1:n] block(i) using 1:4 with lines linecolor rgb of(i)
 
   set format x "%g"
   set xlabel "{/:Italic t} [s]" offset 0, 0.3
@@ -97,7 +103,7 @@ do for [kind in "pdf svg png"] {
   eval spread(delta_low, delta_high)
   eval beside_panel("δ [mm]")
   if (n > 1) {
-    plot for [i=1:n-1] data using (column("t")):(delta(i)) with lines linecolor rgb of_pair(i) \
+    plot for [i=1:n-1] block(i) using 1:5 with lines linecolor rgb of_pair(i) \
            title sprintf("δ_{%d,%d}", i, i + 1)
   } else {
     plot 0 with lines linecolor rgb 0x808080 notitle
