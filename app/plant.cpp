@@ -53,20 +53,22 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     std::vector<comms::LinkAddress> addresses;
     std::size_t next_emulated = 0;
     for (const std::size_t i : plant->linked_) {
+      const std::string name = fmt::format("robot {}", i + 1);
       if (experiment.robots[i].link == RobotSpec::Link::loopback) {
-        comms::LinkAddress address;
-        address.kind = comms::LinkKind::serial;
-        address.device = plant->emulator_->device(next_emulated++);
-        addresses.push_back(address);
+        addresses.push_back({comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name});
         continue;
       }
       auto address = address_of(experiment.robots[i]);
-      if (!address) return tl::unexpected(fmt::format("robot {}: {}", i + 1, address.error()));
+      if (!address) return tl::unexpected(fmt::format("{}: {}", name, address.error()));
+      address->name = name;
       addresses.push_back(*address);
     }
     comms::LinkOptions options;
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
-    if (!clock.wall()) options.command_silence = options.reply_timeout = lock_step_timeout;
+    if (!clock.wall()) {
+      options.command_silence = options.heartbeat = 0.0;
+      options.reply_timeout = lock_step_timeout;
+    }
     plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, options);
     plant->down_since_.assign(addresses.size(), none);
     if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());

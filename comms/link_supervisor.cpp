@@ -114,8 +114,10 @@ tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
     if (culprit == links_.end()) culprit = std::find_if_not(links_.begin(), links_.end(), is_up);
     if (culprit == links_.end()) return {};
     const LinkStatus status = culprit->status();
+    const std::string& name = culprit->address().name;
     failure = fmt::format(
-        "robot {} ({}): {}", culprit - links_.begin() + 1, to_text(culprit->address()),
+        "{} ({}): {}", name.empty() ? fmt::format("robot {}", culprit - links_.begin() + 1) : name,
+        to_text(culprit->address()),
         status.reason.empty() ? fmt::format("still {} after {:g} s", to_text(status.state), timeout_s) : status.reason);
   }
   close(options_.close_timeout);

@@ -16,7 +16,8 @@ namespace skein::comms {
 ///
 /// Every robot has a slot for its newest command and at most one request outstanding. A link that is opened or that
 /// lost a reply sends the stop sequence first. A robot that was reconnected stays stopped until a new command comes.
-/// Robots are counted from 0 here and from 1 in every sentence. Nothing but bad_alloc in the constructor is thrown.
+/// Robots are counted from 0 here and from 1 in every sentence, unless their addresses name them. Nothing but bad_alloc
+/// in the constructor is thrown.
 class LinkSupervisor {
  public:
   explicit LinkSupervisor(std::vector<LinkAddress> robots, LinkOptions options = {});

@@ -167,9 +167,9 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
 }
 
 TEST(Session, ARobotThatIsNotThereIsNamed) {
-  auto session = Session::open(
-      experiment_with({"robot.4.link=serial:/dev/nowhere", "robot.4.model=epuck2", "camera.source=synthetic"}),
-      Session::Clock::wall);
+  auto session = Session::open(experiment_with({"robot.4.link=serial:/dev/nowhere", "robot.4.model=epuck2",
+                                                "camera.source=images:/nowhere", "camera.calibration=cal.toml"}),
+                               Session::Clock::wall);
   ASSERT_FALSE(session);
   EXPECT_NE(session.error().find("robot 4"), std::string::npos) << session.error();
   EXPECT_NE(session.error().find("/dev/nowhere"), std::string::npos) << session.error();
