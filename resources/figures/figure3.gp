@@ -47,7 +47,7 @@ set yrange [bottom - around : top + around]
 # One column of a journal, 88 mm, and as high as equal axes ask. In cm:
 width = 8.8
 rows = (n > 8 ? 0 : ceil((n + 1) / 3.0))  # of the legend
-beside = 1.2; beyond = 0.3; below = 1.0; above = 0.2 + 0.35 * rows
+beside = 1.2; beyond = 0.3; below = 1.1; above = 0.2 + 0.35 * rows
 plot_width = width - beside - beyond
 plot_height = plot_width * (top - bottom + 2 * around) / (right - left + 2 * around)
 if (plot_height > 20) { plot_width = plot_width * 20 / plot_height; plot_height = 20 }
@@ -57,7 +57,7 @@ set rmargin at screen (beside + plot_width) / width
 set bmargin at screen below / height
 set tmargin at screen (below + plot_height) / height
 
-set xlabel "{/:Italic x} [m]" offset 0, 0.3
+set xlabel "{/:Italic x} [m]" offset 0, 0.4
 set label 1 "{/:Italic y} [m]" at screen 0.3 / width, graph 0.5 center rotate
 set tics nomirror scale 0.6
 set border linewidth 0.75
@@ -67,7 +67,7 @@ if (rows == 0) { unset key } else {
 
 do for [kind in "pdf svg png"] {
   if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }
-  if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,10.7" linewidth 1 background "white" }
+  if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,9.6" linewidth 1 background "white" }
   if (kind eq "png") { set terminal pngcairo color enhanced size width * 118.1, height * 118.1 font "sans,8" fontscale 3.1 linewidth 3 pointscale 3 }
   set output "figure3." . kind
   plot for [i=1:n] block(i) using 3:4 with lines \

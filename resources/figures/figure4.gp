@@ -57,7 +57,7 @@ do for [t in settled] {
 
 # One column of a journal, 88 mm; four panels below one another, each legend above its own. In cm:
 width = 8.8
-beside = 1.65; beyond = 0.25; below = 1.0; panel = 2.85; gap = 0.25
+beside = 1.65; beyond = 0.25; below = 1.1; panel = 2.85; gap = 0.25
 rows = (n > 8 ? 0 : n > 4 ? 2 : 1)  # of the legends
 legend = 0.15 + 0.35 * rows
 above(k) = below + (4 - k) * (panel + gap) + panel + (k < 4 ? legend : 0)  # upper edge of panel k, 1 on top
@@ -74,7 +74,7 @@ beside_panel(text) = sprintf("set label 1 '%s' at screen %f, graph 0.5 center ro
 
 do for [kind in "pdf svg png"] {
   if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }
-  if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,10.7" linewidth 1 background "white" }
+  if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,9.6" linewidth 1 background "white" }
   if (kind eq "png") { set terminal pngcairo color enhanced size width * 118.1, height * 118.1 font "sans,8" fontscale 3.1 linewidth 3 pointscale 3 }
   set output "figure4." . kind
   set multiplot
@@ -97,7 +97,7 @@ do for [kind in "pdf svg png"] {
   plot for [i=1:n] block(i) using 1:4 with lines linecolor rgb of(i)
 
   set format x "%g"
-  set xlabel "{/:Italic t} [s]" offset 0, 0.3
+  set xlabel "{/:Italic t} [s]" offset 0, 0.4
   eval begin_panel(4)
   eval begin_key(4, 0)
   eval spread(delta_low, delta_high)
