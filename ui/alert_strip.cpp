@@ -1,8 +1,6 @@
 #include "ui/alert_strip.h"
 
-#include <QEvent>
-#include <QPalette>
-#include <algorithm>
+#include <QPainter>
 
 namespace skein::ui {
 namespace {
@@ -43,7 +41,6 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
   setObjectName(QStringLiteral("alert"));
   setAccessibleName(tr("Latest alert"));
   setTextFormat(Qt::PlainText);
-  setAutoFillBackground(true);
   setContentsMargins(8, 2, 8, 2);
   setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   clear_alert();
@@ -62,7 +59,7 @@ void AlertStrip::say(const QString& text, Severity severity) {
   text_ = text;
   severity_ = severity;
   since_.start();
-  dress();
+  show_text();
 }
 
 void AlertStrip::hold(const QString& text, Severity severity) {
@@ -70,7 +67,7 @@ void AlertStrip::hold(const QString& text, Severity severity) {
   held_ = true;
   text_ = text;
   severity_ = severity;
-  dress();
+  show_text();
 }
 
 void AlertStrip::clear_alert() {
@@ -78,35 +75,30 @@ void AlertStrip::clear_alert() {
   text_.clear();
   severity_ = Severity::note;
   since_.invalidate();
-  dress();
+  show_text();
 }
 
 void AlertStrip::refresh() {
   if (!held_ && since_.isValid() && since_.elapsed() > fade_ms) clear_alert();
 }
 
-void AlertStrip::changeEvent(QEvent* event) {
-  // Its own palette follows the program's, and setting it comes back here.
-  if (event->type() == QEvent::ApplicationPaletteChange) dress();
-  QLabel::changeEvent(event);
-}
-
-void AlertStrip::resizeEvent(QResizeEvent* event) {
-  QLabel::resizeEvent(event);
-  dress();
-}
-
-void AlertStrip::dress() {
-  const Colours c = colours(parentWidget() ? parentWidget()->palette() : palette());
-  const bool loud = severity_ == Severity::alarm || severity_ == Severity::warning;
-  const QColor background = loud ? colour(severity_, c) : c.panel;
-  QPalette p = palette();
-  p.setColor(QPalette::Window, background);
-  p.setColor(QPalette::WindowText, loud ? ink_on(background) : text_.isEmpty() ? c.faint_text : colour(severity_, c));
-  if (p != palette()) setPalette(p);
+void AlertStrip::show_text() {
   const QString text = text_.isEmpty() ? tr("All well") : text_;
-  setText(fontMetrics().elidedText(text, Qt::ElideRight, std::max(60, width() - 20)));
+  setText(text);
   setToolTip(text);
+  update();
+}
+
+// Drawn by hand: a palette of its own would not follow when the program changes from light to dark.
+void AlertStrip::paintEvent(QPaintEvent*) {
+  QPainter p(this);
+  const Colours c = colours(palette());
+  const bool loud = severity_ == Severity::alarm || severity_ == Severity::warning;
+  const QColor background = colour(severity_, c);
+  if (loud) p.fillRect(rect(), background);
+  p.setPen(loud ? ink_on(background) : text_.isEmpty() ? c.faint_text : background);
+  const QRect room = rect().adjusted(8, 0, -8, 0);
+  p.drawText(room, Qt::AlignVCenter, fontMetrics().elidedText(text(), Qt::ElideRight, room.width()));
 }
 
 }  // namespace skein::ui

@@ -21,11 +21,10 @@ class AlertStrip final : public QLabel {
   void refresh();  ///< lets old news fade
 
  protected:
-  void changeEvent(QEvent*) override;
-  void resizeEvent(QResizeEvent*) override;
+  void paintEvent(QPaintEvent*) override;
 
  private:
-  void dress();
+  void show_text();
 
   QString text_;
   Severity severity_ = Severity::note;

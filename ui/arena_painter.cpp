@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "ui/modes.h"
 
@@ -122,7 +123,7 @@ void ArenaPainter::trails() {
       line.clear();
     };
     int shade = -1;
-    QPointF before;
+    std::optional<QPointF> before;
     for (const TrailPoint& point : scene_.trails[i]) {
       const double age = (scene_.record->t - point.t) / ArenaScene::trail_seconds;
       const int now = std::clamp(static_cast<int>((1.0 - age) * shades), 0, shades - 1);
@@ -130,7 +131,7 @@ void ArenaPainter::trails() {
       if (now != shade || point.jump) {
         draw(shade);
         shade = now;
-        if (!point.jump) lines[static_cast<std::size_t>(shade)] << before;
+        if (!point.jump && before) lines[static_cast<std::size_t>(shade)] << *before;
       }
       lines[static_cast<std::size_t>(shade)] << here;
       before = here;
@@ -254,7 +255,8 @@ void ArenaPainter::scale_bar(const QRectF& widget) {
   const QString text = metres < 1 ? tr("%1 cm").arg(metres * 100) : tr("%1 m").arg(metres);
   const QFontMetricsF metrics(p_.font());
   const double length = metres * scale;
-  const QRectF card(widget.left() + 22, widget.bottom() - metrics.height() - 34, length + 16, metrics.height() + 14);
+  const QRectF inside = map_.sheet() & widget;  // in the corner of what is shown, clear of the bounds
+  const QRectF card(inside.left() + 10, inside.bottom() - metrics.height() - 24, length + 16, metrics.height() + 14);
   p_.setPen(Qt::NoPen);
   p_.setBrush(faded(c_.floor, 0.85));
   p_.drawRoundedRect(card, 4, 4);
@@ -274,8 +276,9 @@ void ArenaPainter::legend(const QRectF& widget) {
     if (!mode_look.symbol.isEmpty()) present.emplace(mode_look.mode, mode_look);
   }
   const QFontMetricsF metrics(p_.font());
-  double right = widget.right() - 24;
-  const double middle = widget.bottom() - 20 - metrics.height() / 2 - 6;
+  const QRectF inside = map_.sheet() & widget;
+  double right = inside.right() - 20;
+  const double middle = inside.bottom() - 18 - metrics.height() / 2;
   for (const auto& [mode, mode_look] : present) {
     const double width = metrics.horizontalAdvance(mode_look.name);
     p_.setPen(Qt::NoPen);
@@ -312,8 +315,8 @@ void ArenaPainter::banner_and_hint(const QRectF& widget) {
     chip(QRectF(widget.left() + 20, widget.top() + 44, widget.width() - 40, 0), scene_.banner,
          scene_.banner_alarms ? c_.alarm : faded(c_.text, 0.85), scene_.banner_alarms ? c_.on_alarm : c_.panel, true);
   if (!scene_.hint.isEmpty())
-    chip(QRectF(widget.left() + 20, widget.bottom() - 88, widget.width() - 40, 0), scene_.hint, faded(c_.notice, 0.92),
-         ink_on(c_.notice), false);
+    chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 88, widget.width() - 40, 0), scene_.hint,
+         faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 
 }  // namespace skein::ui

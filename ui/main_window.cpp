@@ -159,6 +159,7 @@ void MainWindow::on_opened() {
       const auto [u, v] = live_.pixel(floor.x(), floor.y());
       return QPointF(u, v);
     });
+  show_state();
 }
 
 void MainWindow::on_open_failed(const QString& reason) {
@@ -194,12 +195,12 @@ void MainWindow::on_frame() {
       show_problem(tr("The run was not saved"), problem);
     emit saved(done.file, problem);
   }
-  if (++frames_ % frames_per_text == 0) show_state();
+  if (++frames_ % frames_per_text == 0 || live_.phase() != shown_phase_) show_state();
 }
 
 void MainWindow::show_state() {
   const app::TickRecord* record = live_.latest();
-  const app::Phase phase = live_.phase();
+  const app::Phase phase = shown_phase_ = live_.phase();
   const bool opening = !live_.is_open() && live_.is_busy();
   const bool failed = !live_.is_open() && !live_.is_busy();
   run_bar_->show_phase(phase, record ? record->t : 0.0, opening, failed);

@@ -10,8 +10,6 @@
 #include "ui/live_session.h"
 #include "ui/palette.h"
 
-class QApplication;
-
 namespace skein::ui {
 
 class AlertStrip;
@@ -21,9 +19,6 @@ class GainsPanel;
 class PlotsPanel;
 class RobotsPanel;
 class RunBar;
-
-/// Style, font and names of the program, before its first window.
-void prepare(QApplication& application);
 
 /// The operator's window: arena, gains, plots, robots, log, and STOP. It wires the panels to the session; what is
 /// shown is the panels' business, what is true the session's.
@@ -105,6 +100,7 @@ class MainWindow final : public QMainWindow {
   std::optional<Saving> saving_;
   bool may_close_ = false;  // all robots are stopped and the session is gone
   bool teaches_ = false;    // the hint stands until a robot was moved
+  app::Phase shown_phase_ = app::Phase::ready;
   int frames_ = 0;
 };
 

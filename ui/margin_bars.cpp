@@ -56,8 +56,8 @@ void MarginBars::paintEvent(QPaintEvent*) {
   const double width = (this->width() - number_column - gap) / 2;
   const double first = number_column, second = number_column + width + gap;
   p.setPen(c.faint_text);
-  p.drawText(QRectF(first, 0, width, line), Qt::AlignVCenter, tr("k_x  (18f)"));
-  p.drawText(QRectF(second, 0, width, line), Qt::AlignVCenter, tr("k_θ  (18g)"));
+  p.drawText(QRectF(first, 0, width, line), Qt::AlignVCenter, tr("k_x (18f), m/s"));
+  p.drawText(QRectF(second, 0, width, line), Qt::AlignVCenter, tr("k_θ (18g), rad/s"));
   for (std::size_t i = 0; i < robots_; ++i) {
     const double top = line * static_cast<double>(i + 1);
     const QColor robot = c.robot(i);

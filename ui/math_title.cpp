@@ -23,14 +23,14 @@ QFont MathTitle::lowered() const {
 
 QSize MathTitle::minimumOuterSizeHint() const {
   const QFontMetrics big(slanted()), small(lowered()), plain(mParentPlot->font());
-  return {big.horizontalAdvance(symbol_) + small.horizontalAdvance(index_) + plain.horizontalAdvance(unit_) + 16,
+  return {big.horizontalAdvance(symbol_) + small.horizontalAdvance(index_) + plain.horizontalAdvance(unit_) + 21,
           big.height() + 2};
 }
 
 void MathTitle::draw(QCPPainter* painter) {
   painter->setPen(colour_);
   const QFontMetricsF big(slanted()), small(lowered());
-  QPointF at(mOuterRect.left() + 3, mOuterRect.top() + big.ascent());
+  QPointF at(mOuterRect.left() + 8, mOuterRect.top() + big.ascent());
   painter->setFont(slanted());
   painter->drawText(at, symbol_);
   at.rx() += big.horizontalAdvance(symbol_) + 1;

@@ -68,7 +68,7 @@ Colours colours(const QPalette& p) {
   c.plot = p.color(QPalette::Base);
   c.plot_grid = c.dark ? QColor(0x30343a) : QColor(0xe6e8eb);
   c.axis = c.dark ? QColor(0x8b929b) : QColor(0x70777f);
-  c.good = c.dark ? QColor(0x2fbf8f) : QColor(0x00825f);
+  c.good = c.dark ? QColor(0x2fbf8f) : QColor(0x007a59);
   c.notice = c.dark ? QColor(0x56b4e9) : QColor(0x0072b2);
   c.warning = c.dark ? QColor(0xf0b429) : QColor(0xb36b00);
   c.alarm = c.dark ? QColor(0xff5a4f) : QColor(0xc8102e);

@@ -84,7 +84,7 @@ void PlotsPanel::make_rows() {
     auto* rect = new QCPAxisRect(plot_);
     plot_->plotLayout()->addElement(row, 0, rect);
     rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides);
-    rect->setMinimumMargins(QMargins(4, 4, 8, row == rows - 1 ? 0 : 3));
+    rect->setMinimumMargins(QMargins(4, 7, 8, row == rows - 1 ? 0 : 7));
     rect->setRangeDrag(Qt::Horizontal);
     rect->setRangeZoom(Qt::Horizontal);
     QCPAxis* time = rect->axis(QCPAxis::atBottom);

@@ -8,6 +8,13 @@
 namespace skein::ui {
 namespace {
 
+/// Words to the left, numbers to the right, names in the middle; the header stands over them.
+int alignment(int column) {
+  if (column <= RobotsModel::tag) return Qt::AlignCenter;
+  const bool words = column == RobotsModel::link || column == RobotsModel::mode;
+  return static_cast<int>(Qt::AlignVCenter | (words ? Qt::AlignLeft : Qt::AlignRight));
+}
+
 constexpr double old_tag = 0.1;  // [s]: half the time after which a robot counts as lost
 
 }  // namespace
@@ -61,9 +68,7 @@ QVariant RobotsModel::data(const QModelIndex& index, int role) const {
       }
       return {};
     case Qt::TextAlignmentRole:
-      return static_cast<int>(index.column() == link || index.column() == mode ? Qt::AlignVCenter | Qt::AlignLeft
-                              : index.column() <= tag                          ? Qt::AlignCenter
-                                                                               : Qt::AlignVCenter | Qt::AlignRight);
+      return alignment(index.column());
     default:
       return {};
   }
@@ -127,6 +132,7 @@ QVariant RobotsModel::ink(std::size_t i, int column) const {
 
 QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int role) const {
   if (orientation != Qt::Horizontal) return {};
+  if (role == Qt::TextAlignmentRole) return alignment(section);
   if (role == Qt::DisplayRole) switch (section) {
       case robot:
         return tr("#");

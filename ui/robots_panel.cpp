@@ -23,7 +23,6 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   verticalHeader()->hide();
   verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
   horizontalHeader()->setHighlightSections(false);
-  horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
   // Wide enough for what usually stands there; fixed, so that numbers do not make columns dance.
   const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 16; };
   setColumnWidth(RobotsModel::robot, width(QStringLiteral("00")));

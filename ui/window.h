@@ -2,6 +2,8 @@
 
 #include "app/experiment.h"
 
+class QApplication;
+
 namespace skein::ui {
 
 struct WindowOptions {
@@ -11,6 +13,9 @@ struct WindowOptions {
 };
 
 /// Opens the operator's window on an experiment; returns the program's exit status when it is closed.
+/// Style, smallest font, names and icon of the program: before its first window.
+void prepare(QApplication& application);
+
 int show_window(app::Experiment experiment, const WindowOptions& options);
 
 }  // namespace skein::ui

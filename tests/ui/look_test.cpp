@@ -1,0 +1,165 @@
+// What is on the window: nothing cut off, nothing unreadable, nothing nameless; and the files it reads and writes.
+#include <QAbstractButton>
+#include <QAbstractSlider>
+#include <QAbstractSpinBox>
+#include <QApplication>
+#include <QDialog>
+#include <QLabel>
+#include <QMessageBox>
+#include <cmath>
+
+#include "operator.h"
+#include "ui/palette.h"
+#include "ui/plots_panel.h"
+
+namespace skein::ui::test {
+namespace {
+
+struct Screen {
+  int width, height;
+  Theme theme;
+};
+
+class Look : public Operator, public ::testing::WithParamInterface<Screen> {};
+
+TEST_P(Look, CutsNothingOff) {
+  const Screen screen = GetParam();
+  window.set_theme(screen.theme);
+  start();
+  window.resize(screen.width, screen.height);
+  ASSERT_TRUE(eventually([&] { return window.size() == QSize(screen.width, screen.height); }))
+      << "it needs more: " << window.width() << " x " << window.height();
+  QTest::qWait(50);  // layouts
+  for (QWidget* widget : window.findChildren<QWidget*>()) {
+    const bool text = qobject_cast<QAbstractButton*>(widget) || qobject_cast<QAbstractSpinBox*>(widget) ||
+                      (qobject_cast<QLabel*>(widget) && widget->objectName() != QStringLiteral("alert"));
+    if (!text || !widget->isVisible() || widget->objectName().startsWith(QStringLiteral("qt_"))) continue;  // Qt's own
+    const QSize needed = widget->minimumSizeHint().expandedTo(QSize(0, 0));
+    EXPECT_GE(widget->width(), needed.width()) << widget->objectName().toStdString();
+    EXPECT_GE(widget->height(), needed.height()) << widget->objectName().toStdString();
+    EXPECT_EQ(widget->visibleRegion().boundingRect(), widget->rect()) << widget->objectName().toStdString();
+    EXPECT_GE(widget->font().pointSizeF(), 9.0) << widget->objectName().toStdString();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(On, Look,
+                         ::testing::Values(Screen{1280, 800, Theme::light}, Screen{1280, 800, Theme::dark},
+                                           Screen{1920, 1080, Theme::light}, Screen{1920, 1080, Theme::dark}),
+                         [](const auto& screen) {
+                           return std::to_string(screen.param.width) + "x" + std::to_string(screen.param.height) +
+                                  (screen.param.theme == Theme::dark ? "Dark" : "Light");
+                         });
+
+double luminance(const QColor& colour) {
+  const auto linear = [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); };
+  return 0.2126 * linear(colour.redF()) + 0.7152 * linear(colour.greenF()) + 0.0722 * linear(colour.blueF());
+}
+
+double contrast(const QColor& a, const QColor& b) {
+  const auto [dim, bright] = std::minmax({luminance(a), luminance(b)});
+  return (bright + 0.05) / (dim + 0.05);
+}
+
+TEST(Palette, CanBeRead) {
+  for (const Theme theme : {Theme::light, Theme::dark}) {
+    const QPalette p = palette(theme);
+    const Colours c = colours(p);
+    EXPECT_EQ(c.dark, theme == Theme::dark);
+    constexpr double text = 4.5, graphics = 1.9;  // WCAG's AA for text; lines are told apart by their numbers as well
+    EXPECT_GE(contrast(c.text, c.panel), text);
+    EXPECT_GE(contrast(c.faint_text, c.panel), text);
+    EXPECT_GE(contrast(p.color(QPalette::ButtonText), p.color(QPalette::Button)), text);
+    for (const QColor& colour : {c.good, c.notice, c.alarm})
+      EXPECT_GE(contrast(colour, c.panel), text) << colour.name().toStdString();
+    for (const QColor& colour : {c.alarm, c.warning, c.notice})
+      EXPECT_GE(contrast(colour, ink_on(colour)), 3.0) << colour.name().toStdString();
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_GE(contrast(c.robot(i), c.plot), graphics) << i;
+      EXPECT_GE(contrast(c.robot(i), ink_on(c.robot(i))), 3.0) << i;
+      for (std::size_t j = 0; j < i; ++j) EXPECT_NE(c.robot(i), c.robot(j));
+    }
+  }
+}
+
+TEST_F(Operator, FindsANameOnEverythingThatCanBeUsed) {
+  start();
+  for (QWidget* widget : window.findChildren<QWidget*>()) {
+    const bool usable = qobject_cast<QPushButton*>(widget) || qobject_cast<QAbstractSlider*>(widget) ||
+                        qobject_cast<QAbstractSpinBox*>(widget);
+    if (!usable || !widget->isVisible() || widget->inherits("QScrollBar")) continue;
+    EXPECT_FALSE(widget->objectName().isEmpty()) << widget->metaObject()->className();
+    EXPECT_FALSE(widget->accessibleName().isEmpty()) << widget->objectName().toStdString();
+  }
+}
+
+TEST_F(Operator, IsToldWhereAFileIsWrong) {
+  start();
+  const QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("wrong.toml"));
+  QFile out(file);
+  ASSERT_TRUE(out.open(QIODevice::WriteOnly));
+  out.write("name = \"x\"\nrate = -3\nfrobnicate = 1\n");
+  out.close();
+  window.open_file(file);
+  auto* box = find<QMessageBox>("problem_dialog");
+  ASSERT_NE(box, nullptr);
+  EXPECT_TRUE(box->text().contains(QStringLiteral("wrong.toml:2:"))) << box->text().toStdString();
+  EXPECT_TRUE(box->text().contains(QStringLiteral("frobnicate")));
+  EXPECT_TRUE(running()) << "what ran went on";
+  delete box;
+}
+
+TEST_F(Operator, IsToldWhyAnExperimentDoesNotOpen) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.camera.source = "v4l2:/dev/no-such-camera";
+  window.show();
+  window.open(experiment, false);
+  ASSERT_TRUE(eventually([&] { return window.findChild<QMessageBox*>(QStringLiteral("problem_dialog")) != nullptr; }));
+  auto* box = find<QMessageBox>("problem_dialog");
+  EXPECT_TRUE(box->text().contains(QStringLiteral("no-such-camera"))) << box->text().toStdString();
+  EXPECT_TRUE(eventually([&] { return arena().scene().banner_alarms; }));
+  EXPECT_TRUE(eventually([&] { return !find<QPushButton>("go")->isEnabled(); }));
+  delete box;
+}
+
+TEST_F(Operator, ZoomsThePlotsAndComesBack) {
+  start();
+  auto* plots = find<PlotsPanel>("plots");
+  auto* plot = find("plot");
+  QWheelEvent event(QPointF(200, 100), plot->mapToGlobal(QPointF(200, 100)), {}, {0, 120}, Qt::NoButton, {},
+                    Qt::NoScrollPhase, false);
+  QCoreApplication::sendEvent(plot, &event);
+  EXPECT_FALSE(plots->is_live());
+  auto* live_button = find<QPushButton>("live");
+  ASSERT_TRUE(live_button->isVisible());
+  QTest::mouseClick(live_button, Qt::LeftButton);
+  EXPECT_TRUE(plots->is_live());
+  EXPECT_FALSE(live_button->isVisible());
+}
+
+TEST_F(Operator, SavesThePlots) {
+  start();
+  const QTemporaryDir dir;
+  for (const auto& [name, magic] : {std::pair{"plot.pdf", "%PDF"}, std::pair{"plot.png", "\x89PNG"}}) {
+    const QString file = dir.filePath(QString::fromLatin1(name));
+    window.save_plot(file);
+    QFile saved(file);
+    ASSERT_TRUE(saved.open(QIODevice::ReadOnly)) << name;
+    EXPECT_TRUE(saved.read(4) == QByteArray(magic)) << name;
+    EXPECT_GT(saved.size(), 5000) << name;
+  }
+}
+
+TEST_F(Operator, ComesBackToTheSameWindow) {
+  start();
+  window.set_theme(Theme::dark);
+  window.resize(1400, 900);
+  window.close();
+  ASSERT_TRUE(eventually([&] { return !window.isVisible(); }));
+  MainWindow again;
+  EXPECT_EQ(again.size(), QSize(1400, 900));
+  EXPECT_EQ(QApplication::palette().color(QPalette::Window), palette(Theme::dark).color(QPalette::Window));
+}
+
+}  // namespace
+}  // namespace skein::ui::test

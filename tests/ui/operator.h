@@ -1,0 +1,115 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <QCoreApplication>
+#include <QFile>
+#include <QPushButton>
+#include <QTemporaryDir>
+#include <QTest>
+#include <QWheelEvent>
+#include <functional>
+
+#include "app/experiment_file.h"
+#include "ui/arena_view.h"
+#include "ui/main_window.h"
+
+namespace skein::ui::test {
+
+inline constexpr int deadline_ms = 5000;  // far more than anything takes; a wait ends as soon as it may
+
+inline bool eventually(const std::function<bool()>& holds) {
+  return QTest::qWaitFor(holds, deadline_ms);
+}
+
+/// Somebody at the window: sees what is on it, and has a mouse and a keyboard.
+class Operator : public ::testing::Test {
+ protected:
+  /// The window with the paper's experiment on simulated robots, running.
+  void start(const app::Experiment& experiment = app::paper_experiment()) {
+    window.resize(1280, 800);
+    window.show();
+    window.open(experiment, true);
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+    ASSERT_TRUE(eventually([&] { return running() && record().t >= 0.2; }));
+  }
+
+  void TearDown() override {
+    window.close();
+    EXPECT_TRUE(eventually([&] { return !window.isVisible(); })) << "the window did not close";
+  }
+
+  template <typename Widget = QWidget>
+  Widget* find(const char* name) {
+    auto* widget = window.findChild<Widget*>(QString::fromLatin1(name));
+    if (widget == nullptr) ADD_FAILURE() << "there is no " << name;
+    return widget;
+  }
+
+  const LiveSession& live() { return window.live(); }
+  const app::TickRecord& record() { return *live().latest(); }
+  bool running() { return live().latest() != nullptr && live().phase() == app::Phase::running; }
+  bool stopped() { return live().latest() != nullptr && live().phase() == app::Phase::stopped; }
+
+  ArenaView& arena() { return *find<ArenaView>("arena"); }
+  /// Where robot i (from 0) is on the screen now.
+  QPoint robot(std::size_t i) {
+    const core::Pose pose = *arena().scene().pose(i);
+    return arena().map().to_screen({pose.x, pose.y}).toPoint();
+  }
+  QPoint floor(double x, double y) { return arena().map().to_screen({x, y}).toPoint(); }
+
+  void drag(QPoint from, QPoint to) {
+    QTest::mousePress(&arena(), Qt::LeftButton, {}, from);
+    for (int k = 1; k <= 5; ++k) QTest::mouseMove(&arena(), from + (to - from) * k / 5);
+    QTest::mouseRelease(&arena(), Qt::LeftButton, {}, to);
+  }
+
+  void wheel(QPoint at, int notches, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    QWheelEvent event(at, arena().mapToGlobal(at), {}, {0, 120 * notches}, Qt::NoButton, modifiers, Qt::NoScrollPhase,
+                      false);
+    QCoreApplication::sendEvent(&arena(), &event);
+  }
+
+  /// A key as the keyboard sends it: to the window that has the focus, and on from there.
+  void key(Qt::Key key, QWidget* in = nullptr) { QTest::keyClick((in ? in : &window)->window()->windowHandle(), key); }
+
+  /// The events of the run's CSV, as the file has them.
+  QStringList saved_events() {
+    const QTemporaryDir dir;
+    const QString file = dir.filePath(QStringLiteral("run.csv"));
+    bool done = false;
+    const auto connection =
+        QObject::connect(&window, &MainWindow::saved, &window, [&](const QString&, const QString& problem) {
+          done = true;
+          EXPECT_EQ(problem.toStdString(), "");
+        });
+    window.save_csv(file);
+    EXPECT_TRUE(eventually([&] { return done; }));
+    QObject::disconnect(connection);
+    QFile csv(file);
+    EXPECT_TRUE(csv.open(QIODevice::ReadOnly));
+    QStringList events;
+    qsizetype column = -1;
+    for (const QString& line : QString::fromUtf8(csv.readAll()).split(QLatin1Char('\n'), Qt::SkipEmptyParts)) {
+      if (line.startsWith(QLatin1Char('#'))) continue;
+      const QStringList cells = line.split(QLatin1Char(','));
+      if (column < 0)
+        column = cells.indexOf(QStringLiteral("event"));
+      else if (!cells.value(column).isEmpty())
+        events << cells.value(column).split(QStringLiteral("; "));
+    }
+    EXPECT_GE(column, 0) << "no column of events";
+    return events;
+  }
+
+  /// How many events begin like this.
+  static qsizetype count(const QStringList& events, const char* beginning) {
+    return std::count_if(events.begin(), events.end(),
+                         [&](const QString& event) { return event.startsWith(QLatin1String(beginning)); });
+  }
+
+  MainWindow window;
+};
+
+}  // namespace skein::ui::test

@@ -1,0 +1,159 @@
+// The window's parts on their own.
+#include <gtest/gtest.h>
+
+#include <QSignalSpy>
+#include <QTest>
+#include <cmath>
+
+#include "app/experiment_file.h"
+#include "ui/arena_map.h"
+#include "ui/arena_view.h"
+#include "ui/modes.h"
+#include "ui/robots_model.h"
+#include "ui/run_history.h"
+
+namespace skein::ui::test {
+namespace {
+
+TEST(ArenaMap, GoesThereAndBack) {
+  ArenaMap map;
+  map.resize({700, 500});
+  map.show_plan(2.0, 1.5);
+  map.zoom(3.0, {100, 400});
+  map.pan({30, -20});
+  for (const QPointF floor : {QPointF(0, 0), QPointF(0.7, -0.4), QPointF(-0.9, 0.7)}) {
+    const QPointF back = map.to_floor(map.to_screen(floor));
+    EXPECT_NEAR(back.x(), floor.x(), 1e-12);
+    EXPECT_NEAR(back.y(), floor.y(), 1e-12);
+  }
+}
+
+TEST(ArenaMap, FollowsACurvedLensBothWays) {
+  ArenaMap map;
+  map.resize({700, 500});
+  map.show_picture({1280, 960}, [](QPointF p) {  // a camera that bulges
+    const double k = 1.0 - 0.08 * (p.x() * p.x() + p.y() * p.y());
+    return QPointF(640 + 560 * k * p.x(), 480 - 560 * k * p.y());
+  });
+  for (const QPointF floor : {QPointF(0, 0), QPointF(0.7, -0.4), QPointF(-0.9, 0.7)}) {
+    const QPointF back = map.to_floor(map.to_screen(floor));
+    EXPECT_NEAR(back.x(), floor.x(), 1e-5);
+    EXPECT_NEAR(back.y(), floor.y(), 1e-5);
+  }
+  EXPECT_TRUE(map.sheet().width() / map.sheet().height() - 1280.0 / 960.0 < 1e-9) << "the picture is bent";
+}
+
+TEST(ArenaMap, KeepsWhatIsUnderThePointer) {
+  ArenaMap map;
+  map.resize({700, 500});
+  map.show_plan(2.0, 1.5);
+  const QPointF pointer(420, 180);
+  const QPointF before = map.to_floor(pointer);
+  map.zoom(2.5, pointer);
+  const QPointF after = map.to_floor(pointer);
+  EXPECT_NEAR(before.x(), after.x(), 1e-12);
+  EXPECT_NEAR(before.y(), after.y(), 1e-12);
+}
+
+app::TickRecord standing(const app::Experiment& experiment) {
+  app::TickRecord record;
+  record.robots.resize(experiment.robots.size());
+  record.delta.resize(experiment.robots.size() - 1);
+  for (std::size_t i = 0; i < record.robots.size(); ++i) {
+    record.robots[i].pose = {0.2 * static_cast<double>(i), 0.0, 0.0};
+    record.robots[i].measurement = {record.robots[i].pose, 0.0};
+  }
+  return record;
+}
+
+TEST(ArenaView, LeavesRealRobotsToRealHands) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.robots[1].link = app::RobotSpec::Link::device;
+  ArenaView arena;
+  arena.resize(700, 500);
+  arena.show_experiment(experiment);
+  arena.take(standing(experiment));
+  arena.show();
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(&arena));
+  const QSignalSpy refused(&arena, &ArenaView::refused), moved(&arena, &ArenaView::move_wanted);
+  const QPoint real = arena.map().to_screen({0.2, 0.0}).toPoint();
+  QTest::mousePress(&arena, Qt::LeftButton, {}, real);
+  QTest::mouseMove(&arena, real + QPoint(50, 50));
+  QTest::mouseRelease(&arena, Qt::LeftButton, {}, real + QPoint(50, 50));
+  EXPECT_EQ(refused.count(), 1);
+  EXPECT_EQ(moved.count(), 0);
+}
+
+TEST(ArenaScene, DrawsNoLineWhereAHandCarriedARobot) {
+  const app::Experiment experiment = app::paper_experiment();
+  ArenaScene scene;
+  scene.reset(experiment);
+  app::TickRecord record = standing(experiment);
+  for (const double x : {0.0, 0.002, 0.004, 0.3, 0.302}) {
+    record.t += 0.04;
+    record.robots[0].pose.x = x;
+    scene.take(record);
+  }
+  ASSERT_EQ(scene.trails[0].size(), 5u);
+  EXPECT_TRUE(scene.trails[0][3].jump);
+  EXPECT_FALSE(scene.trails[0][4].jump);
+  record.t += 100.0;
+  scene.take(record);
+  EXPECT_TRUE(scene.trails[0].size() <= 1) << "trails fade";
+}
+
+TEST(RunHistory, KeepsTheRunOnly) {
+  RunHistory history;
+  app::TickRecord record;
+  record.events.add({app::Event::Kind::move, 0, {}, {}});
+  history.add(record);  // a move while robots stand ready is no row of the run
+  EXPECT_EQ(history.size(), 0u);
+  record.phase = app::Phase::running;
+  history.add(record);
+  record.phase = app::Phase::paused;
+  history.add(record);  // something happened
+  record.events.clear();
+  history.add(record);  // nothing did
+  EXPECT_EQ(history.size(), 2u);
+}
+
+TEST(RunHistory, IsBounded) {
+  RunHistory history(100 * sizeof(app::TickRecord));
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  for (int tick = 0; tick < 250; ++tick) {
+    record.tick = tick;
+    history.add(record);
+  }
+  EXPECT_EQ(history.size(), 100u);
+  EXPECT_EQ(history.dropped(), 150u);
+  EXPECT_EQ(history.rows().front()->tick, 150);
+}
+
+TEST(Modes, ShowTheGravest) {
+  const Colours c = colours(palette(Theme::light));
+  EXPECT_EQ(look(app::lost | app::stopped | app::tracking, c).mode, app::lost);
+  EXPECT_EQ(look(app::avoiding | app::shielded | app::limited, c).mode, app::shielded);
+  EXPECT_TRUE(look(app::tracking, c).symbol.isEmpty());
+  EXPECT_EQ(mode_text(app::avoiding | app::limited), QStringLiteral("avoiding+limited"));
+}
+
+TEST(RobotsModel, SaysWhatIsWrongWithALink) {
+  const app::Experiment experiment = app::paper_experiment();
+  RobotsModel model;
+  model.set_colours(colours(palette(Theme::light)));
+  model.show_experiment(experiment);
+  std::vector<app::RobotStatus> links(4);
+  links[2].link = "failed";
+  links[2].reason = "no route to it";
+  links[2].round_trip = 0.0123;
+  model.take(standing(experiment), links, false);
+  const auto cell = [&](int column, int role) { return model.data(model.index(2, column), role); };
+  EXPECT_EQ(cell(RobotsModel::link, Qt::DisplayRole).toString(), QStringLiteral("failed"));
+  EXPECT_TRUE(cell(RobotsModel::link, Qt::ToolTipRole).toString().contains(QStringLiteral("no route to it")));
+  EXPECT_EQ(cell(RobotsModel::round_trip, Qt::DisplayRole).toString(), QStringLiteral("12.3 ms"));
+  EXPECT_TRUE(cell(RobotsModel::link, Qt::ForegroundRole).isValid());
+}
+
+}  // namespace
+}  // namespace skein::ui::test
