@@ -40,12 +40,12 @@ void read_path(TomlTable t, PathSpec& path) {
   using Shape = PathSpec::Shape;
   t.choice("shape", path.shape, {{"rounded_rectangle", Shape::rounded_rectangle}, {"circle", Shape::circle}});
   if (path.shape == Shape::rounded_rectangle) {
-    t.number("width", path.width, above(0.0, longest, "m"));
-    t.number("height", path.height, above(0.0, longest, "m"));
+    t.number("width", path.width, between(0.02, longest, "m"));
+    t.number("height", path.height, between(0.02, longest, "m"));
   } else {
     t.require("radius", "the circle's radius in m");  // the default is that of a corner
   }
-  t.number("radius", path.radius, above(0.0, longest, "m"));
+  t.number("radius", path.radius, between(0.01, longest, "m"));
   t.finish();
 }
 
@@ -282,7 +282,8 @@ void read_perturbations(TomlTable& document, Experiment& e) {
     Perturbation p;
     std::int64_t robot = 1;
     t.require("t", "the time in s");
-    t.number("t", p.t, between(0.0, longest_run, "s"));  // later than the end: a run cut short by --duration leaves it out
+    t.number("t", p.t,
+             between(0.0, longest_run, "s"));  // later than the end: a run cut short by --duration leaves it out
     t.require("robot", fmt::format("the robot to move, from 1 to {}", robots));
     t.integer("robot", robot, 1, robots);
     p.robot = static_cast<std::size_t>(robot - 1);

@@ -35,8 +35,6 @@ bool PerturbationResult::formation_first() const noexcept {
 
 Statistics::Statistics(const Experiment& experiment) : experiment_(experiment) {
   so_far_.name = experiment.name;
-  const std::size_t n = experiment.robots.size();
-  touching_.assign(n * n, false);
   samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(0, experiment.ticks())));
 }
 
@@ -63,6 +61,7 @@ void Statistics::record(const TickRecord& record) {
 
 void Statistics::count_collisions(const TickRecord& record) {
   const std::size_t n = record.robots.size();
+  touching_.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       const double distance = core::distance(place(record.robots[i]), place(record.robots[j]));

@@ -1,0 +1,185 @@
+// Experiment files that are refused: each kind of mistake, its place, and what is said about it.
+#include <gmock/gmock.h>
+
+#include <ostream>
+
+#include "tests/app/experiment_texts.h"
+
+namespace skein::app {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Refused {
+  const char* text;
+  const char* message;  ///< begins so
+};
+void PrintTo(const Refused& refused, std::ostream* out) {
+  *out << refused.text;
+}
+
+class RefusedText : public testing::TestWithParam<Refused> {};
+
+TEST_P(RefusedText, WithItsPlaceAndWhatIsAllowed) {
+  EXPECT_THAT(messages(GetParam().text), Contains(StartsWith(GetParam().message))) << GetParam().text;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OneKey, RefusedText,
+    testing::Values(
+        Refused{"\n  name = 3", "e.toml:2:10: name: found 3, allowed: a text in quotes"},
+        Refused{"name = ''", "e.toml:1:8: name: found \"\", allowed: 1 to 100 characters in one line"},
+        Refused{"name = 'a\\nb'\nname2 = 1",
+                "e.toml:2:1: name2: unknown key; did you mean name? allowed: name, duration, rate, seed, arena"},
+        Refused{"duration = -1", "e.toml:1:12: duration: found -1, allowed: a number above 0 and up to 86400 s"},
+        Refused{"duration = inf", "e.toml:1:12: duration: found inf, allowed: a number above 0"},
+        Refused{"duration = nan", "e.toml:1:12: duration: found nan, allowed: a number above 0"},
+        Refused{"duration = 1e-3", "e.toml:1:12: duration: found 0.001 s at 25 Hz, which is 0 ticks, allowed: 1 to"},
+        Refused{"rate = 'fast'", "e.toml:1:8: rate: found \"fast\", allowed: a number from 1 to 1000 Hz"},
+        Refused{"seed = 1.5", "e.toml:1:8: seed: found 1.5, allowed: a whole number from 0 to"},
+        Refused{"seed = 1979-05-27", "e.toml:1:8: seed: found a date or a time, allowed:"},
+        Refused{"arena = 3", "e.toml:1:9: arena: found 3, allowed: a table [arena]"},
+        Refused{"[arena]\nwidth = [1]", "e.toml:2:9: arena.width: found an array, allowed: a number from 0.1 to 100 m"},
+        Refused{"[arena]\ndepth = 1", "e.toml:2:1: arena.depth: unknown key, allowed in arena: width, height"},
+        Refused{"[reference]\nkind = 'swarm'", "e.toml:2:8: reference.kind: found \"swarm\", allowed: \"platoon\""},
+        Refused{"[reference]\nkind = 1", "e.toml:2:8: reference.kind: found 1, allowed: \"platoon\""},
+        Refused{"[reference.path]\nshape = 'circle'",
+                "e.toml:1:1: reference.path.radius: missing, allowed: the circle's"},
+        Refused{"[reference.path]\nshape = 'circle'\nradius = 0.3\nwidth = 1",
+                "e.toml:4:1: reference.path.width: unknown key, allowed in reference.path: shape, radius"},
+        Refused{"[controller]\ncoupling = 'strong'",
+                "e.toml:2:12: controller.coupling: found \"strong\", allowed: \"paper\", \"bounded\""},
+        Refused{"[controller]\nk_z = 1", "e.toml:2:1: controller.k_z: unknown key; did you mean k_y? allowed in"},
+        Refused{"[controller]\nc_x = 0", "e.toml:2:7: controller.c_x: found 0, allowed: a number above 0 and up to"},
+        Refused{"[avoidance]\nenabled = 1", "e.toml:2:11: avoidance.enabled: found 1, allowed: true or false"},
+        Refused{"[avoidance]\np = 0", "e.toml:2:5: avoidance.p: found 0, allowed: a whole number from 1 to 50"},
+        Refused{"[shield]\ndistance = 0.05",
+                "e.toml:2:12: shield.distance: found 0.05, allowed: a number from 0.07 to"},
+        Refused{"[shield]\ngamma = 26",
+                "e.toml:2:9: shield.gamma: found 26, allowed: a number above 0 and up to 25 1/s"},
+        Refused{"[[obstacle]]\nx = 0\ny = 5\nradius = 0.1",
+                "e.toml:3:5: obstacle.1.y: found 5, allowed: a number from -0.75 to 0.75 m"},
+        Refused{"[[obstacle]]\nx = 0\ny = 0", "e.toml:1:1: obstacle.1.radius: missing"},
+        Refused{"obstacle = [1]", "e.toml:1:13: obstacle.1: found 1, allowed: tables [[obstacle]]"},
+        Refused{"[robot]\ntag = 1", "e.toml:1:1: robot: found a table, allowed: tables [[robot]]"},
+        Refused{"robot = []", "e.toml:1:9: robot: found 0 robots, allowed: 1 to 64"},
+        Refused{"[[robot]]\ntag = 587", "e.toml:2:7: robot.1.tag: found 587, allowed: a whole number from 0 to 586"},
+        Refused{"[[robot]]\nlink = 'usb'",
+                "e.toml:2:8: robot.1.link: found \"usb\", allowed: \"sim\", \"loopback\", \"rfcomm"},
+        Refused{"[[robot]]\nmodel = 'epuck3'",
+                "e.toml:2:9: robot.1.model: found \"epuck3\", allowed: \"ideal\", \"epuck1\", \"epuck2\""},
+        Refused{"[[robot]]\nadapter = 'usb'", "e.toml:2:11: robot.1.adapter: adapter \"usb\" is neither"},
+        Refused{"[[robot]]\ntrack = 5.3", "e.toml:2:9: robot.1.track: found 5.3, allowed: a number from 0.01 to 0.5 m"},
+        Refused{"[robot_defaults]\ntag = 3", "e.toml:2:1: robot_defaults.tag: unknown key"},
+        Refused{"[camera]\nsource = 'webcam'",
+                "e.toml:2:10: camera.source: found \"webcam\", allowed: \"none\", \"synth"},
+        Refused{"[camera]\nsource = 'video:'", "e.toml:2:10: camera.source: found \"video:\", allowed:"},
+        Refused{"[estimation]\nbridge = 0", "e.toml:2:10: estimation.bridge: found 0, allowed: a number above 0"},
+        Refused{"[simulation]\ndropout = 2", "e.toml:2:11: simulation.dropout: found 2, allowed: a number from 0 to 1"},
+        Refused{"[simulation]\nlatency = 3",
+                "e.toml:2:11: simulation.latency: found 3, allowed: a number from 0 to 2.48 s"},
+        Refused{"[[perturb]]\nrobot = 1\ndx = 0.1", "e.toml:1:1: perturb.1.t: missing, allowed: the time in s"},
+        Refused{"[[perturb]]\nt = 1\ndx = 0.1",
+                "e.toml:1:1: perturb.1.robot: missing, allowed: the robot to move, from 1"},
+        Refused{"[[perturb]]\nt = 1\nrobot = 1",
+                "e.toml:1:1: perturb.1.dx: missing, allowed: at least one of dx, dy, dth"},
+        Refused{"[[perturb]]\nt = 1\nrobot = 5\ndx = 0.1",
+                "e.toml:3:9: perturb.1.robot: found 5, allowed: a whole number from 1 to 4"},
+        Refused{"[[perturb]]\nt = -1\nrobot = 1\ndx = 0.1",
+                "e.toml:2:5: perturb.1.t: found -1, allowed: a number from 0 to 86400 s"},
+        Refused{"[[gain_change]]\nt = 1",
+                "e.toml:1:1: gain_change.1.k_xx: missing, allowed: at least one of k_xx, k_tt"},
+        Refused{"[[gain_change]]\nk_xx = 0", "e.toml:1:1: gain_change.1.t: missing"},
+        Refused{"[[gain_change]]\nt = 1\nramp = 0\nk_xx = 0",
+                "e.toml:3:8: gain_change.1.ramp: found 0, allowed: a number abo"},
+        Refused{"[expect]\nfinal_erorr = 1", "e.toml:2:1: expect.final_erorr: unknown key; did you mean final_error?"},
+        Refused{"[expect]\nformation_first = 'yes'",
+                "e.toml:2:19: expect.formation_first: found \"yes\", allowed: true or"},
+        Refused{"a = 1\na = 2", "e.toml:2:"}, Refused{"duration = ", "e.toml:1:"}, Refused{"[arena\n", "e.toml:1:"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    GainsOfPairs, RefusedText,
+    testing::Values(
+        Refused{
+            "[controller.gains]\nk_xx = [[1, 2, 0.1], [1, 5, 0.1]]",
+            "e.toml:2:22: controller.gains.k_xx.2: found [1, 5, 0.1], allowed: [i, j, value] with two different robots "
+            "from 1 to 4 and a number from 0 to 100"},
+        Refused{"[controller.gains]\nk_xx = [[1, 1, 0.1]]", "e.toml:2:9: controller.gains.k_xx.1: found [1, 1, 0.1]"},
+        Refused{"[controller.gains]\nk_xx = [[1, 2, -0.1]]", "e.toml:2:9: controller.gains.k_xx.1: found [1, 2, -0.1]"},
+        Refused{"[controller.gains]\nk_xx = [[1, 2]]", "e.toml:2:9: controller.gains.k_xx.1: found an array"},
+        Refused{"[controller.gains]\nk_xx = [0.1]", "e.toml:2:9: controller.gains.k_xx.1: found 0.1"},
+        Refused{"[controller.gains]\nk_xx = [[1, 2, 0.001], [2, 1, 0.001]]",
+                "e.toml:2:24: controller.gains.k_xx.2: found the pair 2, 1 again"},
+        Refused{"[controller.gains]\nk_xx = true",
+                "e.toml:2:8: controller.gains.k_xx: found true, allowed: a number from"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    KeysTogether, RefusedText,
+    testing::Values(
+        Refused{"[[robot]]\ntag = 4\n[[robot]]\ntag = 4",
+                "e.toml:4:7: robot.2.tag: found 4, which robot 1 has already, allowed: a tag of its own"},
+        Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 has already"},
+        Refused{"[[robot]]\nlink = 'serial:/dev/a'\n[[robot]]\nlink = 'serial:/dev/a'\n[camera]\nsource='v4l2:x'\n"
+                "calibration='c'",
+                "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 has already"},
+        Refused{"[[robot]]\nlink = 'serial:/dev/a'", "e.toml: camera.source: found \"none\", allowed"},
+        Refused{"[camera]\nsource = 'synthetic'\n[[robot]]\nlink = 'serial:/dev/a'",
+                "e.toml:2:10: camera.source: found \"synthetic\", allowed: \"v4l2:DEVICE\", \"video:FILE\" or"},
+        Refused{"[camera]\nsource = 'images:x'", "e.toml:1:1: camera.calibration: missing, allowed: the file that"},
+        Refused{"[[robot]]\nlink = 'loopback'\nmodel = 'ideal'",
+                "e.toml:3:9: robot.1.model: found \"ideal\", allowed: \"ep"},
+        Refused{"[robot_defaults]\nmodel = 'ideal'\nlink = 'loopback'",
+                "e.toml:2:9: robot_defaults.model: found \"ideal\""},
+        Refused{"duration = 86400\nrate = 1000",
+                "e.toml:1:12: duration: found 86400 s at 1000 Hz, which is 8.64e+07 ticks"},
+        Refused{"[reference.path]\nradius = 0.5",
+                "e.toml:2:10: reference.path.radius: found 0.5, allowed: up to 0.45 m, half of the shorter side"},
+        Refused{"[reference.path]\nwidth = 1.95",
+                "e.toml:1:1: reference.path: found a path of 1.95 m x 0.9 m, allowed: up to 1.93 m x 1.43 m"},
+        Refused{
+            "[avoidance]\nalpha = 0.12\nbeta = 0.12",
+            "e.toml:2:9: avoidance.alpha: found a detection region of 0.12 m x 0.12 m (alpha, beta), allowed: below"},
+        Refused{"[shield]\ndistance = 0.116", "e.toml:2:12: shield.distance: found 0.116, allowed: below 0.115 m"},
+        Refused{"[reference]\nspacing = 0.06",
+                "e.toml:2:11: reference.spacing: found 0.06, with which robots of 0.07 m width come within"},
+        Refused{"[reference]\nspeed = 0.08", "e.toml:2:9: reference.speed: (18f) fails for robot 1 by 0.004 m/s"},
+        Refused{"[reference]\nspeed = 0.2",
+                "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails whatever the"},
+        Refused{"[controller.gains]\nk_xx = 0.02",
+                "e.toml:2:8: controller.gains.k_xx: (18f) fails for robot 1 by 0.01 m/s: v_max 0.1 - reference 0.05 - "
+                "couplings 0.06 leaves k_x = -0.01, which must be above 0; allowed: k_xx below 0.0166667 for all pairs "
+                "(a sum "
+                "below 0.05 over robot 1's pairs), or reference.speed below 0.04"},
+        Refused{"[controller.gains]\nk_yy = 0.3",
+                "e.toml:2:8: controller.gains.k_yy: (18g) fails for robot 1 by 0.2452 rad/s: omega_max 1.7 - reference "
+                "0.970168 - couplings 0.975 leaves k_theta = -0.2452, which must be above 0; allowed: k_yy below "
+                "0.218277 for"},
+        Refused{"[controller.gains]\nk_xx = [[3, 4, 0.06]]",
+                "e.toml:2:8: controller.gains.k_xx: (18f) fails for robot 3 by 0.01 m/s"},
+        Refused{"[[gain_change]]\nt = 20\nk_yy = 0\n[[gain_change]]\nt = 10\nk_xx = 0.03",
+                "e.toml:6:8: gain_change.2.k_xx: (18f) fails for robot 1 by 0.04 m/s"},
+        Refused{"[simulation]\nlatency = 0.3", "e.toml: estimation.bridge: found 0.2"}));
+
+TEST(ExperimentFile, AKeyThatIsNotThereIsNamedWithoutAPlace) {
+  EXPECT_THAT(
+      messages("[simulation]\nlatency = 0.3"),
+      ElementsAre("e.toml: estimation.bridge: found 0.2, allowed: above simulation.latency, 0.3 s, or every pose is "
+                  "too old when it comes and every robot lost"));
+}
+
+TEST(ExperimentFile, SaysEverythingAtOnceInTheOrderOfTheFile) {
+  const std::vector<std::string> said =
+      messages("[shield]\ngamma = 0\n[arena]\nheight = 0\nwide = 1\n[expect]\ncollisions = -1", {"rate=0"});
+  ASSERT_EQ(said.size(), 5u);
+  EXPECT_THAT(said[0], HasSubstr("e.toml:2:9: shield.gamma"));
+  EXPECT_THAT(said[1], HasSubstr("e.toml:4:10: arena.height"));
+  EXPECT_THAT(said[2], HasSubstr("e.toml:5:1: arena.wide"));
+  EXPECT_THAT(said[3], HasSubstr("e.toml:7:14: expect.collisions"));
+  EXPECT_THAT(said[4], HasSubstr("--set rate=0: rate: found 0, allowed: a number from 1 to 1000 Hz"));
+}
+
+}  // namespace
+}  // namespace skein::app
