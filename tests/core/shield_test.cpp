@@ -144,6 +144,25 @@ TEST(Shield, SharesTheBrakingOfTwoHeadOn) {
   EXPECT_TRUE(result.touched[0] && result.touched[1]);
 }
 
+TEST(Shield, KnowsWhatTheOthersLimitsCannotGive) {
+  // A robot at D behind two that drive off at +-60 degrees: each of them must make half its speed. The left one cannot
+  // make more than 0.02, so the first gets 0.04, and the right one need not hurry: 0.04 as it wanted. A shield that
+  // forgot the limit while it shares would ask 0.052 of it. Forwards, and the same backwards.
+  for (const double sign : {1.0, -1.0}) {
+    Crowd crowd;
+    const double third = core::pi / 3.0, back = sign > 0.0 ? 0.0 : core::pi, d = crowd.parameters.distance;
+    crowd.poses = {{0.0, 0.0, core::wrap_angle(back)},
+                   {d * std::cos(third), d * std::sin(third), core::wrap_angle(third + back)},
+                   {d * std::cos(third), -d * std::sin(third), core::wrap_angle(-third + back)}};
+    crowd.v_limit = {0.13, 0.02, 0.13};
+    crowd.wanted = {{sign * 0.13, 0.0}, {sign * 0.01, 0.0}, {sign * 0.04, 0.0}};
+    const Eigen::VectorXd v = speeds(shield(crowd).commands);
+    EXPECT_NEAR(v(0), sign * 0.04, 1e-7);
+    EXPECT_NEAR(v(1), sign * 0.02, 1e-7);
+    EXPECT_NEAR(v(2), sign * 0.04, 1e-7);
+  }
+}
+
 TEST(Shield, StopsInFrontOfAnObstacle) {
   Crowd crowd;
   crowd.poses = {{0.0, 0.0, 0.0}};

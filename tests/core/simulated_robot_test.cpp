@@ -191,5 +191,22 @@ TEST(SimulatedRobot, SlipsByTheShareAskedFor) {
   EXPECT_EQ(still.pose(), Pose{}) << "wheels that stand do not slip";
 }
 
+TEST(SimulatedRobot, SlipsAndSeesIndependently) {
+  // Slip and noise drawn from one and the same stream would be equal, number by number.
+  constexpr int count = 10000;
+  SimulatedRobot robot({}, MotorModel::ideal, {.pose_noise = 0.002, .slip = 0.1}, 8, 0);
+  robot.command({400.0, 400.0});
+  const double way = 400.0 * DifferentialDrive{}.metres_per_step() * tick;
+  double product = 0.0;
+  for (int k = 0; k < count; ++k) {
+    robot.place({});
+    robot.step(tick);
+    const double slip = (robot.pose().x / way - 1.0) / (0.1 / std::sqrt(2.0));
+    const double noise = (robot.measure(tick * k).pose.x - robot.pose().x) / 0.002;
+    product += slip * noise;
+  }
+  EXPECT_NEAR(product / count, 0.0, 5.0 / std::sqrt(count));
+}
+
 }  // namespace
 }  // namespace skein::test
