@@ -14,11 +14,11 @@ enum class LinkKind {
 /// Where a robot is reached.
 struct LinkAddress {
   LinkKind kind = LinkKind::serial;
-  std::string device;   ///< serial: a path, "/dev/ttyACM0"; rfcomm: the robot's Bluetooth address, "10:00:E8:AA:BB:CC"
-  int channel = 0;      ///< rfcomm: 1 to 30. e-puck1: 1, e-puck2: 2 ("UART"). serial: 0
-  std::string adapter;  ///< rfcomm: the PC's adapter to use, "hci1" or its address; empty: the system's choice.
-                        ///< One adapter holds at most 7 robots.
-  std::string name;     ///< what messages call it, "robot 4"; empty: "robot" and its place among the links
+  std::string device;  ///< serial: a path, "/dev/ttyACM0"; rfcomm: the robot's Bluetooth address, "10:00:E8:AA:BB:CC"
+  int channel = 0;     ///< rfcomm: 1 to 30. e-puck1: 1, e-puck2: 2 ("UART"). serial: 0
+  std::string adapter = {};  ///< rfcomm: the PC's adapter to use, "hci1" or its address; empty: the system's choice.
+                             ///< One adapter holds at most 7 robots.
+  std::string name = {};     ///< what messages call it, "robot 4"; empty: "robot" and its place among the links
 
   friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };
