@@ -62,7 +62,7 @@ struct ControlTick::State {
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
 
   // What lasts for one tick.
-  std::vector<core::Pose> poses;
+  std::vector<core::Pose> poses, midway;
   std::vector<core::ReferencePoint> nominal, followed;
   std::vector<core::Twist> followed_twists, law, commands;
   std::vector<core::TrackingError> errors;
@@ -86,6 +86,7 @@ ControlTick::State::State(const Experiment& e)
   off_nominal.resize(n);
   owed.resize(n);
   poses.resize(n);
+  midway.resize(n);
   nominal.resize(n);
   followed.resize(n);
   followed_twists.resize(n);
@@ -258,7 +259,12 @@ void ControlTick::State::limit_and_shield() noexcept {
     v_limits[i] = limits[i].v_limit(commands[i].omega);
     if (commands[i] != law[i]) robot.mode |= limited;
   }
-  shield.apply(experiment.shield, poses, experiment.obstacles, v_limits, commands, {shield_touched.get(), robots()});
+  // A robot that turns drives, over a tick, as its heading in the middle of it.
+  for (std::size_t i = 0; i < robots(); ++i) {
+    midway[i] = poses[i];
+    midway[i].theta += 0.5 * commands[i].omega * experiment.period();
+  }
+  shield.apply(experiment.shield, midway, experiment.obstacles, v_limits, commands, {shield_touched.get(), robots()});
   for (std::size_t i = 0; i < robots(); ++i)
     if (shield_touched[i]) record.robots[i].mode |= shielded;
 }
