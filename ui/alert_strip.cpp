@@ -13,10 +13,6 @@ QString words(const app::Event& event, double t) {
   const QString when = AlertStrip::tr("%1 s: ").arg(t, 0, 'f', 1);
   const QString robot = QString::number(event.robot + 1);
   switch (event.kind) {
-    case Kind::lost:
-      return when + AlertStrip::tr("Robot %1 is lost: no tag seen, it stands").arg(robot);
-    case Kind::found:
-      return when + AlertStrip::tr("Robot %1 is seen again").arg(robot);
     case Kind::deadline_missed:
       return when +
              AlertStrip::tr("%n tick(s) too late: the machine was busy", nullptr, static_cast<int>(event.values[0]));
@@ -47,15 +43,32 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
 }
 
 void AlertStrip::take(const app::TickRecord& record) {
+  const std::set<int> before = lost_;
   for (const app::Event& event : record.events) {
+    if (event.kind == app::Event::Kind::lost) lost_.insert(event.robot + 1);
+    if (event.kind == app::Event::Kind::found) lost_.erase(event.robot + 1);
     const QString text = words(event, record.t);
     if (!text.isEmpty()) say(text, severity(event));
   }
+  if (held_ || lost_ == before) return;
+  since_.invalidate();
+  if (lost_.empty())
+    say(tr("All robots are seen"), Severity::good);
+  else if (record.phase == app::Phase::ready)
+    say(tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
+  else
+    say(tr("LOST: robot %1 – no tag seen, it stands").arg(lost_robots()), Severity::alarm);
+}
+
+QString AlertStrip::lost_robots() const {
+  QStringList numbers;
+  for (const int robot : lost_) numbers << QString::number(robot);
+  return numbers.join(QStringLiteral(", "));
 }
 
 void AlertStrip::say(const QString& text, Severity severity) {
   const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < 3000 && severity_ > severity;
-  if (held_ || graver_one_is_fresh) return;
+  if (held_ || graver_one_is_fresh || (!lost_.empty() && severity_ > severity)) return;
   text_ = text;
   severity_ = severity;
   since_.start();
@@ -72,6 +85,7 @@ void AlertStrip::hold(const QString& text, Severity severity) {
 
 void AlertStrip::clear_alert() {
   held_ = false;
+  lost_.clear();
   text_.clear();
   severity_ = Severity::note;
   since_.invalidate();
@@ -79,7 +93,7 @@ void AlertStrip::clear_alert() {
 }
 
 void AlertStrip::refresh() {
-  if (!held_ && since_.isValid() && since_.elapsed() > fade_ms) clear_alert();
+  if (!held_ && lost_.empty() && since_.isValid() && since_.elapsed() > fade_ms) clear_alert();
 }
 
 void AlertStrip::show_text() {
@@ -94,7 +108,7 @@ void AlertStrip::paintEvent(QPaintEvent*) {
   QPainter p(this);
   const Colours c = colours(palette());
   const bool loud = severity_ == Severity::alarm || severity_ == Severity::warning;
-  const QColor background = colour(severity_, c);
+  const QColor background = severity_ == Severity::alarm ? c.alarm_fill : colour(severity_, c);
   if (loud) p.fillRect(rect(), background);
   p.setPen(loud ? ink_on(background) : text_.isEmpty() ? c.faint_text : background);
   const QRect room = rect().adjusted(8, 0, -8, 0);

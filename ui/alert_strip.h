@@ -2,6 +2,7 @@
 
 #include <QElapsedTimer>
 #include <QLabel>
+#include <set>
 
 #include "ui/modes.h"
 
@@ -14,6 +15,8 @@ class AlertStrip final : public QLabel {
  public:
   explicit AlertStrip(QWidget* parent = nullptr);
   void take(const app::TickRecord& record);
+  /// The robots that are lost now, as "2, 3"; empty: none.
+  QString lost_robots() const;
   void say(const QString& text, Severity severity);
   /// Stays until something graver comes or `clear`: STOP, a failure.
   void hold(const QString& text, Severity severity);
@@ -26,6 +29,7 @@ class AlertStrip final : public QLabel {
  private:
   void show_text();
 
+  std::set<int> lost_;  // a state, not news: said as long as it lasts
   QString text_;
   Severity severity_ = Severity::note;
   bool held_ = false;

@@ -216,10 +216,13 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
 
   QFont font = p_.font();
   font.setBold(true);
+  const double radius = robot_radius * map_.scale_at({pose.x, pose.y});
+  font.setPointSizeF(std::max(font.pointSizeF(), 0.45 * radius));  // zoomed in, the number grows with its robot
   p_.setFont(font);
   p_.setPen(ink);
   const QPointF back = (centre - rim(robot_radius, 0.0)) * 0.16;  // the number stands clear of the notch
-  p_.drawText(QRectF(centre + back - QPointF(20, 20), QSizeF(40, 40)), Qt::AlignCenter, QString::number(i + 1));
+  p_.drawText(QRectF(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius)),
+              Qt::AlignCenter | Qt::TextDontClip, QString::number(i + 1));
   p_.restore();
 }
 
@@ -229,11 +232,15 @@ void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& co
   p_.setPen(cosmetic(c_.floor, 1.2));
   p_.setBrush(colour);
   p_.drawEllipse(centre, r, r);
-  p_.setPen(ink_on(colour));
-  QFont font = p_.font();
-  font.setBold(true);
-  p_.setFont(font);
-  p_.drawText(QRectF(centre - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter, symbol);
+  if (symbol == QStringLiteral("■")) {  // drawn: fonts do not agree on its size
+    p_.fillRect(QRectF(centre - QPointF(r, r) * 0.42, QSizeF(r, r) * 0.84), ink_on(colour));
+  } else {
+    p_.setPen(ink_on(colour));
+    QFont font = p_.font();
+    font.setBold(true);
+    p_.setFont(font);
+    p_.drawText(QRectF(centre - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter, symbol);
+  }
   p_.restore();
 }
 
@@ -313,7 +320,8 @@ void ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& 
 void ArenaPainter::banner_and_hint(const QRectF& widget) {
   if (!scene_.banner.isEmpty())
     chip(QRectF(widget.left() + 20, widget.top() + 44, widget.width() - 40, 0), scene_.banner,
-         scene_.banner_alarms ? c_.alarm : faded(c_.text, 0.85), scene_.banner_alarms ? c_.on_alarm : c_.panel, true);
+         scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
+         scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
   if (!scene_.hint.isEmpty())
     chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 88, widget.width() - 40, 0), scene_.hint,
          faded(c_.notice, 0.92), ink_on(c_.notice), false);

@@ -4,10 +4,22 @@
 #include <QClipboard>
 #include <QHeaderView>
 #include <QKeyEvent>
+#include <QRegularExpression>
 #include <QScrollBar>
 #include <algorithm>
 
 namespace skein::ui {
+namespace {
+
+/// Numbers as people read them: the CSV has all their digits, and so has the tool tip.
+QString shortened(QString text) {
+  static const QRegularExpression long_number(QStringLiteral("-?\\d+\\.\\d{5,}"));
+  for (QRegularExpressionMatch match = long_number.match(text); match.hasMatch(); match = long_number.match(text))
+    text.replace(match.capturedStart(), match.capturedLength(), QString::number(match.captured().toDouble(), 'f', 4));
+  return text;
+}
+
+}  // namespace
 
 void EventModel::clear() {
   beginResetModel();
@@ -34,7 +46,7 @@ int EventModel::rowCount(const QModelIndex& parent) const {
 QVariant EventModel::data(const QModelIndex& index, int role) const {
   if (!index.isValid()) return {};
   const Line& line = lines_[static_cast<std::size_t>(index.row())];
-  if (role == Qt::DisplayRole) return index.column() == 0 ? tr("%1 s").arg(line.t, 0, 'f', 2) : line.text;
+  if (role == Qt::DisplayRole) return index.column() == 0 ? tr("%1 s").arg(line.t, 0, 'f', 2) : shortened(line.text);
   if (role == Qt::ToolTipRole) return line.text;
   if (role == Qt::TextAlignmentRole && index.column() == 0) return static_cast<int>(Qt::AlignRight | Qt::AlignVCenter);
   if (role == Qt::ForegroundRole) {

@@ -214,8 +214,10 @@ void MainWindow::show_state() {
     banner = tr("Opening …");
   else if (failed)
     banner = live_.failure().value_or(tr("No experiment is open"));
+  else if (phase == app::Phase::ready && !alert_->lost_robots().isEmpty())
+    banner = tr("Waiting: no tag seen of robot %1").arg(alert_->lost_robots());
   else if (phase == app::Phase::ready)
-    banner = live_.stop_asked() ? stopped_text() : tr("Ready – start with F5");
+    banner = tr("Ready – start with F5");
   else if (phase == app::Phase::paused)
     banner = tr("Paused – reference and robots stand");
   else if (phase == app::Phase::stopped)
@@ -309,6 +311,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   }
   // The robots first; the window goes when they stand, or have not answered for a second.
   event->ignore();
+  arena_->set_camera(nullptr);  // it goes with the session
   live_.close();
   setEnabled(false);
   alert_->hold(tr("Stopping all robots …"), Severity::warning);

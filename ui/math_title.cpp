@@ -4,7 +4,7 @@ namespace skein::ui {
 
 MathTitle::MathTitle(QCustomPlot* plot, const QString& symbol, const QString& index, const QString& unit)
     : QCPLayoutElement(plot), symbol_(symbol), index_(index), unit_(unit) {
-  setMargins(QMargins(0, 0, 0, 0));
+  setMinimumMargins(QMargins(0, 0, 0, 0));
 }
 
 QFont MathTitle::slanted() const {
@@ -23,14 +23,15 @@ QFont MathTitle::lowered() const {
 
 QSize MathTitle::minimumOuterSizeHint() const {
   const QFontMetrics big(slanted()), small(lowered()), plain(mParentPlot->font());
-  return {big.horizontalAdvance(symbol_) + small.horizontalAdvance(index_) + plain.horizontalAdvance(unit_) + 21,
-          big.height() + 2};
+  return {big.horizontalAdvance(symbol_) + small.horizontalAdvance(index_) + plain.horizontalAdvance(unit_) + 13 +
+              mMargins.left(),
+          big.height() + 3};
 }
 
 void MathTitle::draw(QCPPainter* painter) {
   painter->setPen(colour_);
   const QFontMetricsF big(slanted()), small(lowered());
-  QPointF at(mOuterRect.left() + 8, mOuterRect.top() + big.ascent());
+  QPointF at(mRect.left(), mRect.top() + big.ascent());
   painter->setFont(slanted());
   painter->drawText(at, symbol_);
   at.rx() += big.horizontalAdvance(symbol_) + 1;

@@ -6,7 +6,8 @@
 
 namespace skein::ui {
 
-/// A plot's title as the paper writes it: the symbol slanted, its index lowered, the unit upright.
+/// A plot's title as the paper writes it: the symbol slanted, its index lowered, the unit upright. Given the margin
+/// group of the plot's left side, it begins where the plot does.
 class MathTitle final : public QCPLayoutElement {
   Q_OBJECT
 

@@ -39,11 +39,10 @@ QPalette palette(Theme theme) {
   p.setColor(QPalette::PlaceholderText, faint);
   p.setColor(QPalette::BrightText, Qt::white);
   p.setColor(QPalette::Link, QColor(dark ? sky : blue));
-  p.setColor(QPalette::Highlight, dark ? QColor(0x2f6f9f) : QColor(0x0072b2));
-  p.setColor(QPalette::HighlightedText, Qt::white);
+  p.setColor(QPalette::Highlight, dark ? QColor(0x30506a) : QColor(0xc3dcef));  // like no robot's colour
+  p.setColor(QPalette::HighlightedText, text);
   for (const auto role : {QPalette::WindowText, QPalette::Text, QPalette::ButtonText})
     p.setColor(QPalette::Disabled, role, faint);
-  p.setColor(QPalette::Disabled, QPalette::Highlight, faint);
   return p;
 }
 
@@ -72,8 +71,8 @@ Colours colours(const QPalette& p) {
   c.notice = c.dark ? QColor(0x56b4e9) : QColor(0x0072b2);
   c.warning = c.dark ? QColor(0xf0b429) : QColor(0xb36b00);
   c.alarm = c.dark ? QColor(0xff5a4f) : QColor(0xc8102e);
-  c.on_alarm = Qt::white;
-  c.accent = p.color(QPalette::Highlight);
+  c.alarm_fill = QColor(0xc8102e);  // of the STOP button, under white text
+  c.accent = c.dark ? QColor(0x3d8fc4) : QColor(blue);
   c.avoiding = QColor(orange);
   c.shielded = c.dark ? QColor(0xc792ea) : QColor(0x8e44ad);
   c.limited = c.dark ? QColor(0xf0e442) : QColor(0xa08800);

@@ -19,19 +19,16 @@ constexpr int replot_ms = 60;  // at most some 16 pictures a second
 /// The smallest height of a plot, so that noise does not fill it.
 constexpr double least[] = {0.02, 0.02, 0.1, 0.02, 0.002};
 
-QCPLegend* compact_legend(QCustomPlot* plot, QCPAxisRect* rect) {
+/// One line, for the right end of a plot's head.
+QCPLegend* compact_legend() {
   auto* legend = new QCPLegend;
-  rect->insetLayout()->addElement(legend, Qt::AlignTop | Qt::AlignRight);
-  rect->insetLayout()->setMargins(QMargins(0, 1, 2, 0));
-  legend->setLayer(QStringLiteral("legend"));
   legend->setFillOrder(QCPLegend::foColumnsFirst);
   legend->setWrap(12);
   legend->setIconSize(12, 8);
   legend->setIconTextPadding(3);
   legend->setRowSpacing(0);
   legend->setColumnSpacing(7);
-  legend->setMargins(QMargins(5, 1, 5, 1));
-  legend->setFont(plot->font());
+  legend->setMargins(QMargins(0, 0, 8, 0));
   return legend;
 }
 
@@ -79,12 +76,24 @@ void PlotsPanel::make_rows() {
                          {QStringLiteral("V"), {}, tr("[–]")}};
   plot_->plotLayout()->clear();
   plot_->plotLayout()->setRowSpacing(0);
+  plot_->plotLayout()->setMargins(QMargins(0, 5, 0, 3));
   auto* sides = new QCPMarginGroup(plot_);
   for (int row = 0; row < rows; ++row) {
     auto* rect = new QCPAxisRect(plot_);
-    plot_->plotLayout()->addElement(row, 0, rect);
+    auto* head = new QCPLayoutGrid;
+    plot_->plotLayout()->addElement(2 * row, 0, head);  // first: what goes into it learns its plot from it
+    auto* title = new MathTitle(plot_, names[row].symbol, names[row].index, names[row].unit);
+    title->setMarginGroup(QCP::msLeft, sides);
+    head->addElement(0, 0, title);
+    head->addElement(0, 1, new QCPLayoutElement(plot_));  // takes up what is left between title and legend
+    if (row == e_x) head->addElement(0, 2, robots_legend_ = compact_legend());
+    if (row == delta) head->addElement(0, 2, pairs_legend_ = compact_legend());
+    head->setColumnStretchFactor(1, 1000);
+    plot_->plotLayout()->addElement(2 * row + 1, 0, rect);
+    plot_->plotLayout()->setRowStretchFactor(2 * row, 0.001);
+    titles_.push_back(title);
     rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides);
-    rect->setMinimumMargins(QMargins(4, 7, 8, row == rows - 1 ? 0 : 7));
+    rect->setMinimumMargins(QMargins(4, 3, 8, row == rows - 1 ? 0 : 5));
     rect->setRangeDrag(Qt::Horizontal);
     rect->setRangeZoom(Qt::Horizontal);
     QCPAxis* time = rect->axis(QCPAxis::atBottom);
@@ -95,9 +104,6 @@ void PlotsPanel::make_rows() {
     value->ticker()->setTickCount(3);
     value->setNumberFormat(QStringLiteral("g"));
     value->setNumberPrecision(4);
-    auto* title = new MathTitle(plot_, names[row].symbol, names[row].index, names[row].unit);
-    rect->insetLayout()->addElement(title, Qt::AlignTop | Qt::AlignLeft);
-    titles_.push_back(title);
     rects_.push_back(rect);
   }
   rects_.back()->axis(QCPAxis::atBottom)->setLabel(tr("t [s]"));
@@ -107,8 +113,6 @@ void PlotsPanel::make_rows() {
       if (from != to)
         connect(from->axis(QCPAxis::atBottom), qOverload<const QCPRange&>(&QCPAxis::rangeChanged),
                 to->axis(QCPAxis::atBottom), qOverload<const QCPRange&>(&QCPAxis::setRange));
-  robots_legend_ = compact_legend(plot_, rects_[e_x]);
-  pairs_legend_ = compact_legend(plot_, rects_[delta]);
 }
 
 QCPGraph* PlotsPanel::add_graph(Row row) {
@@ -247,12 +251,10 @@ void PlotsPanel::style(const Colours& c) {
       axis->grid()->setZeroLinePen(QPen(c.axis, 1));
     }
   for (MathTitle* title : titles_) title->set_colour(c.text);
-  QColor veil = c.plot;
-  veil.setAlphaF(0.8F);
   for (QCPLegend* legend : {robots_legend_, pairs_legend_}) {
     legend->setFont(text);
     legend->setTextColor(c.text);
-    legend->setBrush(veil);
+    legend->setBrush(Qt::NoBrush);
     legend->setBorderPen(Qt::NoPen);
   }
   style_graphs(c);

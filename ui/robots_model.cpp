@@ -83,7 +83,8 @@ QString RobotsModel::text(std::size_t i, int column) const {
     const app::RobotStatus& status = links_[i];
     if (column == link) {
       const QString state = QString::fromStdString(status.link);
-      return stop_asked_ && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
+      const bool told = stop_asked_ && specs_[i].link != app::RobotSpec::Link::sim;
+      return told && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
     }
     return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing;
   }

@@ -3,15 +3,34 @@
 #include <QEvent>
 #include <QHeaderView>
 #include <QSignalBlocker>
+#include <QStyledItemDelegate>
 #include <algorithm>
 
 namespace skein::ui {
+namespace {
+
+/// What is coloured keeps its colour in the row that is selected.
+class KeepColours final : public QStyledItemDelegate {
+ public:
+  using QStyledItemDelegate::QStyledItemDelegate;
+
+ protected:
+  void initStyleOption(QStyleOptionViewItem* option, const QModelIndex& index) const override {
+    QStyledItemDelegate::initStyleOption(option, index);
+    option->state &= ~QStyle::State_HasFocus;
+    if (index.column() == RobotsModel::robot) option->state &= ~QStyle::State_Selected;
+    option->palette.setBrush(QPalette::HighlightedText, option->palette.brush(QPalette::Text));
+  }
+};
+
+}  // namespace
 
 RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   setObjectName(QStringLiteral("robots"));
   setAccessibleName(tr("Robots"));
   setModel(&model_);
   model_.set_colours(colours(palette()));
+  setItemDelegate(new KeepColours(this));
   setSelectionBehavior(SelectRows);
   setSelectionMode(SingleSelection);
   setFrameShape(NoFrame);
@@ -27,7 +46,7 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 16; };
   setColumnWidth(RobotsModel::robot, width(QStringLiteral("00")));
   setColumnWidth(RobotsModel::tag, width(tr("Tag")));
-  setColumnWidth(RobotsModel::link, width(tr("simulated")));
+  setColumnWidth(RobotsModel::link, width(tr("up, stopped")));
   setColumnWidth(RobotsModel::round_trip, width(tr("Round trip")));
   setColumnWidth(RobotsModel::tag_age, width(tr("not seen")));
   setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−0000 / −0000")));

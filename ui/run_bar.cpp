@@ -47,6 +47,7 @@ RunBar::RunBar(QWidget* parent)
   go_->setFont(bold);
   // As wide as the widest text: what follows does not jump about.
   time_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("0000.0 s / −0000.0 s")));
+  phase_->setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("● Opening …")) + 8);
   time_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
 
   auto* texts = new QVBoxLayout;
