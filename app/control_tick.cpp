@@ -58,6 +58,7 @@ struct ControlTick::State {
   core::Avoidance avoidance;
   core::Shield shield;
   std::vector<core::Predictor> predictors;
+  std::vector<bool> seen_before;
   std::vector<bool> off_nominal;        // follows a modified reference
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
 
@@ -83,6 +84,7 @@ ControlTick::State::State(const Experiment& e)
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
   predictors.resize(n);
+  seen_before.resize(n);
   off_nominal.resize(n);
   owed.resize(n);
   poses.resize(n);
@@ -190,7 +192,9 @@ void ControlTick::State::estimate(const TickInput& input) noexcept {
         seen ? predictors[i].predict(robot.measurement, input.now + experiment.estimation.actuation_delay)
              : core::Pose{none, none, none};
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
-    if (robot.is(lost) != was_lost) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
+    // One that has never been seen was not lost, and its first sight is what everybody expects.
+    if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
+    if (seen) seen_before[i] = true;
     if (robot.is(lost)) avoidance.reset(i);
   }
 }
