@@ -323,7 +323,7 @@ void ArenaPainter::banner_and_hint(const QRectF& widget) {
          scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
          scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
   if (!scene_.hint.isEmpty())
-    chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 88, widget.width() - 40, 0), scene_.hint,
+    chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 64, widget.width() - 40, 0), scene_.hint,
          faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 

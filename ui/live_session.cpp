@@ -1,6 +1,7 @@
 #include "ui/live_session.h"
 
 #include <chrono>
+#include <exception>
 #include <utility>
 
 namespace skein::ui {
@@ -39,7 +40,11 @@ void LiveSession::open(const app::Experiment& experiment, bool start_at_once) {
                          [old = std::move(session_), experiment, options]() mutable -> std::optional<Opened> {
                            if (old) old->close();
                            old.reset();  // before the new one: both want the same camera and robots
-                           return app::Session::open(experiment, app::Session::Clock::wall, options);
+                           try {
+                             return app::Session::open(experiment, app::Session::Clock::wall, options);
+                           } catch (const std::exception& error) {
+                             return tl::unexpected(std::string(error.what()));
+                           }
                          });
 }
 

@@ -186,14 +186,16 @@ void MainWindow::on_frame() {
   arena_->refresh();
   alert_->refresh();
   if (saving_ && saving_->problem.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    const Saving done = {saving_->file, {}};
-    const QString problem = saving_->problem.get();
+    const QString file = saving_->file, problem = saving_->problem.get();
     saving_.reset();
-    if (problem.isEmpty())
-      alert_->say(tr("Saved %1").arg(done.file), Severity::good);
-    else
+    if (!problem.isEmpty())
       show_problem(tr("The run was not saved"), problem);
-    emit saved(done.file, problem);
+    else if (const auto gone = live_.history().dropped())
+      alert_->say(tr("Saved %1 without its first %2 rows: the run was too long to keep them").arg(file).arg(gone),
+                  Severity::warning);
+    else
+      alert_->say(tr("Saved %1").arg(file), Severity::good);
+    emit saved(file, problem);
   }
   if (++frames_ % frames_per_text == 0 || live_.phase() != shown_phase_) show_state();
 }

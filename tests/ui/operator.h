@@ -9,6 +9,7 @@
 #include <QTest>
 #include <QWheelEvent>
 #include <functional>
+#include <optional>
 
 #include "app/experiment_file.h"
 #include "ui/arena_view.h"
@@ -16,7 +17,7 @@
 
 namespace skein::ui::test {
 
-inline constexpr int deadline_ms = 5000;  // far more than anything takes; a wait ends as soon as it may
+inline constexpr int deadline_ms = 10000;  // far more than anything takes; a wait ends as soon as it may
 
 inline bool eventually(const std::function<bool()>& holds) {
   return QTest::qWaitFor(holds, deadline_ms);
@@ -73,6 +74,20 @@ class Operator : public ::testing::Test {
 
   /// A key as the keyboard sends it: to the window that has the focus, and on from there.
   void key(Qt::Key key, QWidget* in = nullptr) { QTest::keyClick((in ? in : &window)->window()->windowHandle(), key); }
+
+  /// Where the operator put robot i last, once the run has a row of it.
+  core::Pose moved(std::size_t i) {
+    std::optional<core::Pose> pose;
+    EXPECT_TRUE(eventually([&] {
+      for (const auto& row : live().history().rows())
+        for (const app::Event& event : row->events)
+          if (event.kind == app::Event::Kind::move && event.robot == static_cast<int>(i))
+            pose = core::Pose{event.values[0], event.values[1], event.values[2]};
+      return pose.has_value();
+    })) << "robot "
+        << i + 1 << " was not moved";
+    return pose.value_or(core::Pose{});
+  }
 
   /// The events of the run's CSV, as the file has them.
   QStringList saved_events() {
