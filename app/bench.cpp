@@ -15,6 +15,7 @@
 #include "app/session.h"
 #include "app/statistics.h"
 #include "core/control/coordination_law.h"
+#include "core/simulation/random.h"
 
 namespace skein::app {
 namespace {
@@ -31,6 +32,54 @@ std::vector<TickRecord> record_run(const Experiment& experiment) {
   auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&recording}});
   (*session)->run();
   return std::move(recording.records);
+}
+
+/// A group of any size with the paper's parameters, fully coupled; the couplings' bounds shrink with the size, as (18f,
+/// g) ask. Errors of some centimetres.
+struct Group {
+  core::Gains gains;
+  std::vector<core::TrackingError> errors;
+  std::vector<core::Twist> reference, command;
+
+  explicit Group(std::size_t robots)
+      : gains(core::paper_gains(robots)), reference(robots, {0.05, 0.2}), command(robots) {
+    const double share = 3.0 / static_cast<double>(robots - 1);
+    gains.k_xx.fill(0.008 * share);
+    gains.k_tt.fill(0.025 * share);
+    gains.k_yy.fill(0.08 * share);
+    core::use_all_authority(gains, reference);
+    core::Random random(1, 0);
+    for (std::size_t i = 0; i < robots; ++i)
+      errors.push_back({0.05 * random.gaussian(), 0.05 * random.gaussian(), 0.3 * random.gaussian()});
+  }
+};
+
+/// The law for a group, pair by pair: the baseline.
+void law_plain(benchmark::State& state) {
+  Group group(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    core::coordination_law(group.gains, group.errors, group.reference, group.command);
+    benchmark::DoNotOptimize(group.command.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+/// The law as the tick calls it; the counter is its largest difference from the baseline, as a share of the limits.
+void law_fast(benchmark::State& state) {
+  Group group(static_cast<std::size_t>(state.range(0)));
+  core::LawPairs pairs(group.errors.size());
+  for (auto _ : state) {
+    core::coordination_law(group.gains, group.errors, group.reference, group.command, pairs);
+    benchmark::DoNotOptimize(group.command.data());
+    benchmark::ClobberMemory();
+  }
+  const std::vector<core::Twist> fast = group.command;
+  core::coordination_law(group.gains, group.errors, group.reference, group.command);
+  double difference = 0.0;
+  for (std::size_t i = 0; i < fast.size(); ++i)
+    difference = std::max({difference, std::abs(fast[i].v - group.command[i].v) / group.gains.v_max[i],
+                           std::abs(fast[i].omega - group.command[i].omega) / group.gains.omega_max[i]});
+  state.counters["difference"] = difference;
 }
 
 /// The law alone, on the errors of the same run: the baseline of the tick.
@@ -143,6 +192,11 @@ int bench(const std::string& what, std::vector<std::string> arguments) {
     const auto often = [](auto* b) { b->Repetitions(9)->ReportAggregatesOnly(true)->Unit(benchmark::kMicrosecond); };
     often(benchmark::RegisterBenchmark("law (n = 4, baseline)", law));
     often(benchmark::RegisterBenchmark("tick (n = 4)", tick));
+  }
+  if (asked("control")) {
+    const auto sizes = [](auto* b) { b->Arg(4)->Arg(100)->Arg(1000)->Unit(benchmark::kMicrosecond); };
+    sizes(benchmark::RegisterBenchmark("law, pair by pair (baseline)", law_plain));
+    sizes(benchmark::RegisterBenchmark("law", law_fast));
   }
   if (asked("run"))
     benchmark::RegisterBenchmark("run platoon.toml --csv", whole_run)

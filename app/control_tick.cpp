@@ -57,6 +57,7 @@ struct ControlTick::State {
   std::array<bool, 3> changed_before_start{};
   core::Avoidance avoidance;
   core::Shield shield;
+  core::LawPairs pairs;  // workspace of the law
   std::vector<core::Predictor> predictors;
   std::vector<bool> seen_before;
   std::vector<bool> off_nominal;        // follows a modified reference
@@ -80,6 +81,7 @@ ControlTick::State::State(const Experiment& e)
       schedule({gains.k_xx, gains.k_tt, gains.k_yy}),
       avoidance(e.robots.size()),
       shield(e.robots.size(), e.obstacles.size()),
+      pairs(e.robots.size()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
@@ -245,7 +247,7 @@ void ControlTick::State::apply_law() noexcept {
     const bool is_lost = record.robots[i].is(lost);
     errors[i] = is_lost ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
   }
-  core::coordination_law(gains, errors, followed_twists, law);
+  core::coordination_law(gains, errors, followed_twists, law, pairs);
 }
 
 /// The law does not imply (14), and (14) not what the wheels can do; the shield has the last word.

@@ -18,19 +18,10 @@ double coupling_factor(const Gains& gains, double k, double c, double l, double 
   return std::sqrt(l) * phi / std::sqrt((1.0 + l * b_i * b_i) * (1.0 + l * b_j * b_j));
 }
 
-}  // namespace
-
-double group_normaliser(double k, std::span<const TrackingError> errors) noexcept {
-  double squares = 0.0;
-  for (const TrackingError& e : errors) squares += e.x * e.x + e.y * e.y;
-  return std::sqrt(1.0 + k * k * squares);
-}
-
-void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
-                      std::span<Twist> command) noexcept {
+/// The first two terms of (15a), the first three of (15b).
+void track(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
+           std::span<Twist> command) noexcept {
   const double normaliser = group_normaliser(gains.k, errors);
-
-  // Tracking: the first two terms of (15a), the first three of (15b).
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const TrackingError& e = errors[i];
     const double v_ref = reference[i].v;
@@ -38,8 +29,10 @@ void coordination_law(const Gains& gains, std::span<const TrackingError> errors,
     command[i].omega = reference[i].omega + saturate(gains.saturation, gains.k_theta[i], gains.c_theta[i] * e.theta) +
                        gains.k_y * v_ref * gains.k * e.y / normaliser * sinc(e.theta);
   }
+}
 
-  // Coordination: the sums of (15a) and (15b), each pair once.
+/// The sums of (15a) and (15b), each pair once.
+void coordinate(const Gains& gains, std::span<const TrackingError> errors, std::span<Twist> command) noexcept {
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const TrackingError& e_i = errors[i];
     for (std::size_t j = i + 1; j < errors.size(); ++j) {
@@ -55,6 +48,30 @@ void coordination_law(const Gains& gains, std::span<const TrackingError> errors,
       command[j].omega -= e_i.theta * tt + yy * sinc(e_j.theta) * std::sin(e_i.theta);
     }
   }
+}
+
+}  // namespace
+
+double group_normaliser(double k, std::span<const TrackingError> errors) noexcept {
+  double squares = 0.0;
+  for (const TrackingError& e : errors) squares += e.x * e.x + e.y * e.y;
+  return std::sqrt(1.0 + k * k * squares);
+}
+
+void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
+                      std::span<Twist> command) noexcept {
+  track(gains, errors, reference, command);
+  coordinate(gains, errors, command);
+}
+
+void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
+                      std::span<Twist> command, LawPairs& pairs) noexcept {
+  constexpr std::size_t small = 16;  // where an exponential a robot costs more than a tanh a pair
+  track(gains, errors, reference, command);
+  if (errors.size() >= small && pairs.suit(gains, errors))
+    pairs.add(gains, errors, command);
+  else
+    coordinate(gains, errors, command);
 }
 
 CouplingSums coupling_sums(const Gains& gains, std::span<const TrackingError> errors) noexcept {

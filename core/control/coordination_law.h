@@ -3,6 +3,7 @@
 #include <span>
 
 #include "core/control/gains.h"
+#include "core/control/law_pairs.h"
 #include "core/control/tracking_error.h"
 
 namespace skein::core {
@@ -16,6 +17,11 @@ namespace skein::core {
 /// + k^2 e_xy' e_xy) sinc(theta_e).
 void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
                       std::span<Twist> command) noexcept;
+
+/// The same to 1e-12 of the limits, many pairs at once where the group is big; bit for bit the same in a small one, and
+/// on every processor. `pairs` is made for at least as many robots.
+void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
+                      std::span<Twist> command, LawPairs& pairs) noexcept;
 
 /// The coupling sums (21, 22) over the group: A_x, A_theta and A_y are zero but for rounding. What the coupling terms
 /// contribute to dV/dt, computed from the terms as (15) applies them.

@@ -7,10 +7,15 @@
 namespace skein::core {
 namespace {
 
+/// result(i, j) = function(a(i, j), b(i, j), c(i, j)) for all pairs; once for all of them where every pair is the same,
+/// so that a uniform table stays one. result may be a, b or c.
 template <typename Function>
-void for_each_pair(std::size_t robots, Function&& function) {
-  for (std::size_t i = 0; i < robots; ++i)
-    for (std::size_t j = i + 1; j < robots; ++j) function(i, j);
+void for_each_pair(PairTable& result, const PairTable& a, const PairTable& b, const PairTable& c,
+                   Function&& function) noexcept {
+  if (result.robots() < 2) return;
+  if (a.uniform() && b.uniform() && c.uniform()) return result.fill(function(a(0, 1), b(0, 1), c(0, 1)));
+  for (std::size_t i = 0; i < result.robots(); ++i)
+    for (std::size_t j = i + 1; j < result.robots(); ++j) result.set(i, j, function(a(i, j), b(i, j), c(i, j)));
 }
 
 }  // namespace
@@ -42,9 +47,8 @@ void GainSchedule::ramp(GainName name, const PairTable& target, double seconds) 
   const PairTable& from = table(now_, name);
   PairTable& rate = table(rate_, name);
   table(target_, name) = target;
-  for_each_pair(target.robots(), [&](std::size_t i, std::size_t j) {
-    rate.set(i, j,
-             seconds > 0.0 ? std::abs(target(i, j) - from(i, j)) / seconds : std::numeric_limits<double>::infinity());
+  for_each_pair(rate, from, target, target, [seconds](double start, double end, double) {
+    return seconds > 0.0 ? std::abs(end - start) / seconds : std::numeric_limits<double>::infinity();
   });
 }
 
@@ -57,12 +61,10 @@ void GainSchedule::step(double dt) noexcept {
   if (!(dt > 0.0)) return;  // an instant rate times no time is not a number
   for (const GainName name : gain_names) {
     PairTable& now = table(now_, name);
-    const PairTable& target = table(target_, name);
-    const PairTable& rate = table(rate_, name);
-    for_each_pair(now.robots(), [&](std::size_t i, std::size_t j) {
-      const double change = target(i, j) - now(i, j);
-      const double most = rate(i, j) * dt;
-      now.set(i, j, std::abs(change) <= most ? target(i, j) : now(i, j) + std::copysign(most, change));
+    for_each_pair(now, now, table(target_, name), table(rate_, name), [dt](double value, double target, double rate) {
+      const double change = target - value;
+      const double most = rate * dt;
+      return std::abs(change) <= most ? target : value + std::copysign(most, change);
     });
   }
 }

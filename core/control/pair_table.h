@@ -18,8 +18,19 @@ class PairTable {
 
   /// The value for robots i != j, both counted from 0.
   double operator()(std::size_t i, std::size_t j) const noexcept { return cells_[cell(i, j)]; }
-  void set(std::size_t i, std::size_t j, double value) noexcept { cells_[cell(i, j)] = value; }
-  void fill(double value) noexcept { std::fill(cells_.begin(), cells_.end(), value); }
+  void set(std::size_t i, std::size_t j, double value) noexcept {
+    cells_[cell(i, j)] = value;
+    uniform_ = cells_.size() == 1;
+  }
+  void fill(double value) noexcept {
+    std::fill(cells_.begin(), cells_.end(), value);
+    uniform_ = true;
+  }
+
+  /// Every pair is known to have the same value: it was filled, and no pair was set on its own since.
+  bool uniform() const noexcept { return uniform_; }
+  /// The values of the pairs (i, i+1), (i, i+2), ..., one after the other, for loops over whole rows; i < robots - 1.
+  const double* row(std::size_t i) const noexcept { return cells_.data() + cell(i, i + 1); }
 
   /// The sum over all robots j != i, as in (18f, g).
   double row_sum(std::size_t i) const noexcept {
@@ -30,7 +41,9 @@ class PairTable {
   }
   double largest() const noexcept { return cells_.empty() ? 0.0 : *std::max_element(cells_.begin(), cells_.end()); }
 
-  friend bool operator==(const PairTable&, const PairTable&) = default;
+  friend bool operator==(const PairTable& a, const PairTable& b) {
+    return a.robots_ == b.robots_ && a.cells_ == b.cells_;
+  }
 
  private:
   // Row by row through the upper triangle: (0,1) (0,2) ... (1,2) ...
@@ -41,6 +54,7 @@ class PairTable {
 
   std::size_t robots_ = 0;
   std::vector<double> cells_;
+  bool uniform_ = true;
 };
 
 }  // namespace skein::core
