@@ -1,10 +1,6 @@
 #include "vision/synthetic_camera.h"
 
-#include <apriltag/apriltag.h>
-#include <apriltag/tag36h11.h>
-
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -12,6 +8,7 @@
 #include "vision/detail/floor.h"
 #include "vision/detail/noise_bank.h"
 #include "vision/detail/painter.h"
+#include "vision/detail/tag_pattern.h"
 
 namespace skein::vision {
 namespace {
@@ -21,24 +18,7 @@ using detail::Canvas;
 using detail::Painter;
 using detail::Shade;
 
-constexpr int cells = 10;                         // of a tag's side, white border and all; the black square has 8
-using Pattern = std::array<bool, cells * cells>;  // true: paper; row by row from the top left as printed upright
-
-/// AprilTag's own pictures of the family, so that what is drawn is what is looked for.
-std::vector<Pattern> patterns() {
-  apriltag_family_t* family = tag36h11_create();
-  std::vector<Pattern> result(family->ncodes);
-  for (std::uint32_t id = 0; id < family->ncodes; ++id) {
-    image_u8_t* image = apriltag_to_image(family, static_cast<int>(id));
-    for (int i = 0; i < cells * cells; ++i) {
-      result[id][static_cast<std::size_t>(i)] = image->buf[(i / cells) * image->stride + i % cells] > 127;
-    }
-    std::free(image->buf);  // Debian's library keeps its image_u8_destroy to itself
-    std::free(image);
-  }
-  tag36h11_destroy(family);
-  return result;
-}
+constexpr int cells = detail::pattern_cells;
 
 Painter::Light light_over(const Calibration& calibration, const SceneOptions& options) {
   // Brightest at the top left corner, where the window is; (1 - light_gradient) of it at the opposite one.
@@ -60,7 +40,7 @@ Painter::Light light_over(const Calibration& calibration, const SceneOptions& op
 struct SyntheticCamera::Parts {
   Calibration calibration;
   SceneOptions options;
-  std::vector<Pattern> pattern_of;
+  std::vector<detail::TagPattern> pattern_of;
   Painter painter;
   detail::Blur blur;
   detail::NoiseBank noise;
@@ -74,7 +54,7 @@ struct SyntheticCamera::Parts {
   Parts(Calibration c, const SceneOptions& o, std::uint64_t seed)
       : calibration(std::move(c)),
         options(o),
-        pattern_of(patterns()),
+        pattern_of(detail::tag_patterns()),
         painter(calibration, light_over(calibration, options)),
         blur(options.blur_px),
         noise(options.noise_sigma, seed) {
@@ -152,7 +132,7 @@ void SyntheticCamera::Parts::draw_tag(const SyntheticTag& tag) {
       painter.box_around(tag.pose.x, tag.pose.y, module * cells / std::numbers::sqrt2, calibration.tag_height);
   const float ink = detail::paper_grey + static_cast<float>(options.contrast) * (detail::ink_grey - detail::paper_grey);
   const bool known = tag.tag >= 0 && static_cast<std::size_t>(tag.tag) < pattern_of.size();
-  const Pattern* pattern = known ? &pattern_of[static_cast<std::size_t>(tag.tag)] : nullptr;
+  const detail::TagPattern* pattern = known ? &pattern_of[static_cast<std::size_t>(tag.tag)] : nullptr;
   const auto x = static_cast<float>(tag.pose.x);
   const auto y = static_cast<float>(tag.pose.y);
   const auto c = static_cast<float>(std::cos(tag.pose.theta) / module);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include <string_view>
 
 #include "core/geometry/pose.h"
@@ -33,6 +35,7 @@ struct TagPose {
   double captured_at = 0.0;  // of the frame [s]
   double sigma_xy = 0.0;     // standard deviation of x, and of y [m]
   double sigma_theta = 0.0;  // standard deviation of theta [rad]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (x, y, theta) [m, rad]: what the sigmas are taken from
   How how = How::detected;
   Corners corners{};  // [px]
 };

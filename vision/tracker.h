@@ -12,15 +12,19 @@ namespace skein::vision {
 
 struct TrackerOptions {
   std::vector<int> tags{};  // ids wanted, each once; others are not reported
-  int search_every = 5;     // frames between searches of the full frame while a tag is missing: a tag that left the
-                            // arena for good must not cost a full search (10 ms and more) in every frame
-  int audit_every = 25;     // frames between full searches when none is missing: finds a second copy of an id
-  double window = 2.2;      // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
-  double max_speed = 0.3;   // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
-  double corner_sigma = corner_sigma_px;  // noise of a corner [px]
-  double shape_tolerance = 0.3;  // a tag whose edge is off by more than this part of tag_size, or whose corners are by
-                                 // half of it, does not lie on a standing robot and is rejected
-  int threads = 1;               // of a full search
+  int search_every = 5;  // frames between AprilTag searches of the full frame while a tag is missing: a tag that left
+                         // the arena for good must not cost one (10 ms and more) in every frame
+  int audit_every = 25;  // frames in which the gate, strip by strip, goes over the whole picture for second copies
+  int search_anyway = 1500;  // frames between full searches when none is missing: for copies that the gate cannot see
+  double window = 2.2;       // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
+  double max_speed = 0.3;    // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
+  double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]
+  double shape_tolerance = 0.06;   // a tag larger, smaller or more slanted than this part of its size is not where its
+                                   // pose says: it is held up (10 cm under a camera at 1.7 m), tilted or misprinted
+  double group_tolerance = 0.025;  // the same, compared with the other tags, where three and more are seen: what is
+                                   // wrong with all of them is the calibration's tag_size or tag_height
+  int threads = 1;                 // of a full search
+  bool baseline = false;           // only the instructions that every x86-64 has, as where there is no AVX2
 };
 
 /// What the tracker has done since it was made.
@@ -31,10 +35,15 @@ struct TrackerCounters {
   std::int64_t ghosts = 0;         // times that a wanted id was seen twice in a frame and therefore not reported
   std::int64_t rejected = 0;       // wanted tags not lying flat at tag_height, or not of tag_size
   std::int64_t wrong_frames = 0;   // frames whose size is not the calibration's: nothing is looked for in them
+  std::int64_t fits = 0;           // photometric fits that found their tag
+  std::int64_t failed_fits = 0;    // and that did not
+  std::int64_t gates = 0;          // frames in which the gate looked over the whole picture
+  std::int64_t windows = 0;        // small parts of a frame that AprilTag has searched
 };
 
-/// Frames in, poses of the wanted tags out. A tag seen before is searched in a window around its predicted place, the
-/// full frame only when a wanted tag is missing. Not for two threads at once.
+/// Frames in, poses of the wanted tags out. A tag seen before is fitted photometrically from where it should be by now
+/// (a few microseconds); AprilTag finds the first ones and those that are lost: in a window, where a cheap gate sees
+/// something like a tag, or in the full frame. Not for two threads at once.
 class TagTracker {
  public:
   /// The calibration must have a world frame (std::invalid_argument: that is the caller's mistake).
