@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/reference/platoon.h"
+#include "core/reference/reference.h"
 
 namespace skein::ui {
 
@@ -16,9 +16,9 @@ void ArenaScene::reset(const app::Experiment& of) {
   picture = {};
 
   constexpr int samples = 720;  // under 6 mm on the paper's lap
-  const core::Platoon platoon = app::make_reference(experiment);
+  const std::unique_ptr<const core::Reference> reference = app::make_reference(experiment);
   path.clear();
-  for (int k = 0; k <= samples; ++k) path.push_back(platoon.path().at(platoon.path().length() * k / samples).pose);
+  for (int k = 0; k <= samples; ++k) path.push_back(reference->path().at(reference->path().length() * k / samples).pose);
 }
 
 void ArenaScene::take(const app::TickRecord& newest) {

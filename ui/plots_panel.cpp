@@ -139,7 +139,8 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   }
   for (std::size_t i = 0; i + 1 < n; ++i) {
     QCPGraph* pair = add_graph(delta);
-    pair->setName(QStringLiteral("%1,%2").arg(i + 1).arg(i + 2));
+    // Of many pairs the legend has room for the first robot's number only.
+    pair->setName(n <= 6 ? QStringLiteral("%1,%2").arg(i + 1).arg(i + 2) : QString::number(i + 1));
     pair->addToLegend(pairs_legend_);
   }
   add_graph(lyapunov);
