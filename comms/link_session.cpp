@@ -65,6 +65,7 @@ void LinkSession::send_stop(double now) {
   output_.assign(stop.begin(), stop.end());
   parser_.expect_lines();
   ++stops_unanswered_;
+  heard_since_stop_ = false;
   asked_at_ = now;
 }
 
@@ -118,14 +119,16 @@ void LinkSession::restarted() {
 }
 
 void LinkSession::stop_answered(double now) {
-  asked_at_ = now;
   stops_unanswered_ = std::max(0, stops_unanswered_ - 1);
+  heard_since_stop_ = true;
   // Answers come in the order of the requests: first those to stops from before the last speed command, which say
-  // nothing about it.
-  if (late_answers_ > 0)
+  // nothing about it. They must not put off the repetition of a stop that was lost either.
+  if (late_answers_ > 0) {
     --late_answers_;
-  else
+  } else {
     stop_acknowledged_ = true;
+    asked_at_ = now;
+  }
   // Answers to the repetitions are still to come: wait for them, or they would be taken for answers to requests.
   if (stop_acknowledged_ && stops_unanswered_ == 0 && output_.empty()) synchronised(now);
 }
@@ -192,6 +195,9 @@ void LinkSession::advance(double now) {
     case Phase::synchronising:
       // Answers to repetitions are missing.
       if (stop_acknowledged_ && output_.empty()) return synchronised(now);
+      // The robot answers, so what it said to older stops would have come by now: it is lost. Waiting for each of them
+      // would take as long as the robot was out of reach.
+      if (heard_since_stop_) late_answers_ = 0;
       ++counters_.timeouts;
       owes_reply_ = true;
       reason_ = fmt::format("no answer to the stop within {:g} s", options_.reply_timeout);
@@ -201,10 +207,11 @@ void LinkSession::advance(double now) {
       return resynchronise(fmt::format("no reply within {:g} s", options_.reply_timeout), now);
     case Phase::idle: {
       if (silence_counts()) {
-        // Nobody commands any more: the robot must not run on. Once, until the next command.
+        // Nobody commands any more: the robot must not run on. The stop, not a speed of 0: its answer says that the
+        // robot has understood it, that to a speed damaged on the way looks like any other.
         reason_ = fmt::format("no command for {:g} s: stopped", options_.command_silence);
-        moving_allowed_ = false;
-        return begin_exchange(set_speeds_read_encoders({}), now);
+        stop_acknowledged_ = false;
+        return send_stop(now);
       }
       return send_heartbeat(now);
     }

@@ -17,10 +17,9 @@ namespace skein::comms {
 /// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
 /// that never goes back. Not thread-safe.
 ///
-///     opened --> synchronising --"s"--> idle <--> waiting (one exchange)      a reply that does not come, or bytes
-///     that
-///                     ^ stop sequence,      |        |                        nobody asked for, lead back to the stop
-///                     | repeated            +--------+                        sequence
+///     opened --> synchronising --"s"--> idle <--> waiting (one exchange)      a reply that does not come, or
+///                     ^ stop sequence,      |        |                        bytes that nobody asked for, lead back
+///                     | repeated            +--------+                        to the stop sequence
 ///                     +---------------------+
 class LinkSession {
  public:
@@ -86,6 +85,7 @@ class LinkSession {
   bool moving_allowed_ = false;       // a command was sent and no stop since: command silence must stop the robot
   int stops_unanswered_ = 0;          // stops whose answers may still come
   int late_answers_ = 0;              // how many of these were sent before the last speed command
+  bool heard_since_stop_ = false;     // an answer to a stop came since the newest stop was sent
   bool stop_acknowledged_ = false;
   std::uint16_t answered_ticket_ = 0;
 

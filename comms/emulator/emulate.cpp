@@ -63,7 +63,7 @@ int emulate(const EmulateOptions& options) {
   }
   try {
     const PtyEmulator emulator(std::vector<core::MotorModel>(options.robots, options.model), on_wheels, clock,
-                               options.directory);
+                               options.directory, options.faults, options.seed);
     for (std::size_t i = 0; i < emulator.size(); ++i)
       say(fmt::format("robot {}: serial:{}", i + 1, emulator.device(i)));
     signals.wait();

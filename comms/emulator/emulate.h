@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "comms/emulator/radio_faults.h"
 #include "core/kinematics/step_rate.h"
 
 namespace skein::comms {
@@ -11,8 +14,10 @@ namespace skein::comms {
 struct EmulateOptions {
   std::size_t robots = 1;                             ///< how many, 1 or more
   core::MotorModel model = core::MotorModel::epuck2;  ///< of all of them
-  std::string directory{};  ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
-  bool verbose = false;     ///< print every change of a robot's wheels
+  std::string directory{};      ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
+  bool verbose = false;         ///< print every change of a robot's wheels
+  std::vector<Fault> faults{};  ///< what goes wrong by itself, from the start on
+  std::uint64_t seed = 0;       ///< of what is random in them
 };
 
 /// Runs emulated robots until SIGINT or SIGTERM comes (to the process or to this thread). Prints one line

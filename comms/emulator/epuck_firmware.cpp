@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "comms/emulator/epuck_values.h"
 
@@ -15,6 +17,13 @@ constexpr std::string_view welcome =
 
 // The firmware's buffer has room for a small camera image; what a longer line overwrites there is not for us to say.
 constexpr std::size_t longest_line = 3200;
+
+constexpr double empty_battery = 3.4, full_battery = 4.2;  // [V]
+constexpr double raw_per_volt = 819.2;                     // of an e-puck2
+
+int battery_percent(double volts) {
+  return static_cast<int>(100.0 * std::clamp((volts - empty_battery) / (full_battery - empty_battery), 0.0, 1.0));
+}
 
 template <std::size_t N>
 std::string list(char letter, const std::array<int, N>& values) {
@@ -28,7 +37,11 @@ std::string list(char letter, const std::array<int, N>& values) {
 EpuckFirmware::EpuckFirmware(core::MotorModel model) : model_(model) {}
 
 void EpuckFirmware::boot() noexcept {
-  *this = EpuckFirmware(model_);
+  EpuckFirmware fresh(model_);
+  fresh.battery_volts_ = battery_volts_;
+  fresh.wheels_swapped_ = wheels_swapped_;
+  fresh.encoders_silent_ = encoders_silent_;
+  *this = std::move(fresh);
 }
 
 std::string EpuckFirmware::greeting() const {
@@ -124,7 +137,7 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
       answer = "p\r\n";
       break;
     case 'Q':
-      answer = fmt::format("q,{},{}\r\n", counter(steps_left_), counter(steps_right_));
+      answer = fmt::format("q,{},{}\r\n", left_counter(), right_counter());
       break;
     case 'S':  // the motors only: E goes on reporting the old speeds
       motor_left_ = motor_right_ = 0;
@@ -134,9 +147,9 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
       answer = epuck1() ? "v,Version 1.2.2 August 2008 GCtronic\r\n" : "v,Version 2.0 January 2018 GCtronic\r\n";
       answer += "HW version: FFFF\r\n";
       break;
-    case 'b':  // an e-puck1 before hardware 1.3 knows only good and low
-      answer =
-          epuck1() ? "b,1\r\n" : fmt::format("b,{} ({}%)\r\n", epuck_alone.battery_raw, epuck_alone.battery_percent);
+    case 'b':
+      answer = epuck1() ? fmt::format("b,{}\r\n", battery_raw())
+                        : fmt::format("b,{} ({}%)\r\n", battery_raw(), battery_percent(battery_volts_));
       break;
     case 'A':
       answer = list('a', epuck_alone.acceleration);
@@ -194,8 +207,8 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
 // --- Wheels ---------------------------------------------------------------------------------------------------------
 
 void EpuckFirmware::set_motors() noexcept {
-  motor_left_ = as_int16(speed_left_);
-  motor_right_ = as_int16(speed_right_);
+  motor_left_ = as_int16(wheels_swapped_ ? speed_right_ : speed_left_);
+  motor_right_ = as_int16(wheels_swapped_ ? speed_left_ : speed_right_);
 }
 
 void EpuckFirmware::set_counters(int left, int right) noexcept {
@@ -214,7 +227,14 @@ void EpuckFirmware::advance(double dt) noexcept {
   steps_right_ += rates.right * dt;
 }
 
+int EpuckFirmware::battery_raw() const noexcept {
+  // An e-puck1 before hardware 1.3 knows only good and low.
+  if (epuck1()) return battery_volts_ >= empty_battery ? 1 : 0;
+  return static_cast<int>(std::lround(battery_volts_ * raw_per_volt));
+}
+
 std::int64_t EpuckFirmware::counter(double position) const noexcept {
+  if (encoders_silent_) return 0;
   // Whole steps only, a hair's breadth of rounding forgiven: 25 times 0.04 s at 1000 steps/s are 1000 steps, not 999.
   const auto steps = static_cast<std::int64_t>(position + std::copysign(1e-6, position));
   return epuck1() ? static_cast<std::int16_t>(steps) : static_cast<std::int32_t>(steps);

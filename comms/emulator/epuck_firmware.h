@@ -15,8 +15,8 @@ namespace skein::comms {
 /// manufacturer's parser answers, mistakes included. No I/O, no clock. Not thread-safe.
 ///
 /// Emulated: every request of the protocol that needs no camera, sound, extension board (these are answered as by a
-/// robot that lacks them, or pass unanswered). Sensors read constants. Not emulated: the e-puck1's 64-byte receive
-/// ring, which loses bytes of bursts over ~58.
+/// robot that lacks them, or pass unanswered). Sensors read constants, but for the battery. The e-puck1's receive ring
+/// stands before the parser: see EmulatedEpuck.
 class EpuckFirmware {
  public:
   /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
@@ -37,6 +37,14 @@ class EpuckFirmware {
   /// Switches it off and on: wheels stand, counters are 0, the parser is fresh. The greeting is the caller's to send.
   void boot() noexcept;
 
+  /// The parser waits for a new command.
+  void forget_half_command() noexcept { parsing_ = Parsing::top; }
+
+  // Defects: a boot does not mend them.
+  void set_battery(double volts) noexcept { battery_volts_ = volts; }         ///< [V]; 3.4 is empty, 4.2 full
+  void swap_wheels(bool swapped) noexcept { wheels_swapped_ = swapped; }      ///< left commands drive and count right
+  void silence_encoders(bool silent) noexcept { encoders_silent_ = silent; }  ///< counters read 0
+
  private:
   enum class Parsing { top, line_start, line, sequence, arguments };
 
@@ -49,7 +57,10 @@ class EpuckFirmware {
   void append_all_sensors();
   void set_motors() noexcept;
   void set_counters(int left, int right) noexcept;
+  std::int64_t left_counter() const noexcept { return counter(steps_left_); }
+  std::int64_t right_counter() const noexcept { return counter(steps_right_); }
   std::int64_t counter(double position) const noexcept;
+  int battery_raw() const noexcept;
   bool epuck1() const noexcept { return model_ == core::MotorModel::epuck1; }
 
   core::MotorModel model_;
@@ -64,6 +75,10 @@ class EpuckFirmware {
   int position_left_ = 0, position_right_ = 0;  // last arguments of P
   int motor_left_ = 0, motor_right_ = 0;        // what the motors were last told
   double steps_left_ = 0.0, steps_right_ = 0.0;
+
+  double battery_volts_ = 3.9;
+  bool wheels_swapped_ = false;
+  bool encoders_silent_ = false;
 };
 
 }  // namespace skein::comms

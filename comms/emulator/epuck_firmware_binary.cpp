@@ -30,8 +30,8 @@ void EpuckFirmware::run_letter(std::uint8_t letter) {
       arguments_needed_ = 35;
       break;
     case 'Q':
-      append(counter(steps_left_));
-      append(counter(steps_right_));
+      append(left_counter());
+      append(right_counter());
       break;
     case 'E':
       append(speed_left_);
@@ -41,7 +41,7 @@ void EpuckFirmware::run_letter(std::uint8_t letter) {
       for (const int value : epuck_alone.acceleration) append(value);
       break;
     case 'b':
-      append(epuck1() ? 1 : epuck_alone.battery_raw);
+      append(battery_raw());
       break;
     case 'N':
       for (const int value : epuck_alone.proximity) append(value);
@@ -108,9 +108,9 @@ void EpuckFirmware::append_all_sensors() {
   for (const int value : epuck_alone.proximity) append(value);
   for (const int value : epuck_alone.ambient) append(value);
   merged_.resize(start + before_encoders);  // distance, microphones
-  append(counter(steps_left_));
-  append(counter(steps_right_));
-  append(epuck_alone.battery_raw);
+  append(left_counter());
+  append(right_counter());
+  append(battery_raw());
   merged_.insert(merged_.end(), 4, 0);  // memory card, remote control
   merged_.push_back(epuck_alone.selector);
   merged_.resize(start + whole);  // ground sensors

@@ -4,18 +4,22 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <limits>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "comms/emulator/epuck_firmware.h"
+#include "comms/emulator/emulated_epuck.h"
 #include "comms/emulator/pty.h"
 
 namespace skein::comms {
@@ -23,9 +27,11 @@ namespace skein::comms {
 class PtyEmulator::Loop {
  public:
   Loop(const std::vector<core::MotorModel>& models, WheelsChanged on_wheels, std::function<double()> clock,
-       std::string directory)
-      : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)), names_(std::move(directory)), last_(clock_()) {
-    for (const core::MotorModel model : models) robots_.emplace_back(model);
+       std::string directory, const std::vector<Fault>& faults, std::uint64_t seed)
+      : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)), names_(std::move(directory)) {
+    const double now = clock_();
+    for (std::size_t i = 0; i < models.size(); ++i)
+      robots_.emplace_back(EmulatedEpuck(models[i], now, faults_of(faults, i), seed + i));
     for (std::size_t i = 0; i < robots_.size(); ++i) names_.point(i, robots_[i].pty.path());
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     if (wake_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -48,17 +54,12 @@ class PtyEmulator::Loop {
   }
 
   void hang_up(std::size_t robot) {
-    ask([this, robot] {
-      Pty fresh;  // first: the name must lead somewhere before the old line breaks
-      names_.point(robot, fresh.path());
-      robots_.at(robot).pty = std::move(fresh);
-    });
+    ask([this, robot] { break_line(robot); });
   }
   void reboot(std::size_t robot) {
     ask([this, robot] {
-      robots_.at(robot).firmware.boot();
-      publish(robot);
-      write(robot, robots_[robot].firmware.greeting());
+      robots_.at(robot).epuck.reboot();
+      let_time_pass(robot);
     });
   }
   void silence(std::size_t robot, bool silent) {
@@ -70,8 +71,9 @@ class PtyEmulator::Loop {
 
  private:
   struct Robot {
-    explicit Robot(core::MotorModel model) : firmware(model) {}
-    EpuckFirmware firmware;    // the thread's own
+    explicit Robot(EmulatedEpuck robot) : epuck(std::move(robot)) {}
+    EmulatedEpuck epuck;       // the thread's own
+    std::uint64_t breaks = 0;  // the thread's own: how many of its connection's breaks the line has seen
     Pty pty;                   // the thread's own
     bool silent = false;       // the thread's own
     core::WheelSpeeds wheels;  // guarded by mutex_
@@ -92,9 +94,12 @@ class PtyEmulator::Loop {
     while (!ending_) {
       polled.assign(1, {.fd = wake_, .events = POLLIN, .revents = 0});
       for (const Robot& robot : robots_) polled.push_back({.fd = robot.pty.robot(), .events = POLLIN, .revents = 0});
-      if (::poll(polled.data(), polled.size(), /*for ever*/ -1) < 0) continue;
-      for (std::size_t i = 0; i < robots_.size(); ++i)
+      const std::optional<timespec> wait = until_next_event();
+      if (::ppoll(polled.data(), polled.size(), wait ? &*wait : nullptr, nullptr) < 0) continue;
+      for (std::size_t i = 0; i < robots_.size(); ++i) {
         if ((polled[i + 1].revents & POLLIN) != 0) serve(i);
+        if (wait) let_time_pass(i);
+      }
       if (polled[0].revents != 0) answer_request();
     }
   }
@@ -121,26 +126,41 @@ class PtyEmulator::Loop {
     answered_.notify_all();
   }
 
+  // How long nothing happens by itself; nothing: for ever, as without faults.
+  std::optional<timespec> until_next_event() const {
+    double next = std::numeric_limits<double>::infinity();
+    for (const Robot& robot : robots_) next = std::min(next, robot.epuck.deadline());
+    if (std::isinf(next)) return {};
+    const double seconds = std::clamp(next - clock_(), 0.0, 3600.0);
+    return timespec{static_cast<time_t>(seconds), static_cast<long>((seconds - std::floor(seconds)) * 1e9)};
+  }
+
   void serve(std::size_t i) {
     Robot& robot = robots_[i];
     std::array<std::uint8_t, 512> bytes;
     const ssize_t count = ::read(robot.pty.robot(), bytes.data(), bytes.size());
     if (count <= 0 || robot.silent) return;
-    let_time_pass();
-    reply_.clear();
-    robot.firmware.receive(std::span(bytes).first(static_cast<std::size_t>(count)), reply_);
-    publish(i);
-    write(i, {reinterpret_cast<const char*>(reply_.data()), reply_.size()});
+    robot.epuck.receive(std::span(bytes).first(static_cast<std::size_t>(count)), clock_());
+    let_time_pass(i);
   }
 
-  void let_time_pass() {
-    const double now = clock_();
-    for (Robot& robot : robots_) robot.firmware.advance(now - last_);
-    last_ = now;
+  void let_time_pass(std::size_t i) {
+    Robot& robot = robots_[i];
+    robot.epuck.advance(clock_());
+    publish(i);
+    if (std::exchange(robot.breaks, robot.epuck.breaks()) != robot.epuck.breaks()) break_line(i);
+    const std::vector<std::uint8_t> reply = robot.epuck.take();
+    if (!robot.silent) write(i, {reinterpret_cast<const char*>(reply.data()), reply.size()});
+  }
+
+  void break_line(std::size_t i) {
+    Pty fresh;  // first: the name must lead somewhere before the old line breaks
+    names_.point(i, fresh.path());
+    robots_.at(i).pty = std::move(fresh);
   }
 
   void publish(std::size_t i) {
-    const core::WheelSpeeds actual = robots_[i].firmware.wheels();
+    const core::WheelSpeeds actual = robots_[i].epuck.wheels();
     {
       const std::lock_guard lock(mutex_);
       if (robots_[i].wheels == actual) return;
@@ -163,9 +183,7 @@ class PtyEmulator::Loop {
   WheelsChanged on_wheels_;
   std::function<double()> clock_;
   DeviceNames names_;
-  double last_;  // when the robots' time was last brought up to date
   std::vector<Robot> robots_;
-  std::vector<std::uint8_t> reply_;
   int wake_ = -1;  // eventfd
   bool ending_ = false;
 
@@ -178,8 +196,10 @@ class PtyEmulator::Loop {
 };
 
 PtyEmulator::PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsChanged on_wheels,
-                         std::function<double()> clock, std::string directory)
-    : loop_(std::make_unique<Loop>(robots, std::move(on_wheels), std::move(clock), std::move(directory))) {}
+                         std::function<double()> clock, std::string directory, const std::vector<Fault>& faults,
+                         std::uint64_t seed)
+    : loop_(
+          std::make_unique<Loop>(robots, std::move(on_wheels), std::move(clock), std::move(directory), faults, seed)) {}
 PtyEmulator::~PtyEmulator() = default;
 
 std::size_t PtyEmulator::size() const noexcept {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "comms/emulator/radio_faults.h"
 #include "core/kinematics/step_rate.h"
 
 namespace skein::comms {
@@ -21,9 +23,11 @@ class PtyEmulator {
   /// `clock`: seconds, never decreasing; drives the encoders; called on the emulator's thread (and once here).
   /// `directory`: where the robots' names robot1, robot2, ... are made, symbolic links that follow a robot whose
   /// pseudo-terminal changes (see hang_up); made if it does not exist; empty: a new directory for temporary files.
+  /// `faults`: what goes wrong by itself, counted from now on, see EmulatedEpuck; a broken connection is a line that
+  /// hangs up, and its successor a line that nobody answers while the fault lasts. `seed`: of what is random in them.
   /// Throws std::system_error when the system refuses a pseudo-terminal or a file.
   PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsChanged on_wheels, std::function<double()> clock,
-              std::string directory = {});
+              std::string directory = {}, const std::vector<Fault>& faults = {}, std::uint64_t seed = 0);
   ~PtyEmulator();  ///< ends the thread, removes the names, hangs up
   PtyEmulator(const PtyEmulator&) = delete;
   PtyEmulator& operator=(const PtyEmulator&) = delete;

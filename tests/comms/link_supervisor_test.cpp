@@ -122,7 +122,8 @@ TEST_F(Supervised, CommandSilenceStops) {
   links->command(0, 100, 100);
   ASSERT_TRUE(links->wait_acknowledged(10.0));
   EXPECT_TRUE(stands(0));
-  EXPECT_TRUE(wait_until([&] { return status(0).exchanges == 2; })) << "the command, then one stop";
+  EXPECT_TRUE(wait_until([&] { return status(0).stop_acknowledged; }));
+  EXPECT_EQ(status(0).exchanges, 1u);
 }
 
 TEST_F(Supervised, ALostReplyIsResynchronised) {

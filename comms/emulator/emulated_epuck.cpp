@@ -1,0 +1,199 @@
+#include "comms/emulator/emulated_epuck.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+namespace skein::comms {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double byte_time = 10.0 / 115200.0;  // start bit, 8 data bits, stop bit [s]
+// Observed: a burst over about 58 bytes loses its tail. The ring has 64 places; the parser has not begun to read yet.
+constexpr std::size_t ring_capacity = 58;
+constexpr double noticeable_latency = 0.02;  // median, there and back: half a tick [s]
+constexpr double sigmas_to_p99 = 2.3263;     // of a Gaussian
+
+// What a host may leave behind in the parser: half a line, a line that only lacks its end, binary commands that wait
+// for all, for some or for 35 of their arguments.
+constexpr std::array<std::string_view, 5> half_commands{"D,0", "D,900,900", "\xBC", "\xBC\x64\x03", "\x89"};
+
+std::span<const std::uint8_t> as_bytes(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+}  // namespace
+
+EmulatedEpuck::EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults, std::uint64_t seed)
+    : firmware_(model), faults_(std::move(faults)), random_(seed, 0), start_(now), time_(now), ring_read_at_(now) {
+  advance(now);  // what is wrong from the beginning
+}
+
+const Fault* EmulatedEpuck::active(FaultKind kind) const noexcept {
+  // The newest of its kind counts.
+  const auto found =
+      std::find_if(active_.rbegin(), active_.rend(), [kind](const Fault& fault) { return fault.kind == kind; });
+  return found == active_.rend() ? nullptr : &*found;
+}
+
+bool EmulatedEpuck::carries() const noexcept {
+  // Nobody overtakes in a stream: a message that is late holds up the next.
+  if (!to_robot_.empty() && to_robot_.back().due > time_ + noticeable_latency) return false;
+  return std::none_of(active_.begin(), active_.end(), [](const Fault& fault) {
+    switch (fault.kind) {
+      case FaultKind::latency:
+        return fault.p99 > noticeable_latency;
+      case FaultKind::loss:
+      case FaultKind::burst:
+      case FaultKind::corruption:
+      case FaultKind::disconnect:
+      case FaultKind::reboot:
+        return true;
+      default:
+        return false;
+    }
+  });
+}
+
+// --- Time -----------------------------------------------------------------------------------------------------------
+
+double EmulatedEpuck::next_event() const noexcept {
+  double next = next_fault_ < faults_.size() ? start_ + faults_[next_fault_].at : never;
+  for (const Fault& fault : active_) next = std::min(next, start_ + fault.end());
+  if (!ring_.empty()) next = std::min(next, ring_read_at_);
+  if (!to_robot_.empty()) next = std::min(next, to_robot_.front().due);
+  return next;
+}
+
+double EmulatedEpuck::deadline() const noexcept {
+  return to_host_.empty() ? next_event() : std::min(next_event(), to_host_.front().due);
+}
+
+void EmulatedEpuck::advance(double now) {
+  const auto pass = [this](double until) {
+    firmware_.advance(until - time_);
+    time_ = until;
+  };
+  for (double next = next_event(); next <= now; next = next_event()) {
+    if (next > time_) pass(next);
+    run_event(time_);
+  }
+  if (now > time_) pass(now);
+}
+
+void EmulatedEpuck::run_event(double now) {
+  change_faults(now);
+  if (const Fault* battery = active(FaultKind::battery))
+    firmware_.set_battery(battery->volts - battery->sag * (now - start_ - battery->at) / 60.0);
+  if (!ring_.empty() && ring_read_at_ <= now) hear(std::exchange(ring_, {}), now);
+  while (!to_robot_.empty() && to_robot_.front().due <= now) {
+    const Message message = std::move(to_robot_.front());
+    to_robot_.pop_front();
+    deliver(message.bytes, now);
+  }
+}
+
+// --- Faults ---------------------------------------------------------------------------------------------------------
+
+void EmulatedEpuck::change_faults(double now) {
+  for (std::size_t i = 0; i < active_.size();) {
+    if (start_ + active_[i].end() > now) {
+      ++i;
+      continue;
+    }
+    const Fault over = active_[i];
+    active_.erase(active_.begin() + static_cast<std::ptrdiff_t>(i));
+    end(over);
+  }
+  for (; next_fault_ < faults_.size() && start_ + faults_[next_fault_].at <= now; ++next_fault_) {
+    const Fault& fault = faults_[next_fault_];
+    if (fault.duration > 0.0) active_.push_back(fault);
+    begin(fault);
+  }
+  firmware_.swap_wheels(active(FaultKind::swapped_wheels) != nullptr);
+  firmware_.silence_encoders(active(FaultKind::silent_encoders) != nullptr);
+}
+
+void EmulatedEpuck::begin(const Fault& fault) {
+  if (fault.kind == FaultKind::disconnect) {
+    ++breaks_;
+    forget_messages();
+  }
+  if (fault.kind == FaultKind::reboot) {
+    firmware_.boot();
+    forget_messages();
+    if (fault.duration <= 0.0) end(fault);
+  }
+  if (fault.kind == FaultKind::stuck && !off()) {
+    const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(half_commands.size()));
+    std::vector<std::uint8_t> answer;  // a half command has none
+    firmware_.forget_half_command();   // two halves must not make a whole that nobody sent
+    firmware_.receive(as_bytes(half_commands[which]), answer);
+  }
+}
+
+void EmulatedEpuck::end(const Fault& fault) {
+  if (fault.kind == FaultKind::reboot && !off()) send(to_host_, as_bytes(firmware_.greeting()), time_);
+}
+
+void EmulatedEpuck::reboot() {
+  begin({.kind = FaultKind::reboot, .duration = 0.0});
+}
+
+void EmulatedEpuck::forget_messages() {
+  to_robot_.clear();
+  to_host_.clear();
+  ring_.clear();
+}
+
+// --- Bytes ----------------------------------------------------------------------------------------------------------
+
+void EmulatedEpuck::send(std::deque<Message>& way, std::span<const std::uint8_t> bytes, double now) {
+  if (bytes.empty() || !connected() || active(FaultKind::burst)) return;
+  if (const Fault* loss = active(FaultKind::loss); loss && random_.uniform() < loss->share) return;
+  Message message{now, {bytes.begin(), bytes.end()}};
+  if (const Fault* corruption = active(FaultKind::corruption))
+    for (std::uint8_t& byte : message.bytes)
+      if (random_.uniform() < corruption->share)
+        byte = static_cast<std::uint8_t>(byte ^ (1 + static_cast<int>(255.0 * random_.uniform())));
+  if (const Fault* latency = active(FaultKind::latency)) {
+    const double sigma = std::log(latency->p99 / latency->median) / sigmas_to_p99;
+    message.due += 0.5 * latency->median * std::exp(sigma * random_.gaussian());
+  }
+  if (!way.empty()) message.due = std::max(message.due, way.back().due);  // a stream: nobody overtakes
+  way.push_back(std::move(message));
+}
+
+void EmulatedEpuck::receive(std::span<const std::uint8_t> bytes, double now) {
+  advance(now);
+  send(to_robot_, bytes, now);
+  advance(now);
+}
+
+void EmulatedEpuck::deliver(std::span<const std::uint8_t> bytes, double now) {
+  if (off()) return;
+  if (!active(FaultKind::ring)) return hear(bytes, now);
+  const std::size_t room = ring_capacity - std::min(ring_capacity, ring_.size());
+  ring_.insert(ring_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(room, bytes.size())));
+  ring_read_at_ = std::max(ring_read_at_, now) + static_cast<double>(bytes.size()) * byte_time;
+}
+
+void EmulatedEpuck::hear(std::span<const std::uint8_t> bytes, double now) {
+  std::vector<std::uint8_t> answer;
+  firmware_.receive(bytes, answer);
+  send(to_host_, answer, now);
+}
+
+std::vector<std::uint8_t> EmulatedEpuck::take() {
+  std::vector<std::uint8_t> bytes;
+  while (!to_host_.empty() && to_host_.front().due <= time_) {
+    bytes.insert(bytes.end(), to_host_.front().bytes.begin(), to_host_.front().bytes.end());
+    to_host_.pop_front();
+  }
+  return bytes;
+}
+
+}  // namespace skein::comms

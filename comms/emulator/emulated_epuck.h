@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "comms/emulator/epuck_firmware.h"
+#include "comms/emulator/radio_faults.h"
+#include "core/simulation/random.h"
+
+namespace skein::comms {
+
+/// An emulated e-puck at the far end of a radio that fails as its faults say. Bytes and times in, bytes and the time of
+/// the next event out: no I/O, no clock, no thread. Every `now` is in seconds on one clock that never goes back.
+/// Without faults every answer is there at once. Not thread-safe.
+class EmulatedEpuck {
+ public:
+  /// `faults`: this robot's, in the order in which they begin (faults_of()); their second 0 is `now`. `seed`: of which
+  /// messages are lost, which bytes change, how long each takes.
+  EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults = {}, std::uint64_t seed = 0);
+
+  void receive(std::span<const std::uint8_t> bytes, double now);  ///< what the host writes, in one write
+  void advance(double now);                                       ///< lets time pass: all that is due by then happens
+  /// What has reached the host and was not taken yet.
+  std::vector<std::uint8_t> take();
+  /// When something happens next without the host's doing; infinity: never.
+  double deadline() const noexcept;
+
+  core::WheelSpeeds wheels() const noexcept { return firmware_.wheels(); }              ///< [steps/s]
+  bool connected() const noexcept { return active(FaultKind::disconnect) == nullptr; }  ///< a host can reach it
+  std::uint64_t breaks() const noexcept { return breaks_; }  ///< times that the connection broke
+  /// True: a message sent now arrives whole, and within a tick. False: one of the faults may prevent that.
+  bool carries() const noexcept;
+  /// Off and on again within an instant.
+  void reboot();
+
+ private:
+  struct Message {
+    double due;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  const Fault* active(FaultKind kind) const noexcept;
+  bool off() const noexcept { return active(FaultKind::reboot) != nullptr; }
+  double next_event() const noexcept;
+  void run_event(double now);
+  void change_faults(double now);
+  void begin(const Fault& fault);
+  void end(const Fault& fault);
+  void deliver(std::span<const std::uint8_t> bytes, double now);
+  void hear(std::span<const std::uint8_t> bytes, double now);
+  void send(std::deque<Message>& way, std::span<const std::uint8_t> bytes, double now);
+  void forget_messages();
+
+  EpuckFirmware firmware_;
+  std::vector<Fault> faults_;
+  std::size_t next_fault_ = 0;  // the first that has not begun
+  std::vector<Fault> active_;   // those that go on, in the order in which they began
+  core::Random random_;
+  double start_;
+  double time_;  // how far the robot's time has come
+  std::uint64_t breaks_ = 0;
+
+  std::deque<Message> to_robot_, to_host_;  // in the air
+  std::vector<std::uint8_t> ring_;          // received and not yet read by the parser
+  double ring_read_at_;                     // when the parser comes to read it
+};
+
+}  // namespace skein::comms
