@@ -29,7 +29,7 @@ bool Certificate::holds() const noexcept {
 }
 
 Certificate certify(const Experiment& experiment) {
-  const core::Platoon reference = make_reference(experiment);
+  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   core::Gains gains = make_gains(experiment);
   core::GainSchedule schedule({gains.k_xx, gains.k_tt, gains.k_yy});
   const std::size_t n = experiment.robots.size();
@@ -57,7 +57,7 @@ Certificate certify(const Experiment& experiment) {
     gains.k_xx = schedule.now().k_xx;
     gains.k_tt = schedule.now().k_tt;
     gains.k_yy = schedule.now().k_yy;
-    reference.at(t, points);
+    reference->at(t, points);
     for (std::size_t i = 0; i < n; ++i) twists[i] = points[i].twist;
     core::use_all_authority(gains, twists);
     for (std::size_t i = 0; i < n; ++i) {

@@ -44,7 +44,7 @@ struct ControlTick::State {
 
   // What the experiment says.
   const Experiment experiment;
-  const core::Platoon reference;
+  const std::unique_ptr<const core::Reference> reference;
   const core::ReferenceDemand demand;
   std::vector<core::CommandLimits> limits;
 
@@ -76,7 +76,7 @@ struct ControlTick::State {
 ControlTick::State::State(const Experiment& e)
     : experiment(e),
       reference(make_reference(e)),
-      demand(reference.demand(e.controller.k_y)),
+      demand(reference->demand(e.controller.k_y)),
       gains(make_gains(e)),
       schedule({gains.k_xx, gains.k_tt, gains.k_yy}),
       avoidance(e.robots.size()),
@@ -225,7 +225,7 @@ void ControlTick::State::schedule_gains() noexcept {
 
 /// The formation's reference, and what avoidance (29-34) makes of it; then the tracking gains that these leave (36).
 void ControlTick::State::follow_reference() noexcept {
-  reference.at(record.t, nominal);
+  reference->at(record.t, nominal);
   if (running()) {
     avoidance.step(experiment.avoidance, gains, dt, poses, experiment.obstacles, nominal, followed);
     for (std::size_t i = 0; i < robots(); ++i) {

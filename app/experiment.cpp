@@ -2,12 +2,33 @@
 
 #include <cmath>
 
+#include "core/reference/platoon.h"
+#include "core/reference/polyline.h"
+
 namespace skein::app {
 namespace {
 
 std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
-  if (path.shape == PathSpec::Shape::circle) return std::make_shared<core::Circle>(path.radius);
+  using Shape = PathSpec::Shape;
+  switch (path.shape) {
+    case Shape::circle:
+      return std::make_shared<core::Circle>(path.radius);
+    case Shape::ellipse:
+      return std::make_shared<core::Ellipse>(path.width, path.height);
+    case Shape::lemniscate:
+      return std::make_shared<core::Lemniscate>(path.width, path.height);
+    case Shape::polyline:
+      return std::make_shared<core::Polyline>(path.points, path.radius);
+    case Shape::spline:
+      return std::make_shared<core::Spline>(path.points);
+    case Shape::rounded_rectangle:
+      break;
+  }
   return std::make_shared<core::RoundedRectangle>(path.width, path.height, path.radius);
+}
+
+core::Shape places(const ShapeSpec& spec, std::size_t robots) {
+  return spec.offsets.empty() ? core::make_shape(spec.shape, robots, spec.spacing) : spec.offsets;
 }
 
 }  // namespace
@@ -16,9 +37,15 @@ std::int64_t Experiment::ticks() const noexcept {
   return std::llround(duration * rate);
 }
 
-core::Platoon make_reference(const Experiment& experiment) {
+std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment) {
   const ReferenceSpec& r = experiment.reference;
-  return {make_path(r.path), experiment.robots.size(), r.spacing, r.speed, r.start};
+  const std::size_t n = experiment.robots.size();
+  if (r.kind == ReferenceSpec::Kind::platoon)
+    return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start);
+  std::vector<core::ShapeChange> changes;
+  for (const ReferenceChange& change : r.changes)
+    changes.push_back({change.t, change.duration, places(change.shape, n)});
+  return std::make_unique<core::Formation>(make_path(r.path), r.speed, r.start, places(r.shape, n), std::move(changes));
 }
 
 core::Gains make_gains(const Experiment& experiment) {

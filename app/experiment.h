@@ -10,7 +10,7 @@
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
 #include "core/kinematics/step_rate.h"
-#include "core/reference/platoon.h"
+#include "core/reference/formation.h"
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
 #include "core/simulation/simulated_robot.h"
@@ -21,19 +21,37 @@ namespace skein::app {
 /// counted from 0 here, from 1 in files, logs and windows. Every default is the paper's case study.
 
 struct PathSpec {
-  enum class Shape { rounded_rectangle, circle };
+  enum class Shape { rounded_rectangle, circle, ellipse, lemniscate, polyline, spline };
   Shape shape = Shape::rounded_rectangle;
-  double width = 1.3, height = 0.9;  ///< rounded rectangle [m]
-  double radius = 0.119;             ///< of its corners, or of the circle [m]
+  double width = 1.3, height = 0.9;  ///< rounded rectangle, ellipse, lemniscate [m]
+  double radius = 0.119;             ///< of corners, or of the circle [m]
+  std::vector<core::Point> points;   ///< of polyline and spline [m]
+};
+
+/// The robots' places in a formation.
+struct ShapeSpec {
+  core::ShapeName shape = core::ShapeName::line;
+  double spacing = 0.12;  ///< between neighbours [m]
+  core::Shape offsets;    ///< places of their own; empty: `shape`
+};
+
+struct ReferenceChange {
+  double t = 0.0, duration = 0.0;  ///< [s]
+  ShapeSpec shape;
 };
 
 struct ReferenceSpec {
-  enum class Kind { platoon };
+  enum class Kind {
+    platoon,    ///< all robots on one path, each a distance behind the next
+    formation,  ///< a shape about a centre that drives along the path
+  };
   Kind kind = Kind::platoon;
   double speed = 0.05;    ///< [m/s]
-  double spacing = 0.12;  ///< of arc between robots [m]
-  double start = 1.6;     ///< arc length at which robot 1 begins [m]
+  double spacing = 0.12;  ///< of a platoon, of arc between robots [m]
+  double start = 1.6;     ///< arc length at which robot 1, or the centre, begins [m]
   PathSpec path;
+  ShapeSpec shape;                       ///< of a formation
+  std::vector<ReferenceChange> changes;  ///< of a formation, in the order of t
 };
 
 struct ControllerSpec {
@@ -121,7 +139,7 @@ struct Experiment {
 };
 
 /// What the tick's parts are made of.
-core::Platoon make_reference(const Experiment& experiment);
+std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment);
 core::Gains make_gains(const Experiment& experiment);
 core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot);
 

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
+
+#include "app/experiment_reference.h"
 
 namespace skein::app {
 namespace {
@@ -47,74 +48,6 @@ void check_robots(const Experiment& e, Problems& problems) {
   if (real_camera && e.camera.calibration.empty())
     problems.add("camera.calibration",
                  fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", e.camera.source));
-}
-
-bool check_path(const Experiment& e, Problems& problems) {
-  const PathSpec& path = e.reference.path;
-  const bool circle = path.shape == PathSpec::Shape::circle;
-  if (const double largest = 0.5 * std::min(path.width, path.height); !circle && path.radius > largest) {
-    problems.add("reference.path.radius",
-                 fmt::format("found {}, allowed: up to {:.6g} m, half of the shorter side of {} m x {} m", path.radius,
-                             largest, path.width, path.height));
-    return false;
-  }
-  const double width = circle ? 2.0 * path.radius : path.width, height = circle ? 2.0 * path.radius : path.height;
-  const double room = 2.0 * core::robot_radius;
-  if (width + room > e.arena_width || height + room > e.arena_height)
-    problems.add("reference.path",
-                 fmt::format("found a path of {:.6g} m x {:.6g} m, allowed: up to {:.6g} m x {:.6g} m, "
-                             "the arena less a robot's width of {} m",
-                             width, height, e.arena_width - room, e.arena_height - room, room));
-  return true;
-}
-
-/// Calls `visit` with the vector between two references of the formation: every pair, all along the path.
-template <typename Visit>
-void for_each_offset(const Experiment& e, const core::Platoon& reference, Visit&& visit) {
-  constexpr int samples = 2000;  // 2 mm on the paper's path
-  const core::Path& path = reference.path();
-  for (int k = 0; k < samples; ++k) {
-    const double s = path.length() * k / samples;
-    const core::Pose ahead = path.at(s).pose;
-    for (std::size_t j = 1; j < e.robots.size(); ++j) {
-      const core::Pose behind = path.at(s - static_cast<double>(j) * e.reference.spacing).pose;
-      visit(ahead.x - behind.x, ahead.y - behind.y);
-    }
-  }
-}
-
-/// The formation itself must neither collide nor set off what keeps robots apart.
-void check_spacing(const Experiment& e, const core::Platoon& reference, Problems& problems) {
-  constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
-  double nearest = std::numeric_limits<double>::infinity(), level = nearest;
-  for_each_offset(e, reference, [&](double dx, double dy) {
-    nearest = std::min(nearest, std::hypot(dx, dy));
-    level = std::min(level, core::region_level(e.avoidance, dx / leaves_at, dy / leaves_at));
-  });
-  if (nearest <= 2.0 * core::robot_radius) {
-    problems.add(
-        "reference.spacing",
-        fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
-                    "room on a path of {:.4g} m for {} robots",
-                    e.reference.spacing, 2.0 * core::robot_radius, nearest, reference.path().length(),
-                    e.robots.size()));
-    return;
-  }
-  if (e.avoidance.enabled && level <= 1.0) {
-    const double fits = std::pow(level, 1.0 / e.avoidance.p);
-    problems.add(
-        e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",
-        fmt::format("found a detection region of {} m x {} m (alpha, beta), allowed: below {:.4g} m x {:.4g} m, or "
-                    "the formation, whose robots are {:.4g} m apart where they are nearest, avoids itself for ever "
-                    "(a region is left at {} times its size)",
-                    e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta, nearest,
-                    leaves_at));
-  }
-  if (e.shield.enabled && e.shield.distance >= nearest)
-    problems.add("shield.distance",
-                 fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two robots "
-                             "of the formation",
-                             e.shield.distance, nearest));
 }
 
 /// What (18a) asks of the tracking gains of (36): that the reference and the couplings leave something of `whole`.
@@ -161,10 +94,11 @@ void check_bound(const Bound& bound, std::size_t robots, Problems& problems) {
   }
 }
 
-void check_speed(const Experiment& e, const core::Platoon& reference, Problems& problems) {
+void check_speed(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
   const double curvature = reference.path().largest_curvature();
-  const double fastest = std::min(e.controller.v_max, e.controller.omega_max / (curvature + e.controller.k_y));
+  const double share = std::max(demand.v / e.controller.v_max, demand.turning / e.controller.omega_max);
+  const double fastest = e.reference.speed / share;  // all velocities grow with it
   if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)
     problems.add(
         "reference.speed",
@@ -174,11 +108,19 @@ void check_speed(const Experiment& e, const core::Platoon& reference, Problems& 
                     e.controller.omega_max, e.controller.k_y, 1.0 / curvature));
 }
 
-void check_gains(const Experiment& e, const core::Platoon& reference, Problems& problems) {
+void check_gains(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const ControllerSpec& c = e.controller;
   const core::ReferenceDemand demand = reference.demand(c.k_y);
   const auto check_xx = [&](const core::CouplingGains& gains, const std::string& place) {
-    check_bound({"(18f)", "v_max", "k_x", "m/s", c.v_max, demand.v, 1.0, {place + ".k_xx"}, {&gains.k_xx}},
+    check_bound({"(18f)",
+                 "v_max",
+                 "k_x",
+                 "m/s",
+                 c.v_max,
+                 demand.v,
+                 demand.v > 0.0 ? demand.v / e.reference.speed : 1.0,
+                 {place + ".k_xx"},
+                 {&gains.k_xx}},
                 e.robots.size(), problems);
   };
   const auto check_tt_yy = [&](const core::CouplingGains& gains, const std::string& place) {
@@ -188,7 +130,7 @@ void check_gains(const Experiment& e, const core::Platoon& reference, Problems& 
                  "rad/s",
                  c.omega_max,
                  demand.turning,
-                 reference.path().largest_curvature() + c.k_y,
+                 demand.v > 0.0 ? demand.turning / e.reference.speed : c.k_y,
                  {place + ".k_tt", place + ".k_yy"},
                  {&gains.k_tt, &gains.k_yy}},
                 e.robots.size(), problems);
@@ -237,11 +179,11 @@ void check_together(const Experiment& e, Problems& problems) {
   check_robots(e, problems);
   check_perturbations(e, problems);
   check_estimation(e, problems);
-  if (!check_path(e, problems)) return;  // without a path there is no reference
-  const core::Platoon reference = make_reference(e);
-  check_spacing(e, reference, problems);
-  check_speed(e, reference, problems);
-  check_gains(e, reference, problems);
+  if (!check_shape(e, problems)) return;  // without a path there is no reference
+  const std::unique_ptr<const core::Reference> reference = make_reference(e);
+  check_places(e, *reference, problems);
+  check_speed(e, *reference, problems);
+  check_gains(e, *reference, problems);
 }
 
 }  // namespace skein::app

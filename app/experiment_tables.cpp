@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "app/experiment_reference.h"
 #include "comms/link_address.h"
 
 namespace skein::app {
@@ -33,28 +34,6 @@ void read_run(TomlTable& t, Experiment& e) {
 void read_arena(TomlTable t, Experiment& e) {
   t.number("width", e.arena_width, between(0.1, longest, "m"));
   t.number("height", e.arena_height, between(0.1, longest, "m"));
-  t.finish();
-}
-
-void read_path(TomlTable t, PathSpec& path) {
-  using Shape = PathSpec::Shape;
-  t.choice("shape", path.shape, {{"rounded_rectangle", Shape::rounded_rectangle}, {"circle", Shape::circle}});
-  if (path.shape == Shape::rounded_rectangle) {
-    t.number("width", path.width, between(0.02, longest, "m"));
-    t.number("height", path.height, between(0.02, longest, "m"));
-  } else {
-    t.require("radius", "the circle's radius in m");  // the default is that of a corner
-  }
-  t.number("radius", path.radius, between(0.01, longest, "m"));
-  t.finish();
-}
-
-void read_reference(TomlTable t, ReferenceSpec& r) {
-  t.choice("kind", r.kind, {{"platoon", ReferenceSpec::Kind::platoon}});
-  t.number("speed", r.speed, between(0.0, 10.0, "m/s"));
-  t.number("spacing", r.spacing, above(0.0, longest, "m"));
-  t.number("start", r.start, between(-10.0 * longest, 10.0 * longest, "m"));
-  read_path(t.table("path"), r.path);
   t.finish();
 }
 
@@ -314,8 +293,8 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   TomlTable t(&document, "", problems);
   read_run(t, e);
   read_arena(t.table("arena"), e);
-  read_reference(t.table("reference"), e.reference);
   read_robots(t, e, problems);  // before everything that is said of robots
+  read_reference(t.table("reference"), e, problems);
   e.controller.gains = paper_couplings(e.robots.size());
   read_controller(t.table("controller"), e.controller, problems);
   read_gain_changes(t, e, problems);

@@ -107,7 +107,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   auto impl = std::make_unique<Impl>(experiment, clock, std::move(options));
   Impl& i = *impl;
   i.gains = make_gains(experiment);
-  i.demand = make_reference(experiment).demand(experiment.controller.k_y);
+  i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
   auto plant = Plant::open(i.experiment, i.clock, i.options.pictures);
   if (!plant) return tl::unexpected(plant.error());

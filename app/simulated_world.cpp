@@ -5,12 +5,12 @@
 namespace skein::app {
 
 SimulatedWorld::SimulatedWorld(const Experiment& experiment) {
-  const core::Platoon reference = make_reference(experiment);
+  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     const RobotSpec& spec = experiment.robots[i];
     simulated_.push_back(spec.simulated());
     robots_.emplace_back(spec.drive, spec.motor, experiment.simulation, experiment.seed, i);
-    robots_.back().place(spec.simulated() ? reference.at(i, 0.0).pose : core::Pose{none, none, none});
+    robots_.back().place(spec.simulated() ? reference->at(i, 0.0).pose : core::Pose{none, none, none});
   }
 }
 

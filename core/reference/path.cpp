@@ -3,12 +3,6 @@
 namespace skein::core {
 namespace {
 
-/// s wrapped to [0, length).
-double wrap_length(double s, double length) noexcept {
-  const double wrapped = std::fmod(s, length);
-  return wrapped < 0.0 ? wrapped + length : wrapped;
-}
-
 /// The point at arc length s of a circle that is left counter-clockwise from the angle `from` (seen from its centre).
 PathPoint on_arc(double centre_x, double centre_y, double radius, double from, double s) noexcept {
   const double angle = from + s / radius;
@@ -17,6 +11,11 @@ PathPoint on_arc(double centre_x, double centre_y, double radius, double from, d
 }
 
 }  // namespace
+
+double wrap_length(double s, double length) noexcept {
+  const double wrapped = std::fmod(s, length);
+  return wrapped < 0.0 ? wrapped + length : wrapped;
+}
 
 RoundedRectangle::RoundedRectangle(double width, double height, double corner_radius) noexcept
     : width_(width),

@@ -6,22 +6,25 @@
 
 namespace skein::core {
 
-/// A point of a path: where it is, which way it runs (theta), and how it bends there (curvature, left positive [1/m]).
+/// A point of a path: where it is, which way it runs (theta), and how it bends there.
 struct PathPoint {
   Pose pose;
-  double curvature = 0.0;
+  double curvature = 0.0;       ///< left positive [1/m]
+  double curvature_rate = 0.0;  ///< its derivative along the path [1/m^2]; 0 at a joint where the curvature jumps
 };
 
-/// A curve parametrised by its arc length s [m]. Heading and curvature are known at every s, so that a reference on it
-/// keeps both through a stop, where (3) is undefined.
+/// A closed curve parametrised by its arc length s [m]. Heading and curvature are known at every s, so that a reference
+/// on it keeps both through a stop, where (3) is undefined.
 class Path {
  public:
   virtual ~Path() = default;
-  /// The point at arc length s; a closed path wraps, whatever the sign and size of s.
+  /// The point at arc length s; wraps, whatever the sign and size of s.
   virtual PathPoint at(double s) const noexcept = 0;
   virtual double length() const noexcept = 0;
-  /// The tightest bend. [1/m]
+  /// The tightest bend, or a little more. [1/m]
   virtual double largest_curvature() const noexcept = 0;
+  /// Whether the curvature is continuous. Where it jumps, the velocity of a point beside the path does too.
+  virtual bool smooth() const noexcept { return true; }
 };
 
 /// Closed, counter-clockwise, centred on the origin: straights along the axes joined by quarter circles.
@@ -33,11 +36,15 @@ class RoundedRectangle final : public Path {
   PathPoint at(double s) const noexcept override;
   double length() const noexcept override { return 2.0 * (horizontal_ + vertical_ + 2.0 * corner_); }
   double largest_curvature() const noexcept override { return 1.0 / radius_; }
+  bool smooth() const noexcept override { return false; }
 
  private:
   double width_, height_, radius_;
   double horizontal_, vertical_, corner_;  // arc lengths of a straight along x, along y, and of a corner
 };
+
+/// s wrapped to [0, length).
+double wrap_length(double s, double length) noexcept;
 
 /// Closed, counter-clockwise, centred on the origin; s = 0 is its rightmost point.
 class Circle final : public Path {

@@ -12,8 +12,4 @@ ReferenceDemand Platoon::demand(double k_y) const noexcept {
   return {v, v * path_->largest_curvature() + k_y * v};
 }
 
-void Platoon::at(double t, std::span<ReferencePoint> points) const noexcept {
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = at(i, t);
-}
-
 }  // namespace skein::core

@@ -39,7 +39,7 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   experiment.gain_changes = {change};
   ControlTick tick(experiment);
   RecordChannel channel(8, tick.record());
-  const core::Platoon reference = make_reference(experiment);
+  const auto reference = make_reference(experiment);
 
   std::vector<core::Measurement> measurements(4);
   std::vector<core::Pose> truth(4);
@@ -51,7 +51,7 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   for (int k = 0; k < 1500; ++k) {
     const double now = k / 25.0;
     for (std::size_t i = 0; i < 4; ++i) {
-      core::Pose pose = reference.at(i, now).pose;
+      core::Pose pose = reference->at(i, now).pose;
       if (k > 200 && i == 1) pose.x += 0.12 * std::sin(0.01 * k);  // through its neighbours
       if (k > 700 && i == 2) pose.y += 0.6;                        // far off
       if (k < 900 || i != 3) measurements[i] = {pose, now};

@@ -17,10 +17,10 @@ class Bench {
  public:
   explicit Bench(const Experiment& e = paper_experiment())
       : experiment(e), tick(e), measured(e.robots.size()), truth(e.robots.size()), blind(e.robots.size(), false) {
-    const core::Platoon reference = make_reference(e);
+    const auto reference = make_reference(e);
     for (std::size_t i = 0; i < e.robots.size(); ++i) {
       robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
-      robots.back().place(reference.at(i, 0.0).pose);
+      robots.back().place(reference->at(i, 0.0).pose);
     }
   }
 

@@ -9,11 +9,11 @@ namespace skein::test {
 
 /// The rows of a whole run: simulated robots around the tick on a clock of its own, without session, threads or files.
 inline std::vector<app::TickRecord> simulate(const app::Experiment& e) {
-  const core::Platoon reference = app::make_reference(e);
+  const auto reference = app::make_reference(e);
   std::vector<core::SimulatedRobot> robots;
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
     robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
-    robots.back().place(reference.at(i, 0.0).pose);
+    robots.back().place(reference->at(i, 0.0).pose);
   }
   const app::OperatorCommand start;
   std::vector<core::Measurement> measured(robots.size());

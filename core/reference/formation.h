@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/reference/curve.h"
+#include "core/reference/reference.h"
+
+namespace skein::core {
+
+/// The robots' places in a formation, seen from its centre: x ahead along the path, y to its left. [m]
+using Shape = std::vector<Point>;
+
+/// Shapes by name; neighbours are `spacing` apart, and the mean of the places is the centre.
+enum class ShapeName {
+  line,     ///< side by side, robot 1 on the left
+  column,   ///< one behind the other, robot 1 in front
+  diamond,  ///< on the sides of a square that stands on its corner: robot 1 in front, then counter-clockwise
+  v,        ///< robot 1 in front, the even ones behind it to the left, the odd ones to the right
+  circle,   ///< robot 1 in front, then counter-clockwise
+};
+Shape make_shape(ShapeName name, std::size_t robots, double spacing);
+
+/// From time t on, the shape turns into another one within `duration`: places, their velocities and accelerations are
+/// continuous. [s]
+struct ShapeChange {
+  double t = 0.0;
+  double duration = 0.0;
+  Shape shape;
+};
+
+/// A shape about a centre that drives along a path at constant speed and turns with it, so that the robots on the
+/// outside of a bend drive faster than those inside. v_ref and omega_ref are (3), worked out from the centre's motion,
+/// the bend's own change and the shape's.
+class Formation final : public Reference {
+ public:
+  /// `changes` in the order of time, one over before the next begins; requires path->smooth(). speed [m/s]; `start`:
+  /// arc length at which the centre begins [m].
+  Formation(std::shared_ptr<const Path> path, double speed, double start, Shape shape, std::vector<ShapeChange> changes)
+      : path_(std::move(path)), speed_(speed), start_(start), shape_(std::move(shape)), changes_(std::move(changes)) {}
+
+  std::size_t robots() const noexcept override { return shape_.size(); }
+  const Path& path() const noexcept override { return *path_; }
+
+  using Reference::at;
+  ReferencePoint at(std::size_t i, double t) const noexcept override;
+  /// The largest of many samples and a thousandth more: every shape all along the path, every change.
+  ReferenceDemand demand(double k_y) const noexcept override;
+
+ private:
+  /// A robot's place in the formation, how fast it changes, and how fast that does.
+  struct Place {
+    Point place, velocity, acceleration;
+  };
+  Place place(std::size_t i, double t) const noexcept;
+  ReferencePoint at(double s, const Place& place) const noexcept;
+
+  std::shared_ptr<const Path> path_;
+  double speed_, start_;
+  Shape shape_;
+  std::vector<ShapeChange> changes_;
+};
+
+}  // namespace skein::core

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/control/gain_schedule.h"
+#include "core/control/tracking_error.h"
+#include "core/reference/path.h"
+
+namespace skein::core {
+
+/// Where every robot should be, and how it should move there (2, 3), at any time. Velocities come from the motion
+/// itself and not from differences of poses, so that heading and turning rate are known through a stop.
+class Reference {
+ public:
+  virtual ~Reference() = default;
+  virtual std::size_t robots() const noexcept = 0;
+  /// The reference of robot i (from 0) at time t. [s]
+  virtual ReferencePoint at(std::size_t i, double t) const noexcept = 0;
+  /// The most that it asks for over its whole course, or a little more, beside the law's k_y [rad/m].
+  virtual ReferenceDemand demand(double k_y) const noexcept = 0;
+  /// The path that leads it.
+  virtual const Path& path() const noexcept = 0;
+
+  /// All robots' references.
+  void at(double t, std::span<ReferencePoint> points) const noexcept {
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = at(i, t);
+  }
+};
+
+}  // namespace skein::core
