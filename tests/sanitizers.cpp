@@ -1,0 +1,22 @@
+// What the ThreadSanitizer must not report: libraries that are not built for it, whose own synchronisation it cannot see. Our code
+// between them stays checked. An object library, since the sanitizer's runtime looks the function up when the program starts.
+#if defined(__SANITIZE_THREAD__)
+extern "C" const char* __tsan_default_suppressions();
+extern "C" const char* __tsan_default_suppressions() {
+  return "race:libavcodec.so\n"
+         "race:libavutil.so\n"
+         "race:libavformat.so\n"
+         "race:libswscale.so\n"
+         "race:libopencv_\n"
+         "race:libtbb.so\n"
+         "deadlock:libgdal.so\n"
+         "called_from_lib:libQt6Core.so\n"
+         "called_from_lib:libQt6Gui.so\n"
+         "called_from_lib:libQt6Widgets.so\n"
+         "race:libQt6Core.so\n"
+         "race:libQt6Gui.so\n"
+         "mutex:libQt6Core.so\n"
+         "race:libfontconfig.so\n"
+         "race:libglib-2.0.so\n";
+}
+#endif
