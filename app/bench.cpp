@@ -15,6 +15,7 @@
 #include "app/session.h"
 #include "app/statistics.h"
 #include "core/control/coordination_law.h"
+#include "vision/bench.h"
 #include "core/simulation/random.h"
 
 namespace skein::app {
@@ -203,6 +204,7 @@ int bench(const std::string& what, std::vector<std::string> arguments) {
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime()
         ->MinTime(2.0);
+  if (asked("vision")) vision::register_vision_benchmarks();
   if (asked("loopback"))
     benchmark::RegisterBenchmark("loopback in real time", loopback)
         ->Unit(benchmark::kSecond)

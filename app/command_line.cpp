@@ -113,8 +113,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;
-  bench_command.add_option("what", bench_what, "tick, control, run or loopback (84 s); default: all")
-      ->check(CLI::IsMember({"tick", "control", "run", "loopback"}));
+  bench_command.add_option("what", bench_what, "tick, control, run, vision or loopback (84 s); default: all")
+      ->check(CLI::IsMember({"tick", "control", "run", "vision", "loopback"}));
   bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
 
   try {

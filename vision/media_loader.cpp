@@ -10,17 +10,17 @@
 namespace skein::vision {
 namespace {
 
-tl::expected<const Media*, std::string> load() {
+/// A symbol of a module, which is looked for where media_loader.h says.
+tl::expected<const void*, std::string> load(const char* file, const char* symbol_name) {
   namespace fs = std::filesystem;
-  constexpr const char* file = "skein_media.so";
   std::vector<fs::path> places;
   std::error_code error;
   if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error) {
     places.push_back(program.parent_path() / file);
     places.push_back(program.parent_path().parent_path() / "lib" / "skein" / file);
   }
-#ifdef SKEIN_MEDIA_BUILD_PATH
-  places.emplace_back(SKEIN_MEDIA_BUILD_PATH);
+#ifdef SKEIN_MODULE_BUILD_FOLDER
+  places.push_back(fs::path(SKEIN_MODULE_BUILD_FOLDER) / file);
 #endif
   std::string tried;
   for (const fs::path& place : places) {
@@ -35,18 +35,24 @@ tl::expected<const Media*, std::string> load() {
       tried += dlerror();
       continue;
     }
-    if (const void* symbol = dlsym(module, media_symbol)) return static_cast<const Media*>(symbol);
+    if (const void* symbol = dlsym(module, symbol_name)) return symbol;
     tried += "of another version";
   }
-  return tl::unexpected("pictures, videos and MJPEG cameras need the module skein_media.so, which cannot be loaded:" +
-                        tried);
+  return tl::unexpected(fmt::format("the module {} cannot be loaded:{}", file, tried));
 }
 
 }  // namespace
 
 tl::expected<const Media*, std::string> media() {
-  static const tl::expected<const Media*, std::string> loaded = load();
-  return loaded;
+  static const auto loaded = load("skein_media.so", media_symbol);
+  if (!loaded) return tl::unexpected("pictures, videos and MJPEG cameras: " + loaded.error());
+  return static_cast<const Media*>(*loaded);
+}
+
+tl::expected<const Aruco*, std::string> aruco() {
+  static const auto loaded = load("skein_aruco.so", aruco_symbol);
+  if (!loaded) return tl::unexpected("OpenCV's ArUco: " + loaded.error());
+  return static_cast<const Aruco*>(*loaded);
 }
 
 }  // namespace skein::vision

@@ -3,6 +3,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "vision/media/aruco.h"
 #include "vision/media/media.h"
 
 namespace skein::vision {
@@ -11,5 +12,8 @@ namespace skein::vision {
 /// program, in
 /// ../lib/skein from there, and where the build puts it. The error names the places and what was wrong.
 tl::expected<const Media*, std::string> media();
+
+/// The same of skein_aruco.so, for benchmarks.
+tl::expected<const Aruco*, std::string> aruco();
 
 }  // namespace skein::vision

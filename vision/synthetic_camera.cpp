@@ -70,6 +70,7 @@ struct SyntheticCamera::Parts {
   }
 
   void draw_robot(const SyntheticTag& tag);
+  void draw_smeared(const SyntheticTag& tag);
   void draw_tag(const SyntheticTag& tag);
   void paint_disc(const core::Pose& at, double radius, double height, double soft, Shade shade);
   void clean();
@@ -85,13 +86,23 @@ SyntheticCamera::~SyntheticCamera() = default;
 SyntheticCamera::SyntheticCamera(SyntheticCamera&&) noexcept = default;
 SyntheticCamera& SyntheticCamera::operator=(SyntheticCamera&&) noexcept = default;
 
-void SyntheticCamera::render(std::span<const SyntheticTag> tags, double captured_at, Frame& out) {
+void SyntheticCamera::render(std::span<const SyntheticTag> tags, std::span<const SyntheticDisc> discs,
+                             double captured_at, Frame& out) {
   Parts& parts = *parts_;
   out.resize(parts.calibration.width, parts.calibration.height);
   out.captured_at = captured_at;
   out.index = parts.frames++;
   out.source = std::to_string(out.index);
-  for (const SyntheticTag& tag : tags) parts.draw_robot(tag);
+  for (const SyntheticTag& tag : tags) {
+    if (tag.smear > 0.0) {
+      parts.draw_smeared(tag);
+    } else {
+      parts.draw_robot(tag);
+    }
+  }
+  for (const SyntheticDisc& disc : discs) {
+    parts.paint_disc({disc.x, disc.y, 0.0}, disc.radius, disc.height, disc.soft, {static_cast<float>(disc.grey), 1.0F});
+  }
   // Only now, so that a robot's edge is blurred into the robot beside it and not into the floor.
   for (const Box& box : parts.touched) parts.blur.apply(parts.sharp, box, parts.blurred.data());
   parts.noise.add(parts.blurred, out);
@@ -110,6 +121,35 @@ void SyntheticCamera::Parts::draw_robot(const SyntheticTag& tag) {
     paint_disc(pose, radius, 0.9 * calibration.tag_height, 0.0, {95.0F, 1.0F});
   }
   draw_tag(tag);
+}
+
+/// The mean of what the shutter sees while the robot drives ahead.
+void SyntheticCamera::Parts::draw_smeared(const SyntheticTag& tag) {
+  constexpr int moments = 8;
+  const double reach = 0.5 * tag.smear + tag.size + 2.0 * options.body_radius;
+  Box box = painter.box_around(tag.pose.x, tag.pose.y, reach, 0.0);
+  const Box raised = painter.box_around(tag.pose.x, tag.pose.y, reach, calibration.tag_height);
+  box = {std::min(box.left, raised.left), std::min(box.top, raised.top), std::max(box.right, raised.right),
+         std::max(box.bottom, raised.bottom)};
+  if (box.empty()) return;
+  const auto each = [&](auto&& pixel) {
+    std::size_t k = 0;
+    for (int v = box.top; v < box.bottom; ++v)
+      for (int u = box.left; u < box.right; ++u) pixel(sharp.row(v)[u], k++);
+  };
+  std::vector<float> before;
+  each([&](float& grey, std::size_t) { before.push_back(grey); });
+  std::vector<float> sum(before.size(), 0.0F);
+  for (int i = 0; i < moments; ++i) {
+    each([&](float& grey, std::size_t k) { grey = before[k]; });
+    SyntheticTag moment = tag;
+    const double ahead = ((i + 0.5) / moments - 0.5) * tag.smear;
+    moment.pose.x += ahead * std::cos(tag.pose.theta);
+    moment.pose.y += ahead * std::sin(tag.pose.theta);
+    draw_robot(moment);
+    each([&](float& grey, std::size_t k) { sum[k] += grey; });
+  }
+  each([&](float& grey, std::size_t k) { grey = sum[k] / moments; });
 }
 
 void SyntheticCamera::Parts::paint_disc(const core::Pose& at, double radius, double height, double soft, Shade shade) {

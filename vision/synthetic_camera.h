@@ -16,6 +16,17 @@ struct SyntheticTag {
   int tag = 0;         // id in the family 36h11, 0..586; another id is drawn as blank paper
   core::Pose pose;     // centre of the tag in the world [m, rad]
   double size = 0.06;  // edge of the black square [m]; the paper is 10/8 of it
+  double smear = 0.0;  // how far it drives ahead while the shutter is open; `pose` is where it is halfway [m]
+};
+
+/// A thing above the tags: an arm, a lamp's reflection.
+struct SyntheticDisc {
+  double x = 0.0;  // [m]
+  double y = 0.0;
+  double radius = 0.05;  // [m]
+  double height = 0.15;  // above the floor [m]
+  double grey = 110.0;   // in full light
+  double soft = 0.0;     // its edge goes over this length from opaque to nothing [m]
 };
 
 struct SceneOptions {
@@ -40,7 +51,11 @@ class SyntheticCamera {
   SyntheticCamera& operator=(SyntheticCamera&&) noexcept;
 
   /// Tags and parts of tags outside the picture are not drawn; a later tag covers an earlier one.
-  void render(std::span<const SyntheticTag> tags, double captured_at, Frame& out);
+  void render(std::span<const SyntheticTag> tags, double captured_at, Frame& out) {
+    render(tags, {}, captured_at, out);
+  }
+  /// The same with discs over them, in their order.
+  void render(std::span<const SyntheticTag> tags, std::span<const SyntheticDisc> discs, double captured_at, Frame& out);
 
  private:
   struct Parts;

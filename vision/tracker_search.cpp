@@ -25,6 +25,8 @@ constexpr int recheck_every = 10;
 // So that the list of such places stays short where robots drive about that nobody wants. [frames]
 constexpr std::int64_t forget_after = 500;
 
+constexpr int dim_every = 8;  // [full searches]
+
 // A detector's small corner errors must not pass for a tag out of shape; the fit is the one to say so.
 constexpr double detector_tolerance = 0.25;
 
@@ -54,7 +56,8 @@ bool TagTracker::Parts::missing() const {
 
 /// Both thresholds follow the light: they are parts of the contrast that tags had when they were last seen.
 int TagTracker::Parts::gate_threshold() const {
-  return contrast ? static_cast<int>(std::clamp(0.35 * *contrast, 4.0, 60.0)) : static_cast<int>(well_lit);
+  constexpr double most = 60.0;
+  return static_cast<int>(contrast ? std::clamp(0.35 * *contrast, 4.0, most) : most);
 }
 
 int TagTracker::Parts::detector_threshold() const {
@@ -202,8 +205,10 @@ void TagTracker::Parts::search(const Frame& frame) {
   if (!search_due()) return;
   const bool for_missing = missing();
   detector.set_decimate(decimate);
-  detector.set_min_white_black_diff(for_missing && dim_turn ? static_cast<int>(dim) : detector_threshold());
-  dim_turn = for_missing && !dim_turn;
+  // Every other search is one for dim light (30 ms) until a tag has said what the light is like; after that it is only
+  // for one that lies in a deep shadow.
+  const bool dim_turn = for_missing && counters.full_searches % (contrast ? dim_every : 2) == 1;
+  detector.set_min_white_black_diff(dim_turn ? static_cast<int>(dim) : detector_threshold());
   last_search = counters.frames;
   ++counters.full_searches;
   consider_all(frame, detector.detect(frame), /*whole_frame=*/true);

@@ -35,12 +35,10 @@ class Gate {
   const std::vector<Place>& places(int first, int last, const std::vector<Place>& known, double apart);
 
  private:
-  template <int cell>
   void count_busy(const Frame& frame, int first, int last, int threshold);
 
-  int width_;
-  int step_;  // between the two pixels that are compared: about a module [px]
-  int cell_;  // edge of a cell [px]
+  int step_;      // between the two pixels that are compared: about a module [px]
+  int row_step_;  // rows that are looked at: all, or every other
   int columns_;
   int rows_;
   int square_;                        // edge of the squares that are looked for [cells]

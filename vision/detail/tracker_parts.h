@@ -47,7 +47,6 @@ struct TagTracker::Parts {
   TrackerCounters counters;
   std::int64_t last_search = 0;    // number of the frame last searched as a whole
   std::optional<double> contrast;  // between ink and paper: the least of the tags last seen [grey levels]
-  bool dim_turn = false;           // the next search for a missing tag is the one for dim light
 
   /// A place that the gate thinks much of and AprilTag does not.
   struct Refuted {
