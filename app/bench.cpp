@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/bench_links.h"
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "app/control_tick.h"
@@ -15,8 +16,8 @@
 #include "app/session.h"
 #include "app/statistics.h"
 #include "core/control/coordination_law.h"
-#include "vision/bench.h"
 #include "core/simulation/random.h"
+#include "vision/bench.h"
 
 namespace skein::app {
 namespace {
@@ -186,7 +187,7 @@ void loopback(benchmark::State& state) {
 
 }  // namespace
 
-int bench(const std::string& what, std::vector<std::string> arguments) {
+int bench(const std::string& what, double seconds, std::vector<std::string> arguments) {
   const auto asked = [&](const char* name) { return what.empty() || what == name; };
   if (asked("tick")) {
     // One tick and its baseline, interleaved; the median of nine repetitions stands for each.
@@ -205,6 +206,7 @@ int bench(const std::string& what, std::vector<std::string> arguments) {
         ->UseRealTime()
         ->MinTime(2.0);
   if (asked("vision")) vision::register_vision_benchmarks();
+  if (asked("links")) register_link_benchmarks(seconds);
   if (asked("loopback"))
     benchmark::RegisterBenchmark("loopback in real time", loopback)
         ->Unit(benchmark::kSecond)

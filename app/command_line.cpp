@@ -9,6 +9,7 @@
 #include <exception>
 
 #include "app/commands.h"
+#include "app/fault_file.h"
 #include "comms/emulator/emulate.h"
 
 namespace skein::app {
@@ -53,6 +54,23 @@ struct ExperimentOptions {
     return result;
   }
 };
+
+/// What `skein emulate --faults` was given, "random" or a file, as faults; says what is wrong with the file on stderr.
+bool read_faults(const std::string& source, comms::EmulateOptions& options) {
+  constexpr double a_day = 86400.0, seconds_between_faults = 10.0;
+  if (source.empty()) return true;
+  if (source == "random") {
+    options.faults = comms::random_faults(options.robots, a_day, seconds_between_faults, options.seed);
+    return true;
+  }
+  auto faults = load_faults(source, options.robots);
+  if (faults) {
+    options.faults = std::move(*faults);
+    return true;
+  }
+  for (const Problem& problem : faults.error()) fmt::print(stderr, "{}\n", problem.message());
+  return false;
+}
 
 int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App program{
@@ -111,10 +129,31 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       ->type_name("DIR");
   emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
 
+  std::string faults;
+  emulate_command.add_option("--faults", faults, "what goes wrong: a file (TOML, see docs/emulator.md), or random")
+      ->type_name("FILE|random");
+  emulate_command.add_option("--seed", emulate_options.seed, "seed of what is random in the faults")
+      ->capture_default_str();
+
+  CLI::App& robots_command = *program.add_subcommand("robots", "Looks after real robots");
+  robots_command.require_subcommand(1);
+  CLI::App& stop_command = *robots_command.add_subcommand(
+      "stop", "Stops robots, whatever state they were left in; exit status 3 when one does not acknowledge");
+  std::vector<std::string> robots_to_stop;
+  stop_command
+      .add_option("robots", robots_to_stop,
+                  "rfcomm:ADDR/CHANNEL or serial:DEVICE for one robot, an experiment file for all of its")
+      ->required();
+
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;
-  bench_command.add_option("what", bench_what, "tick, control, run, vision or loopback (84 s); default: all")
-      ->check(CLI::IsMember({"tick", "control", "run", "vision", "loopback"}));
+  bench_command
+      .add_option("what", bench_what, "tick, control, run, vision, links (2 minutes) or loopback (84 s); default: all")
+      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "loopback"}));
+  double bench_seconds = 60.0;
+  bench_command.add_option("--seconds", bench_seconds, "links: how long each measurement takes")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
   bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
 
   try {
@@ -126,6 +165,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   // The emulator waits for signals in its own way.
   if (emulate_command) {
     emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
+    if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);
   }
   install_signal_handlers();
@@ -136,7 +176,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (check_command) return check(check_experiment.request());
   if (replay_command) return replay(replay_file);
   if (track_command) return track(track_request);
-  if (bench_command) return bench(bench_what, bench_command.remaining());
+  if (stop_command) return stop_robots(robots_to_stop);
+  if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
 
   if (!show_window) {
     fmt::print(stderr, "skein: this program was built without a window; try: skein run EXPERIMENT, skein --help\n");

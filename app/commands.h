@@ -34,7 +34,12 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
-/// `what`: "tick", "run", "loopback"; empty: all. Further words go to Google Benchmark.
-int bench(const std::string& what, std::vector<std::string> arguments);
+/// `what`: "tick", "run", "loopback", "links"; empty: all. `seconds`: how long each measurement of the links takes.
+/// Further words go to Google Benchmark.
+int bench(const std::string& what, double seconds, std::vector<std::string> arguments);
+
+/// Stops robots, named by link addresses or by experiment files, whatever state they were left in; `device_failed`
+/// when one has not acknowledged.
+int stop_robots(const std::vector<std::string>& words);
 
 }  // namespace skein::app
