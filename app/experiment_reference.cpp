@@ -191,13 +191,20 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
     level = std::min(level, core::region_level(e.avoidance, dx / leaves_at, dy / leaves_at));
   });
   if (nearest <= 2.0 * core::robot_radius) {
-    const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
-    problems.add(
-        "reference.spacing",
-        fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
-                    "room on a path of {:.4g} m for {} robots",
-                    platoon ? e.reference.spacing : e.reference.shape.spacing, 2.0 * core::robot_radius, nearest,
-                    reference.path().length(), e.robots.size()));
+    if (e.reference.kind == Kind::platoon)
+      problems.add(
+          "reference.spacing",
+          fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
+                      "room on a path of {:.4g} m for {} robots",
+                      e.reference.spacing, 2.0 * core::robot_radius, nearest, reference.path().length(),
+                      e.robots.size()));
+    else
+      problems.add(
+          e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
+          fmt::format("found places, or a change of them, with which robots of {} m width come within {:.4g} m "
+                      "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
+                      "crosses another's way",
+                      2.0 * core::robot_radius, nearest));
     return;
   }
   if (e.avoidance.enabled && level <= 1.0) {

@@ -63,8 +63,7 @@ Formation::Place Formation::place(std::size_t i, double t) const noexcept {
   return {(*from)[i], {}, {}};
 }
 
-ReferencePoint Formation::at(double s, const Place& p) const noexcept {
-  const PathPoint centre = path_->at(s);
+ReferencePoint Formation::at(const PathPoint& centre, const Place& p) const noexcept {
   const double c = std::cos(centre.pose.theta), sine = std::sin(centre.pose.theta);
   const double x = p.place.x, y = p.place.y;
   const Pose there{centre.pose.x + c * x - sine * y, centre.pose.y + sine * x + c * y, centre.pose.theta};
@@ -83,7 +82,7 @@ ReferencePoint Formation::at(double s, const Place& p) const noexcept {
 }
 
 ReferencePoint Formation::at(std::size_t i, double t) const noexcept {
-  return at(start_ + speed_ * t, place(i, t));
+  return at(path_->at(start_ + speed_ * t), place(i, t));
 }
 
 ReferenceDemand Formation::demand(double k_y) const noexcept {
@@ -94,14 +93,19 @@ ReferenceDemand Formation::demand(double k_y) const noexcept {
     most.turning = std::max(most.turning, std::abs(point.twist.omega) + k_y * point.twist.v);
   };
   const auto all_along = [&](const Shape& shape) {
-    for (int k = 0; k < samples; ++k)
-      for (const Point& place : shape) take(at(path_->length() * k / samples, Place{place, {}, {}}));
+    for (int k = 0; k < samples; ++k) {
+      const PathPoint centre = path_->at(path_->length() * k / samples);
+      for (const Point& place : shape) take(at(centre, Place{place, {}, {}}));
+    }
   };
   all_along(shape_);
   for (const ShapeChange& change : changes_) {
     all_along(change.shape);
-    for (int k = 0; k <= samples; ++k)
-      for (std::size_t i = 0; i < robots(); ++i) take(at(i, change.t + change.duration * k / samples));
+    for (int k = 0; k <= samples; ++k) {
+      const double t = change.t + change.duration * k / samples;
+      const PathPoint centre = path_->at(start_ + speed_ * t);
+      for (std::size_t i = 0; i < robots(); ++i) take(at(centre, place(i, t)));
+    }
   }
   return {1.001 * most.v, 1.001 * most.turning};
 }

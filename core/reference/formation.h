@@ -53,7 +53,7 @@ class Formation final : public Reference {
     Point place, velocity, acceleration;
   };
   Place place(std::size_t i, double t) const noexcept;
-  ReferencePoint at(double s, const Place& place) const noexcept;
+  ReferencePoint at(const PathPoint& centre, const Place& place) const noexcept;
 
   std::shared_ptr<const Path> path_;
   double speed_, start_;

@@ -139,6 +139,17 @@ TEST(CommandLine, CouplingsTradeTrackingForFormation) {
   }
 }
 
+TEST(CommandLine, TheExamplesDoWhatTheyExpect) {
+  for (const char* name : {"lemniscate", "diamond-to-line", "corner-blends", "unequal-speeds"}) {
+    const Result r = skein({"run", experiments + name + ".toml"});
+    EXPECT_EQ(r.status, 0) << name << ": " << r.err;
+    EXPECT_EQ(value(r.out, "collisions"), 0.0) << name;
+    const Result certificate = skein({"check", experiments + name + ".toml"});
+    EXPECT_EQ(certificate.status, 0) << name << ": " << certificate.err;
+    EXPECT_TRUE(has(certificate.out, "conditions_18: hold")) << name << certificate.out;
+  }
+}
+
 TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
   Folder folder;
   std::ofstream(folder / "bad.toml") << "name = \"bad\"\n[controller]\nv_max = -1\nwhatever = 3\n";

@@ -58,7 +58,8 @@ TEST(ExperimentFile, ThePaperIsBuiltInAndSaysTheDefaults) {
 }
 
 TEST(ExperimentFile, EveryShippedExperimentLoads) {
-  for (const char* name : {"platoon", "platoon-loopback", "uncoupled"}) {
+  for (const char* name : {"platoon", "platoon-loopback", "uncoupled", "lemniscate", "diamond-to-line", "corner-blends",
+                           "unequal-speeds"}) {
     const auto e = load_experiment(experiments + name + ".toml");
     ASSERT_TRUE(e) << e.error().front().message();
     EXPECT_EQ(e->name, name);
@@ -207,9 +208,26 @@ TEST(Documentation, NamesEveryKey) {
   const std::string text = file_text(SKEIN_SOURCE_DIR "/docs/experiment-file.md");
   std::size_t keys = 0;
   for (const char* table :
-       {"", "[arena]", "[reference]", "[controller]", "[controller.gains]", "[[gain_change]]\nt=1\nk_xx=0",
-        "[avoidance]", "[shield]", "[[obstacle]]\nx=0\ny=0\nradius=1", "[robot_defaults]", "[[robot]]", "[camera]",
-        "[estimation]", "[simulation]", "[[perturb]]\nt=0\nrobot=1\ndx=0", "[expect]"})
+       {"",
+        "[arena]",
+        "[reference]",
+        "[reference]\nkind='formation'\nshape='v'",
+        "[reference]\nkind='formation'\nshape='v'\n[[reference.change]]\nt=1\nduration=1\nshape='v'",
+        "[reference.path]",
+        "[reference.path]\nshape='spline'\npoints=[[0,0],[1,0],[0,1]]",
+        "[controller]",
+        "[controller.gains]",
+        "[[gain_change]]\nt=1\nk_xx=0",
+        "[avoidance]",
+        "[shield]",
+        "[[obstacle]]\nx=0\ny=0\nradius=1",
+        "[robot_defaults]",
+        "[[robot]]",
+        "[camera]",
+        "[estimation]",
+        "[simulation]",
+        "[[perturb]]\nt=0\nrobot=1\ndx=0",
+        "[expect]"})
     for (const std::string& key : known_keys(table)) {
       ++keys;
       EXPECT_TRUE(text.find('`' + key + '`') != std::string::npos || text.find('[' + key + ']') != std::string::npos ||
