@@ -19,6 +19,34 @@ void keep_largest(Certificate::Worst& worst, double value, double t) noexcept {
   if (value > worst.value) worst = {value, t};
 }
 
+void keep_smallest(Certificate::Theorem::Least& least, double value, double t, std::size_t robot) noexcept {
+  if (value < least.value) least = {value, t, robot};
+}
+
+Certificate::Theorem::Case case_of(const Certificate::Theorem& theorem, double v_max, double omega_max) noexcept {
+  using Case = Certificate::Theorem::Case;
+  constexpr double nothing = 1e-3;  // of a limit: between two ticks it may be a little smaller than at both
+  if (theorem.v.value > nothing * v_max) return Case::moving;
+  return theorem.omega.value > nothing * omega_max && theorem.continuous_omega ? Case::stopping : Case::neither;
+}
+
+std::string as_text(const Certificate::Theorem& theorem) {
+  using Case = Certificate::Theorem::Case;
+  const std::string v =
+      fmt::format("{:.4g} m/s, robot {} at t = {:g} s", theorem.v.value, theorem.v.robot + 1, theorem.v.t);
+  const std::string omega = fmt::format("{:.4g} rad/s, robot {} at t = {:g} s", theorem.omega.value,
+                                        theorem.omega.robot + 1, theorem.omega.t);
+  if (theorem.holds == Case::moving)
+    return fmt::format("case 1, v_ref is nonzero (smallest: {}), bounded and uniformly continuous", v);
+  if (theorem.holds == Case::stopping)
+    return fmt::format("case 2, v_ref vanishes ({}) while omega_ref is nonzero (smallest: {}) and uniformly continuous",
+                       v, omega);
+  return fmt::format(
+      "does not apply: v_ref vanishes ({}), against case 1, and omega_ref {}, against case 2; errors stay "
+      "bounded but need not vanish",
+      v, theorem.continuous_omega ? fmt::format("vanishes ({})", omega) : "jumps along the path");
+}
+
 }  // namespace
 
 bool Certificate::holds() const noexcept {
@@ -42,6 +70,9 @@ Certificate certify(const Experiment& experiment) {
   start.v.value = start.omega.value = start.wheel.value = -infinite;
   certificate.robots.assign(n, start);
 
+  certificate.theorem.v.value = certificate.theorem.omega.value = infinite;
+  certificate.theorem.continuous_omega = reference->path().smooth();
+
   std::vector<core::ReferencePoint> points(n);
   std::vector<core::Twist> twists(n);
   std::size_t next_change = 0;
@@ -64,6 +95,8 @@ Certificate certify(const Experiment& experiment) {
       Certificate::Robot& robot = certificate.robots[i];
       const core::CommandLimits limits = make_limits(experiment, i);
       const double v = std::abs(twists[i].v), omega = std::abs(twists[i].omega);
+      keep_smallest(certificate.theorem.v, v, t, i);
+      keep_smallest(certificate.theorem.omega, omega, t, i);
       keep_smallest(robot.k_x, gains.k_x[i], t);
       keep_smallest(robot.k_theta, gains.k_theta[i], t);
       keep_smallest(robot.b, core::margins(gains, i, twists[i]).b, t);
@@ -72,6 +105,7 @@ Certificate certify(const Experiment& experiment) {
       keep_largest(robot.wheel, (v + 0.5 * limits.drive.track * omega) / limits.drive.max_wheel_speed(), t);
     }
   }
+  certificate.theorem.holds = case_of(certificate.theorem, certificate.v_max, certificate.omega_max);
   return certificate;
 }
 
@@ -88,6 +122,7 @@ std::string as_lines(const Certificate& certificate) {
         out, "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
         i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
   }
+  fmt::format_to(out, "theorem_1: {}\n", as_text(certificate.theorem));
   fmt::format_to(out, "conditions_18: {}\n", certificate.holds() ? "hold over the whole reference" : "VIOLATED");
   return text;
 }

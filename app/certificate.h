@@ -22,7 +22,26 @@ struct Certificate {
     Worst omega;    ///< largest |omega_ref| as a share of omega_max
     Worst wheel;    ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
   };
+  /// Which case of Theorem 1 the reference is, over the run. Every reference has bounded velocities, and a v_ref that
+  /// is uniformly continuous.
+  struct Theorem {
+    enum class Case {
+      moving,    ///< case 1: every v_ref is nonzero
+      stopping,  ///< case 2: some v_ref vanishes, every omega_ref is nonzero and uniformly continuous
+      neither,   ///< errors stay bounded, but need not vanish
+    };
+    struct Least {
+      double value = 0.0;
+      double t = 0.0;
+      std::size_t robot = 0;
+    };
+    Least v;      ///< smallest |v_ref| [m/s], where it is first so small
+    Least omega;  ///< smallest |omega_ref| [rad/s]
+    bool continuous_omega = true;
+    Case holds = Case::neither;
+  };
   std::vector<Robot> robots;
+  Theorem theorem;
   double v_max = 0.0, omega_max = 0.0;
 
   /// (18a-g) hold and the reference is inside the actuators' limits, everywhere.

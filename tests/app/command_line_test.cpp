@@ -147,6 +147,7 @@ TEST(CommandLine, TheExamplesDoWhatTheyExpect) {
     const Result certificate = skein({"check", experiments + name + ".toml"});
     EXPECT_EQ(certificate.status, 0) << name << ": " << certificate.err;
     EXPECT_TRUE(has(certificate.out, "conditions_18: hold")) << name << certificate.out;
+    EXPECT_TRUE(has(certificate.out, "theorem_1: case 1, v_ref is nonzero")) << name << certificate.out;
   }
 }
 
@@ -181,6 +182,16 @@ TEST(CommandLine, CheckCertifiesTheGains) {
   EXPECT_EQ(r.status, 0) << r.err;
   EXPECT_TRUE(has(r.out, "conditions_18: hold"));
   EXPECT_TRUE(has(r.out, "robot_1_smallest_k_x: 0.026 m/s")) << "v_max - v_ref - 3 k_xx of (36a)";
+}
+
+TEST(CommandLine, CheckSaysWhatTheorem1AsksInVain) {
+  const Result r = skein({"check", experiments + "lemniscate.toml", "--set", "reference.speed=0"});
+  EXPECT_TRUE(has(r.out, "theorem_1: does not apply: v_ref vanishes (0 m/s, robot 1 at t = 0 s), against case 1, and "
+                         "omega_ref vanishes (0 rad/s, robot 1 at t = 0 s), against case 2"))
+      << r.out << r.err;
+  // The inner robot is the slowest.
+  const Result door = skein({"check", experiments + "unequal-speeds.toml"});
+  EXPECT_TRUE(has(door.out, "theorem_1: case 1, v_ref is nonzero (smallest: 0.0205 m/s, robot 1 at t = ")) << door.out;
 }
 
 TEST(CommandLine, ARecordedRunReplaysBitForBit) {
