@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "comms/asercom.h"
+#include "comms/emulator/epuck_firmware.h"
+#include "comms/link_session.h"
+
+namespace skein::fuzz {
+
+/// What must hold whatever the bytes; a broken promise ends the program, which is how a fuzzer learns of it.
+inline void must(bool holds) {
+  if (!holds) std::abort();
+}
+
+/// `bytes` as what a robot says. Odd bytes decide where chunks end. The parser and the session take everything, keep a
+/// bounded part of it, and afterwards a robot that listens is stopped and up within a few time-outs.
+inline void replies(std::span<const std::uint8_t> bytes) {
+  comms::ReplyParser parser;
+  comms::LinkSession session({});
+  double now = 1.0;
+  session.opened(now);
+  session.sent(session.output().size());
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
+    const auto chunk = bytes.subspan(begin, i + 1 - begin);
+    begin = i + 1;
+    parser.feed(chunk);
+    while (parser.next()) {
+    }
+    must(parser.pending() <= 4096 + chunk.size());
+    now += 0.01 * chunk[0];
+    session.advance(now);
+    session.received(chunk, now);
+    session.command(comms::clamped(chunk[0], -chunk[0]), static_cast<std::uint16_t>(i + 1), now);
+    must(session.output().size() <= comms::stop_sequence().size());
+    must(!std::isnan(session.deadline()));
+    session.sent(session.output().size());
+  }
+
+  comms::EpuckFirmware robot(core::MotorModel::epuck2);
+  session.stop(now);
+  for (int turn = 0; turn < 200 && !(session.up() && session.stop_acknowledged()); ++turn) {
+    while (!session.output().empty()) {
+      const std::vector<std::uint8_t> request(session.output().begin(), session.output().end());
+      session.sent(request.size());
+      std::vector<std::uint8_t> answer;
+      robot.receive(request, answer);
+      session.received(answer, now);
+    }
+    now += 0.25;
+    session.advance(now);
+  }
+  must(session.stop_acknowledged());
+  must(robot.wheels() == core::WheelSpeeds{});
+}
+
+/// `bytes` as what hosts send. Whatever they leave in the parser, one stop sequence is understood.
+inline void commands(std::span<const std::uint8_t> bytes) {
+  for (const core::MotorModel model : {core::MotorModel::epuck1, core::MotorModel::epuck2}) {
+    comms::EpuckFirmware robot(model);
+    std::vector<std::uint8_t> answer;
+    robot.receive(bytes, answer);
+    robot.advance(0.04);
+    answer.clear();
+    robot.receive(comms::stop_sequence(), answer);
+    must(answer.size() >= 3 && answer.end()[-3] == 's' && answer.end()[-2] == '\r' && answer.end()[-1] == '\n');
+    must(robot.wheels() == core::WheelSpeeds{});
+  }
+}
+
+}  // namespace skein::fuzz
