@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "tests/vision/support.h"
+#include "vision/detail/photometric_fit.h"
+#include "vision/detail/random.h"
 #include "vision/detector.h"
 #include "vision/frame_source.h"
 #include "vision/media_loader.h"
@@ -30,6 +32,26 @@ struct Seen {
     return corners[0] + a * system.inverse().row(0).dot(corners[1] - corners[0]);
   }
 };
+
+/// From a tag's own frame (modules) to the picture: the one homography that its four corners agree with.
+Eigen::Matrix3d homography_of(const Corners& corners) {
+  constexpr double model[4][2] = {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}};
+  Eigen::Matrix<double, 8, 8> equations;
+  Eigen::Matrix<double, 8, 1> right;
+  for (int i = 0; i < 4; ++i) {
+    const double x = model[i][0];
+    const double y = model[i][1];
+    const auto [u, v] = corners[static_cast<std::size_t>(i)];
+    equations.row(2 * i) << x, y, 1, 0, 0, 0, -u * x, -u * y;
+    equations.row(2 * i + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y;
+    right[2 * i] = u;
+    right[2 * i + 1] = v;
+  }
+  const Eigen::Matrix<double, 8, 1> h = equations.fullPivLu().solve(right);
+  Eigen::Matrix3d homography;
+  homography << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0;
+  return homography;
+}
 
 class RealData : public ::testing::Test {
  protected:
@@ -173,6 +195,39 @@ TEST_F(RealData, FilmOfTwoTagsOnAWall) {
     most = std::max(most, apart);
   }
   EXPECT_LT(most / least, 1.05);
+}
+
+TEST_F(RealData, TheFitAgreesWithTheDetectorOnTheFilm) {
+  // The film has no calibration, and its tags hang on a wall: each frame's own homography, from AprilTag's corners,
+  // stands for one. From a pose up to 3 px and 10 degrees off, the fit comes back to what AprilTag says.
+  auto source = open_source("video:" + root_ + "/wpical/field_long.mp4");
+  ASSERT_TRUE(source) << source.error();
+  const std::vector<detail::TagPattern> patterns = detail::tag_patterns();
+  TagDetector detector({.decimate = 2.0});
+  detail::Random random(4);
+  Frame frame;
+  const int frames = test::sanitized ? 5 : 60;
+  for (int k = 0; k < frames; ++k) {
+    ASSERT_TRUE((*source)->read(frame).value());
+    const std::vector<Detection> detections = detector.detect(frame);
+    ASSERT_EQ(detections.size(), 2U);
+    for (const Detection& detection : detections) {
+      const detail::PlaneMap map(homography_of(detection.corners));
+      detail::PhotometricFit fitter(map, 1.0, /*exact=*/false, {});
+      detail::TagModel model(patterns[static_cast<std::size_t>(detection.tag)]);
+      const double px = 1.0 / map.around(0.0, 0.0, 8.0).px_per_metre();
+      const core::Pose off{random.between(-2.0, 2.0) * px, random.between(-2.0, 2.0) * px, random.between(-0.17, 0.17)};
+      const detail::Fit fit = fitter.fit(frame, model, off);
+      EXPECT_EQ(fit.verdict, detail::FitVerdict::good) << "frame " << k << ", tag " << detection.tag << ": correlation "
+                                                       << fit.correlation << ", strain " << fit.strain;
+      const Eigen::Vector2d apart = map.pixel(fit.pose.x, fit.pose.y) - map.pixel(0.0, 0.0);
+      EXPECT_LT(apart.norm(), 0.5) << "frame " << k << ", tag " << detection.tag;
+      EXPECT_LT(std::abs(fit.pose.theta), 0.02);
+      const detail::TagPattern& other = patterns[static_cast<std::size_t>(detection.tag == 3 ? 4 : 3)];
+      detail::TagModel wrong(other);
+      EXPECT_NE(fitter.fit(frame, wrong, off).verdict, detail::FitVerdict::good) << "and it is no other tag";
+    }
+  }
 }
 
 TEST_F(RealData, FilmOfAChessboard) {

@@ -221,11 +221,11 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   Look seen;
   result.pose = from;
   bool arrived =
-      descend(frame, tag, 4, result.pose, seen, result.looks) && seen.correlation >= options_.least_correlation;
+      descend(frame, tag, 6, result.pose, seen, result.looks) && seen.correlation >= options_.least_correlation;
   if (!arrived) {
     result.pose = from;
     descend(frame, model.smooth(), 6, result.pose, seen, result.looks);
-    arrived = descend(frame, tag, 5, result.pose, seen, result.looks);
+    arrived = descend(frame, tag, 10, result.pose, seen, result.looks);
   }
   const double way = std::hypot(result.pose.x - from.x, result.pose.y - from.y) / module_;
   const bool strayed = way > std::max(longest_way, longest_way_px / px_per_module_) ||
