@@ -144,6 +144,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       .add_option("robots", robots_to_stop,
                   "rfcomm:ADDR/CHANNEL or serial:DEVICE for one robot, an experiment file for all of its")
       ->required();
+  CLI::App& test_command = *robots_command.add_subcommand(
+      "test", "Asks a robot for version and battery, turns each wheel 10 mm, and says what is wrong with them");
+  std::string robot_to_test;
+  test_command.add_option("robot", robot_to_test, "rfcomm:ADDR/CHANNEL or serial:DEVICE")->required();
 
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;
@@ -177,6 +181,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (replay_command) return replay(replay_file);
   if (track_command) return track(track_request);
   if (stop_command) return stop_robots(robots_to_stop);
+  if (test_command) return test_robot(robot_to_test);
   if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
 
   if (!show_window) {

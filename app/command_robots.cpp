@@ -6,6 +6,7 @@
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "comms/link_supervisor.h"
+#include "comms/robot_check.h"
 
 namespace skein::app {
 namespace {
@@ -78,6 +79,25 @@ int stop_robots(const std::vector<std::string>& words) {
     }
   }
   return status;
+}
+
+int test_robot(const std::string& word) {
+  const auto address = comms::parse_link_address(word);
+  if (!address) {
+    fmt::print(stderr, "skein: {}\n", address.error());
+    return wrong_input;
+  }
+  const auto checked = comms::check_robot(*address, reach_timeout);
+  if (!checked) {
+    fmt::print(stderr, "skein: {}: {}\n", word, checked.error());
+    return device_failed;
+  }
+  const auto said = [](const std::string& text) { return text.empty() ? "not said" : text; };
+  fmt::print("robot: {}\nversion: {}\nbattery: {}\nleft_steps: {}\nright_steps: {}\nfaults: {}\n", word,
+             said(checked->version), said(checked->battery), checked->left_steps, checked->right_steps,
+             checked->faults.size());
+  for (const std::string& fault : checked->faults) fmt::print(stderr, "skein: {}: {}\n", word, fault);
+  return checked->faults.empty() ? done : device_failed;
 }
 
 }  // namespace skein::app

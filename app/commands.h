@@ -42,4 +42,8 @@ int bench(const std::string& what, double seconds, std::vector<std::string> argu
 /// when one has not acknowledged.
 int stop_robots(const std::vector<std::string>& words);
 
+/// Asks one robot who it is, turns each wheel a little, and names what is wrong with them; `device_failed` if something
+/// is.
+int test_robot(const std::string& address);
+
 }  // namespace skein::app
