@@ -85,6 +85,11 @@ ReferencePoint Formation::at(std::size_t i, double t) const noexcept {
   return at(path_->at(start_ + speed_ * t), place(i, t));
 }
 
+void Formation::at(double t, std::span<ReferencePoint> points) const noexcept {
+  const PathPoint centre = path_->at(start_ + speed_ * t);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = at(centre, place(i, t));
+}
+
 ReferenceDemand Formation::demand(double k_y) const noexcept {
   constexpr int samples = 2000;
   ReferenceDemand most;

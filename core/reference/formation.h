@@ -42,8 +42,8 @@ class Formation final : public Reference {
   std::size_t robots() const noexcept override { return shape_.size(); }
   const Path& path() const noexcept override { return *path_; }
 
-  using Reference::at;
   ReferencePoint at(std::size_t i, double t) const noexcept override;
+  void at(double t, std::span<ReferencePoint> points) const noexcept override;
   /// The largest of many samples and a thousandth more: every shape all along the path, every change.
   ReferenceDemand demand(double k_y) const noexcept override;
 

@@ -23,7 +23,7 @@ class Reference {
   virtual const Path& path() const noexcept = 0;
 
   /// All robots' references.
-  void at(double t, std::span<ReferencePoint> points) const noexcept {
+  virtual void at(double t, std::span<ReferencePoint> points) const noexcept {
     for (std::size_t i = 0; i < points.size(); ++i) points[i] = at(i, t);
   }
 };

@@ -43,6 +43,9 @@ TEST(Formation, HasTheVelocitiesOf3) {
     const double v = std::hypot(dx, dy);
     if (v < 0.02) return;  // nearly a stop of this robot: differences say nothing of its heading
     RC_ASSERT(std::abs(b.twist.v - v) <= 1e-7);
+    std::vector<ReferencePoint> all(3);
+    formation.at(t, all);
+    RC_ASSERT(all[i] == b);
     RC_ASSERT(std::abs(wrap_angle(b.pose.theta - std::atan2(dy, dx))) <= 1e-5);
     const double omega = wrap_angle(c.pose.theta - a.pose.theta) / (2.0 * h);
     RC_ASSERT(std::abs(b.twist.omega - omega) <= 1e-4 * (1.0 + std::abs(omega)));
