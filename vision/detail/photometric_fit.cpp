@@ -111,6 +111,8 @@ bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, const core
       map.u[i] = static_cast<float>(map_.u[i] - (i == 0 ? left : 0));
       map.v[i] = static_cast<float>(map_.v[i] - (i == 0 ? top : 0));
     }
+    map.most_u = static_cast<float>(frame.width - 5 - left);
+    map.most_v = static_cast<float>(frame.height - 3 - top);
     const double scale = 1.0 / map_.radius;
     const Turn turn{static_cast<float>(c * scale), static_cast<float>(s * scale),
                     static_cast<float>((pose.x - map_.x) * scale), static_cast<float>((pose.y - map_.y) * scale)};

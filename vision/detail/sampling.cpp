@@ -17,6 +17,12 @@ constexpr std::size_t lanes = 8;
 
 using Lanes = float[lanes];
 
+/// Between 0 and `most`; no number is 0, as for AVX2's max.
+float hold(float place, float most) {
+  const float from_zero = place > 0.0F ? place : 0.0F;
+  return from_zero < most ? from_zero : most;
+}
+
 void place_baseline(const FloatMap& map, const Turn& turn, Places& places) {
   for (std::size_t block = 0; block < SampleGrid::count; block += lanes) {
     for (std::size_t i = block; i < block + lanes; ++i) {
@@ -30,8 +36,8 @@ void place_baseline(const FloatMap& map, const Turn& turn, Places& places) {
         const float in_y = a[2] + Y * (a[5] + Y * a[9]);
         return (a[0] + X * in_x) + Y * in_y;
       };
-      places.u[i] = cubic(map.u);
-      places.v[i] = cubic(map.v);
+      places.u[i] = hold(cubic(map.u), map.most_u);
+      places.v[i] = hold(cubic(map.v), map.most_v);
     }
   }
 }
@@ -119,13 +125,16 @@ SKEIN_AVX2 void place_avx2(const FloatMap& map, const Turn& turn, Places& places
   const __m256 s = _mm256_set1_ps(turn.s);
   const __m256 x0 = _mm256_set1_ps(turn.x0);
   const __m256 y0 = _mm256_set1_ps(turn.y0);
+  const __m256 zero = _mm256_setzero_ps();
+  const __m256 most_u = _mm256_set1_ps(map.most_u);
+  const __m256 most_v = _mm256_set1_ps(map.most_v);
   for (std::size_t i = 0; i < SampleGrid::count; i += lanes) {
     const __m256 x = _mm256_load_ps(&sample_grid.x[i]);
     const __m256 y = _mm256_load_ps(&sample_grid.y[i]);
     const __m256 X = add(sub(mul(c, x), mul(s, y)), x0);
     const __m256 Y = add(add(mul(s, x), mul(c, y)), y0);
-    _mm256_store_ps(&places.u[i], cubic(in_u, X, Y));
-    _mm256_store_ps(&places.v[i], cubic(in_v, X, Y));
+    _mm256_store_ps(&places.u[i], _mm256_min_ps(_mm256_max_ps(cubic(in_u, X, Y), zero), most_u));
+    _mm256_store_ps(&places.v[i], _mm256_min_ps(_mm256_max_ps(cubic(in_v, X, Y), zero), most_v));
   }
 }
 

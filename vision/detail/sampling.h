@@ -33,10 +33,13 @@ struct Turn {
   float y0 = 0.0F;
 };
 
-/// The polynomials of a LocalMap, their constants counted from the corner.
+/// The polynomials of a LocalMap, their constants counted from the corner. Places are held between 0 and these:
+/// whatever a polynomial says far from where it was made, nothing is read outside the picture.
 struct FloatMap {
   std::array<float, LocalMap::terms> u;
   std::array<float, LocalMap::terms> v;
+  float most_u;
+  float most_v;
 };
 
 /// What one look at the picture comes down to: sums over the points of grey level times column.
