@@ -149,6 +149,28 @@ TEST(PhotometricFit, RefusesOtherTagsAndOtherHeadings) {
   }
 }
 
+TEST(PhotometricFit, OtherTagsAreLessAlikeThanAFitAsksFor) {
+  // Over pairs of all tags, upright, at the sizes (px a module) of the whole picture and of the half: without noise.
+  for (const double px : {4.7, 2.4}) {
+    std::vector<TagTemplate> tags;
+    for (std::size_t id = 0; id < patterns().size(); id += test::sanitized ? 16 : 2)
+      tags.emplace_back(patterns()[id], 0.86 / px);
+    const double asked = std::max(0.85, 0.83 + 0.33 * (0.86 / px - 0.18) + 0.02);
+    double most = 0.0;
+    for (const TagTemplate& a : tags) {
+      for (const TagTemplate& b : tags) {
+        if (&a == &b) continue;
+        float product = 0.0F;
+        for (std::size_t i = 0; i < SampleGrid::points; ++i) product += a.t[i] * b.t[i];
+        const double covariance =
+            static_cast<double>(product) - a.mean * b.mean * static_cast<double>(SampleGrid::points);
+        most = std::max(most, covariance / std::sqrt(a.scatter * b.scatter));
+      }
+    }
+    EXPECT_LT(most, asked) << px;
+  }
+}
+
 TEST(PhotometricFit, RefusesTheFloor) {
   const Scene scene;
   Random random(2);

@@ -52,7 +52,7 @@ struct Fit {
 };
 
 struct FitOptions {
-  double least_correlation = 0.85;  // two different tags of 36h11, or one turned, correlate by at most 0.78
+  double least_correlation = 0.85;  // more where modules are so small that blur makes tags alike
   double least_contrast = 6.0;      // [grey levels]
   double strain_tolerance = 0.06;   // as TrackerOptions::shape_tolerance
   Instructions instructions = best_instructions();
