@@ -127,11 +127,18 @@ int run(const RunRequest& request) {
   }
   const Phase end = (*session)->run([] { return !interrupted(); });
   (*session)->close();
-  for (const auto& file : files) file->finish();
 
   Statistics::Summary summary = statistics.summary();
   summary.stopped = end != Phase::finished;
   summary.failure = (*session)->failure().value_or("");
+  summary.dropped_rows = static_cast<std::int64_t>((*session)->dropped_rows());
+  for (const auto& file : files) {
+    try {
+      file->finish();
+    } catch (const std::exception& error) {  // whether the robots stand must be told all the same
+      if (summary.failure.empty()) summary.failure = error.what();
+    }
+  }
   const std::vector<RobotStatus> robots = (*session)->robots();
   for (std::size_t i = 0; i < robots.size(); ++i)
     if (!robots[i].stop_acknowledged) summary.not_stopped.push_back(static_cast<int>(i));
@@ -147,6 +154,8 @@ int run(const RunRequest& request) {
     complain(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",
                          robot + 1));
   if (!summary.failure.empty()) complain(summary.failure);
+  if (summary.dropped_rows > 0)
+    complain(fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
   if (!summary.failure.empty() || !summary.not_stopped.empty()) return device_failed;
   std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
   if (summary.stopped)

@@ -164,6 +164,10 @@ std::size_t Session::drain(const std::function<void(const TickRecord&)>& take) {
   return impl_->window_channel ? impl_->window_channel->drain(take) : 0;
 }
 
+std::uint64_t Session::dropped_rows() const noexcept {
+  return impl_->recorder_channel ? impl_->recorder_channel->dropped() : 0;
+}
+
 bool Session::picture(Picture& out) {
   return has_camera() && !impl_->closed && impl_->plant->camera()->picture(out);
 }

@@ -74,6 +74,9 @@ class Session {
   /// window's.
   std::size_t drain(const std::function<void(const TickRecord&)>& take);
 
+  /// Rows of the run that its sinks never got, because they were too slow for 20 s; 0 on the virtual clock.
+  std::uint64_t dropped_rows() const noexcept;
+
   /// The newest camera picture, if there is a newer one than the last that was handed over. For one thread: the
   /// window's.
   bool picture(Picture& out);

@@ -45,7 +45,8 @@ class Statistics final : public RecordSink {
     double min_distance = none;           ///< [m]
     std::int64_t collisions = 0;          ///< times that a pair came closer than 70 mm
     std::int64_t missed_deadlines = 0;
-    double largest_period = none;                          ///< [s]
+    std::int64_t dropped_rows = 0;  ///< that the recorder was too slow to take: they are in no file and in no figure
+    double largest_period = none;   ///< [s]
     double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
     bool stopped = false;                                  ///< by the operator or a failure
     std::string failure;                                   ///< why it was stopped, where a camera or a robot failed

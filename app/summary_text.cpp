@@ -48,6 +48,7 @@ Json json(const Statistics::Summary& s) {
               {"min_distance", json(s.min_distance)},
               {"collisions", s.collisions},
               {"missed_deadlines", s.missed_deadlines},
+              {"dropped_rows", s.dropped_rows},
               {"largest_period", json(s.largest_period)},
               {"median_compute", json(s.median_compute)},
               {"largest_compute", json(s.largest_compute)},
