@@ -120,6 +120,7 @@ void LiveSession::resume() {
 
 void LiveSession::stop() noexcept {
   if (session_) session_->stop();
+  if (!stop_asked_) since_stop_.start();
   stop_asked_ = true;
 }
 

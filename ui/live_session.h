@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QElapsedTimer>
 #include <QObject>
 #include <QTimer>
 #include <future>
@@ -35,6 +36,8 @@ class LiveSession final : public QObject {
   const std::vector<app::RobotStatus>& robots() const { return robots_; }
   std::optional<QString> failure() const { return failure_; }
   bool stop_asked() const { return stop_asked_; }  ///< by the operator
+  /// A second after STOP: until then robots have had no fair chance to acknowledge it.
+  bool stop_is_due() const { return !stop_asked_ || since_stop_.hasExpired(1000); }
   const RunHistory& history() const { return history_; }
 
   void start();
@@ -66,6 +69,7 @@ class LiveSession final : public QObject {
   std::unique_ptr<app::Session> session_;
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
   bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false;
+  QElapsedTimer since_stop_;
   std::optional<app::TickRecord> latest_;
   std::vector<app::RobotStatus> robots_;
   std::optional<QString> failure_;

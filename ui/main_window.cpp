@@ -259,8 +259,10 @@ QString MainWindow::acknowledgements() const {
     if (!live_.robots()[i].stop_acknowledged) missing << QString::number(i + 1);
   }
   if (!any_link) return {};
-  return missing.isEmpty() ? tr(". All robots have acknowledged.")
-                           : tr(". NOT acknowledged by robot %1!").arg(missing.join(QStringLiteral(", ")));
+  if (missing.isEmpty()) return tr(". All robots have acknowledged.");
+  const QString robots = missing.join(QStringLiteral(", "));
+  return live_.stop_is_due() ? tr(". NOT acknowledged by robot %1!").arg(robots)
+                             : tr(". Waiting for robot %1 to acknowledge.").arg(robots);
 }
 
 void MainWindow::move_robot(int robot, const core::Pose& pose) {
