@@ -215,9 +215,7 @@ void ControlTick::State::schedule_gains() noexcept {
       schedule.ramp(name, *target, change.ramp);
     }
   }
-  // Before the start there is no motion that a gain could disturb, so that the operator's choice holds from the first
-  // tick on.
-  schedule.step(record.phase == Phase::ready ? operator_ramp : dt);
+  schedule.step(dt);
   gains.k_xx = schedule.now().k_xx;
   gains.k_tt = schedule.now().k_tt;
   gains.k_yy = schedule.now().k_yy;
