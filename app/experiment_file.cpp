@@ -33,14 +33,9 @@ void sort_by_time(std::vector<Timed>& list) {
 
 tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view text, const std::string& file,
                                                                 const std::vector<std::string>& sets) {
-  toml::table document;
-  try {
-    document = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position place = error.source().begin;
-    return tl::unexpected(std::vector<Problem>{
-        {file, static_cast<int>(place.line), static_cast<int>(place.column), std::string(error.description())}});
-  }
+  auto parsed = parse_toml(text, file);
+  if (!parsed) return tl::unexpected(parsed.error());
+  toml::table& document = *parsed;
   std::vector<Problem> refused_sets;
   apply_sets(document, sets, refused_sets);
 

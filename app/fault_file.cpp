@@ -78,14 +78,9 @@ std::optional<Fault> read_fault(TomlTable& table, std::size_t robots) {
 
 tl::expected<std::vector<Fault>, std::vector<Problem>> parse_faults(std::string_view text, const std::string& file,
                                                                     std::size_t robots) {
-  toml::table document;
-  try {
-    document = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position place = error.source().begin;
-    return tl::unexpected(std::vector<Problem>{
-        {file, static_cast<int>(place.line), static_cast<int>(place.column), std::string(error.description())}});
-  }
+  auto parsed = parse_toml(text, file);
+  if (!parsed) return tl::unexpected(parsed.error());
+  toml::table& document = *parsed;
   Problems problems(document, file);
   TomlTable root(&document, "", problems);
   std::vector<Fault> faults;

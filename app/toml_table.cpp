@@ -39,6 +39,16 @@ const toml::node* child(const toml::node& parent, std::string_view key) {
 
 }  // namespace
 
+tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position place = error.source().begin;
+    return tl::unexpected(std::vector<Problem>{
+        {file, static_cast<int>(place.line), static_cast<int>(place.column), std::string(error.description())}});
+  }
+}
+
 std::string Problem::message() const {
   return line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, text) : fmt::format("{}: {}", file, text);
 }

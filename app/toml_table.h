@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <toml++/toml.h>
+#include <tl/expected.hpp>
 
 #include "app/problem.h"
 
@@ -31,6 +32,9 @@ constexpr Range above(double low, double high, const char* unit = "") {
 constexpr Range between(double low, double high, const char* unit = "") {
   return {low, high, false, unit};
 }
+
+/// The document that a TOML text says; where it is no TOML, the one problem that stopped the parser, with its place.
+tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file);
 
 /// Everything wrong with one document, each with its place.
 class Problems {
