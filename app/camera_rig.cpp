@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -63,8 +68,14 @@ CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, Simulate
       tracker_(calibration_, tracker_options(experiment)),
       pictures_(pictures),
       poses_(experiment.robots.size()),
-      seen_(experiment.robots.size()),
-      measurements_(seen_) {}
+      seen_{std::vector<core::Measurement>(experiment.robots.size()), {}},
+      sights_(seen_),
+      ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+
+CameraRig::~CameraRig() {
+  end();
+  if (ready_ >= 0) ::close(ready_);
+}
 
 void CameraRig::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
@@ -110,6 +121,8 @@ bool CameraRig::capture() {
     for (std::size_t i = 0; i < poses_.size(); ++i)
       if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
     synthetic_->render(tags_, now, frame_);
+    seen_.times = {now, clock_.now(), none, none};
+    seen_.times.grey_at = seen_.times.arrived_at;
     return true;
   }
   const auto read = source_->read(frame_);
@@ -118,16 +131,23 @@ bool CameraRig::capture() {
   else if (!*read)
     reason_ = fmt::format("{}: the stream is at its end", experiment_.camera.source);
   if (!reason_.empty()) return false;
-  frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : clock_.now();
+  const double now = clock_.now();
+  frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : now;
+  const bool stamped = live_ && frame_.arrived_at > 0.0;
+  seen_.times = {frame_.captured_at, stamped ? clock_.from_monotonic(frame_.arrived_at) : now, now, none};
   return true;
 }
 
 void CameraRig::work_off() {
   for (const vision::TagPose& tag : tracker_.process(frame_))
-    for (std::size_t i = 0; i < seen_.size(); ++i)
-      if (experiment_.robots[i].tag == tag.tag) seen_[i] = {tag.pose, tag.captured_at};
-  measurements_.draft() = seen_;
-  measurements_.publish();
+    for (std::size_t i = 0; i < seen_.robots.size(); ++i)
+      if (experiment_.robots[i].tag == tag.tag) seen_.robots[i] = {tag.pose, tag.captured_at};
+  seen_.times.ready_at = clock_.now();
+  sights_.draft() = seen_;
+  sights_.publish();
+  ready_at_.store(seen_.times.ready_at, std::memory_order_release);
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
   if (!pictures_) return;
   Picture& picture = picture_.draft();
   picture.width = frame_.width;
@@ -136,9 +156,23 @@ void CameraRig::work_off() {
   picture_.publish();
 }
 
-void CameraRig::newest(std::span<core::Measurement> measurements) noexcept {
-  if (!measurements_.take()) return;
-  std::copy(measurements_.value().begin(), measurements_.value().end(), measurements.begin());
+bool CameraRig::newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept {
+  if (!sights_.take()) return false;
+  std::copy(sights_.value().robots.begin(), sights_.value().robots.end(), measurements.begin());
+  times = sights_.value().times;
+  return true;
+}
+
+void CameraRig::wait_for_frame(double since, double until) noexcept {
+  for (double now = clock_.now(); ready_at_.load(std::memory_order_acquire) < since && now < until;
+       now = clock_.now()) {
+    std::uint64_t rings = 0;
+    [[maybe_unused]] const auto read = ::read(ready_, &rings, sizeof rings);
+    if (ready_at_.load(std::memory_order_acquire) >= since) return;
+    const timespec timeout{.tv_sec = 0, .tv_nsec = static_cast<long>(std::min(until - now, 0.9) * 1e9)};
+    pollfd ready{.fd = ready_, .events = POLLIN, .revents = 0};
+    ::ppoll(&ready, 1, &timeout, nullptr);
+  }
 }
 
 bool CameraRig::picture(Picture& out) {

@@ -22,13 +22,21 @@
 
 namespace skein::app {
 
+/// When a frame went through its stations. Session's clock; none: not known. [s]
+struct FrameTimes {
+  double captured_at = none;  ///< the camera's stamp
+  double arrived_at = none;   ///< the driver handed it over
+  double grey_at = none;      ///< the picture is in the tracker's hands
+  double ready_at = none;     ///< its poses are known
+};
+
 /// The camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
 /// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
 class CameraRig {
  public:
   static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
                                                                     SimulatedWorld& world, bool pictures);
-  ~CameraRig() { end(); }
+  ~CameraRig();
 
   /// Wall clock: starts the thread.
   void start();
@@ -36,8 +44,12 @@ class CameraRig {
   /// Virtual clock: takes and works off one frame now.
   void look();
 
-  /// Overwrites the measurement of every robot that was seen since. The control thread's.
-  void newest(std::span<core::Measurement> measurements) noexcept;
+  /// Overwrites the measurement of every robot that was seen since, and says when; false: nothing new. The control
+  /// thread's.
+  bool newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept;
+  /// Waits until the newest frame was ready at `since` or later, at most until `until`. Wall clock only; the control
+  /// thread's. [s, session's clock]
+  void wait_for_frame(double since, double until) noexcept;
 
   bool picture(Picture& out);
   std::array<double, 2> pixel(double x, double y) const;
@@ -66,8 +78,14 @@ class CameraRig {
   vision::Frame frame_;
   std::vector<core::Pose> poses_;
   std::vector<vision::SyntheticTag> tags_;
-  std::vector<core::Measurement> seen_;  // by the camera's side
-  Newest<std::vector<core::Measurement>> measurements_;
+  struct Sight {
+    std::vector<core::Measurement> robots;
+    FrameTimes times;
+  };
+  Sight seen_;  // by the camera's side
+  Newest<Sight> sights_;
+  std::atomic<double> ready_at_{-1e9};  // of the newest frame
+  int ready_ = -1;                      // eventfd: rung for every frame that was worked off
   Newest<Picture> picture_;
   std::string reason_;
   std::atomic<bool> failed_{false};

@@ -26,7 +26,9 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
 void ControlLoop::cycle(double now, int elapsed) {
   TickInput input;
   perturb(elapsed, input.events);
-  plant_.measure(now, newest_, truth_);
+  complete_latency();
+  const Latency tick_before = latency_;
+  new_frame_ = plant_.measure(now, newest_, truth_, frame_);
 
   std::size_t obeyed = 0;
   while (obeyed < obeyed_.size() && commands_.pop(obeyed_[obeyed])) ++obeyed;
@@ -38,14 +40,28 @@ void ControlLoop::cycle(double now, int elapsed) {
   input.commands = {obeyed_.data(), obeyed};
 
   const double began = clock_.now();
-  const TickRecord& record = tick_.step(input);
-  const double compute_time = clock_.now() - began;
+  tick_.see(input);
+  const double estimated = clock_.now();
+  const TickRecord& record = tick_.decide(input);
+  decided_at_ = clock_.now();
 
   for (std::size_t i = 0; i < wheels_.size(); ++i) wheels_[i] = record.robots[i].wheels;
   plant_.act(wheels_);
 
   out_ = record;
-  if (clock_.wall()) out_.compute_time = compute_time;
+  if (clock_.wall()) {
+    out_.compute_time = decided_at_ - began;
+    out_.latency = tick_before;
+    latency_ = {};
+    latency_[Stage::estimate] = estimated - began;
+    latency_[Stage::law] = decided_at_ - estimated;
+    if (new_frame_) {
+      latency_[Stage::capture] = frame_.arrived_at - frame_.captured_at;
+      latency_[Stage::dequeue] = frame_.grey_at - frame_.arrived_at;
+      latency_[Stage::detect] = frame_.ready_at - frame_.grey_at;
+      latency_[Stage::hand_over] = began - frame_.ready_at;
+    }
+  }
   for (const core::GainName name : core::gain_names)
     targets_[static_cast<std::size_t>(name)].store(tick_.gain_target(name), std::memory_order_relaxed);
   const auto unseen =
@@ -54,6 +70,16 @@ void ControlLoop::cycle(double now, int elapsed) {
                 std::memory_order_release);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
+}
+
+/// The tick before this one: by now its commands are written and answered, or late.
+void ControlLoop::complete_latency() noexcept {
+  if (!clock_.wall() || std::isnan(decided_at_)) return;
+  double written_at = none, answered_at = none;
+  plant_.command_times(decided_at_, written_at, answered_at);
+  latency_[Stage::write] = written_at - decided_at_;
+  latency_[Stage::acknowledge] = answered_at - written_at;
+  if (new_frame_) latency_.total = written_at - frame_.arrived_at;
 }
 
 /// What happens to the simulated robots before this tick looks at them: the file's perturbations and the operator's
@@ -106,15 +132,16 @@ void ControlLoop::thread(const std::stop_token& stop) {
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
 
   const double period = experiment_.period();
-  double deadline = clock_.now() + period;
+  TickTimer timer(period, clock_.now() + period);
   int elapsed = 1;
   while (!stop.stop_requested()) {
-    std::this_thread::sleep_until(clock_.at(deadline));
+    const TickTimer::Window window = timer.window();
+    std::this_thread::sleep_until(clock_.at(window.earliest));
+    if (window.latest > window.earliest) plant_.wait_for_frame(window.since, window.latest);
     cycle(clock_.now(), elapsed);
-    // Absolute deadlines: lateness does not add up. Those that have passed by now are missed, and the next tick says
-    // how many.
-    elapsed = 1 + static_cast<int>(std::max(0.0, std::floor((clock_.now() - deadline) / period)));
-    deadline += elapsed * period;
+    if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
+    // Deadlines that have passed by now are missed, and the next tick says how many.
+    elapsed = timer.ticked(clock_.now());
   }
 }
 

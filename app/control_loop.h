@@ -11,6 +11,7 @@
 #include "app/control_tick.h"
 #include "app/plant.h"
 #include "app/session_clock.h"
+#include "app/tick_timer.h"
 
 namespace skein::app {
 
@@ -52,6 +53,7 @@ class ControlLoop {
   };
   void thread(const std::stop_token& stop);
   void cycle(double now, int elapsed);
+  void complete_latency() noexcept;
   void perturb(int elapsed, EventList& events);
 
   const Experiment& experiment_;
@@ -67,6 +69,10 @@ class ControlLoop {
   std::vector<core::Measurement> newest_;
   std::vector<core::Pose> truth_;
   std::vector<core::WheelSpeeds> wheels_;
+  FrameTimes frame_;          // the newest frame's
+  bool new_frame_ = false;    // it came since the tick before
+  Latency latency_;           // of this tick, as far as it is known
+  double decided_at_ = none;  // when this tick's commands were given
   std::size_t next_perturbation_ = 0;
   std::int64_t virtual_ticks_ = 0;
 

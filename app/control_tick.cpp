@@ -102,10 +102,14 @@ ControlTick::State::State(const Experiment& e)
   record.delta.resize(n > 0 ? n - 1 : 0);
 }
 
-const TickRecord& ControlTick::step(const TickInput& input) noexcept {
+void ControlTick::see(const TickInput& input) noexcept {
   State& tick = *state_;
   tick.begin(input);
   tick.estimate(input);
+}
+
+const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
+  State& tick = *state_;
   tick.schedule_gains();
   tick.follow_reference();
   tick.apply_law();

@@ -36,7 +36,14 @@ class ControlTick {
   ~ControlTick();
 
   /// One tick. The record is valid until the next call.
-  const TickRecord& step(const TickInput& input) noexcept;
+  const TickRecord& step(const TickInput& input) noexcept {
+    see(input);
+    return decide(input);
+  }
+  /// Its two parts, for whoever wants to know how long each takes: where the robots are, and what they shall do. Both
+  /// with the same input.
+  void see(const TickInput& input) noexcept;
+  const TickRecord& decide(const TickInput& input) noexcept;
 
   /// The time of the experiment that the next tick will have, if `elapsed` ticks pass until then. [s]
   double next_time(int elapsed) const noexcept;

@@ -36,6 +36,18 @@ inline constexpr std::array<NumberColumn<TickRecord>, 3> group_columns{{
     {"period", [](auto& r) -> decltype(auto) { return (r.period); }},
     {"compute_time", [](auto& r) -> decltype(auto) { return (r.compute_time); }},
 }};
+// At the row's end, before `now`: of the tick before.
+inline constexpr std::array<NumberColumn<TickRecord>, stages + 1> latency_columns{{
+    {"latency_capture", [](auto& r) -> decltype(auto) { return (r.latency.of[0]); }},
+    {"latency_dequeue", [](auto& r) -> decltype(auto) { return (r.latency.of[1]); }},
+    {"latency_detect", [](auto& r) -> decltype(auto) { return (r.latency.of[2]); }},
+    {"latency_hand_over", [](auto& r) -> decltype(auto) { return (r.latency.of[3]); }},
+    {"latency_estimate", [](auto& r) -> decltype(auto) { return (r.latency.of[4]); }},
+    {"latency_law", [](auto& r) -> decltype(auto) { return (r.latency.of[5]); }},
+    {"latency_write", [](auto& r) -> decltype(auto) { return (r.latency.of[6]); }},
+    {"latency_acknowledge", [](auto& r) -> decltype(auto) { return (r.latency.of[7]); }},
+    {"latency_total", [](auto& r) -> decltype(auto) { return (r.latency.total); }},
+}};
 // Of robot i, prefix r<i>_; before `mode`.
 inline constexpr std::array<NumberColumn<RobotRecord>, 25> robot_columns{{
     {"x", [](auto& r) -> decltype(auto) { return (r.pose.x); }},

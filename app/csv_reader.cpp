@@ -119,6 +119,7 @@ void CsvReader::find_columns() {
   known["event"] = [](TickRecord& r, std::string_view cell) { return read_events(cell, r.events); };
   for (const auto& column : gain_columns) store(column.name, column.at);
   for (const auto& column : group_columns) store(column.name, column.at);
+  for (const auto& column : latency_columns) store(column.name, column.at);
   for (std::size_t i = 0; i < deltas_; ++i)
     store(fmt::format("delta_{}_{}", i + 1, i + 2), [i](TickRecord& r) -> double& { return r.delta[i]; });
   for (std::size_t i = 0; i < robots_; ++i) {

@@ -55,6 +55,7 @@ struct CsvWriter::Impl {
       row += fmt::format("r{}_mode,", i);
       for (const auto& column : measurement_columns) row += fmt::format("r{}_{},", i, column.name);
     }
+    for (const auto& column : latency_columns) row.append(column.name) += ',';
     row += "now\n";
   }
   void write() {
@@ -81,6 +82,7 @@ void CsvWriter::record(const TickRecord& record) {
   if (!record.events.empty()) csv.row += describe(record.events);
   csv.row += ',';
   for (const RobotRecord& robot : record.robots) csv.robot(robot);
+  for (const auto& column : latency_columns) csv.number(column.get(record));
   csv.number(record.now);
   csv.row.back() = '\n';
   csv.write();

@@ -82,16 +82,36 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
   return plant;
 }
 
-void Plant::measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth) {
+bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame) {
   world_.advance(now);
+  bool looked = false;
   if (camera_) {
     if (!clock_.wall()) camera_->look();
-    camera_->newest(newest);
+    looked = camera_->newest(newest, frame);
   } else {
     for (std::size_t i = 0; i < newest.size(); ++i)
       if (simulated(i)) newest[i] = world_.measure(i, now);
   }
   world_.poses(truth);
+  return looked;
+}
+
+void Plant::wait_for_frame(double since, double until) noexcept {
+  if (camera_) camera_->wait_for_frame(since, until);
+}
+
+void Plant::command_times(double given_at, double& written_at, double& answered_at) const noexcept {
+  written_at = answered_at = none;
+  if (!links_) return;
+  const auto latest = [&](double monotonic, double& last, bool first) {
+    const double at = clock_.from_monotonic(monotonic);
+    last = at < given_at ? none : first ? at : std::isnan(last) ? none : std::max(last, at);
+  };
+  for (std::size_t k = 0; k < linked_.size(); ++k) {
+    const comms::CommandTimes times = links_->times(k);
+    latest(times.written, written_at, k == 0);
+    latest(times.answered, answered_at, k == 0);
+  }
 }
 
 void Plant::act(std::span<const core::WheelSpeeds> wheels) {

@@ -27,7 +27,14 @@ class Plant {
   ~Plant();
 
   /// The newest pose of each robot at time `now`, and the true ones of those that are simulated. The control thread's.
-  void measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth);
+  /// True when a camera's frame has been worked off since the last call; `frame` says when it went where.
+  bool measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame);
+  /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all where there
+  /// is no camera. Wall clock only; the control thread's.
+  void wait_for_frame(double since, double until) noexcept;
+  /// When the last command given to any robot was written and answered: the last of those given since `given_at`, none
+  /// where one of them has not been yet, or where no robot has a link. Session's clock. The control thread's.
+  void command_times(double given_at, double& written_at, double& answered_at) const noexcept;
   /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
   /// thread's.
   void act(std::span<const core::WheelSpeeds> wheels);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "app/experiment.h"
+#include "app/histogram.h"
 #include "app/tick_record.h"
 
 namespace skein::app {
@@ -48,6 +50,8 @@ class Statistics final : public RecordSink {
     std::int64_t dropped_rows = 0;  ///< that the recorder was too slow to take: they are in no file and in no figure
     double largest_period = none;   ///< [s]
     double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
+    std::array<Histogram, stages> latency;                 ///< of each stage; empty on the virtual clock
+    Histogram latency_total;                               ///< a frame's arrival to its command written
     bool stopped = false;                                  ///< by the operator or a failure
     std::string failure;                                   ///< why it was stopped, where a camera or a robot failed
     std::vector<int> not_stopped;                   ///< robots that did not acknowledge their stop at the end, from 0

@@ -38,6 +38,21 @@ Json json(const PerturbationResult& p) {
           {"formation_first", p.formation_first()}};
 }
 
+Json json(const Histogram& histogram) {
+  return {{"median", json(histogram.quantile(0.5))},
+          {"p99", json(histogram.quantile(0.99))},
+          {"largest", json(histogram.largest())}};
+}
+
+/// Those stages that there were, and the whole way.
+Json latency(const Statistics::Summary& s) {
+  Json result = Json::object();
+  for (std::size_t stage = 0; stage < stages; ++stage)
+    if (s.latency[stage].total() > 0) result[name(static_cast<Stage>(stage))] = json(s.latency[stage]);
+  if (s.latency_total.total() > 0) result["total"] = json(s.latency_total);
+  return result;
+}
+
 /// The summary once, for both forms: what stands here in this order stands in the lines as well.
 Json json(const Statistics::Summary& s) {
   Json result{{"name", s.name},
@@ -52,6 +67,7 @@ Json json(const Statistics::Summary& s) {
               {"largest_period", json(s.largest_period)},
               {"median_compute", json(s.median_compute)},
               {"largest_compute", json(s.largest_compute)},
+              {"latency", latency(s)},
               {"stopped", s.stopped},
               {"failure", s.failure},
               {"not_stopped", from_one(s.not_stopped)},
@@ -82,6 +98,10 @@ std::string as_lines(const Statistics::Summary& summary) {
       for (std::size_t i = 0; i < value.size(); ++i)
         for (const auto& [name, part] : value[i].items())
           lines += fmt::format("perturbation_{}_{}: {}\n", i + 1, name, text(part));
+    } else if (key == "latency") {
+      for (const auto& [stage, part] : value.items())
+        for (const auto& [what, seconds] : part.items())
+          lines += fmt::format("latency_{}_{}: {}\n", stage, what, text(seconds));
     } else if (key == "events") {
       lines += fmt::format("events: {}\n", value.size());
     } else if (!value.is_string() || !value.get<std::string>().empty()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -55,6 +56,35 @@ enum class Phase : std::uint8_t {
   finished,  ///< the duration is over
 };
 
+/// The stages of the way from a camera's frame to a robot's answer.
+enum class Stage : std::uint8_t {
+  capture,      ///< the frame's time stamp to its arrival: exposure, read-out, transfer
+  dequeue,      ///< to the grey picture
+  detect,       ///< to the poses
+  hand_over,    ///< to the beginning of the tick
+  estimate,     ///< the tick's first part: where the robots are
+  law,          ///< its second part: reference, law, limits, shield, wheels
+  write,        ///< to the last robot's command in the system's hands
+  acknowledge,  ///< to the last robot's answer
+};
+inline constexpr std::size_t stages = 8;
+
+constexpr const char* name(Stage stage) noexcept {
+  constexpr const char* names[stages] = {"capture",  "dequeue", "detect", "hand_over",
+                                         "estimate", "law",     "write",  "acknowledge"};
+  return names[static_cast<std::size_t>(stage)];
+}
+
+/// How long each stage took of the tick BEFORE the record's, since its robots have answered by now. [s]; none: not
+/// known, or no such stage
+struct Latency {
+  std::array<double, stages> of{none, none, none, none, none, none, none, none};
+  double total = none;  ///< from the frame's arrival to its command written: dequeue ... write
+
+  double& operator[](Stage stage) noexcept { return of[static_cast<std::size_t>(stage)]; }
+  double operator[](Stage stage) const noexcept { return of[static_cast<std::size_t>(stage)]; }
+};
+
 /// Everything about one tick: the CSV row, the plot sample, the replay's input, what tests compare.
 struct TickRecord {
   Phase phase = Phase::ready;
@@ -67,6 +97,7 @@ struct TickRecord {
   double min_distance = none;                 ///< between any two robots, true poses where known [m]
   double period = none;                       ///< since the tick before [s]
   double compute_time = none;  ///< that the tick took [s]; none on the virtual clock, so that runs repeat to the bit
+  Latency latency;             ///< wall clock only, as compute_time
   EventList events;
   std::vector<RobotRecord> robots;
 

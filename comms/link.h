@@ -2,6 +2,7 @@
 
 #include <poll.h>
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -29,6 +30,8 @@ class Link {
   double deadline() const noexcept;  ///< when turn() must be called at the latest [s]
   /// Does all there is to do now. `events`: what poll() reported; `emergency`: see LinkSupervisor::Loop.
   void turn(short events, std::uint32_t emergency, double now);
+  /// For `times`: what came was read at `read_at`, what there was to write is written by `written_at`.
+  void note_times(double read_at, double written_at) noexcept;
   void stop(double now);           ///< stop at once; commands given so far are void
   void begin_closing(double now);  ///< stop, take no more commands, reconnect quickly if need be
   void fail(std::string reason);   ///< gives the link up
@@ -41,6 +44,7 @@ class Link {
   bool settled() const noexcept;  ///< the newest command is answered or void
   bool may_end() const noexcept;  ///< the robot has acknowledged its stop, or was never reached
   LinkStatus status() const;
+  CommandTimes times() const noexcept { return {written_at_.load(), answered_at_.load()}; }  ///< any thread
 
  private:
   void open(double now);
@@ -69,6 +73,8 @@ class Link {
   std::uint16_t taken_ = 0;   // ticket of the newest command taken from the slot
   std::uint16_t voided_ = 0;  // ticket of the newest command that an emergency stop made void
   std::uint64_t reconnects_ = 0;
+  std::uint16_t written_ = 0, answered_ = 0;  // tickets of the newest commands that `times` knows of
+  std::atomic<double> written_at_{0.0}, answered_at_{0.0};
 };
 
 }  // namespace skein::comms

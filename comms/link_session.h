@@ -48,6 +48,8 @@ class LinkSession {
   bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
   double silent_since() const noexcept;  ///< since when it has owed an answer and said nothing; infinity: it owes none
   std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
+  /// Of the command whose answer is awaited; 0: none is.
+  std::uint16_t sent_ticket() const noexcept { return in_flight_ ? in_flight_->ticket : std::uint16_t{0}; }
   LinkStatus status() const;
 
  private:

@@ -19,6 +19,12 @@ enum class LinkState {
 /// The state as a word for logs and tables: "up", "stale", ...
 std::string_view to_text(LinkState state) noexcept;
 
+/// When the newest command that was sent went through each of its stations, CLOCK_MONOTONIC; 0: none yet. [s]
+struct CommandTimes {
+  double written = 0.0;   ///< its last byte was handed to the system
+  double answered = 0.0;  ///< the newest answer to a command came
+};
+
 /// What is known of one link.
 struct LinkStatus {
   LinkState state = LinkState::down;

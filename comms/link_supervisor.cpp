@@ -59,6 +59,7 @@ class LinkSupervisor::Loop {
   void release_stop() noexcept;
   bool stopped() const noexcept { return (emergency_.load() & 1u) != 0; }
   bool wait_acknowledged(double timeout_s);
+  CommandTimes times(std::size_t robot) const noexcept { return links_[robot].times(); }
   std::vector<LinkStatus> status() const;
   std::vector<LinkStatus> close(double timeout_s);
   std::size_t size() const noexcept { return links_.size(); }
@@ -217,6 +218,8 @@ void LinkSupervisor::Loop::turn(double now) {
       link.fail(fmt::format("internal error: {}", error.what()));
     }
   }
+  const double written = seconds_now();
+  for (Link& link : links_) link.note_times(now, written);
 }
 
 bool LinkSupervisor::Loop::finished(double now) const {
@@ -264,6 +267,9 @@ bool LinkSupervisor::stopped() const noexcept {
 }
 bool LinkSupervisor::wait_acknowledged(double timeout_s) {
   return loop_->wait_acknowledged(timeout_s);
+}
+CommandTimes LinkSupervisor::times(std::size_t robot) const noexcept {
+  return loop_->times(robot);
 }
 std::vector<LinkStatus> LinkSupervisor::status() const {
   return loop_->status();

@@ -46,6 +46,9 @@ class LinkSupervisor {
   /// false: not within `timeout_s`. For runs in lock-step. Any thread.
   bool wait_acknowledged(double timeout_s);
 
+  /// When this robot's newest command was written, and the newest answer came. Any thread; wait-free.
+  CommandTimes times(std::size_t robot) const noexcept;
+
   /// A snapshot, in the order of the robots. Any thread; waits at most for one turn of the link thread (microseconds).
   std::vector<LinkStatus> status() const;
 

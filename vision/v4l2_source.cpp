@@ -74,10 +74,12 @@ class V4l2Camera final : public FrameSource {
         newest = buffer;
       }
       if (!newest) continue;
+      const double arrived_at = monotonic_now();
       const bool whole = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && convert(*newest, frame);
       if (whole) {
         damaged_ = 0;
         frame.captured_at = stamp(*newest);
+        frame.arrived_at = arrived_at;
         frame.index = frames_++;
         frame.source = std::to_string(frame.index);
       }
@@ -240,6 +242,9 @@ class V4l2Camera final : public FrameSource {
     if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) {
       return static_cast<double>(buffer.timestamp.tv_sec) + 1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
     }
+    return monotonic_now();
+  }
+  static double monotonic_now() {
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);

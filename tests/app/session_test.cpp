@@ -166,6 +166,27 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
   EXPECT_EQ(latest.robots[0].truth, where);
 }
 
+/// Every stage of a real-time loop with camera and links is known, none is negative, and the parts make the whole.
+TEST(Session, TellsHowLongEveryStageTook) {
+  auto session =
+      Session::open(experiment_with({"robot_defaults.link=loopback", "camera.source=synthetic"}), Session::Clock::wall);
+  ASSERT_TRUE(session) << session.error();
+  TickRecord complete;
+  ASSERT_TRUE(eventually([&] {
+    (*session)->drain([&](const TickRecord& record) {
+      if (!std::isnan(record.latency.total)) complete = record;
+    });
+    return !std::isnan(complete.latency.total);
+  }));
+  double sum = 0.0;
+  for (std::size_t stage = 0; stage < stages; ++stage) {
+    EXPECT_GE(complete.latency.of[stage], 0.0) << name(static_cast<Stage>(stage));
+    sum += complete.latency.of[stage];
+  }
+  sum -= complete.latency[Stage::capture] + complete.latency[Stage::acknowledge];
+  EXPECT_NEAR(complete.latency.total, sum, 1e-9);
+}
+
 TEST(Session, ARobotThatIsNotThereIsNamed) {
   auto session = Session::open(experiment_with({"robot.4.link=serial:/dev/nowhere", "robot.4.model=epuck2",
                                                 "camera.source=images:/nowhere", "camera.calibration=cal.toml"}),

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace skein::app {
+
+/// How often durations of each size came: 16 sizes an octave (4.4 %) from 1 us to 16 s, whatever the length of the run.
+/// What is shorter or longer counts at the ends; none counts nothing.
+class Histogram {
+ public:
+  static constexpr double shortest = 1e-6;  ///< [s]
+  static constexpr int per_octave = 16;
+  static constexpr std::size_t sizes = 24 * per_octave;
+
+  void add(double seconds) noexcept {
+    if (std::isnan(seconds)) return;
+    const double size = seconds > shortest ? std::floor(std::log2(seconds / shortest) * per_octave) : 0.0;
+    ++counts_[std::min(static_cast<std::size_t>(size), sizes - 1)];
+    ++total_;
+    largest_ = std::max(largest_, seconds);
+  }
+
+  std::uint64_t total() const noexcept { return total_; }
+  std::uint64_t count(std::size_t size) const noexcept { return counts_[size]; }
+  /// The longest that counts at this size. [s]
+  static double upper_end(std::size_t size) noexcept {
+    return shortest * std::exp2(static_cast<double>(size + 1) / per_octave);
+  }
+  double largest() const noexcept { return largest_; }  ///< exactly; 0: there was none [s]
+
+  /// What this share of the durations do not exceed, rounded up to the end of its size (at most 4.4 %). 0: there was
+  /// none. [s]
+  double quantile(double share) const noexcept {
+    const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(total_)));
+    std::uint64_t so_far = 0;
+    for (std::size_t size = 0; size < sizes; ++size)
+      if ((so_far += counts_[size]) >= std::max<std::uint64_t>(1, wanted)) return std::min(upper_end(size), largest_);
+    return largest_;
+  }
+
+ private:
+  std::array<std::uint64_t, sizes> counts_{};
+  std::uint64_t total_ = 0;
+  double largest_ = 0.0;
+};
+
+}  // namespace skein::app
