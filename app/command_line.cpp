@@ -142,12 +142,12 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::vector<std::string> robots_to_stop;
   stop_command
       .add_option("robots", robots_to_stop,
-                  "rfcomm:ADDR/CHANNEL or serial:DEVICE for one robot, an experiment file for all of its")
+                  "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST for one robot, an experiment file for all of its")
       ->required();
   CLI::App& test_command = *robots_command.add_subcommand(
       "test", "Asks a robot for version and battery, turns each wheel 10 mm, and says what is wrong with them");
   std::string robot_to_test;
-  test_command.add_option("robot", robot_to_test, "rfcomm:ADDR/CHANNEL or serial:DEVICE")->required();
+  test_command.add_option("robot", robot_to_test, "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST")->required();
 
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;

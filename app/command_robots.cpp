@@ -94,7 +94,7 @@ int test_robot(const std::string& word) {
   }
   const auto said = [](const std::string& text) { return text.empty() ? "not said" : text; };
   fmt::print("robot: {}\nversion: {}\nbattery: {}\nleft_steps: {}\nright_steps: {}\nfaults: {}\n", word,
-             said(checked->version), said(checked->battery), checked->left_steps, checked->right_steps,
+             said(checked->version), comms::to_text(checked->battery), checked->left_steps, checked->right_steps,
              checked->faults.size());
   for (const std::string& fault : checked->faults) fmt::print(stderr, "skein: {}: {}\n", word, fault);
   return checked->faults.empty() ? done : device_failed;

@@ -75,7 +75,7 @@ struct RobotSpec {
   enum class Link {
     sim,       ///< simulated, poses and wheel speeds handed over directly
     loopback,  ///< simulated behind an emulated e-puck on a pseudo-terminal
-    device,    ///< a real robot: `address` is "rfcomm:ADDR/CHANNEL" or "serial:/dev/..."
+    device,    ///< a real robot: `address` is "rfcomm:ADDR/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT"
   };
   int tag = 0;
   Link link = Link::sim;

@@ -164,7 +164,7 @@ void read_link(TomlTable& t, RobotSpec& robot) {
   const toml::node* const found = t.node("link");
   if (!found) return;
   const std::string_view text = found->value_exact<std::string_view>().value_or("");
-  const bool address = text.starts_with("rfcomm:") || text.starts_with("serial:");
+  const bool address = text.starts_with("rfcomm:") || text.starts_with("serial:") || text.starts_with("tcp:");
   const auto parsed = comms::parse_link_address(text);
   if (text == "sim")
     robot.link = RobotSpec::Link::sim;
@@ -174,7 +174,7 @@ void read_link(TomlTable& t, RobotSpec& robot) {
     robot.link = RobotSpec::Link::device;
   else
     t.refuse("link", *found,
-             R"("sim", "loopback", "rfcomm:ADDRESS/CHANNEL" or "serial:/dev/...")" +
+             R"("sim", "loopback", "rfcomm:ADDRESS/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT")" +
                  (address ? fmt::format(" ({})", parsed.error()) : ""));
   robot.address = parsed ? std::string(text) : "";
 }

@@ -67,6 +67,10 @@ std::array<std::uint8_t, 2> read_encoders() noexcept {
   return {binary('Q'), end_of_sequence};
 }
 
+void add_battery(std::vector<std::uint8_t>& request) {
+  request.insert(request.end() - 1, binary('b'));
+}
+
 std::span<const std::uint8_t> stop_sequence() noexcept {
   return the_stop_sequence;
 }
@@ -117,11 +121,12 @@ std::optional<Reply> ReplyParser::next() {
     case Expected::lines:
       return next_line();
     case Expected::encoders:
-      if (buffer_.size() < encoder_reply_size) return std::nullopt;
+      if (buffer_.size() < answer_size_) return std::nullopt;
       Reply reply;
       reply.kind = Reply::Kind::encoders;
       reply.encoders = {little_endian(&buffer_[0]), little_endian(&buffer_[2])};
-      buffer_.erase(buffer_.begin(), buffer_.begin() + encoder_reply_size);
+      if (answer_size_ > encoder_reply_size) reply.battery = little_endian(&buffer_[encoder_reply_size]);
+      buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(answer_size_));
       expected_ = Expected::nothing;
       return reply;
   }
@@ -142,8 +147,9 @@ std::optional<Reply> ReplyParser::next_line() {
     const std::string text(buffer_.begin(), end);
     const bool whole = *end == '\r' && *(end + 1) == '\n';
     buffer_.erase(buffer_.begin(), end + (whole ? 2 : 1));
-    if (whole && says_stopped(text)) return Reply{.kind = Reply::Kind::stopped, .encoders = {}, .text = {}};
-    if (!text.empty()) return Reply{.kind = Reply::Kind::line, .encoders = {}, .text = text};
+    if (whole && says_stopped(text))
+      return Reply{.kind = Reply::Kind::stopped, .encoders = {}, .battery = 0, .text = {}};
+    if (!text.empty()) return Reply{.kind = Reply::Kind::line, .encoders = {}, .battery = 0, .text = text};
   }
 }
 

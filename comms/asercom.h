@@ -52,6 +52,10 @@ std::array<std::uint8_t, 2> read_encoders() noexcept;
 /// Bytes in the answer to both of the above: left then right, little-endian int16.
 inline constexpr std::size_t encoder_reply_size = 4;
 
+/// Has one of the two ask for the battery as well; its raw value (battery_of()) follows the encoders, 2 bytes.
+void add_battery(std::vector<std::uint8_t>& request);
+inline constexpr std::size_t battery_reply_size = 2;
+
 /// The bytes that stop an e-puck whatever half command its parser is stuck in: 40 x 0x00 end any binary sequence and
 /// supply any arguments still awaited, "\r" ends a half line, "S\r" is the stop. Its answer ends with a line "s";
 /// "d", "z,..." and greeting lines may come before. 43 bytes: fits the e-puck1's 64-byte ring behind one exchange.
@@ -84,6 +88,7 @@ struct Reply {
   };
   Kind kind = Kind::line;
   Encoders encoders;  ///< for Kind::encoders
+  int battery = 0;    ///< raw, for Kind::encoders where it was asked for
   std::string text;   ///< for Kind::line, without its end
 };
 
@@ -93,7 +98,10 @@ class ReplyParser {
  public:
   /// What the next bytes are: text until told otherwise, or one binary encoder reply and then nothing.
   void expect_lines() noexcept { expected_ = Expected::lines; }
-  void expect_encoders() noexcept { expected_ = Expected::encoders; }
+  void expect_encoders(bool with_battery = false) noexcept {
+    expected_ = Expected::encoders;
+    answer_size_ = encoder_reply_size + (with_battery ? battery_reply_size : 0);
+  }
 
   void feed(std::span<const std::uint8_t> bytes);
 
@@ -116,6 +124,7 @@ class ReplyParser {
   std::optional<Reply> next_line();
 
   Expected expected_ = Expected::lines;
+  std::size_t answer_size_ = encoder_reply_size;
   std::vector<std::uint8_t> buffer_;
 };
 

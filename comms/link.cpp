@@ -6,14 +6,28 @@
 #include <array>
 #include <utility>
 
+#include "comms/asercom_session.h"
+#include "comms/wifi_session.h"
+
 namespace skein::comms {
+namespace {
+
+std::unique_ptr<LinkSession> session_for(const LinkAddress& address, const LinkOptions& options) {
+  if (address.kind == LinkKind::tcp) return std::make_unique<WifiSession>(options);
+  return std::make_unique<AsercomSession>(options);
+}
+
+}  // namespace
 
 Link::Link(LinkAddress address, const LinkOptions& options)
-    : address_(std::move(address)), options_(options), session_(options), wait_(options.reconnect_first) {}
+    : address_(std::move(address)),
+      options_(options),
+      session_(session_for(address_, options)),
+      wait_(options.reconnect_first) {}
 
 pollfd Link::wanted() const noexcept {
   if (!transport_) return {.fd = -1, .events = 0, .revents = 0};  // poll() passes over negative descriptors
-  const bool to_write = transport_->connecting() || !session_.output().empty();
+  const bool to_write = transport_->connecting() || !session_->output().empty();
   return {
       .fd = transport_->descriptor(), .events = static_cast<short>(to_write ? POLLIN | POLLOUT : POLLIN), .revents = 0};
 }
@@ -21,7 +35,7 @@ pollfd Link::wanted() const noexcept {
 double Link::deadline() const noexcept {
   if (!transport_) return try_at_;
   if (transport_->connecting()) return connecting_until_;
-  return std::min(session_.deadline(), session_.silent_since() + options_.silence_reconnect);
+  return std::min(session_->deadline(), session_->silent_since() + options_.silence_reconnect);
 }
 
 void Link::turn(short events, std::uint32_t emergency, double now) {
@@ -34,10 +48,11 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
   }
   if (transport_ && (events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
   take_command(emergency, now);
-  session_.advance(now);
-  if (transport_ && session_.open() && now >= session_.silent_since() + options_.silence_reconnect)
+  session_->advance(now);
+  if (transport_ && session_->open() && now >= session_->silent_since() + options_.silence_reconnect)
     lose({fmt::format("the robot said nothing for {:g} s", options_.silence_reconnect)}, now);
-  if (session_.up() && reopened_) {
+  if (transport_ && session_->garbled()) lose({session_->status().reason}, now);
+  if (session_->up() && reopened_) {
     if (reached_) ++reconnects_;
     reached_ = true;
     reopened_ = false;
@@ -61,7 +76,7 @@ void Link::finish_connecting(double now) {
 
 void Link::opened(double now) {
   reopened_ = true;
-  session_.opened(now);
+  session_->opened(now);
 }
 
 void Link::read(double now) {
@@ -71,7 +86,8 @@ void Link::read(double now) {
     const auto count = transport_->read(bytes);
     if (!count) return lose(count.error(), now);
     if (*count == 0) return;
-    session_.received(std::span(bytes).first(*count), now);
+    session_->received(std::span(bytes).first(*count), now);
+    if (session_->garbled()) return;
   }
 }
 
@@ -84,15 +100,15 @@ void Link::take_command(std::uint32_t emergency, double now) {
   if (void_now)
     voided_ = content.ticket;
   else
-    session_.command(content.command, content.ticket, now);
+    session_->command(content.command, content.ticket, now);
 }
 
 void Link::write(double now) {
-  while (transport_ && !transport_->connecting() && !session_.output().empty()) {
-    const auto count = transport_->write(session_.output());
+  while (transport_ && !transport_->connecting() && !session_->output().empty()) {
+    const auto count = transport_->write(session_->output());
     if (!count) return lose(count.error(), now);
     if (*count == 0) return;  // full: poll() says when there is room
-    session_.sent(*count);
+    session_->sent(*count);
   }
 }
 
@@ -111,7 +127,7 @@ void Link::note_times(double read_at, double written_at) noexcept {
 void Link::lose(const TransportError& error, double now) {
   transport_.reset();
   reopened_ = false;
-  session_.lost(error.reason);
+  session_->lost(error.reason);
   // A robot that was reached once may be moving: only a new connection can stop it, so that is tried for ever.
   failed_ = error.permanent && !reached_;
   try_at_ = failed_ ? never : now + wait_;
@@ -120,7 +136,7 @@ void Link::lose(const TransportError& error, double now) {
 
 void Link::stop(double now) {
   voided_ = taken_;
-  session_.stop(now);
+  session_->stop(now);
 }
 
 void Link::begin_closing(double now) {
@@ -131,7 +147,7 @@ void Link::begin_closing(double now) {
 
 void Link::fail(std::string reason) {
   transport_.reset();
-  session_.lost(std::move(reason));
+  session_->lost(std::move(reason));
   failed_ = true;
   try_at_ = never;
 }
@@ -143,15 +159,15 @@ void Link::end() {
 
 bool Link::settled() const noexcept {
   const std::uint16_t newest = slot.content().ticket;
-  return newest == session_.answered_ticket() || newest == voided_;
+  return newest == session_->answered_ticket() || newest == voided_;
 }
 
 bool Link::may_end() const noexcept {
-  return session_.stop_acknowledged() || failed_ || (!reached_ && !session_.open());
+  return session_->stop_acknowledged() || failed_ || (!reached_ && !session_->open());
 }
 
 LinkStatus Link::status() const {
-  LinkStatus status = session_.status();
+  LinkStatus status = session_->status();
   status.reconnects = reconnects_;
   if (failed_ || (ended_ && !status.stop_acknowledged))
     status.state = LinkState::failed;

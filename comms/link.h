@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -39,7 +40,7 @@ class Link {
 
   // --- What is known ------------------------------------------------------------------------------------------------
   const LinkAddress& address() const noexcept { return address_; }
-  bool up() const noexcept { return session_.up(); }
+  bool up() const noexcept { return session_->up(); }
   bool failed() const noexcept { return failed_; }
   bool settled() const noexcept;  ///< the newest command is answered or void
   bool may_end() const noexcept;  ///< the robot has acknowledged its stop, or was never reached
@@ -60,7 +61,7 @@ class Link {
   LinkAddress address_;
   LinkOptions options_;
   std::optional<Transport> transport_;
-  LinkSession session_;
+  std::unique_ptr<LinkSession> session_;  // in the protocol of the address
 
   double try_at_ = 0.0;  // when to open the transport next
   double wait_;          // before the attempt after that

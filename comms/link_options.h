@@ -21,6 +21,10 @@ struct LinkOptions {
   /// A link that has said nothing for this long is closed and opened again [s]. Longer than the ~17 s after which Linux
   /// itself notices that a Bluetooth peer has lost power, because until then a new connection cannot be made.
   double silence_reconnect = 20.0;
+  /// The battery is asked for this often [s], along with an exchange. 0 or less: never.
+  double battery_period = 0.0;
+  /// Ask for the firmware's version when the link comes up for the first time.
+  bool ask_version = false;
   /// How long the destructor tries to stop the robots when close() was not called [s].
   double close_timeout = 2.0;
 };

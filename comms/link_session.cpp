@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace skein::comms {
@@ -20,11 +19,12 @@ void LinkSession::opened(double now) {
   pending_.reset();
   in_flight_.reset();
   output_.clear();
-  parser_.clear();
   owes_reply_ = false;
-  stops_unanswered_ = late_answers_ = 0;
+  garbled_ = false;
   silent_since_ = now;
   stop_acknowledged_ = false;
+  phase_ = Phase::idle;  // nothing is outstanding on a new link
+  begin();
   send_stop(now);
 }
 
@@ -34,6 +34,7 @@ void LinkSession::lost(std::string reason) {
   in_flight_.reset();
   output_.clear();
   moving_allowed_ = false;
+  garbled_ = false;
   stop_acknowledged_ = false;  // it may have moved on: whoever was last heard need not be who answers next
   reason_ = std::move(reason);
 }
@@ -56,17 +57,17 @@ void LinkSession::stop(double now) {
 
 void LinkSession::send_stop(double now) {
   if (phase_ == Phase::idle) silent_since_ = now;
-  if (phase_ != Phase::synchronising) late_answers_ = stops_unanswered_;
+  put_stop();
   phase_ = Phase::synchronising;
   moving_allowed_ = false;
-  // What was not written yet need not be: the stop sequence cuts through a request broken off anywhere. So the output
-  // never holds more than one stop, however long the robot takes nothing.
-  const auto stop = stop_sequence();
-  output_.assign(stop.begin(), stop.end());
-  parser_.expect_lines();
-  ++stops_unanswered_;
-  heard_since_stop_ = false;
   asked_at_ = now;
+}
+
+void LinkSession::repeat_stop(double now) {
+  ++counters_.timeouts;
+  owes_reply_ = true;
+  reason_ = fmt::format("no answer to the stop within {:g} s", options_.reply_timeout);
+  send_stop(now);
 }
 
 void LinkSession::resynchronise(std::string reason, double now) {
@@ -76,6 +77,7 @@ void LinkSession::resynchronise(std::string reason, double now) {
   stop_acknowledged_ = false;
   owes_reply_ = true;
   reason_ = std::move(reason);
+  ++counters_.resynchronisations;
   send_stop(now);
 }
 
@@ -83,34 +85,7 @@ void LinkSession::received(std::span<const std::uint8_t> bytes, double now) {
   if (phase_ == Phase::closed || bytes.empty()) return;
   counters_.bytes_received += bytes.size();
   silent_since_ = now;
-  parser_.feed(bytes);
-  if (phase_ == Phase::synchronising) return read_lines(now);
-  while (stops_unanswered_ > 0 && parser_.skip_stopped()) --stops_unanswered_;
-  if (parser_.pending() == 0) return;
-  // An answer has exactly 4 bytes and comes after the request has gone out.
-  if (phase_ == Phase::idle || !output_.empty() || parser_.pending() > encoder_reply_size) return unasked(now);
-  if (const auto reply = parser_.next()) exchange_answered(reply->encoders, now);
-}
-
-void LinkSession::read_lines(double now) {
-  while (phase_ == Phase::synchronising) {
-    const auto reply = parser_.next();
-    if (!reply) return;
-    if (reply->kind == Reply::Kind::stopped)
-      stop_answered(now);
-    else if (is_greeting(reply->text))
-      restarted();
-  }
-  if (phase_ == Phase::idle && parser_.pending() > 0) unasked(now);
-}
-
-void LinkSession::unasked(double now) {
-  // Noise, or the greeting of a robot that restarts; what is still to come of either ends before the answer to the
-  // stop.
-  const bool greeting = is_greeting(parser_.pending_text());
-  parser_.clear();
-  resynchronise("the robot sent bytes that nobody asked for", now);
-  if (greeting) restarted();
+  hear(bytes, now);
 }
 
 void LinkSession::restarted() {
@@ -118,38 +93,25 @@ void LinkSession::restarted() {
   reason_ = "the robot restarted";
 }
 
-void LinkSession::stop_answered(double now) {
-  stops_unanswered_ = std::max(0, stops_unanswered_ - 1);
-  heard_since_stop_ = true;
-  // Answers come in the order of the requests: first those to stops from before the last speed command, which say
-  // nothing about it. They must not put off the repetition of a stop that was lost either.
-  if (late_answers_ > 0) {
-    --late_answers_;
-  } else {
-    stop_acknowledged_ = true;
-    asked_at_ = now;
-  }
-  // Answers to the repetitions are still to come: wait for them, or they would be taken for answers to requests.
-  if (stop_acknowledged_ && stops_unanswered_ == 0 && output_.empty()) synchronised(now);
-}
-
-void LinkSession::synchronised(double now) {
+void LinkSession::synchronised() {
   phase_ = Phase::idle;
   owes_reply_ = false;
-  if (pending_ && fresh(*pending_, now)) return send_next(now);
+}
+
+bool LinkSession::send_pending(double now) {
+  if (pending_ && fresh(*pending_, now)) {
+    send_next(now);
+    return true;
+  }
   pending_.reset();
-  // Were the missing answers lost, or are they late? They would come before the answer to this.
-  if (stops_unanswered_ > 0) send_heartbeat(now);
+  return false;
 }
 
 bool LinkSession::fresh(const Pending& pending, double now) const noexcept {
   return options_.command_silence <= 0.0 || now - pending.given_at < options_.command_silence;
 }
 
-void LinkSession::exchange_answered(Encoders encoders, double now) {
-  round_trips_.add(now - asked_at_);
-  ++counters_.exchanges;
-  stops_unanswered_ = 0;  // what has not come by now is lost
+void LinkSession::read_counters(Encoders encoders, double now) {
   if (encoders_) {
     const int left = steps_between(encoders_->left, encoders.left);
     const int right = steps_between(encoders_->right, encoders.right);
@@ -161,6 +123,16 @@ void LinkSession::exchange_answered(Encoders encoders, double now) {
   }
   encoders_ = encoders;
   encoders_at_ = now;
+}
+
+void LinkSession::read_battery(int raw, double now) {
+  counters_.battery = battery_of(raw);
+  battery_at_ = now;
+}
+
+void LinkSession::exchange_answered(double now) {
+  round_trips_.add(now - asked_at_);
+  ++counters_.exchanges;
   if (in_flight_) answered_ticket_ = in_flight_->ticket;
   in_flight_.reset();
   phase_ = Phase::idle;
@@ -171,18 +143,13 @@ void LinkSession::send_next(double now) {
   if (pending_->command != WheelCommand{}) stop_acknowledged_ = false;
   moving_allowed_ = true;
   in_flight_ = std::exchange(pending_, std::nullopt);
-  begin_exchange(set_speeds_read_encoders(in_flight_->command), now);
+  begin_exchange(in_flight_->command, now);
 }
 
-void LinkSession::send_heartbeat(double now) {
-  begin_exchange(read_encoders(), now);
-}
-
-void LinkSession::begin_exchange(std::span<const std::uint8_t> request, double now) {
-  output_.assign(request.begin(), request.end());
+void LinkSession::begin_exchange(std::optional<WheelCommand> speeds, double now) {
+  const bool battery = options_.battery_period > 0.0 && now - battery_at_ >= options_.battery_period;
+  put_request(speeds, battery);
   phase_ = Phase::waiting;
-  parser_.clear();
-  parser_.expect_encoders();
   asked_at_ = now;
   silent_since_ = now;
 }
@@ -193,15 +160,7 @@ void LinkSession::advance(double now) {
     case Phase::closed:
       return;
     case Phase::synchronising:
-      // Answers to repetitions are missing.
-      if (stop_acknowledged_ && output_.empty()) return synchronised(now);
-      // The robot answers, so what it said to older stops would have come by now: it is lost. Waiting for each of them
-      // would take as long as the robot was out of reach.
-      if (heard_since_stop_) late_answers_ = 0;
-      ++counters_.timeouts;
-      owes_reply_ = true;
-      reason_ = fmt::format("no answer to the stop within {:g} s", options_.reply_timeout);
-      return send_stop(now);
+      return no_answer_to_stop(now);
     case Phase::waiting:
       ++counters_.timeouts;
       return resynchronise(fmt::format("no reply within {:g} s", options_.reply_timeout), now);
@@ -219,7 +178,6 @@ void LinkSession::advance(double now) {
 }
 
 double LinkSession::deadline() const noexcept {
-  constexpr double never = std::numeric_limits<double>::infinity();
   switch (phase_) {
     case Phase::closed:
       return never;
@@ -235,7 +193,7 @@ double LinkSession::deadline() const noexcept {
 
 double LinkSession::silent_since() const noexcept {
   const bool owes = phase_ == Phase::synchronising || phase_ == Phase::waiting;
-  return owes ? silent_since_ : std::numeric_limits<double>::infinity();
+  return owes ? silent_since_ : never;
 }
 
 void LinkSession::sent(std::size_t bytes) {

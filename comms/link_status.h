@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "comms/battery.h"
+
 namespace skein::comms {
 
 enum class LinkState {
@@ -33,12 +35,15 @@ struct LinkStatus {
   double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;
-  std::uint64_t exchanges = 0;   ///< requests answered
-  std::uint64_t timeouts = 0;    ///< requests and stops not answered in time
-  std::uint64_t reconnects = 0;  ///< times that the link came up again after it was lost
+  std::uint64_t exchanges = 0;           ///< requests answered
+  std::uint64_t timeouts = 0;            ///< requests and stops not answered in time
+  std::uint64_t resynchronisations = 0;  ///< times that an answer was missing or not understood: stopped, begun anew
+  std::uint64_t reconnects = 0;          ///< times that the link came up again after it was lost
   std::int64_t left_steps =
       0;  ///< unwrapped encoder, from the first reading on; a robot's restart adds nothing [steps]
   std::int64_t right_steps = 0;    ///< the same, right wheel [steps]
+  Battery battery;                 ///< newest reading; see LinkOptions::battery_period
+  std::string version;             ///< of the firmware, "Version 2.0 January 2018 GCtronic"; empty: not said
   bool stop_acknowledged = false;  ///< the robot said "s" and was sent no speed since: it stands
 };
 

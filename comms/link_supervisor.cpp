@@ -42,7 +42,11 @@ Clock::time_point in(double seconds) {
 class LinkSupervisor::Loop {
  public:
   Loop(std::vector<LinkAddress> robots, LinkOptions options) : options_(options) {
-    for (LinkAddress& address : robots) links_.emplace_back(std::move(address), options);
+    for (LinkAddress& address : robots) {
+      const auto resolved = resolve(address);
+      links_.emplace_back(resolved ? *resolved : std::move(address), options);
+      if (!resolved) links_.back().fail(resolved.error());
+    }
     polled_.reserve(links_.size() + 1);  // the thread never allocates for it
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   }

@@ -20,6 +20,7 @@ namespace skein::comms {
 /// in the constructor is thrown.
 class LinkSupervisor {
  public:
+  /// Looks up the names of WiFi robots, and waits for it.
   explicit LinkSupervisor(std::vector<LinkAddress> robots, LinkOptions options = {});
   ~LinkSupervisor();  ///< close() with options.close_timeout
   LinkSupervisor(const LinkSupervisor&) = delete;

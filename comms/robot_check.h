@@ -4,6 +4,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "comms/battery.h"
 #include "comms/link_address.h"
 
 namespace skein::comms {
@@ -11,9 +12,9 @@ namespace skein::comms {
 /// What a robot says about itself, and whether its wheels do what they are told.
 struct RobotCheck {
   std::string version;  ///< "Version 2.0 January 2018 GCtronic"; empty: it did not say
-  std::string battery;  ///< as the robot puts it, "3195 (62%)"; 1 or 0 (low) from an old e-puck1; empty: none
-  int left_steps = 0;   ///< counted while only the left wheel was told to turn forward, left wheel [steps]
-  int right_steps = 0;  ///< the same for the right wheel [steps]
+  Battery battery;
+  int left_steps = 0;               ///< counted while only the left wheel was told to turn forward, left wheel [steps]
+  int right_steps = 0;              ///< the same for the right wheel [steps]
   std::vector<std::string> faults;  ///< a sentence each; empty: none found
 };
 

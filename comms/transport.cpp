@@ -1,11 +1,14 @@
 #include "comms/transport.h"
 
+#include <arpa/inet.h>
 #include <bluetooth/bluetooth.h>
 #include <bluetooth/hci.h>
 #include <bluetooth/hci_lib.h>
 #include <bluetooth/rfcomm.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <termios.h>
@@ -57,8 +60,12 @@ bool bind_to_adapter(int descriptor, const std::string& adapter) {
 
 TransportError describe_transport_error(int error, const LinkAddress& address) {
   const bool rfcomm = address.kind == LinkKind::rfcomm;
+  const bool tcp = address.kind == LinkKind::tcp;
   switch (error) {
     case ECONNREFUSED:
+      if (tcp)
+        return {fmt::format("nothing listens on port {}: is the selector at 15 and the WiFi firmware on the robot?",
+                            address.channel)};
       return {
           fmt::format("the robot refuses channel {}: is its selector at 3? An e-puck1 listens on 1, an e-puck2 on 2",
                       address.channel)};
@@ -71,7 +78,9 @@ TransportError describe_transport_error(int error, const LinkAddress& address) {
       return {"another program is using the device"};
     case EHOSTUNREACH:
     case ENETDOWN:
+    case ENETUNREACH:
     case ENODEV:
+      if (tcp) return {"there is no way to the robot: is it switched on, and in the network that this machine is in?"};
       if (rfcomm) return {"no Bluetooth adapter is on: plug one in, or switch it on with \"bluetoothctl power on\""};
       return {"the device is gone"};
     case EADDRNOTAVAIL:
@@ -88,7 +97,7 @@ TransportError describe_transport_error(int error, const LinkAddress& address) {
     case ECONNABORTED:
       return {"the Bluetooth adapter was unplugged or reset"};
     case EIO:
-      return {rfcomm ? "the connection failed" : "the line hung up"};
+      return {rfcomm || tcp ? "the connection failed" : "the line hung up"};
     case EACCES:
     case EPERM:
       if (rfcomm) return {"the robot or the system refuses the connection: has the robot been paired?", true};
@@ -103,7 +112,15 @@ TransportError describe_transport_error(int error, const LinkAddress& address) {
 }
 
 tl::expected<Transport, TransportError> Transport::open(const LinkAddress& address) {
-  return address.kind == LinkKind::serial ? open_serial(address) : open_rfcomm(address);
+  switch (address.kind) {
+    case LinkKind::serial:
+      return open_serial(address);
+    case LinkKind::rfcomm:
+      return open_rfcomm(address);
+    case LinkKind::tcp:
+      return open_tcp(address);
+  }
+  return fail(EINVAL, address);
 }
 
 tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress& address) {
@@ -133,6 +150,24 @@ tl::expected<Transport, TransportError> Transport::open_rfcomm(const LinkAddress
   if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&robot), sizeof robot) == 0)
     transport.connecting_ = false;
   else if (errno != EINPROGRESS && errno != EAGAIN)
+    return fail(errno, address);
+  return transport;
+}
+
+tl::expected<Transport, TransportError> Transport::open_tcp(const LinkAddress& address) {
+  sockaddr_in robot{};
+  robot.sin_family = AF_INET;
+  robot.sin_port = htons(static_cast<std::uint16_t>(address.channel));
+  if (::inet_pton(AF_INET, address.device.c_str(), &robot.sin_addr) != 1)
+    return tl::unexpected(TransportError{fmt::format("{} is no IPv4 address", address.device), true});
+  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return fail(errno, address);
+  Transport transport(descriptor, /*connecting=*/true, address);
+  const int on = 1;  // 21 bytes wait for no others
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&robot), sizeof robot) == 0)
+    transport.connecting_ = false;
+  else if (errno != EINPROGRESS)
     return fail(errno, address);
   return transport;
 }
@@ -170,14 +205,14 @@ tl::expected<std::size_t, TransportError> Transport::read(std::span<std::uint8_t
   if (count > 0) return static_cast<std::size_t>(count);
   if (count < 0 && nothing_now(errno)) return 0;
   if (count < 0) return fail(errno, address_);
-  return fail(address_.kind == LinkKind::rfcomm ? ECONNRESET : EIO, address_);  // end of file: hung up
+  return fail(address_.kind == LinkKind::serial ? EIO : ECONNRESET, address_);  // end of file: hung up
 }
 
 tl::expected<std::size_t, TransportError> Transport::write(std::span<const std::uint8_t> bytes) {
   // A socket whose other end is gone would raise SIGPIPE, a terminal cannot and knows no flags.
-  const ssize_t count = address_.kind == LinkKind::rfcomm
-                            ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
-                            : ::write(descriptor_, bytes.data(), bytes.size());
+  const ssize_t count = address_.kind == LinkKind::serial
+                            ? ::write(descriptor_, bytes.data(), bytes.size())
+                            : ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   if (count >= 0) return static_cast<std::size_t>(count);
   if (nothing_now(errno)) return 0;
   return fail(errno, address_);

@@ -27,8 +27,14 @@ std::span<const std::uint8_t> as_bytes(std::string_view text) {
 
 }  // namespace
 
-EmulatedEpuck::EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults, std::uint64_t seed)
-    : firmware_(model), faults_(std::move(faults)), random_(seed, 0), start_(now), time_(now), ring_read_at_(now) {
+EmulatedEpuck::EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults, std::uint64_t seed,
+                             Protocol protocol)
+    : firmware_(model, protocol),
+      faults_(std::move(faults)),
+      random_(seed, 0),
+      start_(now),
+      time_(now),
+      ring_read_at_(now) {
   advance(now);  // what is wrong from the beginning
 }
 
@@ -127,7 +133,7 @@ void EmulatedEpuck::begin(const Fault& fault) {
     forget_messages();
     if (fault.duration <= 0.0) end(fault);
   }
-  if (fault.kind == FaultKind::stuck && !off()) {
+  if (fault.kind == FaultKind::stuck && !off() && firmware_.protocol() == Protocol::asercom) {
     const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(half_commands.size()));
     std::vector<std::uint8_t> answer;  // a half command has none
     firmware_.forget_half_command();   // two halves must not make a whole that nobody sent
@@ -141,6 +147,11 @@ void EmulatedEpuck::end(const Fault& fault) {
 
 void EmulatedEpuck::reboot() {
   begin({.kind = FaultKind::reboot, .duration = 0.0});
+}
+
+void EmulatedEpuck::accept() {
+  forget_messages();
+  if (firmware_.protocol() == Protocol::wifi) firmware_.forget_half_command();
 }
 
 void EmulatedEpuck::forget_messages() {

@@ -18,7 +18,8 @@ class EmulatedEpuck {
  public:
   /// `faults`: this robot's, in the order in which they begin (faults_of()); their second 0 is `now`. `seed`: of which
   /// messages are lost, which bytes change, how long each takes.
-  EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults = {}, std::uint64_t seed = 0);
+  EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults = {}, std::uint64_t seed = 0,
+                Protocol protocol = Protocol::asercom);
 
   void receive(std::span<const std::uint8_t> bytes, double now);  ///< what the host writes, in one write
   void advance(double now);                                       ///< lets time pass: all that is due by then happens
@@ -34,6 +35,9 @@ class EmulatedEpuck {
   bool carries() const noexcept;
   /// Off and on again within an instant.
   void reboot();
+  /// A host has connected: what the last one left half said is forgotten where the protocol lets it (WiFi does, asercom
+  /// keeps it).
+  void accept();
 
  private:
   struct Message {

@@ -34,10 +34,10 @@ std::string list(char letter, const std::array<int, N>& values) {
 
 }  // namespace
 
-EpuckFirmware::EpuckFirmware(core::MotorModel model) : model_(model) {}
+EpuckFirmware::EpuckFirmware(core::MotorModel model, Protocol protocol) : model_(model), protocol_(protocol) {}
 
 void EpuckFirmware::boot() noexcept {
-  EpuckFirmware fresh(model_);
+  EpuckFirmware fresh(model_, protocol_);
   fresh.battery_volts_ = battery_volts_;
   fresh.wheels_swapped_ = wheels_swapped_;
   fresh.encoders_silent_ = encoders_silent_;
@@ -45,13 +45,18 @@ void EpuckFirmware::boot() noexcept {
 }
 
 std::string EpuckFirmware::greeting() const {
+  if (protocol_ == Protocol::wifi) return {};
   return (epuck1() ? fmt::format("Selector pos {}\r\n", epuck_alone.selector) : "") + std::string(welcome);
 }
 
 // --- The parser -----------------------------------------------------------------------------------------------------
 
 void EpuckFirmware::receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) {
-  for (const std::uint8_t byte : bytes) take(byte, reply);
+  for (const std::uint8_t byte : bytes)
+    if (protocol_ == Protocol::wifi)
+      take_packet_byte(byte, reply);
+    else
+      take(byte, reply);
 }
 
 // The firmware is one thread that waits for every byte; here each place where it waits is a state.

@@ -11,8 +11,15 @@
 
 namespace skein::comms {
 
+/// What a robot listens to.
+enum class Protocol {
+  asercom,  ///< Bluetooth, serial line
+  wifi      ///< an e-puck2's packets over TCP (epuck_wifi.h)
+};
+
 /// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, byte for byte what the
-/// manufacturer's parser answers, mistakes included. No I/O, no clock. Not thread-safe.
+/// manufacturer's parser answers, mistakes included; or an e-puck2's WiFi program, whose packets become the asercom
+/// commands F7 and F8 inside the robot. No I/O, no clock. Not thread-safe.
 ///
 /// Emulated: every request of the protocol that needs no camera, sound, extension board (these are answered as by a
 /// robot that lacks them, or pass unanswered). Sensors read constants, but for the battery. The e-puck1's receive ring
@@ -20,7 +27,7 @@ namespace skein::comms {
 class EpuckFirmware {
  public:
   /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
-  explicit EpuckFirmware(core::MotorModel model);
+  explicit EpuckFirmware(core::MotorModel model, Protocol protocol = Protocol::asercom);
 
   /// Feeds bytes to the parser and appends to `reply` what the robot answers. What is not finished is kept, also when
   /// the host goes away meanwhile.
@@ -32,13 +39,17 @@ class EpuckFirmware {
   /// Lets `dt` seconds pass: the encoders count.
   void advance(double dt) noexcept;
 
-  /// What the robot says when it boots.
+  /// What the robot says when it boots; nothing over WiFi.
   std::string greeting() const;
   /// Switches it off and on: wheels stand, counters are 0, the parser is fresh. The greeting is the caller's to send.
   void boot() noexcept;
 
   /// The parser waits for a new command.
-  void forget_half_command() noexcept { parsing_ = Parsing::top; }
+  void forget_half_command() noexcept {
+    parsing_ = Parsing::top;
+    arguments_.clear();
+  }
+  Protocol protocol() const noexcept { return protocol_; }
 
   // Defects: a boot does not mend them.
   void set_battery(double volts) noexcept { battery_volts_ = volts; }         ///< [V]; 3.4 is empty, 4.2 full
@@ -49,6 +60,7 @@ class EpuckFirmware {
   enum class Parsing { top, line_start, line, sequence, arguments };
 
   void take(std::uint8_t byte, std::vector<std::uint8_t>& reply);
+  void take_packet_byte(std::uint8_t byte, std::vector<std::uint8_t>& reply);
   void run_line(std::vector<std::uint8_t>& reply);
   void run_letter(std::uint8_t letter);
   void run_letter_with_arguments();
@@ -64,11 +76,12 @@ class EpuckFirmware {
   bool epuck1() const noexcept { return model_ == core::MotorModel::epuck1; }
 
   core::MotorModel model_;
+  Protocol protocol_;
   Parsing parsing_ = Parsing::top;
-  std::string line_;                  // the ASCII line so far, or finished
-  std::vector<std::uint8_t> merged_;  // the answer of the binary sequence so far
-  std::uint8_t letter_ = 0;           // the binary command whose arguments are awaited
-  std::vector<std::uint8_t> arguments_;
+  std::string line_;                     // the ASCII line so far, or finished
+  std::vector<std::uint8_t> merged_;     // the answer of the binary sequence so far
+  std::uint8_t letter_ = 0;              // the binary command whose arguments are awaited
+  std::vector<std::uint8_t> arguments_;  // or the packet so far
   std::size_t arguments_needed_ = 0;
 
   int speed_left_ = 0, speed_right_ = 0;        // as E reports: last commanded, unclamped

@@ -4,6 +4,26 @@
 
 namespace skein::comms {
 
+// A packet: its head, what is asked for, then the arguments of "all actuators at once". What begins with another byte
+// is passed over.
+void EpuckFirmware::take_packet_byte(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
+  constexpr std::size_t whole = 21;
+  if (arguments_.empty() && byte != 0x80) return;
+  arguments_.push_back(byte);
+  if (arguments_.size() < whole) return;
+  const bool sensors = (arguments_[1] & 0x02) != 0;
+  arguments_.erase(arguments_.begin(), arguments_.begin() + 2);
+  letter_ = 0xF7;
+  run_letter_with_arguments();
+  arguments_.clear();
+  reply.push_back(sensors ? 0x02 : 0x03);
+  if (!sensors) return;
+  merged_.clear();
+  append_all_sensors();
+  merged_.push_back(0);  // one that means nothing
+  reply.insert(reply.end(), merged_.begin(), merged_.end());
+}
+
 void EpuckFirmware::append(std::int64_t value) {
   merged_.push_back(static_cast<std::uint8_t>(value & 0xFF));
   merged_.push_back(static_cast<std::uint8_t>((value >> 8) & 0xFF));

@@ -5,8 +5,8 @@
 #include <deque>
 #include <string>
 
+#include "comms/asercom_session.h"
 #include "comms/emulator/emulated_epuck.h"
-#include "comms/link_session.h"
 #include "core/simulation/random.h"
 #include "tests/property.h"
 
@@ -132,7 +132,7 @@ class ChaosLink {
   LinkOptions options_;
   core::MotorModel model_;
   EmulatedEpuck robot_;
-  LinkSession session_;
+  AsercomSession session_;
   bool open_ = false;
   double try_at_ = 0.0, wait_ = options_.reconnect_first;
   std::uint64_t breaks_ = 0;

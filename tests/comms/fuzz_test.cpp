@@ -50,6 +50,12 @@ TEST(Fuzz, WhateverARobotSays) {
       fuzz::replies);
 }
 
+TEST(Fuzz, WhateverAWifiRobotSays) {
+  Bytes sensors(105, 0);
+  sensors[0] = 0x02;
+  run({{}, {0x03}, sensors, Bytes{0x03, 0x03, 0x03, 0x01}}, fuzz::packets);
+}
+
 TEST(Fuzz, WhateverAHostSends) {
   const auto stop = stop_sequence();
   const auto set = set_speeds_read_encoders({300, -300});

@@ -16,11 +16,26 @@ TEST(LinkAddress, ReadsBluetoothWithAndWithoutChannel) {
             (LinkAddress{LinkKind::rfcomm, "10:00:E8:AA:BB:CC", 1, ""}));
 }
 
+TEST(LinkAddress, ReadsWifiRobotsWithAndWithoutPort) {
+  EXPECT_EQ(parse_link_address("tcp:192.168.1.20").value(), (LinkAddress{LinkKind::tcp, "192.168.1.20", 1000, ""}));
+  EXPECT_EQ(parse_link_address("tcp:epuck-4.lab:2000").value(), (LinkAddress{LinkKind::tcp, "epuck-4.lab", 2000, ""}));
+  EXPECT_EQ(to_text(parse_link_address("tcp:epuck-4").value()), "tcp:epuck-4:1000");
+}
+
+TEST(LinkAddress, NamesAreLookedUpOnce) {
+  EXPECT_EQ(resolve({LinkKind::tcp, "localhost", 1000}).value().device, "127.0.0.1");
+  const auto nobody = resolve({LinkKind::tcp, "no-such-robot.invalid", 1000});
+  ASSERT_FALSE(nobody);
+  EXPECT_NE(nobody.error().find("no-such-robot.invalid"), std::string::npos);
+  EXPECT_EQ(resolve({LinkKind::serial, "/dev/ttyACM0"}).value().device, "/dev/ttyACM0");
+}
+
 TEST(LinkAddress, SaysWhatWasFoundAndWhatIsAllowed) {
   for (const char* const bad :
        {"", "serial:", "serial:ttyACM0", "/dev/ttyACM0", "rfcomm:", "rfcomm:10:00:E8:AA:BB", "rfcomm:10:00:E8:AA:BB:CG",
         "rfcomm:10-00-E8-AA-BB-CC/1", "rfcomm:10:00:E8:AA:BB:CC/", "rfcomm:10:00:E8:AA:BB:CC/0",
-        "rfcomm:10:00:E8:AA:BB:CC/31", "rfcomm:10:00:E8:AA:BB:CC/1x", "tcp:10.0.0.1"}) {
+        "rfcomm:10:00:E8:AA:BB:CC/31", "rfcomm:10:00:E8:AA:BB:CC/1x", "tcp:", "tcp::1000",
+        "tcp:10.0.0.1:", "tcp:10.0.0.1:0", "tcp:10.0.0.1:65536", "tcp:[::1]:1000", "udp:10.0.0.1"}) {
     const auto address = parse_link_address(bad);
     ASSERT_FALSE(address) << bad;
     EXPECT_NE(address.error().find('"' + std::string(bad) + '"'), std::string::npos) << address.error();

@@ -1,4 +1,4 @@
-#include "comms/link_session.h"
+#include "comms/asercom_session.h"
 
 #include <limits>
 #include <optional>
@@ -50,7 +50,7 @@ struct Lab {
   LinkState state() const { return session.status().state; }
 
   double now = 1000.0;
-  LinkSession session;
+  AsercomSession session;
   EpuckFirmware robot;
   std::uint16_t ticket = 0;
 };

@@ -25,7 +25,8 @@ RobotCheck check(MotorModel model, std::vector<Fault> faults) {
 TEST(RobotCheck, AHealthyRobotSaysWhoItIsAndTurnsItsWheels) {
   const RobotCheck robot = check(MotorModel::epuck2, {});
   EXPECT_EQ(robot.version, "Version 2.0 January 2018 GCtronic");
-  EXPECT_EQ(robot.battery, "3195 (62%)");
+  EXPECT_NEAR(robot.battery.volts, 3.9, 1e-3);
+  EXPECT_FALSE(robot.battery.low);
   EXPECT_GE(robot.left_steps, 20);
   EXPECT_GE(robot.right_steps, 20);
   EXPECT_TRUE(robot.faults.empty()) << robot.faults.front();

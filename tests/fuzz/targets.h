@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -7,8 +8,9 @@
 #include <vector>
 
 #include "comms/asercom.h"
+#include "comms/asercom_session.h"
 #include "comms/emulator/epuck_firmware.h"
-#include "comms/link_session.h"
+#include "comms/wifi_session.h"
 
 namespace skein::fuzz {
 
@@ -21,7 +23,7 @@ inline void must(bool holds) {
 /// bounded part of it, and afterwards a robot that listens is stopped and up within a few time-outs.
 inline void replies(std::span<const std::uint8_t> bytes) {
   comms::ReplyParser parser;
-  comms::LinkSession session({});
+  comms::AsercomSession session({});
   double now = 1.0;
   session.opened(now);
   session.sent(session.output().size());
@@ -57,6 +59,42 @@ inline void replies(std::span<const std::uint8_t> bytes) {
     session.advance(now);
   }
   must(session.stop_acknowledged());
+  must(robot.wheels() == core::WheelSpeeds{});
+}
+
+/// `bytes` as what an e-puck2 over WiFi says, in chunks as above. A connection that cannot go on says so, keeps a
+/// bounded part of what came, and the next one stops the robot.
+inline void packets(std::span<const std::uint8_t> bytes) {
+  comms::WifiSession session({});
+  double now = 1.0;
+  session.opened(now);
+  session.sent(session.output().size());
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
+    const auto chunk = bytes.subspan(begin, i + 1 - begin);
+    begin = i + 1;
+    now += 0.01 * chunk[0];
+    session.advance(now);
+    session.received(chunk, now);
+    session.command(comms::clamped(chunk[0], -chunk[0]), static_cast<std::uint16_t>(i + 1), now);
+    must(session.output().size() <= 2 * comms::wifi_command_size);
+    must(!std::isnan(session.deadline()));
+    session.sent(std::min<std::size_t>(session.output().size(), chunk[0]));
+    if (session.garbled()) session.opened(now);
+  }
+
+  comms::EpuckFirmware robot(core::MotorModel::epuck2, comms::Protocol::wifi);
+  session.opened(now);
+  session.stop(now);
+  for (int turn = 0; turn < 8 && !session.up(); ++turn) {
+    const std::vector<std::uint8_t> request(session.output().begin(), session.output().end());
+    session.sent(request.size());
+    std::vector<std::uint8_t> answer;
+    robot.receive(request, answer);
+    session.received(answer, now);
+  }
+  must(session.up() && session.stop_acknowledged());
   must(robot.wheels() == core::WheelSpeeds{});
 }
 
