@@ -113,12 +113,12 @@ void Link::write(double now) {
 }
 
 void Link::note_times(double read_at, double written_at) noexcept {
-  if (answered_ != session_.answered_ticket()) {
-    answered_ = session_.answered_ticket();
+  if (answered_ != session_->answered_ticket()) {
+    answered_ = session_->answered_ticket();
     answered_at_.store(read_at);
   }
-  const std::uint16_t sent = session_.sent_ticket();
-  if (sent != 0 && sent != written_ && session_.output().empty()) {
+  const std::uint16_t sent = session_->sent_ticket();
+  if (sent != 0 && sent != written_ && session_->output().empty()) {
     written_ = sent;
     written_at_.store(written_at);
   }
