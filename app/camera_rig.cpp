@@ -77,6 +77,22 @@ CameraRig::~CameraRig() {
   if (ready_ >= 0) ::close(ready_);
 }
 
+tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
+  auto recorder = vision::Recorder::open(path, {{"PROGRAM", "skein " SKEIN_VERSION},
+                                                {"SOURCE", experiment_.camera.source},
+                                                {"EXPERIMENT", experiment_.source},
+                                                {"CALIBRATION", vision::format_calibration(calibration_)}});
+  if (!recorder) return tl::unexpected(recorder.error());
+  recorder_ = std::move(*recorder);
+  return {};
+}
+
+VideoStatus CameraRig::video() const {
+  if (!recorder_) return {};
+  const vision::RecorderStatus status = recorder_->status();
+  return {status.written, status.dropped, status.problem};
+}
+
 void CameraRig::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
 }
@@ -84,6 +100,7 @@ void CameraRig::start() {
 void CameraRig::end() {
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
+  if (recorder_) recorder_->finish();
 }
 
 void CameraRig::thread(const std::stop_token& stop) {
@@ -148,6 +165,9 @@ void CameraRig::work_off() {
   ready_at_.store(seen_.times.ready_at, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
+  // On the virtual clock there is time to wait for the disk.
+  if (recorder_ && clock_.wall()) recorder_->offer(frame_);
+  if (recorder_ && !clock_.wall()) recorder_->add(frame_);
   if (!pictures_) return;
   Picture& picture = picture_.draft();
   picture.width = frame_.width;

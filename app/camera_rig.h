@@ -17,6 +17,7 @@
 #include "app/simulated_world.h"
 #include "vision/calibration.h"
 #include "vision/frame_source.h"
+#include "vision/recorder.h"
 #include "vision/synthetic_camera.h"
 #include "vision/tracker.h"
 
@@ -37,6 +38,11 @@ class CameraRig {
   static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
                                                                     SimulatedWorld& world, bool pictures);
   ~CameraRig();
+
+  /// Keeps every frame, as the tracker got it, in a film. Before the first frame.
+  tl::expected<void, std::string> keep(const std::string& path);
+  /// Any thread.
+  VideoStatus video() const;
 
   /// Wall clock: starts the thread.
   void start();
@@ -72,6 +78,7 @@ class CameraRig {
   vision::TagTracker tracker_;
   std::unique_ptr<vision::SyntheticCamera> synthetic_;
   std::unique_ptr<vision::FrameSource> source_;
+  std::unique_ptr<vision::Recorder> recorder_;
   bool live_ = false;  // a camera that stamps its frames with CLOCK_MONOTONIC
   bool pictures_;
 

@@ -89,6 +89,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   run_command.add_option("--csv", run_request.csv, "write every tick to this file")->type_name("FILE");
   run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json there")
       ->type_name("DIR");
+  run_command.add_option("--video", run_request.video, "keep the camera's frames in this film, lossless (Matroska)")
+      ->type_name("FILE.MKV");
   run_command
       .add_option(
           "--speed", run_request.speed,
@@ -113,6 +115,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_option("--camera", track_request.camera, "calibration file; without one, pixels only")
       ->type_name("CAL.TOML");
   track_command.add_option("--csv", track_request.csv, "one row a detection; default: stdout")->type_name("FILE");
+  track_command.add_option("--record", track_request.record, "keep the frames in this film, lossless (Matroska)")
+      ->type_name("FILE.MKV");
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
   CLI::App& emulate_command = *program.add_subcommand(

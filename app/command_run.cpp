@@ -107,6 +107,7 @@ int run(const RunRequest& request) {
   Progress progress(*experiment, request.quiet);
   SessionOptions options;
   options.sinks = {&statistics, &progress};
+  options.video = request.video;
   std::vector<std::unique_ptr<CsvFile>> files;
   try {
     for (const std::string& path :
@@ -131,6 +132,10 @@ int run(const RunRequest& request) {
   Statistics::Summary summary = statistics.summary();
   summary.stopped = end != Phase::finished;
   summary.failure = (*session)->failure().value_or("");
+  const VideoStatus video = (*session)->video();
+  summary.video_frames = video.frames;
+  summary.video_dropped = video.dropped;
+  summary.video_problem = video.problem;
   summary.dropped_rows = static_cast<std::int64_t>((*session)->dropped_rows());
   for (const auto& file : files) {
     try {
@@ -156,7 +161,8 @@ int run(const RunRequest& request) {
   if (!summary.failure.empty()) complain(summary.failure);
   if (summary.dropped_rows > 0)
     complain(fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
-  if (!summary.failure.empty() || !summary.not_stopped.empty()) return device_failed;
+  if (!video.problem.empty()) complain("the film of the run is not complete: " + video.problem);
+  if (!summary.failure.empty() || !video.problem.empty() || !summary.not_stopped.empty()) return device_failed;
   std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
   if (summary.stopped)
     failed.insert(failed.begin(), fmt::format("stopped at {:g} s of {:g} s", summary.duration, experiment->duration));

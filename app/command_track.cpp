@@ -30,6 +30,8 @@ int track(const TrackRequest& request) {
     }
   }
   options.csv = request.csv.empty() ? &std::cout : &file;
+  options.record = request.record;
+  options.notes = {{"PROGRAM", "skein " SKEIN_VERSION}};
   const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
   options.keep_going = [&](std::int64_t frames) {
     if (show_progress && frames % 10 == 0) fmt::print(stderr, "\r\033[K{} frames", frames);
@@ -47,6 +49,12 @@ int track(const TrackRequest& request) {
     std::FILE* out = request.csv.empty() ? stderr : stdout;
     fmt::print(out, "source: {}\nframes: {}\ndetections: {}\nids: {}\nskipped: {}\n", summary->source, summary->frames,
                summary->detections, fmt::join(summary->ids, " "), summary->skipped.size());
+    if (!request.record.empty())
+      fmt::print(out, "recorded: {}\nnot_recorded: {}\n", summary->recording.written, summary->recording.dropped);
+  }
+  if (!summary->recording.problem.empty()) {
+    fmt::print(stderr, "skein: {}\n", summary->recording.problem);
+    return device_failed;
   }
   return done;
 }

@@ -20,7 +20,7 @@ std::optional<Experiment> load(const ExperimentRequest& request);
 
 struct RunRequest {
   ExperimentRequest experiment;
-  std::string csv, report, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
+  std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
   bool quiet = false, json = false;
 };
 int run(const RunRequest& request);
@@ -29,7 +29,7 @@ int check(const ExperimentRequest& request);
 int replay(const std::string& csv);
 
 struct TrackRequest {
-  std::string source, camera, csv;
+  std::string source, camera, csv, record;
   bool quiet = false;
 };
 int track(const TrackRequest& request);

@@ -28,7 +28,7 @@ Plant::~Plant() {
 }
 
 tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& experiment, SessionClock& clock,
-                                                              bool pictures) {
+                                                              const SessionOptions& options) {
   std::unique_ptr<Plant> plant(new Plant(experiment, clock));
 
   std::vector<core::MotorModel> emulated;
@@ -63,21 +63,26 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
       address->name = name;
       addresses.push_back(*address);
     }
-    comms::LinkOptions options;
+    comms::LinkOptions link_options;
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
     if (!clock.wall()) {
-      options.command_silence = options.heartbeat = 0.0;
-      options.reply_timeout = lock_step_timeout;
+      link_options.command_silence = link_options.heartbeat = 0.0;
+      link_options.reply_timeout = lock_step_timeout;
     }
-    plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, options);
+    plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, link_options);
     plant->down_since_.assign(addresses.size(), none);
     if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
   }
   if (experiment.camera.source != "none") {
-    auto camera = CameraRig::open(experiment, clock, plant->world_, pictures);
+    auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures);
     if (!camera) return tl::unexpected(camera.error());
+    if (!options.video.empty())
+      if (auto begun = (*camera)->keep(options.video); !begun) return tl::unexpected(begun.error());
     plant->camera_ = std::move(*camera);
     if (clock.wall()) plant->camera_->start();
+  } else if (!options.video.empty()) {
+    return tl::unexpected(
+        fmt::format("{}: there is no camera to make a film of (camera.source = \"none\")", options.video));
   }
   return plant;
 }

@@ -23,7 +23,7 @@ namespace skein::app {
 class Plant {
  public:
   static tl::expected<std::unique_ptr<Plant>, std::string> open(const Experiment& experiment, SessionClock& clock,
-                                                                bool pictures);
+                                                                const SessionOptions& options);
   ~Plant();
 
   /// The newest pose of each robot at time `now`, and the true ones of those that are simulated. The control thread's.

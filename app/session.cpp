@@ -109,7 +109,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.gains = make_gains(experiment);
   i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
-  auto plant = Plant::open(i.experiment, i.clock, i.options.pictures);
+  auto plant = Plant::open(i.experiment, i.clock, i.options);
   if (!plant) return tl::unexpected(plant.error());
   i.plant = std::move(*plant);
   i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
@@ -182,6 +182,11 @@ std::array<double, 2> Session::pixel(double x, double y) const {
 
 std::vector<RobotStatus> Session::robots() const {
   return impl_->plant->robots();
+}
+
+VideoStatus Session::video() const {
+  const CameraRig* camera = impl_->plant->camera();
+  return camera ? camera->video() : VideoStatus{};
 }
 
 std::optional<std::string> Session::failure() const {

@@ -31,9 +31,17 @@ struct RobotStatus {
   bool stop_acknowledged = false;  ///< after close()
 };
 
+/// The film that a session keeps of its camera's frames.
+struct VideoStatus {
+  std::int64_t frames = 0;   ///< kept
+  std::int64_t dropped = 0;  ///< not kept, since the disk or the encoder was too slow, or after the problem
+  std::string problem;       ///< why the film ends early; the run goes on all the same
+};
+
 struct SessionOptions {
   bool pictures = false;           ///< keep the newest camera picture at hand
   std::vector<RecordSink*> sinks;  ///< told every row of the run, on a thread of their own in a real-time session
+  std::string video{};             ///< keep the camera's frames in this film (Matroska); empty: none
 };
 
 /// An experiment with everything that runs it: plant, camera, links, control thread, recorder. The facade that the
@@ -86,6 +94,8 @@ class Session {
   std::array<double, 2> pixel(double x, double y) const;
 
   std::vector<RobotStatus> robots() const;
+  /// Complete after close(). Any thread.
+  VideoStatus video() const;
   /// Why the session failed (camera gone, a link that could not be held, an exception), if it did.
   std::optional<std::string> failure() const;
 

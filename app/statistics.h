@@ -48,7 +48,10 @@ class Statistics final : public RecordSink {
     std::int64_t collisions = 0;          ///< times that a pair came closer than 70 mm
     std::int64_t missed_deadlines = 0;
     std::int64_t dropped_rows = 0;  ///< that the recorder was too slow to take: they are in no file and in no figure
-    double largest_period = none;   ///< [s]
+    std::int64_t video_frames = 0;  ///< kept in the film of the run, where there is one
+    std::int64_t video_dropped = 0;
+    std::string video_problem;                             ///< why the film ends early
+    double largest_period = none;                          ///< [s]
     double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
     std::array<Histogram, stages> latency;                 ///< of each stage; empty on the virtual clock
     Histogram latency_total;                               ///< a frame's arrival to its command written

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "vision/film.h"
 #include "vision/frame.h"
 
 namespace skein::vision {
@@ -24,6 +25,16 @@ class FrameSource {
   /// Single pictures, not frames of one film: neighbours need not resemble each other.
   virtual bool stills() const { return false; }
 
+  /// A film that Skein has recorded: captured_at and index of its frames are the ones they had then, to the bit.
+  /// Where an index is missing, the recorder dropped the frame.
+  virtual bool recorded() const { return false; }
+
+  /// What is said of the film as a whole; of a recorded one, what its Recorder was given.
+  virtual const FilmNotes& notes() const {
+    static const FilmNotes none;
+    return none;
+  }
+
   /// One line, file and reason, for each picture that could not be read and was passed over.
   virtual std::span<const std::string> skipped() const { return {}; }
 };
@@ -37,7 +48,9 @@ struct SourceOptions {
 /// "images:DIR" or "images:FILE"  png, jpg, pgm, ppm, bmp, tif, sorted by name; captured_at as if 25 were taken a
 /// second, since
 ///                                pictures carry no better time. One that cannot be decoded is skipped (see skipped()).
-/// "video:FILE"                   captured_at is the time in the film.
+/// "video:FILE"                   captured_at is the time in the film; of a recorded one, see recorded(). Frames that
+/// are
+///                                damaged are skipped.
 /// "v4l2:DEVICE"                  a camera through the kernel: GREY, YUYV or MJPEG, newest frame only, captured_at is
 /// the
 ///                                driver's CLOCK_MONOTONIC stamp. A camera that stops delivering is an error.

@@ -87,6 +87,10 @@ class Memory {
   std::map<int, std::vector<Seen>> seen_;
 };
 
+bool is_live(std::string_view source) {
+  return source.starts_with("v4l2:");
+}
+
 /// Searching at half resolution is 3 to 4 times faster and loses tags under 16 px. Pictures are few and often show
 /// small tags; of a film with many pixels the tags have many, too; a camera whose geometry is known says how large its
 /// tags are.
@@ -94,8 +98,7 @@ double choose_decimate(const TrackOptions& options, const FrameSource& source, c
   if (options.decimate > 0.0) return options.decimate;
   if (source.stills()) return 1.0;
   if (static_cast<double>(frame.width) * frame.height >= 1.5e6) return 2.0;
-  const bool live = options.source.starts_with("v4l2:");
-  return live && options.calibration ? decimate_for_edge(tag_edge_px(*options.calibration)) : 1.0;
+  return is_live(options.source) && options.calibration ? decimate_for_edge(tag_edge_px(*options.calibration)) : 1.0;
 }
 
 void write_header(std::ostream& csv, bool calibrated) {
@@ -126,6 +129,14 @@ void write_row(std::ostream& csv, Row& row, const TrackOptions& options, const F
   row.end(csv);
 }
 
+tl::expected<std::unique_ptr<Recorder>, std::string> open_recorder(const TrackOptions& options) {
+  if (options.record.empty()) return nullptr;
+  FilmNotes notes = options.notes;
+  notes["SOURCE"] = options.source;
+  if (options.calibration) notes["CALIBRATION"] = format_calibration(*options.calibration);
+  return Recorder::open(options.record, notes);
+}
+
 }  // namespace
 
 tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
@@ -136,6 +147,9 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
   }
   auto source = open_source(options.source, wanted);
   if (!source) return tl::unexpected(source.error());
+  auto recorder = open_recorder(options);
+  if (!recorder) return tl::unexpected(recorder.error());
+  const bool live = is_live(options.source);
 
   TrackSummary summary;
   summary.source = (*source)->describe();
@@ -163,11 +177,14 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
       const auto place = std::lower_bound(summary.ids.begin(), summary.ids.end(), detection.tag);
       if (place == summary.ids.end() || *place != detection.tag) summary.ids.insert(place, detection.tag);
     }
+    if (*recorder && live) (*recorder)->offer(frame);
+    if (*recorder && !live) (*recorder)->add(frame);
     ++summary.frames;
     if (options.csv != nullptr && !*options.csv) return tl::unexpected(std::string("the CSV cannot be written"));
     if (options.keep_going && !options.keep_going(summary.frames)) break;
   }
 
+  if (*recorder) summary.recording = (*recorder)->finish();
   const auto skipped = (*source)->skipped();
   summary.skipped.assign(skipped.begin(), skipped.end());
   if (summary.frames == 0 && !summary.skipped.empty()) {

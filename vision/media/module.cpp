@@ -31,5 +31,7 @@ bool decode_jpeg(const std::uint8_t* bytes, std::size_t size, Frame& frame) {
 }  // namespace
 }  // namespace skein::vision::media
 
-extern "C" __attribute__((visibility("default"))) const skein::vision::Media skein_media_1 = {
-    .open = skein::vision::media::open, .decode_jpeg = skein::vision::media::decode_jpeg};
+extern "C" __attribute__((visibility("default")))
+const skein::vision::Media skein_media_2 = {.open = skein::vision::media::open,
+                                            .decode_jpeg = skein::vision::media::decode_jpeg,
+                                            .create_film = skein::vision::media::create_film};

@@ -1,74 +1,201 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
+#include <vector>
 
+#include "vision/media/libav.h"
 #include "vision/media/sources.h"
 
 namespace skein::vision::media {
 namespace {
 
+constexpr std::int64_t most_pixels = 100'000'000;  // of a frame: more is a damaged file
+constexpr std::size_t most_complaints = 1000;
+
 class Video final : public FrameSource {
  public:
-  Video(cv::VideoCapture capture, const std::string& path) : capture_(std::move(capture)) {
-    rate_ = capture_.get(cv::CAP_PROP_FPS);
-    what_ = fmt::format("video {} ({:.0f}x{:.0f}, {:.3g} frames/s)", path, capture_.get(cv::CAP_PROP_FRAME_WIDTH),
-                        capture_.get(cv::CAP_PROP_FRAME_HEIGHT), rate_);
-  }
+  explicit Video(std::string path) : path_(std::move(path)) {}
+  ~Video() override { avformat_close_input(&file_); }
+  Video(const Video&) = delete;
+  Video& operator=(const Video&) = delete;
 
-  tl::expected<bool, std::string> read(Frame& frame) override {
-    try {
-      if (!capture_.read(colour_) || colour_.empty()) {
-        if (frames_ == 0) return tl::unexpected(what_ + ": not a single frame can be decoded");
-        return false;
-      }
-      frame.resize(colour_.cols, colour_.rows);
-      cv::Mat grey(colour_.rows, colour_.cols, CV_8U, frame.grey.data());
-      if (colour_.channels() == 1) {
-        colour_.copyTo(grey);
-      } else {
-        cv::cvtColor(colour_, grey, cv::COLOR_BGR2GRAY);
-      }
-    } catch (const cv::Exception& problem) {
-      return tl::unexpected(fmt::format("{}: {}", what_, problem.what()));
-    }
-    frame.index = frames_++;
-    frame.source = std::to_string(frame.index);
-    const double stamp = capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
-    // Some containers carry no stamps: then the frames are evenly spaced.
-    const bool stamped = stamp > last_stamp_ || (frame.index == 0 && stamp >= 0.0);
-    frame.captured_at = stamped ? stamp : last_stamp_ + (rate_ > 0.0 ? 1.0 / rate_ : 0.04);
-    last_stamp_ = frame.captured_at;
+  bool open() {
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "protocol_whitelist", "file", 0);  // a play list must not make us fetch anything
+    const bool opened = avformat_open_input(&file_, ("file:" + path_).c_str(), nullptr, &options) >= 0;
+    av_dict_free(&options);
+    if (!opened || avformat_find_stream_info(file_, nullptr) < 0) return false;
+    const AVCodec* coder = nullptr;
+    const int best = av_find_best_stream(file_, AVMEDIA_TYPE_VIDEO, -1, -1, &coder, 0);
+    if (best < 0) return false;
+    stream_ = file_->streams[best];
+    codec_.reset(avcodec_alloc_context3(coder));
+    picture_.reset(av_frame_alloc());
+    packet_.reset(av_packet_alloc());
+    if (!codec_ || !picture_ || !packet_ || avcodec_parameters_to_context(codec_.get(), stream_->codecpar) < 0)
+      return false;
+    codec_->thread_count = 1;  // the same answer every time
+    codec_->max_pixels = most_pixels;
+    if (avcodec_open2(codec_.get(), coder, nullptr) < 0) return false;
+    if (codec_->width <= 0 || codec_->height <= 0) return false;
+    const AVDictionaryEntry* entry = nullptr;
+    while ((entry = av_dict_get(file_->metadata, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr)
+      notes_[entry->key] = entry->value;
+    const auto film = notes_.find(film_note);
+    recorded_ = film != notes_.end() && film->second == film_version;
+    const AVRational rate = av_guess_frame_rate(file_, stream_, nullptr);
+    rate_ = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0.0;
+    what_ = fmt::format("{} {} ({}x{}, {:.3g} frames/s)", recorded_ ? "recording" : "video", path_, codec_->width,
+                        codec_->height, rate_);
     return true;
   }
 
+  tl::expected<bool, std::string> read(Frame& frame) override {
+    while (decode()) {
+      const char* damage = convert(frame);
+      if (damage == nullptr) {
+        ++whole_;
+        return true;
+      }
+      complain(damage);
+    }
+    if (whole_ == 0) return tl::unexpected(what_ + ": not a single frame can be decoded");
+    return false;
+  }
+
   std::string describe() const override { return what_; }
+  bool recorded() const override { return recorded_; }
+  const FilmNotes& notes() const override { return notes_; }
+  std::span<const std::string> skipped() const override { return skipped_; }
 
  private:
-  cv::VideoCapture capture_;
+  /// The next picture of the film into picture_; false: there is none. Packets that cannot be decoded are passed over.
+  bool decode() {
+    for (;;) {
+      const int got = avcodec_receive_frame(codec_.get(), picture_.get());
+      if (got >= 0) return true;
+      if (got == AVERROR_EOF) return false;
+      if (got != AVERROR(EAGAIN)) {  // the decoder has thrown a packet away
+        complain("cannot be decoded");
+        continue;
+      }
+      if (!feed()) return false;
+    }
+  }
+
+  /// One packet of the film into the decoder, or the news that there are no more; false: it knows that already.
+  bool feed() {
+    for (;;) {
+      av_packet_unref(packet_.get());
+      const int read = ended_ ? AVERROR_EOF : av_read_frame(file_, packet_.get());
+      if (read < 0) {
+        if (ended_) return false;
+        ended_ = true;
+        return avcodec_send_packet(codec_.get(), nullptr) >= 0;
+      }
+      if (packet_->stream_index != stream_->index) continue;
+      if (recorded_) remember_stamp();
+      if (avcodec_send_packet(codec_.get(), packet_.get()) >= 0) return true;
+      complain("cannot be decoded");
+    }
+  }
+
+  /// A recorded film's decoder gives a picture for each packet, in their order: what belongs to the packet belongs to
+  /// the picture.
+  void remember_stamp() {
+    std::size_t size = 0;
+    const std::uint8_t* data = av_packet_get_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, &size);
+    stamp_ =
+        data != nullptr && size > 8 ? parse_stamp({reinterpret_cast<const char*>(data) + 8, size - 8}) : std::nullopt;
+  }
+
+  /// Null, or what is wrong with the picture.
+  const char* convert(Frame& frame) {
+    const std::int64_t number = pictures_++;
+    if ((picture_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || picture_->decode_error_flags != 0) return "is damaged";
+    if (!to_grey(frame)) return "is of a pixel format that cannot be converted";
+    if (recorded_) {
+      if (!stamp_) return "has lost its capture time";
+      frame.index = stamp_->index;
+      frame.captured_at = stamp_->captured_at;
+      if (stamp_of(frame).checksum != stamp_->checksum) return "is damaged";
+    } else {
+      frame.index = number;
+      frame.captured_at = time_in_film();
+    }
+    frame.source = std::to_string(frame.index);
+    return nullptr;
+  }
+
+  bool to_grey(Frame& frame) {
+    const int width = picture_->width;
+    const int height = picture_->height;
+    if (width <= 0 || height <= 0) return false;
+    frame.resize(width, height);
+    if (picture_->format == AV_PIX_FMT_GRAY8) {
+      for (int v = 0; v < height; ++v)
+        std::copy_n(picture_->data[0] + static_cast<std::ptrdiff_t>(v) * picture_->linesize[0], width, frame.row(v));
+      return true;
+    }
+    scaler_.reset(sws_getCachedContext(scaler_.release(), width, height, static_cast<AVPixelFormat>(picture_->format),
+                                       width, height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr));
+    if (!scaler_) return false;
+    std::uint8_t* const rows[4] = {frame.grey.data(), nullptr, nullptr, nullptr};
+    const int strides[4] = {width, 0, 0, 0};
+    return sws_scale(scaler_.get(), picture_->data, picture_->linesize, 0, height, rows, strides) == height;
+  }
+
+  /// Some containers carry no stamps: then the frames are evenly spaced.
+  double time_in_film() {
+    const std::int64_t stamp = picture_->best_effort_timestamp;
+    if (first_stamp_ == AV_NOPTS_VALUE) first_stamp_ = stamp;
+    const double at =
+        stamp == AV_NOPTS_VALUE ? -1.0 : static_cast<double>(stamp - first_stamp_) * av_q2d(stream_->time_base);
+    const bool stamped = at > last_time_ || (last_time_ < 0.0 && at >= 0.0);
+    last_time_ = stamped ? at : last_time_ < 0.0 ? 0.0 : last_time_ + (rate_ > 0.0 ? 1.0 / rate_ : 0.04);
+    return last_time_;
+  }
+
+  void complain(const char* what) {
+    ++damaged_;
+    if (skipped_.size() < most_complaints)
+      skipped_.push_back(fmt::format("{}: frame {} {}", path_, whole_ + damaged_ - 1, what));
+    else
+      skipped_.back() = fmt::format("{}: {} more", path_, damaged_ - static_cast<std::int64_t>(most_complaints) + 1);
+  }
+
+  std::string path_;
   std::string what_;
+  AVFormatContext* file_ = nullptr;
+  AVStream* stream_ = nullptr;
+  Codec codec_;
+  Picture picture_;
+  Packet packet_;
+  Scaler scaler_;
+  FilmNotes notes_;
+  bool recorded_ = false;
+  bool ended_ = false;
   double rate_ = 0.0;
-  double last_stamp_ = 0.0;
-  std::int64_t frames_ = 0;
-  cv::Mat colour_;
+  double last_time_ = -1.0;
+  std::int64_t first_stamp_ = AV_NOPTS_VALUE;
+  std::optional<Stamp> stamp_;
+  std::int64_t pictures_ = 0;  // that the decoder gave
+  std::int64_t whole_ = 0;     // that were handed on
+  std::int64_t damaged_ = 0;   // that were not
+  std::vector<std::string> skipped_;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error) {
-  // OpenCV's own message for a missing file is about its backends.
+  av_log_set_level(AV_LOG_QUIET);  // what matters is said by whoever asked
   if (std::error_code code; !std::filesystem::is_regular_file(path, code)) {
     error = fmt::format("{}: no such file", path);
     return nullptr;
   }
-  try {
-    cv::VideoCapture capture(path, cv::CAP_FFMPEG);
-    if (capture.isOpened()) return std::make_unique<Video>(std::move(capture), path);
-  } catch (const cv::Exception&) {
-    // said below
-  }
+  auto video = std::make_unique<Video>(path);
+  if (video->open()) return video;
   error = fmt::format("{}: not a video that can be read", path);
   return nullptr;
 }

@@ -1,0 +1,93 @@
+// The film that a session keeps: it holds what the tracker saw, to the bit.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "app/experiment_file.h"
+#include "app/session.h"
+#include "vision/frame_source.h"
+#include "vision/tracker.h"
+
+namespace skein::app {
+namespace {
+
+class Rows final : public RecordSink {
+ public:
+  void record(const TickRecord& record) override { rows.push_back(record); }
+  std::vector<TickRecord> rows;
+};
+
+Experiment short_run(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> sets{"camera.source=synthetic", "duration=0.4", "perturb=[]", "expect={}"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  auto experiment = parse_experiment(paper_experiment().source, "platoon.toml", sets);
+  EXPECT_TRUE(experiment) << (experiment ? "" : experiment.error().front().message());
+  return *experiment;
+}
+
+TEST(Video, GivesTheSamePosesAgain) {
+  const auto path = std::filesystem::temp_directory_path() / ("skein_video_" + std::to_string(::getpid()) + ".mkv");
+  const Experiment experiment = short_run();
+  Rows sink;
+  {
+    SessionOptions options;
+    options.sinks = {&sink};
+    options.video = path.string();
+    auto session = Session::open(experiment, Session::Clock::virtual_, options);
+    ASSERT_TRUE(session) << session.error();
+    EXPECT_EQ((*session)->run(), Phase::finished);
+    (*session)->close();
+    EXPECT_EQ((*session)->video().dropped, 0);
+    EXPECT_EQ((*session)->video().problem, "");
+    EXPECT_GE((*session)->video().frames, static_cast<std::int64_t>(sink.rows.size()));
+  }
+  auto film = vision::open_source("video:" + path.string());
+  ASSERT_TRUE(film) << film.error();
+  EXPECT_TRUE((*film)->recorded());
+  EXPECT_EQ((*film)->notes().at("SOURCE"), "synthetic");
+  EXPECT_EQ((*film)->notes().at("EXPERIMENT"), experiment.source);
+  const auto calibration = vision::parse_calibration((*film)->notes().at("CALIBRATION"), "CALIBRATION");
+  ASSERT_TRUE(calibration) << calibration.error();
+
+  vision::TagTracker tracker(*calibration, {.tags = {1, 2, 3, 4}});
+  vision::Frame frame;
+  std::size_t next = 0;
+  std::size_t compared = 0;
+  while ((*film)->read(frame).value()) {
+    for (const vision::TagPose& pose : tracker.process(frame)) {
+      while (next < sink.rows.size() && sink.rows[next].robots[0].measurement.captured_at < frame.captured_at) ++next;
+      if (next == sink.rows.size()) break;
+      const core::Measurement& measured = sink.rows[next].robots[static_cast<std::size_t>(pose.tag - 1)].measurement;
+      EXPECT_EQ(measured.captured_at, frame.captured_at);
+      EXPECT_EQ(measured.pose.x, pose.pose.x);
+      EXPECT_EQ(measured.pose.y, pose.pose.y);
+      EXPECT_EQ(measured.pose.theta, pose.pose.theta);
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 4 * sink.rows.size());
+  std::filesystem::remove(path);
+}
+
+TEST(Video, ADiskThatIsFullDoesNotStopTheRun) {
+  SessionOptions options;
+  options.video = "/dev/full";
+  auto session = Session::open(short_run(), Session::Clock::virtual_, options);
+  ASSERT_TRUE(session) << session.error();
+  EXPECT_EQ((*session)->run(), Phase::finished);
+  (*session)->close();
+  EXPECT_FALSE((*session)->failure());
+  EXPECT_EQ((*session)->video().problem, "/dev/full: cannot be written: No space left on device");
+}
+
+TEST(Video, NeedsACamera) {
+  SessionOptions options;
+  options.video = "run.mkv";
+  const auto session = Session::open(short_run({"camera.source=none"}), Session::Clock::virtual_, options);
+  ASSERT_FALSE(session);
+  EXPECT_EQ(session.error(), "run.mkv: there is no camera to make a film of (camera.source = \"none\")");
+}
+
+}  // namespace
+}  // namespace skein::app

@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "vision/media/libav.h"
+#include "vision/media/sources.h"
+
+extern "C" {
+#include <libavutil/intreadwrite.h>
+#include <libavutil/opt.h>
+}
+
+namespace skein::vision::media {
+namespace {
+
+constexpr AVRational milliseconds{1, 1000};  // Matroska's own
+
+class Ffv1Film final : public FilmWriter {
+ public:
+  Ffv1Film(std::string path, FilmNotes notes) : path_(std::move(path)), notes_(std::move(notes)) {}
+  ~Ffv1Film() override { finish(); }
+  Ffv1Film(const Ffv1Film&) = delete;
+  Ffv1Film& operator=(const Ffv1Film&) = delete;
+
+  /// Empty, or what is in the way.
+  std::string create() {
+    if (avformat_alloc_output_context2(&file_, nullptr, "matroska", path_.c_str()) < 0) return failed(AVERROR(ENOMEM));
+    const int opened = avio_open(&file_->pb, ("file:" + path_).c_str(), AVIO_FLAG_WRITE);
+    return opened < 0 ? failed(opened) : std::string();
+  }
+
+  std::string write(const Frame& frame) override {
+    if (frames_ == 0)
+      if (std::string problem = begin(frame); !problem.empty()) return problem;
+    if (frame.width != codec_->width || frame.height != codec_->height)
+      return fmt::format("{}: frame {} is {}x{} px, and the film {}x{}", path_, frame.index, frame.width, frame.height,
+                         codec_->width, codec_->height);
+    picture_->data[0] = const_cast<std::uint8_t*>(frame.grey.data());
+    picture_->linesize[0] = frame.width;
+    // For players: what counts stands in the stamp.
+    const double elapsed = 1000.0 * (frame.captured_at - first_at_);
+    const bool sane = std::isfinite(elapsed) && std::abs(elapsed) < 1e12;
+    last_pts_ = std::max<std::int64_t>(last_pts_ + 1, sane ? std::llround(elapsed) : 0);
+    picture_->pts = last_pts_;
+    int result = avcodec_send_frame(codec_.get(), picture_.get());
+    if (result >= 0) result = avcodec_receive_packet(codec_.get(), packet_.get());
+    if (result >= 0) result = attach(to_text(stamp_of(frame)));
+    if (result >= 0) {
+      packet_->duration = 1;
+      result = av_write_frame(file_, packet_.get());
+      av_packet_unref(packet_.get());
+    }
+    if (result >= 0) result = file_->pb->error;
+    if (result < 0) return failed(result);
+    ++frames_;
+    return {};
+  }
+
+  std::string finish() override {
+    if (file_ == nullptr) return {};
+    int result = begun_ ? av_write_trailer(file_) : 0;
+    if (file_->pb != nullptr) {
+      if (result >= 0) result = file_->pb->error;
+      const int closed = avio_closep(&file_->pb);
+      if (result >= 0) result = closed;
+    }
+    avformat_free_context(file_);
+    file_ = nullptr;
+    return result < 0 ? failed(result) : std::string();
+  }
+
+ private:
+  std::string failed(int error) const { return fmt::format("{}: cannot be written: {}", path_, reason(error)); }
+
+  std::string begin(const Frame& frame) {
+    const AVCodec* coder = avcodec_find_encoder(AV_CODEC_ID_FFV1);
+    if (coder == nullptr) return path_ + ": this system's FFmpeg cannot write FFV1";
+    codec_.reset(avcodec_alloc_context3(coder));
+    picture_.reset(av_frame_alloc());
+    packet_.reset(av_packet_alloc());
+    AVStream* stream = avformat_new_stream(file_, nullptr);
+    if (!codec_ || !picture_ || !packet_ || stream == nullptr) return failed(AVERROR(ENOMEM));
+    codec_->width = picture_->width = frame.width;
+    codec_->height = picture_->height = frame.height;
+    codec_->pix_fmt = AV_PIX_FMT_GRAY8;
+    picture_->format = AV_PIX_FMT_GRAY8;
+    codec_->color_range = picture_->color_range = AVCOL_RANGE_JPEG;
+    codec_->time_base = milliseconds;
+    codec_->gop_size = 1;  // a damaged frame damages no other
+    codec_->thread_count = 1;
+    codec_->level = 3;
+    if ((file_->oformat->flags & AVFMT_GLOBALHEADER) != 0) codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    av_opt_set(codec_->priv_data, "slicecrc", "1", 0);
+    int result = avcodec_open2(codec_.get(), coder, nullptr);
+    if (result >= 0) result = avcodec_parameters_from_context(stream->codecpar, codec_.get());
+    if (result < 0) return failed(result);
+    stream->time_base = milliseconds;
+    for (const auto& [name, text] : notes_) av_dict_set(&file_->metadata, name.c_str(), text.c_str(), 0);
+    av_dict_set(&file_->metadata, film_note, film_version, 0);
+    // Ends a cluster every second: a run that breaks off loses no more than that.
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "cluster_time_limit", "1000", 0);
+    result = avformat_write_header(file_, &options);
+    av_dict_free(&options);
+    if (result < 0) return failed(result);
+    begun_ = true;
+    first_at_ = frame.captured_at;
+    return {};
+  }
+
+  /// Text beside the frame: BlockAdditional, whose id, 1, comes first.
+  int attach(const std::string& text) {
+    std::uint8_t* data = av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, 8 + text.size());
+    if (data == nullptr) return AVERROR(ENOMEM);
+    AV_WB64(data, 1);
+    std::memcpy(data + 8, text.data(), text.size());
+    return 0;
+  }
+
+  std::string path_;
+  FilmNotes notes_;
+  AVFormatContext* file_ = nullptr;
+  Codec codec_;
+  Picture picture_;
+  Packet packet_;
+  bool begun_ = false;
+  double first_at_ = 0.0;
+  std::int64_t last_pts_ = -1;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, std::string& error) {
+  av_log_set_level(AV_LOG_QUIET);  // what matters is said by whoever asked
+  auto film = std::make_unique<Ffv1Film>(path, notes);
+  error = film->create();
+  if (!error.empty()) return nullptr;
+  return film;
+}
+
+}  // namespace skein::vision::media

@@ -1,0 +1,44 @@
+#include "vision/media/libav.h"
+
+extern "C" {
+#include <libavutil/adler32.h>
+}
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace skein::vision::media {
+
+std::string reason(int error) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = {};
+  av_strerror(error, text, sizeof text);
+  return text;
+}
+
+Stamp stamp_of(const Frame& frame) {
+  return {frame.index, frame.captured_at,
+          static_cast<std::uint32_t>(av_adler32_update(1, frame.grey.data(), frame.grey.size()))};
+}
+
+std::string to_text(const Stamp& stamp) {
+  return fmt::format("{} {} {}", stamp.index, stamp.captured_at, stamp.checksum);
+}
+
+std::optional<Stamp> parse_stamp(std::string_view text) {
+  Stamp stamp;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto number = [&](auto& value, bool last) {
+    const auto [behind, error] = std::from_chars(at, end, value);
+    if (error != std::errc{} || (last ? behind != end : behind == end || *behind != ' ')) return false;
+    at = behind + (last ? 0 : 1);
+    return true;
+  };
+  if (!number(stamp.index, false) || !number(stamp.captured_at, false) || !number(stamp.checksum, true)) return {};
+  if (!std::isfinite(stamp.captured_at) || stamp.index < 0) return {};
+  return stamp;
+}
+
+}  // namespace skein::vision::media

@@ -1,0 +1,57 @@
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libswscale/swscale.h>
+}
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "vision/frame.h"
+
+// What reading and writing films have in common.
+
+namespace skein::vision::media {
+
+struct CodecDeleter {
+  void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
+};
+struct FrameDeleter {
+  void operator()(AVFrame* f) const { av_frame_free(&f); }
+};
+struct PacketDeleter {
+  void operator()(AVPacket* p) const { av_packet_free(&p); }
+};
+struct ScalerDeleter {
+  void operator()(SwsContext* s) const { sws_freeContext(s); }
+};
+using Codec = std::unique_ptr<AVCodecContext, CodecDeleter>;
+using Picture = std::unique_ptr<AVFrame, FrameDeleter>;
+using Packet = std::unique_ptr<AVPacket, PacketDeleter>;
+using Scaler = std::unique_ptr<SwsContext, ScalerDeleter>;
+
+/// FFmpeg's words for one of its error numbers.
+std::string reason(int error);
+
+/// The note by which a recorded film is known, and its value: the way in which Stamp is written.
+inline constexpr const char* film_note = "SKEIN_FILM";
+inline constexpr const char* film_version = "1";
+
+/// What a recorded frame carries beside its pixels, as Matroska's BlockAdditional: the container itself keeps times to
+/// the millisecond only.
+struct Stamp {
+  std::int64_t index = 0;
+  double captured_at = 0.0;    // [s]
+  std::uint32_t checksum = 0;  // of the pixels: FFV1's own only covers what it has coded
+};
+Stamp stamp_of(const Frame& frame);
+/// "index captured_at checksum"; numbers are the shortest that read back to the same bits.
+std::string to_text(const Stamp& stamp);
+std::optional<Stamp> parse_stamp(std::string_view text);
+
+}  // namespace skein::vision::media
