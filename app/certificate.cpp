@@ -71,7 +71,7 @@ Certificate certify(const Experiment& experiment) {
   certificate.robots.assign(n, start);
 
   certificate.theorem.v.value = certificate.theorem.omega.value = infinite;
-  certificate.theorem.continuous_omega = reference->path().smooth();
+  certificate.theorem.continuous_omega = reference->smooth();
 
   std::vector<core::ReferencePoint> points(n);
   std::vector<core::Twist> twists(n);

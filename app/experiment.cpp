@@ -8,7 +8,7 @@
 namespace skein::app {
 namespace {
 
-std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
+std::shared_ptr<const core::Path> centred_path(const PathSpec& path) {
   using Shape = PathSpec::Shape;
   switch (path.shape) {
     case Shape::circle:
@@ -18,9 +18,10 @@ std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
     case Shape::lemniscate:
       return std::make_shared<core::Lemniscate>(path.width, path.height);
     case Shape::polyline:
-      return std::make_shared<core::Polyline>(path.points, path.radius);
+    case Shape::line:
+      return std::make_shared<core::Polyline>(path.points, path.radius, path.closed);
     case Shape::spline:
-      return std::make_shared<core::Spline>(path.points);
+      return std::make_shared<core::Spline>(path.points, path.closed);
     case Shape::rounded_rectangle:
       break;
   }
@@ -37,11 +38,33 @@ std::int64_t Experiment::ticks() const noexcept {
   return std::llround(duration * rate);
 }
 
+std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
+  auto centred = centred_path(path);
+  if (path.centre == core::Point{}) return centred;
+  return std::make_shared<core::MovedPath>(std::move(centred), path.centre.x, path.centre.y);
+}
+
+std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& t, const ReferenceSpec& defaults) {
+  auto path = make_path(t.path);
+  const double speed = t.speed.value_or(defaults.speed), most = t.acceleration.value_or(defaults.acceleration);
+  if (!t.from_rest_to_rest()) return std::make_unique<core::Rounds>(std::move(path), speed, t.start);
+  const double distance = t.distance.value_or(path->length() - t.start);
+  const core::Travel travel =
+      t.duration ? core::Travel::within(distance, *t.duration, most) : core::Travel(distance, speed, most);
+  return std::make_unique<core::Drive>(std::move(path), t.start, t.t, travel, t.turn_rate);
+}
+
 std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment) {
   const ReferenceSpec& r = experiment.reference;
   const std::size_t n = experiment.robots.size();
   if (r.kind == ReferenceSpec::Kind::platoon)
     return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start);
+  if (r.kind == ReferenceSpec::Kind::independent) {
+    std::vector<std::unique_ptr<const core::Trajectory>> trajectories;
+    for (const RobotSpec& robot : experiment.robots)
+      trajectories.push_back(make_trajectory(robot.trajectory.value_or(TrajectorySpec{}), r));
+    return std::make_unique<core::Independent>(std::move(trajectories));
+  }
   std::vector<core::ShapeChange> changes;
   for (const ReferenceChange& change : r.changes)
     changes.push_back({change.t, change.duration, places(change.shape, n)});

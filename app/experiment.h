@@ -11,6 +11,7 @@
 #include "core/control/gains.h"
 #include "core/kinematics/step_rate.h"
 #include "core/reference/formation.h"
+#include "core/reference/trajectory.h"
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
 #include "core/simulation/simulated_robot.h"
@@ -21,11 +22,13 @@ namespace skein::app {
 /// counted from 0 here, from 1 in files, logs and windows. Every default is the paper's case study.
 
 struct PathSpec {
-  enum class Shape { rounded_rectangle, circle, ellipse, lemniscate, polyline, spline };
+  enum class Shape { rounded_rectangle, circle, ellipse, lemniscate, polyline, spline, line };
   Shape shape = Shape::rounded_rectangle;
   double width = 1.3, height = 0.9;  ///< rounded rectangle, ellipse, lemniscate [m]
   double radius = 0.119;             ///< of corners, or of the circle [m]
-  std::vector<core::Point> points;   ///< of polyline and spline [m]
+  core::Point centre;                ///< of all but the following [m]
+  std::vector<core::Point> points;   ///< of polyline, spline and line [m]
+  bool closed = true;                ///< of polyline and spline
 };
 
 /// The robots' places in a formation.
@@ -42,8 +45,9 @@ struct ReferenceChange {
 
 struct ReferenceSpec {
   enum class Kind {
-    platoon,    ///< all robots on one path, each a distance behind the next
-    formation,  ///< a shape about a centre that drives along the path
+    platoon,      ///< all robots on one path, each a distance behind the next
+    formation,    ///< a shape about a centre that drives along the path
+    independent,  ///< every robot on a trajectory of its own
   };
   Kind kind = Kind::platoon;
   double speed = 0.05;    ///< [m/s]
@@ -52,6 +56,22 @@ struct ReferenceSpec {
   PathSpec path;
   ShapeSpec shape;                       ///< of a formation
   std::vector<ReferenceChange> changes;  ///< of a formation, in the order of t
+  double acceleration = 0.1;             ///< of trajectories that say nothing else [m/s^2]
+  bool may_meet = false;                 ///< of trajectories: the shield is to keep robots apart whose references meet
+};
+
+/// How one robot drives, where every robot has a trajectory of its own.
+struct TrajectorySpec {
+  PathSpec path;
+  double t = 0.0;                      ///< sets off [s]
+  double start = 0.0;                  ///< where it begins, along the path [m]
+  std::optional<double> speed;         ///< empty: that of the reference [m/s]
+  std::optional<double> acceleration;  ///< at most; empty: that of the reference [m/s^2]
+  std::optional<double> distance;  ///< from rest to rest; empty: to the end of an open path, a closed one for ever [m]
+  std::optional<double> duration;  ///< instead of speed: from rest to rest [s]
+  double turn_rate = 0.0;          ///< on the spot, after the arrival [rad/s]
+
+  bool from_rest_to_rest() const noexcept { return distance || !path.closed; }
 };
 
 struct ControllerSpec {
@@ -83,6 +103,7 @@ struct RobotSpec {
   std::string adapter;  ///< Bluetooth adapter, for example "hci1"; empty: the system's choice
   core::MotorModel motor = core::MotorModel::ideal;  ///< key `model`; of a loopback or real robot "epuck2" unless given
   core::DifferentialDrive drive;                     ///< keys wheel_diameter, track; max_step_rate follows from `model`
+  std::optional<TrajectorySpec> trajectory;          ///< of an independent reference
 
   bool simulated() const noexcept { return link != Link::device; }
 };
@@ -139,6 +160,9 @@ struct Experiment {
 };
 
 /// What the tick's parts are made of.
+std::shared_ptr<const core::Path> make_path(const PathSpec& path);
+std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& trajectory,
+                                                        const ReferenceSpec& defaults);
 std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment);
 core::Gains make_gains(const Experiment& experiment);
 core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot);

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "app/experiment_reference.h"
+#include "app/experiment_trajectory.h"
 
 namespace skein::app {
 namespace {
@@ -58,7 +59,7 @@ struct Bound {
   const char* unit;
   double whole;      // v_max, omega_max
   double demand;     // what the reference takes of it, at most
-  double per_speed;  // the same for 1 m/s
+  double per_speed;  // the same for 1 m/s of reference.speed; 0: that says nothing of it
   std::vector<std::string> keys;
   std::vector<const core::PairTable*> tables;
 };
@@ -70,7 +71,9 @@ void refuse_gain(const Bound& bound, std::size_t i, std::size_t k, double sum, s
   const std::string& key = bound.keys[k];
   const double allowed = left > 0.0 ? left : room;
   const std::string slower =
-      bound.whole > sum ? fmt::format(", or reference.speed below {:.6g}", (bound.whole - sum) / bound.per_speed) : "";
+      bound.whole > sum && bound.per_speed > 0.0
+          ? fmt::format(", or reference.speed below {:.6g}", (bound.whole - sum) / bound.per_speed)
+          : "";
   // A gain that the file does not name has the paper's value: then it is the speed that asks too much.
   problems.add(
       !problems.has(key) && problems.has("reference.speed") ? "reference.speed" : key,
@@ -96,7 +99,8 @@ void check_bound(const Bound& bound, std::size_t robots, Problems& problems) {
 
 void check_speed(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
-  const double curvature = reference.path().largest_curvature();
+  if (e.reference.kind == ReferenceSpec::Kind::independent) return check_trajectory_speeds(e, problems);
+  const double curvature = make_path(e.reference.path)->largest_curvature();
   const double share = std::max(demand.v / e.controller.v_max, demand.turning / e.controller.omega_max);
   const double fastest = e.reference.speed / share;  // all velocities grow with it
   if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)
@@ -111,6 +115,7 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
 void check_gains(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const ControllerSpec& c = e.controller;
   const core::ReferenceDemand demand = reference.demand(c.k_y);
+  const bool one_speed = e.reference.kind != ReferenceSpec::Kind::independent;
   const auto check_xx = [&](const core::CouplingGains& gains, const std::string& place) {
     check_bound({"(18f)",
                  "v_max",
@@ -118,7 +123,9 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                  "m/s",
                  c.v_max,
                  demand.v,
-                 demand.v > 0.0 ? demand.v / e.reference.speed : 1.0,
+                 !one_speed       ? 0.0
+                 : demand.v > 0.0 ? demand.v / e.reference.speed
+                                  : 1.0,
                  {place + ".k_xx"},
                  {&gains.k_xx}},
                 e.robots.size(), problems);
@@ -130,7 +137,9 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                  "rad/s",
                  c.omega_max,
                  demand.turning,
-                 demand.v > 0.0 ? demand.turning / e.reference.speed : c.k_y,
+                 !one_speed       ? 0.0
+                 : demand.v > 0.0 ? demand.turning / e.reference.speed
+                                  : c.k_y,
                  {place + ".k_tt", place + ".k_yy"},
                  {&gains.k_tt, &gains.k_yy}},
                 e.robots.size(), problems);

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/reference/polyline.h"
+#include "app/experiment_path.h"
+#include "app/experiment_trajectory.h"
 
 namespace skein::app {
 namespace {
@@ -17,57 +18,6 @@ using PathShape = PathSpec::Shape;
 // Limits that only a slip of the keyboard exceeds.
 constexpr double longest = 100.0;      // [m]
 constexpr double longest_run = 86400;  // a day [s]
-constexpr std::size_t most_points = 1000;
-
-/// [[x, y], ...], from `least` to `most` of them.
-void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points, std::size_t least, std::size_t most) {
-  const toml::node* const found = t.node(key);
-  if (!found) return;
-  const std::string allowed =
-      fmt::format("{} points [x, y] in m, from {} to {}",
-                  least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most), -longest, longest);
-  const toml::array* const array = found->as_array();
-  if (!array || array->size() < least || array->size() > most) return t.refuse(key, *found, allowed);
-  points.clear();
-  for (const toml::node& element : *array) {
-    const toml::array* const pair = element.as_array();
-    const auto number = [&](std::size_t k) {
-      const bool there = pair && pair->size() == 2 && (*pair)[k].is_number();
-      const auto value = there ? (*pair)[k].value<double>() : std::nullopt;
-      return value && std::abs(*value) <= longest ? value : std::nullopt;
-    };
-    const auto x = number(0), y = number(1);
-    if (!x || !y) {
-      points.clear();
-      return t.refuse(key, element, allowed);
-    }
-    points.push_back({*x, *y});
-  }
-}
-
-void read_path(TomlTable t, PathSpec& path) {
-  t.choice("shape", path.shape,
-           {{"rounded_rectangle", PathShape::rounded_rectangle},
-            {"circle", PathShape::circle},
-            {"ellipse", PathShape::ellipse},
-            {"lemniscate", PathShape::lemniscate},
-            {"polyline", PathShape::polyline},
-            {"spline", PathShape::spline}});
-  const bool points = path.shape == PathShape::polyline || path.shape == PathShape::spline;
-  if (points) {
-    t.require("points", "at least 3 points [[x, y], ...] in m");
-    read_points(t, "points", path.points, 3, most_points);
-  } else if (path.shape != PathShape::circle) {
-    t.number("width", path.width, between(0.02, longest, "m"));
-    t.number("height", path.height, between(0.02, longest, "m"));
-  }
-  if (path.shape == PathShape::circle)
-    t.require("radius", "the circle's radius in m");  // the default is that of a corner
-  if (path.shape == PathShape::rounded_rectangle || path.shape == PathShape::circle ||
-      path.shape == PathShape::polyline)
-    t.number("radius", path.radius, between(0.01, longest, "m"));
-  t.finish();
-}
 
 /// A shape by name, or the robots' own places.
 void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
@@ -106,12 +56,20 @@ void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
   }
 }
 
-/// Calls `visit` with the moments of a formation at which anything can be different: every change, and a lap with every
-/// shape, as far as it lasts.
+/// Calls `visit` with the moments at which anything can be different: of a formation every change, and a lap with every
+/// shape, as far as it lasts; of trajectories the whole run, or until all are at rest.
 template <typename Visit>
 void for_each_moment(const Experiment& e, const core::Reference& reference, Visit&& visit) {
+  if (e.reference.kind == Kind::independent) {
+    constexpr double way = 0.002;  // [m]: as finely as a platoon's path is looked at
+    constexpr double most_moments = 20000;
+    const double end = std::min(e.duration, last_arrival(e));
+    const double moments = std::clamp(std::ceil(end * reference.demand(0.0).v / way), 1.0, most_moments);
+    for (double k = 0.0; k <= moments; ++k) visit(end * k / moments);
+    return;
+  }
   constexpr int samples = 1000;
-  const double lap = e.reference.speed > 0.0 ? reference.path().length() / e.reference.speed : 0.0;
+  const double lap = e.reference.speed > 0.0 ? make_path(e.reference.path)->length() / e.reference.speed : 0.0;
   const auto between_times = [&](double from, double to) {
     for (int k = 0; k <= samples; ++k) visit(from + (to - from) * k / samples);
   };
@@ -124,36 +82,47 @@ void for_each_moment(const Experiment& e, const core::Reference& reference, Visi
   between_times(from, from + lap);
 }
 
-/// Calls `visit` with the vector between two references: every pair, all along the path.
+/// Two references at one moment.
+struct Offset {
+  double dx, dy;  ///< [m]
+  std::size_t i, j;
+  double t;  ///< of a platoon, which is looked at along its path, 0 [s]
+};
+
+/// Calls `visit` with the offset between two references: every pair, all along the path.
 template <typename Visit>
 void for_each_offset(const Experiment& e, const core::Reference& reference, Visit&& visit) {
   if (e.reference.kind == Kind::platoon) {
     constexpr int samples = 2000;  // 2 mm on the paper's path
-    const core::Path& path = reference.path();
+    const auto path = make_path(e.reference.path);
     for (int k = 0; k < samples; ++k) {
-      const double s = path.length() * k / samples;
-      const core::Pose ahead = path.at(s).pose;
+      const double s = path->length() * k / samples;
+      const core::Pose ahead = path->at(s).pose;
       for (std::size_t j = 1; j < e.robots.size(); ++j) {
-        const core::Pose behind = path.at(s - static_cast<double>(j) * e.reference.spacing).pose;
-        visit(ahead.x - behind.x, ahead.y - behind.y);
+        const core::Pose behind = path->at(s - static_cast<double>(j) * e.reference.spacing).pose;
+        visit(Offset{ahead.x - behind.x, ahead.y - behind.y, 0, j, 0.0});
       }
     }
     return;
   }
   std::vector<core::ReferencePoint> points(e.robots.size());
-  for_each_moment(e, reference, [&](double t) {
+  const auto all_pairs = [&](double t) {
     reference.at(t, points);
     for (std::size_t i = 0; i < points.size(); ++i)
       for (std::size_t j = i + 1; j < points.size(); ++j)
-        visit(points[i].pose.x - points[j].pose.x, points[i].pose.y - points[j].pose.y);
-  });
+        visit(Offset{points[i].pose.x - points[j].pose.x, points[i].pose.y - points[j].pose.y, i, j, t});
+  };
+  if (!e.reference.may_meet) return for_each_moment(e, reference, all_pairs);
+  all_pairs(0.0);  // between their start and their rest the shield keeps robots apart
+  if (const double end = last_arrival(e); end < e.duration) all_pairs(end);
 }
 
 void check_arena(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const PathSpec& path = e.reference.path;
   const double room = 2.0 * core::robot_radius;
   const bool circle = path.shape == PathShape::circle;
-  if (e.reference.kind == Kind::platoon && path.shape != PathShape::polyline && path.shape != PathShape::spline) {
+  if (e.reference.kind == Kind::platoon && path.centre == core::Point{} && path.shape != PathShape::polyline &&
+      path.shape != PathShape::spline) {
     const double width = circle ? 2.0 * path.radius : path.width, height = circle ? 2.0 * path.radius : path.height;
     if (width + room > e.arena_width || height + room > e.arena_height)
       problems.add("reference.path",
@@ -165,117 +134,114 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
   const double x_most = 0.5 * (e.arena_width - room), y_most = 0.5 * (e.arena_height - room);
   core::Pose farthest;
   double outside = 0.0;
-  const auto see = [&](const core::Pose& pose) {
+  std::size_t who = 0;
+  const auto see = [&](const core::Pose& pose, std::size_t robot) {
     const double by = std::max(std::abs(pose.x) - x_most, std::abs(pose.y) - y_most);
-    if (by > outside) outside = by, farthest = pose;
+    if (by > outside) outside = by, farthest = pose, who = robot;
   };
-  if (e.reference.kind == Kind::platoon)
-    for (int k = 0; k < 2000; ++k) see(reference.path().at(reference.path().length() * k / 2000).pose);
-  else
+  if (e.reference.kind == Kind::platoon) {
+    for (const core::Pose& pose : core::sampled(*make_path(path), 2000)) see(pose, 0);
+  } else {
     for_each_moment(e, reference, [&](double t) {
-      for (std::size_t i = 0; i < e.robots.size(); ++i) see(reference.at(i, t).pose);
+      for (std::size_t i = 0; i < e.robots.size(); ++i) see(reference.at(i, t).pose, i);
     });
+  }
+  const bool own = e.reference.kind == Kind::independent;
   if (outside > 0.0)
-    problems.add("reference.path", fmt::format("found a place ({:.4g}, {:.4g}) m that a robot comes to, allowed: from "
-                                               "-{:.6g} to {:.6g} m along x, -{:.6g} to {:.6g} m along y, the arena "
-                                               "less a robot's width of {} m",
-                                               farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
+    problems.add(own ? fmt::format("robot.{}.trajectory", who + 1) : "reference.path",
+                 fmt::format("found a place ({:.4g}, {:.4g}) m that a robot comes to, allowed: from "
+                             "-{:.6g} to {:.6g} m along x, -{:.6g} to {:.6g} m along y, the arena "
+                             "less a robot's width of {} m",
+                             farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
 }
 
-/// The formation itself must neither collide nor set off what keeps robots apart.
+/// Says that robots i and j come too close.
+void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
+  const double wide = 2.0 * core::robot_radius, nearest = std::hypot(at.dx, at.dy);
+  if (e.reference.kind == Kind::platoon)
+    problems.add(
+        "reference.spacing",
+        fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
+                    "room on a path of {:.4g} m for {} robots",
+                    e.reference.spacing, wide, nearest, make_path(e.reference.path)->length(), e.robots.size()));
+  else if (e.reference.kind == Kind::formation)
+    problems.add(e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
+                 fmt::format("found places, or a change of them, with which robots of {} m width come within {:.4g} m "
+                             "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
+                             "crosses another's way",
+                             wide, nearest));
+  else
+    problems.add(
+        fmt::format("robot.{}.trajectory", at.j + 1),
+        fmt::format("found a reference that comes within {:.4g} m of robot {}'s at t = {:.4g} s, allowed: more "
+                    "than the {} m that robots are wide{}",
+                    nearest, at.i + 1, at.t, wide,
+                    e.reference.may_meet
+                        ? " where they begin and where they come to rest"
+                        : ", or reference.may_meet = true, which leaves it to the shield to keep them apart"));
+}
+
+/// The reference itself must neither collide nor set off what keeps robots apart.
 void check_spacing(const Experiment& e, const core::Reference& reference, Problems& problems) {
   constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
   double nearest = std::numeric_limits<double>::infinity(), level = nearest;
-  for_each_offset(e, reference, [&](double dx, double dy) {
-    nearest = std::min(nearest, std::hypot(dx, dy));
-    level = std::min(level, core::region_level(e.avoidance, dx / leaves_at, dy / leaves_at));
+  Offset closest{};
+  for_each_offset(e, reference, [&](const Offset& offset) {
+    if (const double d = std::hypot(offset.dx, offset.dy); d < nearest) nearest = d, closest = offset;
+    level = std::min(level, core::region_level(e.avoidance, offset.dx / leaves_at, offset.dy / leaves_at));
   });
-  if (nearest <= 2.0 * core::robot_radius) {
-    if (e.reference.kind == Kind::platoon)
-      problems.add(
-          "reference.spacing",
-          fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
-                      "room on a path of {:.4g} m for {} robots",
-                      e.reference.spacing, 2.0 * core::robot_radius, nearest, reference.path().length(),
-                      e.robots.size()));
-    else
-      problems.add(
-          e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
-          fmt::format("found places, or a change of them, with which robots of {} m width come within {:.4g} m "
-                      "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
-                      "crosses another's way",
-                      2.0 * core::robot_radius, nearest));
-    return;
-  }
+  if (nearest <= 2.0 * core::robot_radius) return refuse_meeting(e, closest, problems);
+  const char* where = e.reference.may_meet ? "where they begin or come to rest" : "of the formation";
   if (e.avoidance.enabled && level <= 1.0) {
     const double fits = std::pow(level, 1.0 / e.avoidance.p);
     problems.add(
         e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",
         fmt::format("found a detection region of {} m x {} m (alpha, beta), allowed: below {:.4g} m x {:.4g} m, or "
-                    "the formation, whose robots are {:.4g} m apart where they are nearest, avoids itself for ever "
+                    "{}, whose robots are {:.4g} m apart where they are nearest, avoids itself for ever "
                     "(a region is left at {} times its size)",
-                    e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta, nearest,
-                    leaves_at));
+                    e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta,
+                    e.reference.may_meet ? "the group at its starts or goals" : "the formation", nearest, leaves_at));
   }
   if (e.shield.enabled && e.shield.distance >= nearest)
-    problems.add("shield.distance",
-                 fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two robots "
-                             "of the formation",
-                             e.shield.distance, nearest));
+    problems.add("shield.distance", fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
+                                                "robots {}",
+                                                e.shield.distance, nearest, where));
 }
 
 }  // namespace
 
 void read_reference(TomlTable t, Experiment& e, Problems& problems) {
   ReferenceSpec& r = e.reference;
-  t.choice("kind", r.kind, {{"platoon", Kind::platoon}, {"formation", Kind::formation}});
+  t.choice("kind", r.kind,
+           {{"platoon", Kind::platoon}, {"formation", Kind::formation}, {"independent", Kind::independent}});
   t.number("speed", r.speed, between(0.0, 10.0, "m/s"));
-  t.number("start", r.start, between(-10.0 * longest, 10.0 * longest, "m"));
-  if (r.kind == Kind::platoon) {
-    t.number("spacing", r.spacing, above(0.0, longest, "m"));
+  if (r.kind == Kind::independent) {
+    t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
+    t.flag("may_meet", r.may_meet);
   } else {
-    read_shape(t, r.shape, e.robots.size());
-    read_changes(t, e, problems);
+    t.number("start", r.start, between(-10.0 * longest, 10.0 * longest, "m"));
+    if (r.kind == Kind::platoon) {
+      t.number("spacing", r.spacing, above(0.0, longest, "m"));
+    } else {
+      read_shape(t, r.shape, e.robots.size());
+      read_changes(t, e, problems);
+    }
+    read_path(t.table("path"), r.path, true);
   }
-  read_path(t.table("path"), r.path);
   t.finish();
 }
 
 bool check_shape(const Experiment& e, Problems& problems) {
+  if (!check_trajectories(e, problems)) return false;
+  if (e.reference.kind == Kind::independent) return true;
   const PathSpec& path = e.reference.path;
-  if (path.shape == PathShape::rounded_rectangle) {
-    if (const double largest = 0.5 * std::min(path.width, path.height); path.radius > largest) {
-      problems.add("reference.path.radius",
-                   fmt::format("found {}, allowed: up to {:.6g} m, half of the shorter side of {} m x {} m",
-                               path.radius, largest, path.width, path.height));
-      return false;
-    }
-  }
-  const std::size_t n = path.points.size();
-  if (path.shape == PathShape::polyline || path.shape == PathShape::spline) {
-    if (n < 3) return false;  // said where they were read
-    for (std::size_t i = 0; i < n; ++i)
-      if (path.points[i] == path.points[(i + 1) % n]) {
-        problems.add(
-            "reference.path.points",
-            fmt::format("found ({}, {}) twice in a row, allowed: neighbours that differ; the path closes itself",
-                        path.points[i].x, path.points[i].y));
-        return false;
-      }
-  }
-  if (path.shape == PathShape::polyline) {
-    const double largest = core::Polyline::largest_radius(path.points);
-    if (largest <= 0.0 || path.radius > largest) {
-      problems.add("reference.path.radius",
-                   largest > 0.0
-                       ? fmt::format("found {}, allowed: up to {:.6g} m, with which the arcs at both ends of "
-                                     "every side have room on it",
-                                     path.radius, largest)
-                       : fmt::format("found {}, but the line turns back on itself, allowed: points that an arc "
-                                     "can lead round",
-                                     path.radius));
-      return false;
-    }
+  if (!check_path(path, "reference.path", problems)) return false;
+  if (!path.closed) {
+    problems.add(
+        path.shape == PathShape::line ? "reference.path.shape" : "reference.path.closed",
+        "found an open path, allowed: a closed one; along an open one robots drive by trajectories of their own "
+        "(kind = \"independent\")");
+    return false;
   }
   if (e.reference.kind == Kind::formation) {
     if (path.shape == PathShape::rounded_rectangle || path.shape == PathShape::polyline) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "app/experiment_reference.h"
+#include "app/experiment_trajectory.h"
 #include "comms/link_address.h"
 
 namespace skein::app {
@@ -220,6 +221,8 @@ void read_robots(TomlTable& document, Experiment& e, Problems& problems) {
     robot.spec.tag = static_cast<int>(e.robots.size()) + 1;
     t.integer("tag", robot.spec.tag, 0, 586);  // the ids of the family 36h11
     read_robot(t, robot, problems);
+    if (TomlTable trajectory = t.table("trajectory"); t.has("trajectory"))
+      read_trajectory(trajectory, robot.spec.trajectory.emplace());
     t.finish();
     e.robots.push_back(finished(robot, problems));
   }

@@ -96,10 +96,12 @@ void ArenaPainter::bounds_and_path() {
   p_.setPen(cosmetic(c_.bounds, 1.6));
   p_.drawPolyline(line({{-w, -h}, {w, -h}, {w, h}, {-w, h}, {-w, -h}}));
 
-  QPolygonF path;
-  for (const core::Pose& pose : scene_.path) path << at(pose.x, pose.y);
   p_.setPen(cosmetic(c_.path, 1.4));
-  p_.drawPolyline(path);
+  for (const std::vector<core::Pose>& poses : scene_.lines) {
+    QPolygonF path;
+    for (const core::Pose& pose : poses) path << at(pose.x, pose.y);
+    p_.drawPolyline(path);
+  }
 }
 
 void ArenaPainter::obstacles() {

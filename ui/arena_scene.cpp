@@ -15,10 +15,7 @@ void ArenaScene::reset(const app::Experiment& of) {
   if (selected >= static_cast<int>(experiment.robots.size())) selected = -1;
   picture = {};
 
-  constexpr int samples = 720;  // under 6 mm on the paper's lap
-  const std::unique_ptr<const core::Reference> reference = app::make_reference(experiment);
-  path.clear();
-  for (int k = 0; k <= samples; ++k) path.push_back(reference->path().at(reference->path().length() * k / samples).pose);
+  lines = app::make_reference(experiment)->lines();
 }
 
 void ArenaScene::take(const app::TickRecord& newest) {

@@ -26,7 +26,7 @@ struct ArenaScene {
 
   app::Experiment experiment;
   std::optional<app::TickRecord> record;
-  std::vector<core::Pose> path;                ///< of the reference, sampled
+  std::vector<std::vector<core::Pose>> lines;  ///< what the reference drives along
   std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
 
   bool show_picture = false, show_regions = true, show_trails = true;

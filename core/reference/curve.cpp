@@ -52,7 +52,7 @@ PathPoint Curve::point(double u) const noexcept {
 }
 
 PathPoint Curve::at(double s) const noexcept {
-  s = wrap_length(s, length());
+  s = on_path(s);
   const auto above = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, s);
   const auto k = static_cast<std::size_t>(above - lengths_.begin()) - 1;
   const double from = static_cast<double>(k) * cell_, in_cell = s - lengths_[k];
@@ -80,21 +80,22 @@ Curve::Derivatives Lemniscate::derivatives(double u) const noexcept {
   return {{{a_ * c, b_ * s2}, {-a_ * s, 2.0 * b_ * c2}, {-a_ * c, -4.0 * b_ * s2}, {a_ * s, -8.0 * b_ * c2}}};
 }
 
-Spline::Spline(const std::vector<Point>& points) {
-  const std::size_t n = points.size();
-  std::vector<double> h(n);  // the chord from each point to the next
-  for (std::size_t i = 0; i < n; ++i) {
+Spline::Spline(const std::vector<Point>& points, bool closed) : closed_(closed) {
+  const std::size_t n = points.size(), chords = closed ? n : n - 1;
+  std::vector<double> h(chords);  // the chord from each point to the next
+  for (std::size_t i = 0; i < chords; ++i) {
     const Point &from = points[i], &to = points[(i + 1) % n];
     h[i] = std::hypot(to.x - from.x, to.y - from.y);
   }
   // The slopes m at the points that make the second derivative continuous:
   //   m_{i-1}/h_{i-1} + 2 m_i (1/h_{i-1} + 1/h_i) + m_{i+1}/h_i = 3 (D_{i-1}/h_{i-1} + D_i/h_i),  D the chords' slopes.
-  // Diagonally dominant by a factor of two, so that a hundred sweeps of Gauss-Seidel leave 1e-30.
+  // At an end of an open one the second derivative is 0, which takes the other chord's terms away. Diagonally dominant
+  // by a factor of two, so that a hundred sweeps of Gauss-Seidel leave 1e-30.
   std::vector<Point> m(n);
   for (int sweep = 0; sweep < 100; ++sweep)
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t before = (i + n - 1) % n, after = (i + 1) % n;
-      const double p = 1.0 / h[before], q = 1.0 / h[i];
+      const double p = closed || i > 0 ? 1.0 / h[before] : 0.0, q = closed || i + 1 < n ? 1.0 / h[i] : 0.0;
       const auto slope = [&](double Point::*part) {
         const double known =
             3.0 * (p * p * (points[i].*part - points[before].*part) + q * q * (points[after].*part - points[i].*part));
@@ -102,7 +103,7 @@ Spline::Spline(const std::vector<Point>& points) {
       };
       m[i] = {slope(&Point::x), slope(&Point::y)};
     }
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < chords; ++i) {
     const std::size_t after = (i + 1) % n;
     Piece piece;
     for (double Point::*part : {&Point::x, &Point::y}) {
@@ -115,7 +116,7 @@ Spline::Spline(const std::vector<Point>& points) {
     }
     pieces_.push_back(piece);
   }
-  tabulate(static_cast<double>(n), 32 * n);
+  tabulate(static_cast<double>(chords), 32 * chords);
 }
 
 Curve::Derivatives Spline::derivatives(double u) const noexcept {

@@ -16,7 +16,7 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// A closed curve given by some parameter u, made a path by arc length: a table of lengths at construction, then
+/// A curve given by some parameter u, made a path by arc length: a table of lengths at construction, then
 /// Newton's method on the exact integral between two of its entries. Unit speed to about 1e-12; no allocation in `at`.
 class Curve : public Path {
  public:
@@ -63,12 +63,14 @@ class Lemniscate final : public Curve {
   double a_, b_;
 };
 
-/// A smooth curve through points, in their order and back to the first: the periodic cubic spline over the chords'
-/// lengths. Its curvature is continuous; s = 0 is the first point.
+/// A smooth curve through points, in their order: the cubic spline over the chords' lengths, its curvature continuous.
+/// Closed, it goes on to the first point again (periodic); open, it is straight at both ends (natural). s = 0 is the
+/// first point.
 class Spline final : public Curve {
  public:
   /// Requires at least 3 points, no two neighbours at the same place.
-  explicit Spline(const std::vector<Point>& points);
+  explicit Spline(const std::vector<Point>& points, bool closed = true);
+  bool closed() const noexcept override { return closed_; }
 
  private:
   Derivatives derivatives(double u) const noexcept override;
@@ -76,6 +78,7 @@ class Spline final : public Curve {
   struct Piece {
     Point a, b, c, d;
   };
+  bool closed_;
   std::vector<Piece> pieces_;
 };
 

@@ -40,7 +40,8 @@ class Formation final : public Reference {
       : path_(std::move(path)), speed_(speed), start_(start), shape_(std::move(shape)), changes_(std::move(changes)) {}
 
   std::size_t robots() const noexcept override { return shape_.size(); }
-  const Path& path() const noexcept override { return *path_; }
+  bool smooth() const noexcept override { return path_->smooth(); }
+  std::vector<std::vector<Pose>> lines() const override { return {sampled(*path_, line_parts)}; }
 
   ReferencePoint at(std::size_t i, double t) const noexcept override;
   void at(double t, std::span<ReferencePoint> points) const noexcept override;

@@ -17,6 +17,13 @@ double wrap_length(double s, double length) noexcept {
   return wrapped < 0.0 ? wrapped + length : wrapped;
 }
 
+std::vector<Pose> sampled(const Path& path, std::size_t parts) {
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k <= parts; ++k)
+    poses.push_back(path.at(path.length() * static_cast<double>(k) / static_cast<double>(parts)).pose);
+  return poses;
+}
+
 RoundedRectangle::RoundedRectangle(double width, double height, double corner_radius) noexcept
     : width_(width),
       height_(height),

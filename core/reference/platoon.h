@@ -15,7 +15,8 @@ class Platoon final : public Reference {
       : path_(std::move(path)), robots_(robots), spacing_(spacing), speed_(speed), start_(start) {}
 
   std::size_t robots() const noexcept override { return robots_; }
-  const Path& path() const noexcept override { return *path_; }
+  bool smooth() const noexcept override { return path_->smooth(); }
+  std::vector<std::vector<Pose>> lines() const override { return {sampled(*path_, line_parts)}; }
 
   using Reference::at;
   /// Velocities from the path's own curvature, so that (3) needs no division.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "core/control/gain_schedule.h"
 #include "core/control/tracking_error.h"
@@ -19,8 +20,10 @@ class Reference {
   virtual ReferencePoint at(std::size_t i, double t) const noexcept = 0;
   /// The most that it asks for over its whole course, or a little more, beside the law's k_y [rad/m].
   virtual ReferenceDemand demand(double k_y) const noexcept = 0;
-  /// The path that leads it.
-  virtual const Path& path() const noexcept = 0;
+  /// Whether every omega_ref is continuous.
+  virtual bool smooth() const noexcept = 0;
+  /// What it drives along, as lines to draw and to look at: one for all robots, or one for each.
+  virtual std::vector<std::vector<Pose>> lines() const = 0;
 
   /// All robots' references.
   virtual void at(double t, std::span<ReferencePoint> points) const noexcept {

@@ -81,5 +81,40 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   EXPECT_GT(lost_ticks, 0);
 }
 
+/// Every kind of reference, with everything that it can be busy with.
+class AllocationOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(AllocationOf, AReferenceIsNothing) {
+  const auto experiment = parse_experiment(GetParam(), "e.toml");
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  ControlTick tick(*experiment);
+  const std::size_t n = experiment->robots.size();
+  std::vector<core::Measurement> measurements(n);
+  const OperatorCommand start{};
+  const auto reference = make_reference(*experiment);
+  const long before = allocations.load();
+  for (int k = 0; k < 600; ++k) {
+    const double now = k / 25.0;
+    for (std::size_t i = 0; i < n; ++i) measurements[i] = {reference->at(i, now).pose, now};
+    TickInput input;
+    input.now = now;
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&start, 1};
+    tick.step(input);
+  }
+  EXPECT_EQ(allocations.load() - before, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    References, AllocationOf,
+    testing::Values(
+        "reference.kind = 'platoon'",
+        "[reference]\nkind = 'formation'\nspeed = 0.03\nshape = 'v'\nspacing = 0.15\npath = { shape = "
+        "'ellipse', width = 1.2, height = 0.8 }\nchange = [{ t = 3, duration = 15, shape = 'v', spacing = 0.2 }]",
+        "[reference]\nkind = 'independent'\nmay_meet = true\n[[robot]]\ntrajectory = { path = { shape = "
+        "'line', from = [-0.5, 0], to = [0.5, 0] }, turn_rate = 0.5 }\n[[robot]]\ntrajectory = { path = { shape "
+        "= 'spline', points = [[0.5, 0.3], [0, 0], [-0.5, 0.3]] } }\n[[robot]]\ntrajectory = { path = { "
+        "shape = 'circle', radius = 0.2, centre = [0, 0.4] } }"));
+
 }  // namespace
 }  // namespace skein::app

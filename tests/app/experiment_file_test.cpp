@@ -53,7 +53,7 @@ TEST(ExperimentFile, ThePaperIsBuiltInAndSaysTheDefaults) {
   EXPECT_EQ(gains.k_x, printed.k_x);
   EXPECT_EQ(gains.k_theta, printed.k_theta);
   EXPECT_EQ(gains.c_tt, printed.c_tt);
-  EXPECT_NEAR(make_reference(paper)->path().length(), 4.196, 1e-3);
+  EXPECT_NEAR(make_path(paper.reference.path)->length(), 4.196, 1e-3);
   EXPECT_EQ(make_limits(paper, 0).v_max, 0.1);
 }
 
