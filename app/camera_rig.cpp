@@ -158,7 +158,8 @@ bool CameraRig::capture() {
 void CameraRig::work_off() {
   for (const vision::TagPose& tag : tracker_.process(frame_))
     for (std::size_t i = 0; i < seen_.robots.size(); ++i)
-      if (experiment_.robots[i].tag == tag.tag) seen_.robots[i] = {tag.pose, tag.captured_at};
+      if (experiment_.robots[i].tag == tag.tag)
+        seen_.robots[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();

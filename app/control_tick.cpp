@@ -8,7 +8,7 @@
 #include "core/control/coordination_law.h"
 #include "core/control/formation.h"
 #include "core/control/lyapunov.h"
-#include "core/estimation/predictor.h"
+#include "core/estimation/pose_filter.h"
 
 namespace skein::app {
 namespace {
@@ -25,6 +25,11 @@ struct ControlTick::State {
   // The stages of a tick, in their order.
   void begin(const TickInput& input) noexcept;
   void obey(const OperatorCommand& command) noexcept;
+  /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
+  void forget_history() noexcept {
+    for (core::PoseFilter& filter : filters) filter.forget();
+  }
+  void look(std::size_t i) noexcept;
   void estimate(const TickInput& input) noexcept;
   void schedule_gains() noexcept;
   void follow_reference() noexcept;
@@ -58,7 +63,7 @@ struct ControlTick::State {
   core::Avoidance avoidance;
   core::Shield shield;
   core::LawPairs pairs;  // workspace of the law
-  std::vector<core::Predictor> predictors;
+  std::vector<core::PoseFilter> filters;
   std::vector<bool> seen_before;
   std::vector<bool> off_nominal;        // follows a modified reference
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
@@ -85,7 +90,7 @@ ControlTick::State::State(const Experiment& e)
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
-  predictors.resize(n);
+  filters.resize(n);
   seen_before.resize(n);
   off_nominal.resize(n);
   owed.resize(n);
@@ -152,6 +157,7 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
           note_gain(Event::Kind::gain, name, core::table(experiment.controller.gains, name).largest(),
                     core::table(schedule.target(), name).largest());
       record.events.add({Event::Kind::start, -1, {}, {}});
+      forget_history();
       return;
     case OperatorCommand::Kind::pause:
       if (record.phase != Phase::running) return;
@@ -162,6 +168,7 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
       if (record.phase != Phase::paused) return;
       record.phase = Phase::running;
       record.events.add({Event::Kind::resume, -1, {}, {}});
+      forget_history();
       return;
     case OperatorCommand::Kind::gain: {
       const double border = core::gain_border(command.gain, gains, schedule.target(), demand);
@@ -185,18 +192,34 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
   }
 }
 
+/// One robot's newest measurement. A jump that nobody announced is a perturbation like those of the file.
+void ControlTick::State::look(std::size_t i) noexcept {
+  const core::Measurement& m = record.robots[i].measurement;
+  const std::optional<core::Pose> expected = filters[i].see(experiment.estimation.filter, m);
+  if (!expected || !running()) return;
+  record.events.add(
+      {Event::Kind::kidnap,
+       static_cast<int>(i),
+       {},
+       {m.pose.x - expected->x, m.pose.y - expected->y, core::wrap_angle(m.pose.theta - expected->theta)}});
+}
+
 /// Every robot's pose at the moment the command of this tick acts. One that has not been seen within the bridge time is
 /// lost.
 void ControlTick::State::estimate(const TickInput& input) noexcept {
+  for (const Event& event : input.events)
+    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move)
+      filters[static_cast<std::size_t>(event.robot)].displaced(input.now);
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     const bool was_lost = robot.is(lost);
     robot.measurement = input.measurements[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
     const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+    if (seen) look(i);
     robot.pose = poses[i] =
-        seen ? predictors[i].predict(robot.measurement, input.now + experiment.estimation.actuation_delay)
-             : core::Pose{none, none, none};
+        seen ? filters[i].predict(input.now + experiment.estimation.actuation_delay) : core::Pose{none, none, none};
+    robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
     // One that has never been seen was not lost, and its first sight is what everybody expects.
     if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
@@ -293,7 +316,7 @@ void ControlTick::State::drive_wheels() noexcept {
     if (robot.is(stopped)) owed[i] = {};
     choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
     choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
-    predictors[i].command(record.now + experiment.estimation.actuation_delay, spec.drive.twist(runs));
+    filters[i].command(record.now + experiment.estimation.actuation_delay, spec.drive.twist(runs));
   }
 }
 

@@ -35,6 +35,12 @@ bool read_mode(std::string_view cell, std::uint8_t& bits) {
   return true;
 }
 
+bool read_how(std::string_view cell, core::How& how) {
+  for (const core::How each : {core::How::none, core::How::detected, core::How::tracked, core::How::recovered})
+    if (cell == core::name(each)) return how = each, true;
+  return false;
+}
+
 bool read_events(std::string_view cell, EventList& events) {
   constexpr std::string_view joint = "; ";
   events.clear();
@@ -129,6 +135,9 @@ void CsvReader::find_columns() {
     };
     for (const auto& column : robot_columns) of_robot(column);
     for (const auto& column : measurement_columns) of_robot(column);
+    known[prefix + "how"] = [i](TickRecord& r, std::string_view cell) {
+      return read_how(cell, r.robots[i].measurement.how);
+    };
     known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) { return read_mode(cell, r.robots[i].mode); };
   }
   for (const std::string& column : columns_) {

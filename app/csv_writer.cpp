@@ -32,6 +32,7 @@ struct CsvWriter::Impl {
     mode(record.mode);
     const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
     for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
+    row.append(core::name(record.measurement.how)) += ',';
   }
 
   void head(const Experiment& experiment) {
@@ -54,6 +55,7 @@ struct CsvWriter::Impl {
       for (const auto& column : robot_columns) row += fmt::format("r{}_{},", i, column.name);
       row += fmt::format("r{}_mode,", i);
       for (const auto& column : measurement_columns) row += fmt::format("r{}_{},", i, column.name);
+      row += fmt::format("r{}_how,", i);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     row += "now\n";

@@ -15,11 +15,12 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 15> words{{{Kind::start, "start"},
+constexpr std::array<std::pair<Kind, std::string_view>, 16> words{{{Kind::start, "start"},
                                                                    {Kind::pause, "pause"},
                                                                    {Kind::resume, "resume"},
                                                                    {Kind::stop, "stop"},
                                                                    {Kind::perturb, "perturb"},
+                                                                   {Kind::kidnap, "kidnap"},
                                                                    {Kind::move, "move"},
                                                                    {Kind::gain, "gain"},
                                                                    {Kind::schedule, "schedule"},
@@ -84,6 +85,7 @@ std::string describe(const Event& event) {
   if (event.robot >= 0) text += fmt::format(" r{}", event.robot + 1);
   switch (event.kind) {
     case Kind::perturb:
+    case Kind::kidnap:
       return text + fmt::format(" dx={} dy={} dtheta={}", a, b, c);
     case Kind::move:
       return text + fmt::format(" x={} y={} theta={}", a, b, c);

@@ -20,6 +20,7 @@ struct Event {
     resume,           // operator
     stop,             // operator's STOP, or a failure
     perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
+    kidnap,           // robot; values dx, dy, dtheta: found this far from where it should be, put there by somebody
     move,             // robot; values x, y, theta: put there by the operator
     gain,             // name; values from, to: the operator's new target for all pairs
     schedule,         // name; values from, to: a [[gain_change]] of the file begins

@@ -9,6 +9,7 @@
 #include "core/avoidance/avoidance.h"
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
+#include "core/estimation/pose_filter.h"
 #include "core/kinematics/step_rate.h"
 #include "core/reference/formation.h"
 #include "core/reference/trajectory.h"
@@ -116,6 +117,7 @@ struct CameraSpec {
 struct EstimationSpec {
   double bridge = 0.2;           ///< a pose older than this is no pose: the robot is lost and stops [s]
   double actuation_delay = 0.0;  ///< from the tick to the moment the wheels obey [s]
+  core::FilterParameters filter;
 };
 
 struct Perturbation {

@@ -245,6 +245,8 @@ void read_camera(TomlTable t, CameraSpec& camera, Problems& problems) {
 void read_estimation(TomlTable t, EstimationSpec& estimation) {
   t.number("bridge", estimation.bridge, above(0.0, 10.0, "s"));
   t.number("actuation_delay", estimation.actuation_delay, between(0.0, 1.0, "s"));
+  t.number("slip", estimation.filter.slip, between(0.0, 1.0));
+  t.number("kidnap", estimation.filter.kidnap, above(0.0, 10.0, "m"));
   t.finish();
 }
 

@@ -102,6 +102,8 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
     input.stop = contains(row.events, Event::Kind::stop);
     input.measurements = measurements;
     input.commands = commands;
+    for (const Event& event : row.events)
+      if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move) input.events.add(event);
     compare(row, tick.step(input), result);
     last_tick = row.tick;
     ++result.ticks;

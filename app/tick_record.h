@@ -33,6 +33,7 @@ struct RobotRecord {
   core::Measurement measurement;                ///< the newest one at hand
   double pose_age = none;                       ///< now - captured_at [s]
   core::Pose pose;                              ///< the pose the law used
+  double sigma_xy = none;                       ///< its standard deviation in the worst direction, when measured [m]
   core::Pose truth{none, none, none};           ///< simulated robots only
   core::ReferencePoint nominal;                 ///< of the formation
   core::ReferencePoint reference;               ///< after avoidance

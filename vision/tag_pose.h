@@ -2,31 +2,12 @@
 
 #include <Eigen/Core>
 
-#include <string_view>
-
-#include "core/geometry/pose.h"
+#include "core/estimation/measurement.h"
 #include "vision/detector.h"
 
 namespace skein::vision {
 
-/// How a tag came to be known in this frame.
-enum class How {
-  detected,   // seen for the first time
-  tracked,    // found where the frames before said that it would be
-  recovered,  // found again after it was lost
-};
-
-constexpr std::string_view name(How how) noexcept {
-  switch (how) {
-    case How::tracked:
-      return "tracked";
-    case How::recovered:
-      return "recovered";
-    case How::detected:
-      break;
-  }
-  return "detected";
-}
+using core::How;
 
 /// Where a tag is in the world.
 struct TagPose {

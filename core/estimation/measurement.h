@@ -1,14 +1,32 @@
 #pragma once
 
+#include <cstdint>
+
 #include "core/geometry/pose.h"
 
 namespace skein::core {
+
+/// How a tag came to be known in a picture.
+enum class How : std::uint8_t {
+  none,       ///< there was no tag: the pose came straight from a simulation
+  detected,   ///< seen for the first time
+  tracked,    ///< found where the pictures before said that it would be
+  recovered,  ///< found again after it was lost
+};
+
+constexpr const char* name(How how) noexcept {
+  constexpr const char* names[] = {"", "detected", "tracked", "recovered"};
+  return names[static_cast<std::uint8_t>(how)];
+}
 
 /// The newest pose that was measured of one robot, by a camera or a simulation.
 struct Measurement {
   Pose pose;  ///< in the world frame
   double captured_at =
-      -1e9;  ///< when the robot stood there, on the session's monotonic clock [s]; far past: never seen
+      -1e9;                  ///< when the robot stood there, on the session's monotonic clock [s]; far past: never seen
+  double sigma_xy = 0.0;     ///< standard deviation of x, and of y [m]
+  double sigma_theta = 0.0;  ///< of theta [rad]
+  How how = How::none;
 };
 
 }  // namespace skein::core

@@ -1,6 +1,7 @@
 #include "core/estimation/predictor.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/kinematics/unicycle.h"
 
@@ -10,17 +11,30 @@ void Predictor::command(double acts_at, const Twist& twist) noexcept {
   entries_[count_++ % memory] = {acts_at, twist};
 }
 
-Pose Predictor::predict(const Measurement& measurement, double time) const noexcept {
-  Pose pose = measurement.pose;
+template <typename Use>
+void Predictor::between(double from, double to, Use&& use) const noexcept {
   const std::size_t oldest = count_ > memory ? count_ - memory : 0;
   for (std::size_t k = oldest; k < count_; ++k) {
     const Entry& entry = entries_[k % memory];
-    const double until = k + 1 < count_ ? entries_[(k + 1) % memory].from : time;
-    const double from = std::max(entry.from, measurement.captured_at);
-    const double to = std::min(until, time);
-    if (to > from) pose = advance(pose, entry.twist, to - from);
+    const double next = k + 1 < count_ ? entries_[(k + 1) % memory].from : to;
+    const double begin = std::max(entry.from, from), end = std::min(next, to);
+    if (end > begin) use(entry.twist, end - begin);
   }
+}
+
+Pose Predictor::predict(const Pose& from, double captured_at, double time) const noexcept {
+  Pose pose = from;
+  between(captured_at, time, [&](const Twist& twist, double seconds) { pose = advance(pose, twist, seconds); });
   return pose;
+}
+
+Predictor::Way Predictor::way(double from, double to) const noexcept {
+  Way way;
+  between(from, to, [&](const Twist& twist, double seconds) {
+    way.driven += std::abs(twist.v) * seconds;
+    way.turned += std::abs(twist.omega) * seconds;
+  });
+  return way;
 }
 
 }  // namespace skein::core

@@ -17,9 +17,23 @@ class Predictor {
 
   /// The pose at `time`, from the measurement and the noted commands. Further back than the memory reaches (2.5 s at 25
   /// Hz), the robot counts as having stood still.
-  Pose predict(const Measurement& measurement, double time) const noexcept;
+  Pose predict(const Measurement& measurement, double time) const noexcept {
+    return predict(measurement.pose, measurement.captured_at, time);
+  }
+  Pose predict(const Pose& pose, double captured_at, double time) const noexcept;
+
+  /// How far the robot was told to drive and to turn between two times, whichever way.
+  struct Way {
+    double driven = 0.0;  ///< [m]
+    double turned = 0.0;  ///< [rad]
+  };
+  Way way(double from, double to) const noexcept;
 
  private:
+  /// Calls use(twist, seconds) for every command that was in force between two times, in their order.
+  template <typename Use>
+  void between(double from, double to, Use&& use) const noexcept;
+
   struct Entry {
     double from = 0.0;
     Twist twist;

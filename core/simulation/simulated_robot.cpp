@@ -27,7 +27,7 @@ void SimulatedRobot::step(double dt) noexcept {
 
 Measurement SimulatedRobot::measure(double now) noexcept {
   const bool lost = imperfection_.dropout > 0.0 && sensor_random_.uniform() < imperfection_.dropout;
-  Measurement taken{pose_, now};
+  Measurement taken{pose_, now, imperfection_.pose_noise, imperfection_.heading_noise};
   if (imperfection_.pose_noise > 0.0) {
     taken.pose.x += imperfection_.pose_noise * sensor_random_.gaussian();
     taken.pose.y += imperfection_.pose_noise * sensor_random_.gaussian();

@@ -96,6 +96,20 @@ TEST(ControlTick, TimeIsTheTicksAndEndsWithTheDuration) {
   for (const RobotRecord& robot : bench.step().robots) EXPECT_TRUE(stands(robot));
 }
 
+TEST(ControlTick, ARobotCarriedElsewhereIsAPerturbation) {
+  Bench bench;
+  bench.start();
+  bench.steps(50);
+  const core::Pose before = bench.robots[1].pose();
+  bench.robots[1].place({before.x + 0.1, before.y - 0.2, before.theta});
+  const TickRecord& record = bench.step();
+  ASSERT_TRUE(happened(record, Event::Kind::kidnap, 1));
+  const Event& event = *record.events.begin();
+  EXPECT_NEAR(event.values[0], 0.1, 1e-3);
+  EXPECT_NEAR(event.values[1], -0.2, 1e-3);
+  for (int k = 0; k < 100; ++k) ASSERT_FALSE(happened(bench.step(), Event::Kind::kidnap, 1));  // once
+}
+
 TEST(ControlTick, FollowsThePlatoonWithoutError) {
   Bench bench;
   bench.start();

@@ -1,0 +1,102 @@
+#include "core/estimation/pose_filter.h"
+
+#include <Eigen/LU>
+
+#include <cmath>
+
+#include "core/avoidance/obstacle.h"
+#include "core/kinematics/differential_drive.h"
+
+namespace skein::core {
+namespace {
+
+// How a robot wanders beside what its wheels do (a nudge, an uneven floor, the camera's own drift), in a second.
+constexpr double wander_xy = 0.002;    // [m]
+constexpr double wander_theta = 0.02;  // [rad]
+
+constexpr double expected_within = 0.5;  // after `displaced`; a camera's frame may have been on its way [s]
+constexpr double surprise = 4.0;         // standard deviations that noise alone does not reach
+
+}  // namespace
+
+double PoseFilter::sigma_xy() const noexcept {
+  const double a = covariance_(0, 0), b = covariance_(0, 1), c = covariance_(1, 1);
+  return std::sqrt(0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
+}
+
+void PoseFilter::begin(const Measurement& m) noexcept {
+  known_ = true;
+  pose_ = m.pose;
+  captured_at_ = m.captured_at;
+  covariance_.setZero();
+  covariance_(0, 0) = covariance_(1, 1) = m.sigma_xy * m.sigma_xy;
+  covariance_(2, 2) = m.sigma_theta * m.sigma_theta;
+}
+
+std::optional<Pose> PoseFilter::see(const FilterParameters& parameters, const Measurement& m) noexcept {
+  if (!known_) {
+    begin(m);
+    return {};
+  }
+  if (m.captured_at <= captured_at_) return {};
+
+  const Predictor::Way way = predictor_.way(captured_at_, m.captured_at);
+  propagate(parameters, m.captured_at);
+  const Eigen::Vector3d innovation(m.pose.x - pose_.x, m.pose.y - pose_.y, wrap_angle(m.pose.theta - pose_.theta));
+
+  // Farther than it can be even if it stood all the while, or slid: driven way, what is not known of either pose, and a
+  // little more.
+  const double far = parameters.kidnap + way.driven + surprise * std::hypot(sigma_xy(), m.sigma_xy);
+  const double turned =
+      parameters.kidnap / robot_radius + way.turned + surprise * std::hypot(sigma_theta(), m.sigma_theta);
+  if (std::hypot(innovation.x(), innovation.y()) > far || std::abs(innovation.z()) > turned) {
+    const Pose expected = pose_;
+    const bool known = m.captured_at >= displaced_at_ && m.captured_at < displaced_at_ + expected_within;
+    displaced_at_ = -1e9;
+    begin(m);
+    return known ? std::nullopt : std::optional(expected);
+  }
+  if (m.sigma_xy <= 0.0 && m.sigma_theta <= 0.0) {
+    begin(m);
+    return {};
+  }
+  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+  noise(0, 0) = noise(1, 1) = m.sigma_xy * m.sigma_xy;
+  noise(2, 2) = m.sigma_theta * m.sigma_theta;
+  const Eigen::Matrix3d gain = covariance_ * (covariance_ + noise).inverse();
+  const Eigen::Vector3d correction = gain * innovation;
+  pose_ = {pose_.x + correction.x(), pose_.y + correction.y(), wrap_angle(pose_.theta + correction.z())};
+  // Joseph's form stays symmetric and positive whatever the rounding.
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
+  covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
+  return {};
+}
+
+/// State and covariance to `time`, by (1) with the commands sent and wheels that roll a little more or less than told.
+void PoseFilter::propagate(const FilterParameters& parameters, double time) noexcept {
+  const Predictor::Way way = predictor_.way(captured_at_, time);
+  const Pose before = pose_;
+  const double seconds = time - captured_at_;
+  pose_ = predict(time);
+  captured_at_ = time;
+
+  // A small turn at the beginning swings the whole way: d(x, y)/d(theta) = (-(y - y0), x - x0).
+  Eigen::Matrix3d swing = Eigen::Matrix3d::Identity();
+  swing(0, 2) = -(pose_.y - before.y);
+  swing(1, 2) = pose_.x - before.x;
+  covariance_ = swing * covariance_ * swing.transpose();
+
+  const double along = parameters.slip * way.driven / std::sqrt(2.0);  // the mean of two wheels' errors
+  const double heading = parameters.slip * (std::sqrt(2.0) * way.driven / DifferentialDrive{}.track + way.turned);
+  const double across = 0.5 * heading * way.driven;
+  const double ux = std::cos(before.theta + 0.5 * wrap_angle(pose_.theta - before.theta));
+  const double uy = std::sin(before.theta + 0.5 * wrap_angle(pose_.theta - before.theta));
+  const double a = along * along, c = across * across;
+  covariance_(0, 0) += a * ux * ux + c * uy * uy + wander_xy * wander_xy * seconds;
+  covariance_(0, 1) += (a - c) * ux * uy;
+  covariance_(1, 0) += (a - c) * ux * uy;
+  covariance_(1, 1) += a * uy * uy + c * ux * ux + wander_xy * wander_xy * seconds;
+  covariance_(2, 2) += heading * heading + wander_theta * wander_theta * seconds;
+}
+
+}  // namespace skein::core

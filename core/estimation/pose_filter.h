@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <optional>
+
+#include "core/estimation/predictor.h"
+
+namespace skein::core {
+
+/// What the filter believes of a robot between two measurements.
+struct FilterParameters {
+  double slip = 0.03;    ///< standard deviation of a wheel's way, as a share of it: slip, wheels of unequal size
+  double kidnap = 0.02;  ///< a pose this much farther from where the robot should be than it can have driven: somebody
+                         ///< carried it there [m]
+};
+
+/// Where a robot is, from measurements as old as they are and the commands that were sent: an extended Kalman filter on
+/// the unicycle kinematics (1), one a robot. Its state is the pose at the newest measurement's time of capture; the
+/// predictor carries it on to the time at which a command acts. A measurement without uncertainty is believed as it is,
+/// bit for bit.
+class PoseFilter {
+ public:
+  /// Notes that the robot drives with `twist` from time `acts_at` on. Times must not run backwards. [s]
+  void command(double acts_at, const Twist& twist) noexcept { predictor_.command(acts_at, twist); }
+
+  /// Takes in the newest measurement; one that is not newer than the last changes nothing. The pose that was expected
+  /// instead, where the robot has been carried elsewhere: then the filter begins anew from the measurement.
+  std::optional<Pose> see(const FilterParameters& parameters, const Measurement& measurement) noexcept;
+
+  /// The pose at `time`; requires one measurement. [s]
+  Pose predict(double time) const noexcept { return predictor_.predict(pose_, captured_at_, time); }
+  /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].
+  double sigma_xy() const noexcept;
+  double sigma_theta() const noexcept { return std::sqrt(covariance_(2, 2)); }
+
+  /// Somebody is known to have put the robot elsewhere at this time: the next jump, within half a second, is expected.
+  void displaced(double time) noexcept { displaced_at_ = time; }
+  /// The next measurement is believed as it is, and is no surprise.
+  void forget() noexcept { known_ = false; }
+
+ private:
+  void propagate(const FilterParameters& parameters, double time) noexcept;
+  void begin(const Measurement& measurement) noexcept;
+
+  Predictor predictor_;
+  bool known_ = false;
+  Pose pose_;
+  double captured_at_ = 0.0;
+  double displaced_at_ = -1e9;
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  // of x, y, theta in the world frame [m, rad]
+};
+
+}  // namespace skein::core

@@ -1,0 +1,171 @@
+// The filter of poses: as good as its measurements at worst, honest about how good, and not fooled by a hand.
+#include "core/estimation/pose_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/kinematics/unicycle.h"
+#include "core/simulation/simulated_robot.h"
+#include "draw.h"
+#include "tests/property.h"
+
+namespace skein::test {
+namespace {
+
+using core::FilterParameters;
+using core::Imperfection;
+using core::Measurement;
+using core::Pose;
+using core::PoseFilter;
+using core::SimulatedRobot;
+
+constexpr double dt = 0.04;
+
+/// A robot that drives about at random, its filter, and how both do.
+struct Drive {
+  Drive(Draw& d, const Imperfection& imperfection)
+      : draw(d), robot({}, core::MotorModel::ideal, imperfection, static_cast<std::uint64_t>(d.whole(1, 1 << 30)), 0) {
+    robot.place(draw.pose(0.5));
+  }
+  /// One tick: measure, estimate, command, drive. The pose that the tick would use.
+  Pose tick() {
+    measured = robot.measure(now);
+    const bool seen = measured.captured_at > core::Measurement{}.captured_at;
+    if (seen) expected = filter.see(parameters, measured);
+    if (seen) estimate = filter.predict(now);
+    if (step++ % 25 == 0) wheels = {draw.between(200.0, 700.0), draw.between(200.0, 700.0)};
+    robot.command(wheels);
+    filter.command(now, robot.twist());
+    truth = robot.pose();
+    robot.step(dt);
+    now += dt;
+    return estimate;
+  }
+  Draw& draw;
+  SimulatedRobot robot;
+  PoseFilter filter;
+  FilterParameters parameters;
+  core::WheelSpeeds wheels;
+  Measurement measured;
+  std::optional<Pose> expected;
+  Pose estimate, truth;
+  double now = 0.0;
+  int step = 0;
+};
+
+TEST(PoseFilter, BelievesAMeasurementWithoutUncertaintyBitForBit) {
+  holds("estimate equals measurement", [] {
+    Draw draw(any_seed());
+    Imperfection imperfect;
+    imperfect.slip = 0.05;
+    Drive drive(draw, imperfect);
+    for (int k = 0; k < 100; ++k) {
+      drive.tick();
+      RC_ASSERT(drive.estimate == drive.measured.pose);
+      RC_ASSERT(!drive.expected);
+    }
+  });
+}
+
+TEST(PoseFilter, HalvesTheNoise) {
+  Draw draw(1);
+  Imperfection imperfect;
+  imperfect.pose_noise = 0.001, imperfect.heading_noise = 0.5 * core::pi / 180.0, imperfect.slip = 0.03;
+  Drive drive(draw, imperfect);
+  double measured = 0.0, filtered = 0.0;
+  for (int k = 0; k < 5000; ++k) {
+    drive.tick();
+    measured += std::pow(core::distance(drive.measured.pose, drive.truth), 2);
+    filtered += std::pow(core::distance(drive.estimate, drive.truth), 2);
+  }
+  EXPECT_LT(std::sqrt(filtered / measured), 0.65);
+}
+
+/// Its standard deviations are neither boast nor excuse: the error's mean square, measured in them, is about 1.
+TEST(PoseFilter, KnowsHowGoodItIs) {
+  for (const double latency : {0.0, 0.08}) {
+    Draw draw(2);
+    Imperfection imperfect;
+    imperfect.pose_noise = 0.002, imperfect.heading_noise = 0.02, imperfect.slip = 0.1;
+    imperfect.latency = latency;
+    Drive drive(draw, imperfect);
+    drive.parameters.slip = 0.1;
+    double position = 0.0, heading = 0.0;
+    int samples = 0;
+    std::vector<Pose> truths;
+    for (int k = 0; k < 5000; ++k) {
+      drive.tick();
+      truths.push_back(drive.truth);
+      const auto then = static_cast<std::size_t>(std::lround(drive.measured.captured_at / dt));
+      if (k < 50 || drive.measured.captured_at < 0.0) continue;
+      const Pose at_capture = drive.filter.predict(drive.measured.captured_at);
+      position += std::pow(core::distance(at_capture, truths[then]) / drive.filter.sigma_xy(), 2);
+      heading += std::pow(core::wrap_angle(at_capture.theta - truths[then].theta) / drive.filter.sigma_theta(), 2);
+      ++samples;
+    }
+    EXPECT_GT(position / samples, 0.3) << latency;
+    EXPECT_LT(position / samples, 2.0) << latency;  // two directions
+    EXPECT_GT(heading / samples, 0.3) << latency;
+    EXPECT_LT(heading / samples, 1.2) << latency;
+  }
+}
+
+TEST(PoseFilter, RecognisesAHandAndBeginsAnew) {
+  holds("a jump of 5 cm or 90 degrees is told once, with the pose that was expected", [] {
+    Draw draw(any_seed());
+    Imperfection imperfect;
+    imperfect.pose_noise = 0.001, imperfect.heading_noise = 0.01;
+    imperfect.latency = draw.whole(0, 1) * 0.08;
+    Drive drive(draw, imperfect);
+    for (int k = 0; k < 50; ++k) drive.tick();
+    const Pose from = drive.robot.pose();
+    const bool turned = draw.whole(0, 1) == 1;
+    const double angle = draw.between(-core::pi, core::pi);
+    drive.robot.place(turned ? Pose{from.x, from.y, core::wrap_angle(from.theta + 0.5 * core::pi)}
+                             : Pose{from.x + 0.05 * std::cos(angle), from.y + 0.05 * std::sin(angle), from.theta});
+    int told = 0;
+    for (int k = 0; k < 25; ++k) {
+      drive.tick();
+      if (!drive.expected) continue;
+      ++told;
+      RC_ASSERT(core::distance(*drive.expected, from) < 0.02);
+      RC_ASSERT(drive.filter.predict(drive.measured.captured_at) == drive.measured.pose);
+    }
+    RC_ASSERT(told == 1);
+  });
+}
+
+TEST(PoseFilter, AnnouncedJumpsAreNoSurprise) {
+  Draw draw(3);
+  Drive drive(draw, {});
+  for (int k = 0; k < 50; ++k) drive.tick();
+  drive.robot.place({0.9, 0.9, 1.0});
+  drive.filter.displaced(drive.now);
+  drive.tick();
+  EXPECT_FALSE(drive.expected);
+  EXPECT_EQ(drive.estimate, (Pose{0.9, 0.9, 1.0}));
+  drive.robot.place({0.0, 0.0, 1.0});  // a second one, unannounced
+  drive.tick();
+  EXPECT_TRUE(drive.expected);
+}
+
+TEST(PoseFilter, ARobotThatIsHeldOrMissedForAWhileIsNotKidnapped) {
+  holds("no false alarm with noise, slip, dropouts and a robot that stands while its wheels turn", [] {
+    Draw draw(any_seed());
+    Imperfection imperfect;
+    imperfect.pose_noise = 0.002, imperfect.heading_noise = 0.02;
+    imperfect.slip = 0.05, imperfect.dropout = 0.5, imperfect.latency = 0.08;
+    Drive drive(draw, imperfect);
+    const int held_from = draw.whole(20, 100);
+    for (int k = 0; k < 200; ++k) {
+      const Pose before = drive.robot.pose();
+      drive.tick();
+      RC_ASSERT(!drive.expected);
+      if (k >= held_from && k < held_from + 50) drive.robot.place(before);  // against a wall
+    }
+  });
+}
+
+}  // namespace
+}  // namespace skein::test
