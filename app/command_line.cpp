@@ -120,17 +120,24 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
   CLI::App& emulate_command = *program.add_subcommand(
-      "emulate", "Runs emulated e-pucks on pseudo-terminals until it is interrupted, and says how to reach them");
+      "emulate",
+      "Runs emulated e-pucks until it is interrupted, on pseudo-terminals unless told otherwise, and says how to reach "
+      "them");
   comms::EmulateOptions emulate_options;
   std::string model = "epuck2";
-  emulate_command.add_option("--robots", emulate_options.robots, "how many")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  auto* robots_option = emulate_command.add_option("--robots", emulate_options.robots, "how many")
+                            ->check(CLI::Range(1, 64))
+                            ->capture_default_str();
   emulate_command.add_option("--model", model, "epuck1 or epuck2")
       ->check(CLI::IsMember({"epuck1", "epuck2"}))
       ->capture_default_str();
   emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
       ->type_name("DIR");
+  emulate_command
+      .add_option("--listen", emulate_options.listen,
+                  "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1): a robot listens there; repeatable, one robot each")
+      ->type_name("WHERE")
+      ->excludes(robots_option);
   emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
 
   std::string faults;
@@ -173,6 +180,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   // The emulator waits for signals in its own way.
   if (emulate_command) {
     emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
+    if (!emulate_options.listen.empty()) emulate_options.robots = emulate_options.listen.size();
     if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);
   }

@@ -1,10 +1,6 @@
 #include "comms/transport.h"
 
 #include <arpa/inet.h>
-#include <bluetooth/bluetooth.h>
-#include <bluetooth/hci.h>
-#include <bluetooth/hci_lib.h>
-#include <bluetooth/rfcomm.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -15,9 +11,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <system_error>
 #include <utility>
+
+#include "comms/rfcomm.h"
 
 namespace skein::comms {
 namespace {
@@ -42,18 +39,6 @@ bool make_raw(int descriptor) {
   settings.c_cc[VMIN] = 1;  // with 0 a read of an empty line would look like a hang-up
   settings.c_cc[VTIME] = 0;
   return ::tcsetattr(descriptor, TCSANOW, &settings) == 0 && ::tcflush(descriptor, TCIOFLUSH) == 0;
-}
-
-// 1: bound, 0: errno says why not.
-bool bind_to_adapter(int descriptor, const std::string& adapter) {
-  sockaddr_rc local{};
-  local.rc_family = AF_BLUETOOTH;
-  if (adapter.starts_with("hci")) {
-    if (::hci_devba(std::atoi(adapter.c_str() + 3), &local.rc_bdaddr) != 0) return false;
-  } else {
-    ::str2ba(adapter.c_str(), &local.rc_bdaddr);
-  }
-  return ::bind(descriptor, reinterpret_cast<const sockaddr*>(&local), sizeof local) == 0;
 }
 
 }  // namespace
@@ -134,20 +119,15 @@ tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress
 }
 
 tl::expected<Transport, TransportError> Transport::open_rfcomm(const LinkAddress& address) {
-  const int descriptor = ::socket(AF_BLUETOOTH, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, BTPROTO_RFCOMM);
-  if (descriptor < 0) return fail(errno, address);
-  Transport transport(descriptor, /*connecting=*/true, address);
   if (const auto adapter = check_adapter(address.adapter); !adapter)
     return tl::unexpected(TransportError{adapter.error(), true});
-  if (!address.adapter.empty() && !bind_to_adapter(descriptor, address.adapter)) {
+  const int descriptor = open_rfcomm_socket(address.adapter, 0);
+  if (descriptor < 0) {
     const bool absent = errno == ENODEV || errno == EADDRNOTAVAIL;
     return fail(absent ? EADDRNOTAVAIL : errno, address);
   }
-  sockaddr_rc robot{};
-  robot.rc_family = AF_BLUETOOTH;
-  robot.rc_channel = static_cast<std::uint8_t>(address.channel);
-  ::str2ba(address.device.c_str(), &robot.rc_bdaddr);
-  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&robot), sizeof robot) == 0)
+  Transport transport(descriptor, /*connecting=*/true, address);
+  if (connect_rfcomm(descriptor, address.device, address.channel))
     transport.connecting_ = false;
   else if (errno != EINPROGRESS && errno != EAGAIN)
     return fail(errno, address);

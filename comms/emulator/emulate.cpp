@@ -6,10 +6,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
-#include "comms/emulator/pty_emulator.h"
+#include "comms/emulator/emulator_loop.h"
 
 namespace skein::comms {
 namespace {
@@ -50,22 +52,37 @@ int emulate(const EmulateOptions& options) {
     fmt::print(stderr, "skein emulate: {} robots; allowed: 1 or more\n", options.robots);
     return 2;
   }
+  std::vector<ListenAddress> listen;
+  for (const std::string& text : options.listen) {
+    const auto address = parse_listen_address(text);
+    if (!address) {
+      fmt::print(stderr, "skein emulate: {}\n", address.error());
+      return 2;
+    }
+    listen.push_back(*address);
+  }
   const HeldSignals signals;
   const auto start = std::chrono::steady_clock::now();
   const auto clock = [start] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  PtyEmulator::WheelsChanged on_wheels;
+  WheelsChanged on_wheels;
   if (options.verbose) {
     on_wheels = [&clock](std::size_t robot, const core::WheelSpeeds& actual) {
       say(fmt::format("{:.3f} robot {}: wheels {:.1f} {:.1f} steps/s", clock(), robot + 1, actual.left, actual.right));
     };
   }
   try {
-    const PtyEmulator emulator(std::vector<core::MotorModel>(options.robots, options.model), on_wheels, clock,
-                               options.directory, options.faults, options.seed);
-    for (std::size_t i = 0; i < emulator.size(); ++i)
-      say(fmt::format("robot {}: serial:{}", i + 1, emulator.device(i)));
+    std::optional<DeviceNames> names;
+    std::vector<std::unique_ptr<Endpoint>> endpoints;
+    for (const ListenAddress& address : listen) endpoints.push_back(make_socket_endpoint(address));
+    if (listen.empty()) {
+      names.emplace(options.directory);
+      for (std::size_t i = 0; i < options.robots; ++i) endpoints.push_back(make_pty_endpoint(*names, i));
+    }
+    const std::vector<core::MotorModel> models(endpoints.size(), options.model);
+    const EmulatorLoop emulator(models, std::move(endpoints), on_wheels, clock, options.faults, options.seed);
+    for (std::size_t i = 0; i < emulator.size(); ++i) say(fmt::format("robot {}: {}", i + 1, emulator.address(i)));
     signals.wait();
   } catch (const std::system_error& error) {
     fmt::print(stderr, "skein emulate: {}\n", error.what());

@@ -12,7 +12,9 @@ namespace skein::comms {
 
 /// What `skein emulate` was asked for.
 struct EmulateOptions {
-  std::size_t robots = 1;                             ///< how many, 1 or more
+  std::size_t robots = 1;  ///< how many on pseudo-terminals, 1 or more
+  /// Where robots listen instead, one each, see parse_listen_address(); if there are any, none is on a pseudo-terminal.
+  std::vector<std::string> listen{};
   core::MotorModel model = core::MotorModel::epuck2;  ///< of all of them
   std::string directory{};      ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
   bool verbose = false;         ///< print every change of a robot's wheels
@@ -21,8 +23,9 @@ struct EmulateOptions {
 };
 
 /// Runs emulated robots until SIGINT or SIGTERM comes (to the process or to this thread). Prints one line
-/// "robot N: serial:PATH" for each on stdout. Returns the program's exit status: 0, 2 (options), 3 (the system
-/// refused). Blocks both signals in the calling thread meanwhile: call it before other threads are started.
+/// "robot N: ADDRESS" for each on stdout, as an experiment file names it. Returns the program's exit status: 0, 2
+/// (options), 3 (the system refused). Blocks both signals in the calling thread meanwhile: call it before other threads
+/// are started.
 int emulate(const EmulateOptions& options);
 
 }  // namespace skein::comms

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "comms/emulator/endpoint.h"
+#include "comms/emulator/radio_faults.h"
+#include "core/kinematics/step_rate.h"
+
+namespace skein::comms {
+
+/// Called on the emulator's thread when a robot's wheels change, BEFORE the reply to the command is written: whoever
+/// gets the reply knows that the callback is done. It must not throw, and may call wheels() and address() only.
+using WheelsChanged = std::function<void(std::size_t robot, const core::WheelSpeeds& actual)>;
+
+/// Emulated e-pucks and where hosts reach them, one thread for all.
+class EmulatorLoop {
+ public:
+  /// A model and an endpoint for each robot. `clock`: seconds, never decreasing; drives the encoders; called on the
+  /// emulator's thread (and once here). `faults`: what goes wrong by itself, counted from now on, see EmulatedEpuck; a
+  /// broken connection is hung up, and while the fault lasts no other is admitted. `seed`: of what is random in them.
+  /// Throws std::system_error.
+  EmulatorLoop(const std::vector<core::MotorModel>& models, std::vector<std::unique_ptr<Endpoint>> endpoints,
+               WheelsChanged on_wheels, std::function<double()> clock, const std::vector<Fault>& faults,
+               std::uint64_t seed);
+  ~EmulatorLoop();  ///< ends the thread, hangs up
+  EmulatorLoop(const EmulatorLoop&) = delete;
+  EmulatorLoop& operator=(const EmulatorLoop&) = delete;
+
+  std::size_t size() const noexcept;
+  std::string address(std::size_t robot) const;       ///< see Endpoint; any thread
+  core::WheelSpeeds wheels(std::size_t robot) const;  ///< that the motors run [steps/s]; any thread
+
+  // Faults, for tests. They return when done. Any thread but the emulator's own.
+  void hang_up(std::size_t robot);
+  void reboot(std::size_t robot);
+  void silence(std::size_t robot, bool silent);
+  void say(std::size_t robot, const std::string& bytes);
+
+ private:
+  class Loop;
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace skein::comms

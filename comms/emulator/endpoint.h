@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "comms/emulator/pty.h"
+
+namespace skein::comms {
+
+/// Where a host reaches one emulated robot, seen from the robot. No call waits. Not thread-safe.
+class Endpoint {
+ public:
+  virtual ~Endpoint() = default;
+
+  /// The robot as an experiment file names it: "serial:/tmp/robots/robot1", "rfcomm:00:AA:01:04:00:04/1".
+  virtual std::string address() const = 0;
+  /// To be polled for reading; -1: nothing can come.
+  virtual int descriptor() const noexcept = 0;
+  /// When the descriptor is readable: how many bytes came from the host; 0: a host came, or went.
+  virtual std::size_t read(std::span<std::uint8_t> into) = 0;
+  /// To the host. What finds no room or no host is lost: a robot waits for nobody.
+  virtual void write(std::span<const std::uint8_t> bytes) noexcept = 0;
+  /// Breaks the connection; a host may come again.
+  virtual void hang_up() = 0;
+  /// Whether hosts may come; those that are there stay. Called again and again, costs nothing.
+  virtual void admit(bool hosts) = 0;
+};
+
+/// A pseudo-terminal behind a name that stays the same; one that is hung up is followed by another at once. `names`
+/// outlives it. Throws std::system_error.
+std::unique_ptr<Endpoint> make_pty_endpoint(DeviceNames& names, std::size_t robot);
+
+/// A server socket for one host at a time, as the robots are: while one is there another is refused.
+struct ListenAddress {
+  std::string adapter;  ///< Bluetooth adapter, "hci4" or its address
+  int channel = 0;      ///< RFCOMM channel, 1 to 30
+
+  friend bool operator==(const ListenAddress&, const ListenAddress&) = default;
+};
+
+/// Reads "rfcomm:hci4/1" or "rfcomm:00:AA:01:04:00:04/1". The error names what was found and what is allowed.
+tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view text);
+
+/// Listens there. Throws std::system_error.
+std::unique_ptr<Endpoint> make_socket_endpoint(const ListenAddress& address);
+
+}  // namespace skein::comms
