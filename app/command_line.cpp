@@ -134,8 +134,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
       ->type_name("DIR");
   emulate_command
-      .add_option("--listen", emulate_options.listen,
-                  "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1): a robot listens there; repeatable, one robot each")
+      .add_option(
+          "--listen", emulate_options.listen,
+          "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1), or tcp:ADDRESS:PORT for an e-puck2 with WiFi: a robot listens "
+          "there; repeatable, one robot each")
       ->type_name("WHERE")
       ->excludes(robots_option);
   emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
@@ -159,6 +161,20 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       "test", "Asks a robot for version and battery, turns each wheel 10 mm, and says what is wrong with them");
   std::string robot_to_test;
   test_command.add_option("robot", robot_to_test, "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST")->required();
+
+  CLI::App& scan_command = *robots_command.add_subcommand(
+      "scan", "Looks for e-pucks by Bluetooth and prints them as tables of an experiment file");
+  std::string adapter;
+  double scan_seconds = 12.0;
+  scan_command.add_option("--adapter", adapter, "hci1, or its address; default: all")->type_name("ADAPTER");
+  scan_command.add_option("--seconds", scan_seconds, "how long; a whole inquiry takes 10.24 s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  CLI::App& pair_command = *robots_command.add_subcommand(
+      "pair", "Pairs with e-pucks: an e-puck1 is told its number as PIN, an e-puck2 pairs by itself");
+  std::vector<std::string> robots_to_pair;
+  pair_command.add_option("robots", robots_to_pair, "names (e-puck_1234) or Bluetooth addresses")->required();
+  pair_command.add_option("--adapter", adapter, "as for scan")->type_name("ADAPTER");
 
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;
@@ -194,6 +210,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (track_command) return track(track_request);
   if (stop_command) return stop_robots(robots_to_stop);
   if (test_command) return test_robot(robot_to_test);
+  if (scan_command) return scan_robots(adapter, scan_seconds);
+  if (pair_command) return pair_robots(robots_to_pair, adapter);
   if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
 
   if (!show_window) {

@@ -42,6 +42,13 @@ int bench(const std::string& what, double seconds, std::vector<std::string> argu
 /// when one has not acknowledged.
 int stop_robots(const std::vector<std::string>& words);
 
+/// Looks for robots by Bluetooth for so long [s], with one adapter ("hci1", or its address) or all (empty), and prints
+/// them as tables of an experiment file; `device_failed` if there is none.
+int scan_robots(const std::string& adapter, double seconds);
+
+/// Pairs with robots, named by name or address; prints them likewise; `device_failed` if one was not paired.
+int pair_robots(const std::vector<std::string>& robots, const std::string& adapter);
+
 /// Asks one robot who it is, turns each wheel a little, and names what is wrong with them; `device_failed` if something
 /// is.
 int test_robot(const std::string& address);

@@ -74,14 +74,18 @@ int emulate(const EmulateOptions& options) {
   }
   try {
     std::optional<DeviceNames> names;
-    std::vector<std::unique_ptr<Endpoint>> endpoints;
-    for (const ListenAddress& address : listen) endpoints.push_back(make_socket_endpoint(address));
+    std::vector<EmulatorLoop::Robot> robots;
+    for (const ListenAddress& address : listen) {
+      const bool wifi = address.kind == LinkKind::tcp;
+      robots.push_back({wifi ? core::MotorModel::epuck2 : options.model, wifi ? Protocol::wifi : Protocol::asercom,
+                        make_socket_endpoint(address)});
+    }
     if (listen.empty()) {
       names.emplace(options.directory);
-      for (std::size_t i = 0; i < options.robots; ++i) endpoints.push_back(make_pty_endpoint(*names, i));
+      for (std::size_t i = 0; i < options.robots; ++i)
+        robots.push_back({options.model, Protocol::asercom, make_pty_endpoint(*names, i)});
     }
-    const std::vector<core::MotorModel> models(endpoints.size(), options.model);
-    const EmulatorLoop emulator(models, std::move(endpoints), on_wheels, clock, options.faults, options.seed);
+    const EmulatorLoop emulator(std::move(robots), on_wheels, clock, options.faults, options.seed);
     for (std::size_t i = 0; i < emulator.size(); ++i) say(fmt::format("robot {}: {}", i + 1, emulator.address(i)));
     signals.wait();
   } catch (const std::system_error& error) {

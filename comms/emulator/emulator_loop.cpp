@@ -30,13 +30,14 @@ constexpr double listen_again = 0.5;  // [s]
 
 class EmulatorLoop::Loop {
  public:
-  Loop(const std::vector<core::MotorModel>& models, std::vector<std::unique_ptr<Endpoint>> endpoints,
-       WheelsChanged on_wheels, std::function<double()> clock, const std::vector<Fault>& faults, std::uint64_t seed)
+  Loop(std::vector<EmulatorLoop::Robot> robots, WheelsChanged on_wheels, std::function<double()> clock,
+       const std::vector<Fault>& faults, std::uint64_t seed)
       : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)) {
     const double now = clock_();
-    for (std::size_t i = 0; i < models.size(); ++i) {
-      addresses_.push_back(endpoints.at(i)->address());
-      robots_.emplace_back(EmulatedEpuck(models[i], now, faults_of(faults, i), seed + i), std::move(endpoints[i]));
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      addresses_.push_back(robots[i].endpoint->address());
+      robots_.emplace_back(EmulatedEpuck(robots[i].model, now, faults_of(faults, i), seed + i, robots[i].protocol),
+                           std::move(robots[i].endpoint));
     }
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     if (wake_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -152,9 +153,10 @@ class EmulatorLoop::Loop {
   void serve(std::size_t i) {
     Robot& robot = robots_[i];
     std::array<std::uint8_t, 512> bytes;
-    const std::size_t count = robot.endpoint->read(bytes);
-    if (count == 0 || robot.silent) return;
-    robot.epuck.receive(std::span(bytes).first(count), clock_());
+    const Endpoint::Arrival arrival = robot.endpoint->read(bytes);
+    if (arrival.host) robot.epuck.accept();
+    if (arrival.bytes == 0 || robot.silent) return;
+    robot.epuck.receive(std::span(bytes).first(arrival.bytes), clock_());
     let_time_pass(i);
   }
 
@@ -197,11 +199,9 @@ class EmulatorLoop::Loop {
   std::thread thread_;
 };
 
-EmulatorLoop::EmulatorLoop(const std::vector<core::MotorModel>& models,
-                           std::vector<std::unique_ptr<Endpoint>> endpoints, WheelsChanged on_wheels,
-                           std::function<double()> clock, const std::vector<Fault>& faults, std::uint64_t seed)
-    : loop_(
-          std::make_unique<Loop>(models, std::move(endpoints), std::move(on_wheels), std::move(clock), faults, seed)) {}
+EmulatorLoop::EmulatorLoop(std::vector<Robot> robots, WheelsChanged on_wheels, std::function<double()> clock,
+                           const std::vector<Fault>& faults, std::uint64_t seed)
+    : loop_(std::make_unique<Loop>(std::move(robots), std::move(on_wheels), std::move(clock), faults, seed)) {}
 EmulatorLoop::~EmulatorLoop() = default;
 
 std::size_t EmulatorLoop::size() const noexcept {

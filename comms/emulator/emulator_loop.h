@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "comms/emulator/endpoint.h"
+#include "comms/emulator/epuck_firmware.h"
 #include "comms/emulator/radio_faults.h"
 #include "core/kinematics/step_rate.h"
 
@@ -20,13 +21,18 @@ using WheelsChanged = std::function<void(std::size_t robot, const core::WheelSpe
 /// Emulated e-pucks and where hosts reach them, one thread for all.
 class EmulatorLoop {
  public:
-  /// A model and an endpoint for each robot. `clock`: seconds, never decreasing; drives the encoders; called on the
+  struct Robot {
+    core::MotorModel model = core::MotorModel::epuck2;
+    Protocol protocol = Protocol::asercom;
+    std::unique_ptr<Endpoint> endpoint = {};
+  };
+
+  /// `clock`: seconds, never decreasing; drives the encoders; called on the
   /// emulator's thread (and once here). `faults`: what goes wrong by itself, counted from now on, see EmulatedEpuck; a
   /// broken connection is hung up, and while the fault lasts no other is admitted. `seed`: of what is random in them.
   /// Throws std::system_error.
-  EmulatorLoop(const std::vector<core::MotorModel>& models, std::vector<std::unique_ptr<Endpoint>> endpoints,
-               WheelsChanged on_wheels, std::function<double()> clock, const std::vector<Fault>& faults,
-               std::uint64_t seed);
+  EmulatorLoop(std::vector<Robot> robots, WheelsChanged on_wheels, std::function<double()> clock,
+               const std::vector<Fault>& faults, std::uint64_t seed);
   ~EmulatorLoop();  ///< ends the thread, hangs up
   EmulatorLoop(const EmulatorLoop&) = delete;
   EmulatorLoop& operator=(const EmulatorLoop&) = delete;

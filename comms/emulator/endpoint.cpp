@@ -1,6 +1,9 @@
 #include "comms/emulator/endpoint.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -9,7 +12,6 @@
 #include <system_error>
 #include <utility>
 
-#include "comms/link_address.h"
 #include "comms/rfcomm.h"
 
 namespace skein::comms {
@@ -23,9 +25,9 @@ class PtyEndpoint final : public Endpoint {
 
   std::string address() const override { return "serial:" + names_.name(robot_); }
   int descriptor() const noexcept override { return pty_.robot(); }
-  std::size_t read(std::span<std::uint8_t> into) override {
+  Arrival read(std::span<std::uint8_t> into) override {
     const ssize_t count = ::read(pty_.robot(), into.data(), into.size());
-    return count > 0 ? static_cast<std::size_t>(count) : 0;
+    return {.bytes = count > 0 ? static_cast<std::size_t>(count) : 0};
   }
   void write(std::span<const std::uint8_t> bytes) noexcept override {
     [[maybe_unused]] const auto written = ::write(pty_.robot(), bytes.data(), bytes.size());
@@ -55,34 +57,63 @@ class Descriptor {
     value_ = value;
   }
   int get() const noexcept { return value_; }
+  int release() noexcept { return std::exchange(value_, -1); }
   bool open() const noexcept { return value_ >= 0; }
 
  private:
   int value_ = -1;
 };
 
+// Bound to an IPv4 address of this machine; -1: errno says why not.
+int open_tcp_socket(const std::string& here, int port) {
+  sockaddr_in local{};
+  local.sin_family = AF_INET;
+  local.sin_port = htons(static_cast<std::uint16_t>(port));
+  if (::inet_pton(AF_INET, here.c_str(), &local.sin_addr) != 1) {
+    errno = EINVAL;
+    return -1;
+  }
+  Descriptor socket;
+  socket.reset(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int on = 1;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (!socket.open() || ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0) return -1;
+  return socket.release();
+}
+
+int local_port(int descriptor) {
+  sockaddr_in local{};
+  socklen_t size = sizeof local;
+  ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&local), &size);
+  return ntohs(local.sin_port);
+}
+
 class SocketEndpoint final : public Endpoint {
  public:
   explicit SocketEndpoint(ListenAddress address) : where_(std::move(address)) {
+    const bool tcp = where_.kind == LinkKind::tcp;
     if (!listen())
-      throw std::system_error(errno, std::generic_category(),
-                              fmt::format("rfcomm:{}/{}", where_.adapter, where_.channel));
-    address_ = fmt::format("rfcomm:{}/{}", local_rfcomm_address(listener_.get()), where_.channel);
+      throw std::system_error(errno, std::generic_category(), to_text({where_.kind, where_.here, where_.channel}));
+    if (tcp) where_.channel = local_port(listener_.get());  // to be found there again
+    address_ = to_text({where_.kind, tcp ? where_.here : local_rfcomm_address(listener_.get()), where_.channel});
   }
 
   std::string address() const override { return address_; }
   int descriptor() const noexcept override { return host_.open() ? host_.get() : listener_.get(); }
 
-  std::size_t read(std::span<std::uint8_t> into) override {
+  Arrival read(std::span<std::uint8_t> into) override {
     if (!host_.open()) {
       host_.reset(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-      if (host_.open()) listener_.reset();
-      return 0;
+      if (!host_.open()) return {};
+      listener_.reset();
+      const int on = 1;
+      if (where_.kind == LinkKind::tcp) ::setsockopt(host_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      return {.host = true};
     }
     const ssize_t count = ::recv(host_.get(), into.data(), into.size(), 0);
-    if (count > 0) return static_cast<std::size_t>(count);
+    if (count > 0) return {.bytes = static_cast<std::size_t>(count)};
     if (count == 0 || (errno != EAGAIN && errno != EINTR)) host_.reset();
-    return 0;
+    return {};
   }
   void write(std::span<const std::uint8_t> bytes) noexcept override {
     if (host_.open()) [[maybe_unused]]
@@ -98,7 +129,8 @@ class SocketEndpoint final : public Endpoint {
 
  private:
   bool listen() {
-    listener_.reset(open_rfcomm_socket(where_.adapter, where_.channel));
+    listener_.reset(where_.kind == LinkKind::tcp ? open_tcp_socket(where_.here, where_.channel)
+                                                 : open_rfcomm_socket(where_.here, where_.channel));
     if (!listener_.open()) return false;
     if (::listen(listener_.get(), 1) == 0) return true;
     const int error = errno;
@@ -120,16 +152,22 @@ std::unique_ptr<Endpoint> make_pty_endpoint(DeviceNames& names, std::size_t robo
 }
 
 tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view text) {
+  constexpr std::string_view rfcomm = "rfcomm:", tcp = "tcp:";
   const auto refuse = [&](const std::string& why) {
-    return tl::unexpected(fmt::format("\"{}\": {}; allowed: \"rfcomm:hci4/1\", adapter and channel", text, why));
+    return tl::unexpected(fmt::format(
+        "\"{}\": {}; allowed: \"rfcomm:hci4/1\", adapter and channel, or \"tcp:127.0.0.1:1000\"", text, why));
   };
-  constexpr std::string_view rfcomm = "rfcomm:";
+  if (text.starts_with(tcp)) {
+    const auto address = parse_link_address(text);
+    if (!address) return tl::unexpected(address.error());
+    return ListenAddress{LinkKind::tcp, address->device, address->channel};
+  }
+  if (!text.starts_with(rfcomm)) return refuse("begins with neither \"rfcomm:\" nor \"tcp:\"");
   const std::size_t slash = text.rfind('/');
-  if (!text.starts_with(rfcomm)) return refuse("does not begin with \"rfcomm:\"");
   if (slash == std::string_view::npos) return refuse("has no channel");
-  ListenAddress address{std::string(text.substr(rfcomm.size(), slash - rfcomm.size())), 0};
-  if (address.adapter.empty()) return refuse("has no adapter");
-  if (const auto adapter = check_adapter(address.adapter); !adapter) return refuse(adapter.error());
+  ListenAddress address{LinkKind::rfcomm, std::string(text.substr(rfcomm.size(), slash - rfcomm.size())), 0};
+  if (address.here.empty()) return refuse("has no adapter");
+  if (const auto adapter = check_adapter(address.here); !adapter) return refuse(adapter.error());
   const std::string_view channel = text.substr(slash + 1);
   const char* const end = channel.data() + channel.size();
   const auto [stop, error] = std::from_chars(channel.data(), end, address.channel);

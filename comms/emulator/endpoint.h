@@ -9,6 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "comms/emulator/pty.h"
+#include "comms/link_address.h"
 
 namespace skein::comms {
 
@@ -21,8 +22,12 @@ class Endpoint {
   virtual std::string address() const = 0;
   /// To be polled for reading; -1: nothing can come.
   virtual int descriptor() const noexcept = 0;
-  /// When the descriptor is readable: how many bytes came from the host; 0: a host came, or went.
-  virtual std::size_t read(std::span<std::uint8_t> into) = 0;
+  struct Arrival {
+    std::size_t bytes = 0;  ///< from the host
+    bool host = false;      ///< one has connected; neither: it has gone
+  };
+  /// When the descriptor is readable.
+  virtual Arrival read(std::span<std::uint8_t> into) = 0;
   /// To the host. What finds no room or no host is lost: a robot waits for nobody.
   virtual void write(std::span<const std::uint8_t> bytes) noexcept = 0;
   /// Breaks the connection; a host may come again.
@@ -35,18 +40,20 @@ class Endpoint {
 /// outlives it. Throws std::system_error.
 std::unique_ptr<Endpoint> make_pty_endpoint(DeviceNames& names, std::size_t robot);
 
-/// A server socket for one host at a time, as the robots are: while one is there another is refused.
+/// Where a robot listens on a socket.
 struct ListenAddress {
-  std::string adapter;  ///< Bluetooth adapter, "hci4" or its address
-  int channel = 0;      ///< RFCOMM channel, 1 to 30
+  LinkKind kind = LinkKind::rfcomm;  ///< or tcp
+  std::string here;  ///< rfcomm: a Bluetooth adapter, "hci4" or its address; tcp: "127.0.0.1", "0.0.0.0"
+  int channel = 0;   ///< RFCOMM channel, 1 to 30; TCP port, 0: one that is free
 
   friend bool operator==(const ListenAddress&, const ListenAddress&) = default;
 };
 
-/// Reads "rfcomm:hci4/1" or "rfcomm:00:AA:01:04:00:04/1". The error names what was found and what is allowed.
+/// Reads "rfcomm:hci4/1", "rfcomm:00:AA:01:04:00:04/1" or "tcp:127.0.0.1:1000". The error names what was found and what
+/// is allowed.
 tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view text);
 
-/// Listens there. Throws std::system_error.
+/// A server for one host at a time, as the robots are: while one is there another is refused. Throws std::system_error.
 std::unique_ptr<Endpoint> make_socket_endpoint(const ListenAddress& address);
 
 }  // namespace skein::comms

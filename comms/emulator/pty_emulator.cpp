@@ -5,10 +5,11 @@
 namespace skein::comms {
 namespace {
 
-std::vector<std::unique_ptr<Endpoint>> endpoints(DeviceNames& names, std::size_t robots) {
-  std::vector<std::unique_ptr<Endpoint>> all;
-  for (std::size_t i = 0; i < robots; ++i) all.push_back(make_pty_endpoint(names, i));
-  return all;
+std::vector<EmulatorLoop::Robot> on_lines(const std::vector<core::MotorModel>& models, DeviceNames& names) {
+  std::vector<EmulatorLoop::Robot> robots;
+  for (std::size_t i = 0; i < models.size(); ++i)
+    robots.push_back({models[i], Protocol::asercom, make_pty_endpoint(names, i)});
+  return robots;
 }
 
 }  // namespace
@@ -17,7 +18,7 @@ PtyEmulator::PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsChan
                          std::function<double()> clock, std::string directory, const std::vector<Fault>& faults,
                          std::uint64_t seed)
     : names_(std::move(directory)),
-      loop_(robots, endpoints(names_, robots.size()), std::move(on_wheels), std::move(clock), faults, seed) {}
+      loop_(on_lines(robots, names_), std::move(on_wheels), std::move(clock), faults, seed) {}
 
 std::string PtyEmulator::device(std::size_t robot) const {
   return names_.name(robot);

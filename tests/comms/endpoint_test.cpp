@@ -7,8 +7,10 @@ namespace skein::comms {
 namespace {
 
 TEST(ListenAddress, IsAnAdapterAndAChannel) {
-  EXPECT_EQ(parse_listen_address("rfcomm:hci4/1"), (ListenAddress{"hci4", 1}));
-  EXPECT_EQ(parse_listen_address("rfcomm:00:AA:01:04:00:04/30"), (ListenAddress{"00:AA:01:04:00:04", 30}));
+  EXPECT_EQ(parse_listen_address("rfcomm:hci4/1"), (ListenAddress{LinkKind::rfcomm, "hci4", 1}));
+  EXPECT_EQ(parse_listen_address("rfcomm:00:AA:01:04:00:04/30"),
+            (ListenAddress{LinkKind::rfcomm, "00:AA:01:04:00:04", 30}));
+  EXPECT_EQ(parse_listen_address("tcp:127.0.0.1:1000"), (ListenAddress{LinkKind::tcp, "127.0.0.1", 1000}));
 }
 
 TEST(ListenAddress, RefusalsNameWhatWasFoundAndWhatIsAllowed) {
@@ -18,7 +20,7 @@ TEST(ListenAddress, RefusalsNameWhatWasFoundAndWhatIsAllowed) {
     for (const char* part : {text, what, "rfcomm:hci4/1"})
       EXPECT_NE(address.error().find(part), std::string::npos) << address.error();
   };
-  refused("hci4/1", "does not begin with");
+  refused("hci4/1", "begins with neither");
   refused("rfcomm:hci4", "no channel");
   refused("rfcomm:/1", "no adapter");
   refused("rfcomm:eth0/1", "eth0");

@@ -1,6 +1,7 @@
 #include "comms/emulator/epuck_firmware.h"
 
 #include "comms/asercom.h"
+#include "tests/comms/any_request.h"
 #include "tests/comms/bytes.h"
 #include "tests/property.h"
 
@@ -196,31 +197,12 @@ TEST(Epuck2, CountersHave32Bits) {
   EXPECT_EQ(ask(robot, read_encoders()), (Bytes{0x40, 0x9C, 0xC0, 0x63}));
 }
 
-// One thing that a program might send: sound requests of both kinds, and noise.
-rc::Gen<Bytes> any_request() {
-  const auto speed = rc::gen::inRange<int>(-1500, 1500);
-  const auto as_text =
-      rc::gen::map(rc::gen::tuple(rc::gen::elementOf(std::string("DEPQSVbNACLBFRGHXdsr")), speed, speed),
-                   [](const std::tuple<char, int, int>& request) {
-                     const auto& [letter, left, right] = request;
-                     return bytes(ascii_request(letter, std::array{left, right}));
-                   });
-  const auto as_binary = rc::gen::map(rc::gen::pair(speed, speed), [](const std::pair<int, int>& speeds) {
-    const auto request = set_speeds_read_encoders(clamped(speeds.first, speeds.second));
-    return Bytes(request.begin(), request.end());
-  });
-  const auto letters = rc::gen::elementOf(Bytes{0xBC, 0xB0, 0xB4, 0xA9, 0x89, 0xAF, 0xBB, 0xB2, 0x9F, 0x9E,
-                                                0xF8, 0xF7, 0xF6, 0x80, 0xFF, 0x00, '\r', '\n', 'D',  ','});
-  return rc::gen::oneOf(as_text, as_binary, rc::gen::container<Bytes>(letters),
-                        rc::gen::container<Bytes>(rc::gen::arbitrary<std::uint8_t>()));
-}
-
 TEST_P(EveryEpuck, TheStopSequenceStopsItFromEveryState) {
   const MotorModel model = GetParam();
   test::holds("after anything at all, cut off anywhere, the stop sequence stops and says \"s\"", [model] {
     EpuckFirmware stuck(model);
     Bytes stream;
-    for (const Bytes& request : *rc::gen::container<std::vector<Bytes>>(any_request()))
+    for (const Bytes& request : *rc::gen::container<std::vector<Bytes>>(test::any_request()))
       stream.insert(stream.end(), request.begin(), request.end());
     stream.resize(*rc::gen::inRange<std::size_t>(0, stream.size() + 1));
     Bytes ignored;
@@ -248,7 +230,7 @@ TEST_P(EveryEpuck, ChunksDoNotMatter) {
   test::holds("byte by byte is the same as all at once", [model](const std::vector<bool>& cuts) {
     EpuckFirmware whole(model), piecewise(model);
     Bytes stream;
-    for (const Bytes& request : *rc::gen::container<std::vector<Bytes>>(any_request()))
+    for (const Bytes& request : *rc::gen::container<std::vector<Bytes>>(test::any_request()))
       stream.insert(stream.end(), request.begin(), request.end());
     Bytes expected, reply, chunk;
     whole.receive(stream, expected);

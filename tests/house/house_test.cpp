@@ -78,6 +78,7 @@ TEST(Rules, ReportWhatIsForbidden) {
            {"ui/a.cpp", "#include <apriltag/tag36h11.h>"},
            {"comms/a.h", "#include <bluetooth/bluetooth.h>"},
            {"app/a.cpp", "#include <bluetooth/rfcomm.h>"},
+           {"app/a.cpp", "#include <systemd/sd-bus.h>"},
            {"app/a.cpp", "#include <QObject>"},
            {"app/main.cpp", "#include <QApplication>"},
            {"comms/a.cpp", "#include <QtDBus/QDBusConnection>"},

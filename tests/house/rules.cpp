@@ -87,7 +87,7 @@ bool is_opencv_or_apriltag(string_view header) {
 }
 
 bool is_bluez(string_view header) {
-  return header.starts_with("bluetooth/");
+  return header.starts_with("bluetooth/") || header.starts_with("systemd/");  // its sockets, its daemon on D-Bus
 }
 
 /// <QWidget>, <QtCore/QObject>, <qcustomplot.h>, <qwidget.h>
