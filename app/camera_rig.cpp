@@ -16,12 +16,6 @@ namespace {
 /// Edge of the black square of the tags that the synthetic camera draws: what fits on an e-puck without a plate. [m]
 constexpr double synthetic_tag_size = 0.04;
 
-vision::TrackerOptions tracker_options(const Experiment& experiment) {
-  vision::TrackerOptions options;
-  for (const RobotSpec& robot : experiment.robots) options.tags.push_back(robot.tag);
-  return options;
-}
-
 tl::expected<vision::Calibration, std::string> find_calibration(const Experiment& experiment) {
   if (!experiment.camera.calibration.empty())
     return vision::load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
@@ -41,6 +35,19 @@ tl::expected<vision::Calibration, std::string> find_calibration(const Experiment
 }
 
 }  // namespace
+
+vision::TrackerOptions tracker_options(const Experiment& experiment) {
+  vision::TrackerOptions options;
+  for (const RobotSpec& robot : experiment.robots) options.tags.push_back(robot.tag);
+  return options;
+}
+
+void take(std::span<const vision::TagPose> tags, const Experiment& experiment, std::span<core::Measurement> newest) {
+  for (const vision::TagPose& tag : tags)
+    for (std::size_t i = 0; i < newest.size(); ++i)
+      if (experiment.robots[i].tag == tag.tag)
+        newest[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
+}
 
 tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
                                                                       SimulatedWorld& world, bool pictures) {
@@ -156,10 +163,7 @@ bool CameraRig::capture() {
 }
 
 void CameraRig::work_off() {
-  for (const vision::TagPose& tag : tracker_.process(frame_))
-    for (std::size_t i = 0; i < seen_.robots.size(); ++i)
-      if (experiment_.robots[i].tag == tag.tag)
-        seen_.robots[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
+  take(tracker_.process(frame_), experiment_, seen_.robots);
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();

@@ -23,6 +23,11 @@
 
 namespace skein::app {
 
+/// The tracker of an experiment looks for its robots' tags.
+vision::TrackerOptions tracker_options(const Experiment& experiment);
+/// What a frame showed becomes the newest measurement of each robot that was seen in it.
+void take(std::span<const vision::TagPose> tags, const Experiment& experiment, std::span<core::Measurement> newest);
+
 /// When a frame went through its stations. Session's clock; none: not known. [s]
 struct FrameTimes {
   double captured_at = none;  ///< the camera's stamp

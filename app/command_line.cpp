@@ -108,6 +108,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       "replay", "Runs a recorded CSV through the same tick and says whether every command comes out bit for bit");
   std::string replay_file;
   replay_command.add_option("file", replay_file, "a CSV written by `skein run --csv` or by the window")->required();
+  std::string replay_film;
+  replay_command.add_option("--video", replay_film,
+                            "the film of the same run (`skein run --video`): every pose is found in it once more");
 
   CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
   TrackRequest track_request;
@@ -206,7 +209,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     return run(run_request);
   }
   if (check_command) return check(check_experiment.request());
-  if (replay_command) return replay(replay_file);
+  if (replay_command) return replay(replay_file, replay_film);
   if (track_command) return track(track_request);
   if (stop_command) return stop_robots(robots_to_stop);
   if (test_command) return test_robot(robot_to_test);

@@ -26,7 +26,7 @@ struct RunRequest {
 int run(const RunRequest& request);
 
 int check(const ExperimentRequest& request);
-int replay(const std::string& csv);
+int replay(const std::string& csv, const std::string& film);
 
 struct TrackRequest {
   std::string source, camera, csv, record;

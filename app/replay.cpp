@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cmath>
+#include <optional>
 #include <span>
 
 #include "app/control_tick.h"
 #include "app/csv_reader.h"
 #include "app/experiment_file.h"
+#include "app/replay_film.h"
 
 namespace skein::app {
 namespace {
@@ -44,34 +47,62 @@ bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+/// When the newest frame that a tick knew of was taken; a frame in which nobody was seen need not be known.
+double newest_capture(const TickRecord& row) noexcept {
+  double newest = core::Measurement{}.captured_at;
+  for (const RobotRecord& robot : row.robots) newest = std::fmax(newest, robot.measurement.captured_at);
+  return newest;
+}
+
+struct Value {
+  const char* name;
+  double recorded, again;
+};
+
+/// Compares values of one robot at one tick, notes the first that differs; false: one did.
+template <std::size_t N>
+bool same(const Value (&values)[N], const TickRecord& row, std::size_t robot, ReplayResult& result) {
+  for (const Value& value : values) {
+    if (same_bits(value.recorded, value.again)) continue;
+    if (result.first.empty())
+      result.first = fmt::format("tick {} (t = {} s), r{}_{}: recorded {}, replayed {}", row.tick, row.t, robot + 1,
+                                 value.name, value.recorded, value.again);
+    return false;
+  }
+  return true;
+}
+
+void compare_poses(const TickRecord& recorded, std::span<const core::Measurement> again, ReplayResult& result) {
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    const core::Measurement &a = recorded.robots[i].measurement, &b = again[i];
+    ++result.poses;
+    if (std::isnan(a.captured_at)) continue;  // nobody had seen it yet
+    const Value values[] = {{"x_meas", a.pose.x, b.pose.x},
+                            {"y_meas", a.pose.y, b.pose.y},
+                            {"theta_meas", a.pose.theta, b.pose.theta},
+                            {"t_meas", a.captured_at, b.captured_at},
+                            {"sigma_xy", a.sigma_xy, b.sigma_xy},
+                            {"sigma_theta", a.sigma_theta, b.sigma_theta}};
+    result.poses_different += same(values, recorded, i, result) ? 0 : 1;
+  }
+}
+
 void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& result) {
   for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
     const RobotRecord& a = recorded.robots[i];
     const RobotRecord& b = again.robots[i];
-    struct Value {
-      const char* name;
-      double recorded, again;
-    };
     const Value values[] = {{"v", a.command.v, b.command.v},
                             {"omega", a.command.omega, b.command.omega},
                             {"wheel_left", a.wheels.left, b.wheels.left},
                             {"wheel_right", a.wheels.right, b.wheels.right}};
-    bool same = true;
-    for (const Value& value : values) {
-      if (same_bits(value.recorded, value.again)) continue;
-      same = false;
-      if (result.first.empty())
-        result.first = fmt::format("tick {} (t = {} s), r{}_{}: recorded {}, replayed {}", recorded.tick, recorded.t,
-                                   i + 1, value.name, value.recorded, value.again);
-    }
     ++result.commands;
-    result.different += same ? 0 : 1;
+    result.different += same(values, recorded, i, result) ? 0 : 1;
   }
 }
 
 }  // namespace
 
-tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file) {
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
   const auto experiment = parse_experiment(reader->head().source, file + " (experiment)");
@@ -86,6 +117,14 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
   if (reader->head().version != SKEIN_VERSION)
     result.warnings.push_back(fmt::format("recorded by skein {}, replayed by " SKEIN_VERSION, reader->head().version));
 
+  std::optional<ReplayFilm> frames;
+  if (!film.empty()) {
+    auto opened = ReplayFilm::open(film, *experiment);
+    if (!opened) return tl::unexpected(opened.error());
+    frames = std::move(*opened);
+    result.filmed = true;
+  }
+
   ControlTick tick(*experiment);
   std::vector<core::Measurement> measurements(experiment->robots.size());
   TickRecord row;
@@ -94,7 +133,13 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
-    for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = row.robots[i].measurement;
+    if (frames) {
+      if (const auto seen = frames->advance(newest_capture(row), measurements); !seen)
+        return tl::unexpected(seen.error());
+      compare_poses(row, measurements, result);
+    } else {
+      for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = row.robots[i].measurement;
+    }
     const std::vector<OperatorCommand> commands = commands_of(row);
     TickInput input;
     input.now = row.now;
@@ -107,6 +152,13 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
     compare(row, tick.step(input), result);
     last_tick = row.tick;
     ++result.ticks;
+  }
+  if (frames) {
+    result.frames = frames->frames();
+    result.missing_frames = frames->missing();
+    if (result.missing_frames > 0)
+      result.warnings.push_back(
+          fmt::format("the film lacks {} frames that its recorder was too slow for", result.missing_frames));
   }
   return result;
 }

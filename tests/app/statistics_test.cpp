@@ -228,7 +228,8 @@ TEST(Summary, ReadsAsLinesAndAsJson) {
   EXPECT_EQ(
       as_lines(s),
       "name: a \"name\"\nticks: 2100\nduration: 84.0\nfinal_error: 0.001235\nfinal_formation_error: none\n"
-      "min_distance: none\ncollisions: 1\nmissed_deadlines: 0\ndropped_rows: 0\nlargest_period: none\nmedian_compute: "
+      "min_distance: none\ncollisions: 1\nmissed_deadlines: 0\ndropped_rows: 0\nvideo_frames: 0\nvideo_dropped: "
+      "0\nlargest_period: none\nmedian_compute: "
       "none\n"
       "largest_compute: none\nstopped: false\nnot_stopped: 1 3\nperturbation_1_t: 18.0\nperturbation_1_robot: 2\n"
       "perturbation_1_what: perturb r2\nperturbation_1_formation_1cm: 4.24\nperturbation_1_formation_5mm: none\n"

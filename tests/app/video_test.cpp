@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <sstream>
 
+#include "app/csv_writer.h"
 #include "app/experiment_file.h"
+#include "app/replay.h"
 #include "app/session.h"
 #include "vision/frame_source.h"
 #include "vision/tracker.h"
@@ -68,6 +71,53 @@ TEST(Video, GivesTheSamePosesAgain) {
   }
   EXPECT_EQ(compared, 4 * sink.rows.size());
   std::filesystem::remove(path);
+}
+
+/// Film and CSV of a run, replayed: vision and tick say the same to the bit, and a changed pose is found.
+TEST(Video, ReplaysWithItsLogBitForBit) {
+  const auto path = std::filesystem::temp_directory_path() / ("skein_replay_" + std::to_string(::getpid()) + ".mkv");
+  const Experiment experiment = short_run({"robot_defaults.model=epuck1"});
+  std::ostringstream csv;
+  {
+    CsvWriter file(csv, experiment);
+    SessionOptions options;
+    options.sinks = {&file};
+    options.video = path.string();
+    auto session = Session::open(experiment, Session::Clock::virtual_, options);
+    ASSERT_TRUE(session) << session.error();
+    EXPECT_EQ((*session)->run(), Phase::finished);
+  }
+  std::istringstream in(csv.str());
+  const auto result = replay(in, "run.csv", path.string());
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_TRUE(result->filmed);
+  EXPECT_EQ(result->poses, 4 * result->ticks);
+  EXPECT_EQ(result->poses_different, 0) << result->first;
+  EXPECT_EQ(result->different, 0) << result->first;
+  EXPECT_EQ(result->missing_frames, 0);
+
+  // Another run's film: the robots' starts are the same, what happens then is not.
+  const Experiment other = short_run({"robot_defaults.model=epuck1", "seed=2"});
+  std::ostringstream other_csv;
+  {
+    CsvWriter file(other_csv, other);
+    SessionOptions options;
+    options.sinks = {&file};
+    auto session = Session::open(other, Session::Clock::virtual_, options);
+    ASSERT_TRUE(session) << session.error();
+    EXPECT_EQ((*session)->run(), Phase::finished);
+  }
+  std::istringstream other_in(other_csv.str());
+  const auto wrong = replay(other_in, "other.csv", path.string());
+  ASSERT_TRUE(wrong) << wrong.error();
+  EXPECT_GT(wrong->poses_different, 0);
+  EXPECT_NE(wrong->first.find("tick 0"), std::string::npos) << wrong->first;
+  std::filesystem::remove(path);
+
+  std::istringstream again(csv.str());
+  const auto none = replay(again, "run.csv", path.string());
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().find(path.string()), std::string::npos) << none.error();
 }
 
 TEST(Video, ADiskThatIsFullDoesNotStopTheRun) {
