@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -114,6 +115,12 @@ struct CameraSpec {
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
 };
 
+/// How patient the links to the robots are, on the wall clock.
+struct LinksSpec {
+  double reply_timeout = 0.2;             ///< a reply later than this is a lost reply [s]
+  std::optional<double> command_silence;  ///< without a new command for this long a link stops its robot [s]
+};
+
 struct EstimationSpec {
   double bridge = 0.2;           ///< a pose older than this is no pose: the robot is lost and stops [s]
   double actuation_delay = 0.0;  ///< from the tick to the moment the wheels obey [s]
@@ -149,6 +156,7 @@ struct Experiment {
   std::vector<core::Obstacle> obstacles;
   std::vector<RobotSpec> robots;  ///< default: four simulated ones, tags 1 to 4
   CameraSpec camera;
+  LinksSpec links;
   EstimationSpec estimation;
   core::Imperfection simulation;
   std::vector<Perturbation> perturbations;  ///< in the order of t
@@ -157,6 +165,8 @@ struct Experiment {
   std::string source;     ///< the text it was read from, `--set` included as the keys it changed
   std::string directory;  ///< where the file lies; relative paths inside start there
 
+  /// links.command_silence, or 0.1 s and at least two ticks and a half: one late tick does not stop the group.
+  double command_silence() const noexcept { return links.command_silence.value_or(std::max(0.1, 2.5 * period())); }
   double period() const noexcept { return 1.0 / rate; }
   std::int64_t ticks() const noexcept;  ///< rows that a run of the whole duration has
 };

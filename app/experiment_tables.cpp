@@ -242,6 +242,12 @@ void read_camera(TomlTable t, CameraSpec& camera, Problems& problems) {
   t.finish();
 }
 
+void read_links(TomlTable t, Experiment& e) {
+  t.number("reply_timeout", e.links.reply_timeout, between(0.02, 10.0, "s"));
+  t.number("command_silence", e.links.command_silence, above(1.0 / e.rate, 10.0, "s, longer than a tick"));
+  t.finish();
+}
+
 void read_estimation(TomlTable t, EstimationSpec& estimation) {
   t.number("bridge", estimation.bridge, above(0.0, 10.0, "s"));
   t.number("actuation_delay", estimation.actuation_delay, between(0.0, 1.0, "s"));
@@ -307,6 +313,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_shield(t.table("shield"), e);
   read_obstacles(t, e);
   read_camera(t.table("camera"), e.camera, problems);
+  read_links(t.table("links"), e);
   read_estimation(t.table("estimation"), e.estimation);
   read_simulation(t.table("simulation"), e);
   read_perturbations(t, e);

@@ -64,6 +64,8 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
       addresses.push_back(*address);
     }
     comms::LinkOptions link_options;
+    link_options.reply_timeout = experiment.links.reply_timeout;
+    link_options.command_silence = experiment.command_silence();
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
     if (!clock.wall()) {
       link_options.command_silence = link_options.heartbeat = 0.0;

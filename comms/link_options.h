@@ -7,8 +7,9 @@ struct LinkOptions {
   /// A reply later than this is a lost reply [s]. Measured round trips are 1 to 10 ms at the 99th percentile; a busy
   /// radio adds tens of ms; 0.2 s is 5 ticks, at most 26 mm of way at full speed.
   double reply_timeout = 0.2;
-  /// A connection that is not made after this long is begun anew [s]. Bluetooth's own page time-out is 5.12 s.
-  double connect_timeout = 5.0;
+  /// A connection that is not made after this long is begun anew [s]. Longer than Bluetooth's own page time-out of 5.12 s,
+  /// after which the kernel says what is wrong.
+  double connect_timeout = 6.0;
   /// A link that hears no new command for this long stops its robot by itself [s]: e-pucks have no watchdog. 2.5 ticks,
   /// so one late tick does not stop the group. 0 or less: never (lock-step runs, where wall time means nothing).
   double command_silence = 0.1;

@@ -85,6 +85,7 @@ TEST(ExperimentFile, ReadsEveryKey) {
     avoidance = { enabled = false, alpha = 0.08, beta = 0.09, p = 3, K_a = 0.2, K_o = 0.03 }
     shield = { enabled = false, distance = 0.08, gamma = 3 }
     camera = { source = "v4l2:/dev/video1", calibration = "cal.toml" }
+    links = { reply_timeout = 0.5, command_silence = 0.3 }
     estimation = { bridge = 0.5, actuation_delay = 0.06 }
     simulation = { pose_noise = 0.001, heading_noise = 0.01, latency = 0.08, dropout = 0.1, slip = 0.02 }
     expect = { final_error = 0.01, min_distance = 0.07, formation_first = false, collisions = 2 }
@@ -156,6 +157,8 @@ TEST(ExperimentFile, ReadsEveryKey) {
   EXPECT_EQ(e.avoidance.p, 3);
   EXPECT_EQ(e.obstacles.at(0).radius, 0.05);
   EXPECT_EQ(e.camera.calibration, "cal.toml");
+  EXPECT_EQ(e.links.reply_timeout, 0.5);
+  EXPECT_EQ(e.command_silence(), 0.3);
   EXPECT_EQ(e.estimation.actuation_delay, 0.06);
   EXPECT_EQ(e.simulation.slip, 0.02);
   EXPECT_EQ(e.gain_changes.at(0).t, 5.0);  // in the order of time
@@ -224,6 +227,7 @@ TEST(Documentation, NamesEveryKey) {
         "[robot_defaults]",
         "[[robot]]",
         "[camera]",
+        "[links]",
         "[estimation]",
         "[simulation]",
         "[[perturb]]\nt=0\nrobot=1\ndx=0",

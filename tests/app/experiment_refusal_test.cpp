@@ -78,6 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[camera]\nsource = 'webcam'",
                 "e.toml:2:10: camera.source: found \"webcam\", allowed: \"none\", \"synth"},
         Refused{"[camera]\nsource = 'video:'", "e.toml:2:10: camera.source: found \"video:\", allowed:"},
+        Refused{"rate = 5\n[links]\ncommand_silence = 0.1",
+                "e.toml:3:19: links.command_silence: found 0.1, allowed: a number above 0.2"},
         Refused{"[estimation]\nbridge = 0", "e.toml:2:10: estimation.bridge: found 0, allowed: a number above 0"},
         Refused{"[simulation]\ndropout = 2", "e.toml:2:11: simulation.dropout: found 2, allowed: a number from 0 to 1"},
         Refused{"[simulation]\nlatency = 3",
