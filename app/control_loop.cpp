@@ -96,9 +96,13 @@ void ControlLoop::perturb(int elapsed, EventList& events) {
     plant_.move(p.robot, {pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
     events.add({Event::Kind::perturb, static_cast<int>(p.robot), {}, {p.dx, p.dy, p.dtheta}});
   }
-  for (Move move; moves_.pop(move);) {
-    plant_.move(move.robot, move.pose);
-    events.add({Event::Kind::move, static_cast<int>(move.robot), {}, {move.pose.x, move.pose.y, move.pose.theta}});
+  for (Gesture gesture; hand_.pop(gesture);) {
+    const auto& [x, y, theta] = gesture.value;
+    if (gesture.kind == Event::Kind::move)
+      plant_.move(gesture.robot, gesture.value);
+    else
+      plant_.kick(gesture.robot, x, y);
+    events.add({gesture.kind, static_cast<int>(gesture.robot), {}, {x, y, theta}});
   }
 }
 

@@ -26,7 +26,10 @@ class ControlLoop {
   // --- any one controlling thread ---
   /// False when too much is asked at once (the queue of 64 is full).
   bool post(const OperatorCommand& command) { return commands_.push(command); }
-  bool post_move(std::size_t robot, const core::Pose& pose) { return moves_.push({robot, pose}); }
+  bool post_move(std::size_t robot, const core::Pose& pose) { return hand_.push({robot, Event::Kind::move, pose}); }
+  bool post_kick(std::size_t robot, double vx, double vy) {
+    return hand_.push({robot, Event::Kind::kick, {vx, vy, 0.0}});
+  }
   /// Any thread: STOP, latched.
   void stop() noexcept { stop_.store(true, std::memory_order_release); }
 
@@ -47,9 +50,10 @@ class ControlLoop {
   const TickRecord& prototype() const noexcept { return tick_.record(); }
 
  private:
-  struct Move {
+  struct Gesture {
     std::size_t robot;
-    core::Pose pose;
+    Event::Kind kind;  // move or kick
+    core::Pose value;  // the pose, or in x and y the velocity
   };
   void thread(const std::stop_token& stop);
   void cycle(double now, int elapsed);
@@ -64,7 +68,7 @@ class ControlLoop {
   TickRecord out_;
 
   boost::lockfree::spsc_queue<OperatorCommand, boost::lockfree::capacity<64>> commands_;
-  boost::lockfree::spsc_queue<Move, boost::lockfree::capacity<64>> moves_;
+  boost::lockfree::spsc_queue<Gesture, boost::lockfree::capacity<64>> hand_;
   std::array<OperatorCommand, 64> obeyed_{};
   std::vector<core::Measurement> newest_;
   std::vector<core::Pose> truth_;

@@ -39,9 +39,14 @@ struct ControlTick::State {
   void account(const TickInput& input) noexcept;
 
   bool running() const noexcept { return record.phase == Phase::running; }
+  /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
+  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i]; }
   std::size_t robots() const noexcept { return record.robots.size(); }
   void note(Event::Kind kind, std::size_t robot) noexcept {
     record.events.add({kind, static_cast<int>(robot), {}, {}});
+  }
+  void note_obstacle(std::size_t k, const core::Obstacle& o) noexcept {
+    record.events.add({Event::Kind::obstacle, static_cast<int>(k), {}, {o.x, o.y, o.radius}});
   }
   void note_gain(Event::Kind kind, core::GainName gain, double from, double to) noexcept {
     record.events.add({kind, -1, gain, {from, to, 0.0}});
@@ -60,11 +65,13 @@ struct ControlTick::State {
   core::Gains gains;
   core::GainSchedule schedule;
   std::array<bool, 3> changed_before_start{};
+  core::ObstacleField obstacles;
   core::Avoidance avoidance;
   core::Shield shield;
   core::LawPairs pairs;  // workspace of the law
   std::vector<core::PoseFilter> filters;
   std::vector<bool> seen_before;
+  std::vector<bool> held;               // made to stand by the operator
   std::vector<bool> off_nominal;        // follows a modified reference
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
 
@@ -84,14 +91,16 @@ ControlTick::State::State(const Experiment& e)
       demand(reference->demand(e.controller.k_y)),
       gains(make_gains(e)),
       schedule({gains.k_xx, gains.k_tt, gains.k_yy}),
+      obstacles(e.obstacles),
       avoidance(e.robots.size()),
-      shield(e.robots.size(), e.obstacles.size()),
+      shield(e.robots.size(), obstacles.all().size()),
       pairs(e.robots.size()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
   filters.resize(n);
   seen_before.resize(n);
+  held.resize(n);
   off_nominal.resize(n);
   owed.resize(n);
   poses.resize(n);
@@ -156,6 +165,12 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
         if (changed_before_start[static_cast<std::size_t>(name)])
           note_gain(Event::Kind::gain, name, core::table(experiment.controller.gains, name).largest(),
                     core::table(schedule.target(), name).largest());
+      for (std::size_t k = 0; k < obstacles.all().size(); ++k)
+        if (const core::Obstacle& o = obstacles.all()[k];
+            o != (k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{}))
+          note_obstacle(k, o);
+      for (std::size_t i = 0; i < robots(); ++i)
+        if (held[i]) note(Event::Kind::hold, i);
       record.events.add({Event::Kind::start, -1, {}, {}});
       forget_history();
       return;
@@ -170,6 +185,17 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
       record.events.add({Event::Kind::resume, -1, {}, {}});
       forget_history();
       return;
+    case OperatorCommand::Kind::obstacle:
+      if (obstacles.put(command.number, command.obstacle)) note_obstacle(command.number, command.obstacle);
+      return;
+    case OperatorCommand::Kind::hold:
+    case OperatorCommand::Kind::release: {
+      const bool hold = command.kind == OperatorCommand::Kind::hold;
+      if (command.number >= robots() || held[command.number] == hold) return;
+      held[command.number] = hold;
+      note(hold ? Event::Kind::hold : Event::Kind::release, command.number);
+      return;
+    }
     case OperatorCommand::Kind::gain: {
       const double border = core::gain_border(command.gain, gains, schedule.target(), demand);
       const double value = std::clamp(command.value, 0.0, border);
@@ -252,7 +278,7 @@ void ControlTick::State::schedule_gains() noexcept {
 void ControlTick::State::follow_reference() noexcept {
   reference->at(record.t, nominal);
   if (running()) {
-    avoidance.step(experiment.avoidance, gains, dt, poses, experiment.obstacles, nominal, followed);
+    avoidance.step(experiment.avoidance, gains, dt, poses, obstacles.standing(), nominal, followed);
     for (std::size_t i = 0; i < robots(); ++i) {
       const bool modified = avoidance.state(i) != core::Avoidance::State::nominal;
       if (modified != off_nominal[i]) note(modified ? Event::Kind::avoid : Event::Kind::clear, i);
@@ -266,11 +292,11 @@ void ControlTick::State::follow_reference() noexcept {
   core::use_all_authority(gains, followed_twists);
 }
 
-/// (4) and (15). A lost robot's error counts as zero, which takes it out of the group: nobody is coupled to a guess.
+/// (4) and (15). The error of a robot that is lost or held counts as zero, which takes it out of the group: nobody is
+/// coupled to a guess, or waits for one that stands.
 void ControlTick::State::apply_law() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
-    const bool is_lost = record.robots[i].is(lost);
-    errors[i] = is_lost ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
+    errors[i] = is_out(i) ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
   }
   core::coordination_law(gains, errors, followed_twists, law, pairs);
 }
@@ -279,7 +305,7 @@ void ControlTick::State::apply_law() noexcept {
 void ControlTick::State::limit_and_shield() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
-    if (!running() || robot.is(lost)) {
+    if (!running() || is_out(i)) {
       robot.mode |= stopped;
       commands[i] = {};
       v_limits[i] = 0.0;
@@ -295,7 +321,7 @@ void ControlTick::State::limit_and_shield() noexcept {
     midway[i] = poses[i];
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
-  shield.apply(experiment.shield, midway, experiment.obstacles, v_limits, commands, {shield_touched.get(), robots()});
+  shield.apply(experiment.shield, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()});
   for (std::size_t i = 0; i < robots(); ++i)
     if (shield_touched[i]) record.robots[i].mode |= shielded;
 }
@@ -333,7 +359,7 @@ void ControlTick::State::account(const TickInput& input) noexcept {
     robot.truth = input.truth.empty() ? core::Pose{none, none, none} : input.truth[i];
     robot.nominal = nominal[i];
     robot.reference = followed[i];
-    robot.error = robot.is(lost) ? core::TrackingError{none, none, none} : errors[i];
+    robot.error = is_out(i) ? core::TrackingError{none, none, none} : errors[i];
     robot.law = law[i];
     robot.command = commands[i];
     robot.k_x = gains.k_x[i];

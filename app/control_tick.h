@@ -11,10 +11,12 @@ namespace skein::app {
 
 /// What the operator, or the program for them, asks of the next tick.
 struct OperatorCommand {
-  enum class Kind : std::uint8_t { start, pause, resume, gain };
+  enum class Kind : std::uint8_t { start, pause, resume, gain, obstacle, hold, release };
   Kind kind = Kind::start;
   core::GainName gain = core::GainName::k_xx;
-  double value = 0.0;  ///< of the gain, for all pairs
+  double value = 0.0;         ///< of the gain, for all pairs
+  std::size_t number = 0;     ///< of the obstacle, or of the robot that is held or released
+  core::Obstacle obstacle{};  ///< where it stands from now on; radius 0: nowhere
 };
 
 /// Everything that a tick may know.

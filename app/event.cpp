@@ -15,13 +15,17 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 16> words{{{Kind::start, "start"},
+constexpr std::array<std::pair<Kind, std::string_view>, 20> words{{{Kind::start, "start"},
                                                                    {Kind::pause, "pause"},
                                                                    {Kind::resume, "resume"},
                                                                    {Kind::stop, "stop"},
                                                                    {Kind::perturb, "perturb"},
                                                                    {Kind::kidnap, "kidnap"},
                                                                    {Kind::move, "move"},
+                                                                   {Kind::hold, "hold"},
+                                                                   {Kind::release, "release"},
+                                                                   {Kind::kick, "kick"},
+                                                                   {Kind::obstacle, "obstacle"},
                                                                    {Kind::gain, "gain"},
                                                                    {Kind::schedule, "schedule"},
                                                                    {Kind::gain_held, "gain_held"},
@@ -82,13 +86,17 @@ std::string describe(const Event& event) {
   const auto [a, b, c] = event.values;
   const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == event.kind; });
   std::string text(word->second);
-  if (event.robot >= 0) text += fmt::format(" r{}", event.robot + 1);
+  if (event.robot >= 0) text += fmt::format(" {}{}", event.kind == Kind::obstacle ? 'o' : 'r', event.robot + 1);
   switch (event.kind) {
     case Kind::perturb:
     case Kind::kidnap:
       return text + fmt::format(" dx={} dy={} dtheta={}", a, b, c);
     case Kind::move:
       return text + fmt::format(" x={} y={} theta={}", a, b, c);
+    case Kind::kick:
+      return text + fmt::format(" vx={} vy={}", a, b);
+    case Kind::obstacle:
+      return text + fmt::format(" x={} y={} radius={}", a, b, c);
     case Kind::gain:
     case Kind::schedule:
     case Kind::gain_held:
@@ -119,7 +127,7 @@ std::optional<Event> parse_event(std::string_view text) {
   std::size_t values = 0;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     int robot = 0;
-    if (i == 1 && parts[i].starts_with('r') && read(parts[i].substr(1), robot))
+    if (i == 1 && parts[i].starts_with(event.kind == Kind::obstacle ? 'o' : 'r') && read(parts[i].substr(1), robot))
       event.robot = robot - 1;
     else if (!read_detail(parts[i], event, values))
       return std::nullopt;

@@ -22,6 +22,10 @@ struct Event {
     perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
     kidnap,           // robot; values dx, dy, dtheta: found this far from where it should be, put there by somebody
     move,             // robot; values x, y, theta: put there by the operator
+    hold,             // robot: the operator made it stand, alone
+    release,          // robot: it may drive again
+    kick,             // robot; values vx, vy: the operator sent it sliding
+    obstacle,         // its number in `robot`; values x, y, radius: put there by the operator, radius 0: taken away
     gain,             // name; values from, to: the operator's new target for all pairs
     schedule,         // name; values from, to: a [[gain_change]] of the file begins
     gain_held,        // name; values asked for, held at: (18) forbids more
@@ -33,7 +37,7 @@ struct Event {
     link,             // robot; values[0]: comms::LinkState it went to
   };
   Kind kind = Kind::start;
-  int robot = -1;  ///< from 0; -1: none
+  int robot = -1;  ///< from 0; -1: none (of `obstacle`: the obstacle's number)
   core::GainName gain = core::GainName::k_xx;
   std::array<double, 3> values{};
 };
@@ -41,7 +45,8 @@ struct Event {
 /// A bounded list that never allocates; what does not fit is counted.
 class EventList {
  public:
-  static constexpr std::size_t capacity = 16;
+  /// What is changed before a start comes with it, all in one tick: every gain and a crowd of obstacles.
+  static constexpr std::size_t capacity = 48;
 
   void add(const Event& event) noexcept {
     if (size_ < capacity)

@@ -41,9 +41,10 @@ class Plant {
   /// Stops everything at once and for good. Any thread.
   void stop() noexcept;
 
-  /// True where a robot is simulated; `move` puts it somewhere.
+  /// True where a robot is simulated; `move` puts it somewhere, `kick` sends it sliding [m/s].
   bool simulated(std::size_t robot) const { return experiment_.robots[robot].simulated(); }
   void move(std::size_t robot, const core::Pose& pose) { world_.place(robot, pose); }
+  void kick(std::size_t robot, double vx, double vy) { world_.kick(robot, vx, vy); }
   core::Pose pose(std::size_t robot) const { return world_.pose(robot); }
 
   CameraRig* camera() noexcept { return camera_.get(); }

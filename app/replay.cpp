@@ -31,6 +31,21 @@ std::vector<OperatorCommand> commands_of(const TickRecord& row) {
       case Event::Kind::resume:
         commands.push_back({OperatorCommand::Kind::resume, {}, 0.0});
         break;
+      case Event::Kind::hold:
+      case Event::Kind::release: {
+        const bool hold = event.kind == Event::Kind::hold;
+        OperatorCommand command{hold ? OperatorCommand::Kind::hold : OperatorCommand::Kind::release, {}, 0.0};
+        command.number = static_cast<std::size_t>(event.robot);
+        commands.push_back(command);
+        break;
+      }
+      case Event::Kind::obstacle: {
+        OperatorCommand command{OperatorCommand::Kind::obstacle, {}, 0.0};
+        command.number = static_cast<std::size_t>(event.robot);
+        command.obstacle = {event.values[0], event.values[1], event.values[2]};
+        commands.push_back(command);
+        break;
+      }
       default:
         break;
     }

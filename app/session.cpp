@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <thread>
 
@@ -29,7 +31,7 @@ bool belongs_to_run(const TickRecord& record, bool started) noexcept {
 /// Every arrow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control loop.
 struct Session::Impl {
   Impl(const Experiment& e, Clock c, SessionOptions o)
-      : experiment(e), options(std::move(o)), clock(c == Clock::wall) {}
+      : experiment(e), options(std::move(o)), clock(c == Clock::wall), obstacles(e.obstacles) {}
 
   void publish(const TickRecord& record) {  // on the control thread
     if (clock.wall()) {
@@ -52,6 +54,24 @@ struct Session::Impl {
       if (!failure) failure = std::move(reason);
     }
     stop();
+  }
+
+  double gain_border(core::GainName name, const core::ReferenceDemand& of) const {
+    const std::size_t n = experiment.robots.size();
+    const auto all_pairs = [&](core::GainName gain) { return core::PairTable(n, loop->target(gain)); };
+    const core::CouplingGains targets{all_pairs(core::GainName::k_xx), all_pairs(core::GainName::k_tt),
+                                      all_pairs(core::GainName::k_yy)};
+    return core::gain_border(name, gains, targets, of);
+  }
+
+  tl::expected<void, std::string> put(std::size_t number, const core::Obstacle& obstacle) {
+    if (number >= obstacles.all().size()) return tl::unexpected(fmt::format("there is no obstacle {}", number + 1));
+    OperatorCommand command{OperatorCommand::Kind::obstacle};
+    command.number = number;
+    command.obstacle = obstacle;
+    if (!loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
+    obstacles.put(number, obstacle);
+    return {};
   }
 
   void stop() noexcept {
@@ -85,6 +105,7 @@ struct Session::Impl {
   const Experiment experiment;
   SessionOptions options;
   SessionClock clock;
+  core::ObstacleField obstacles;  // as the operator wants them
   core::Gains gains;
   core::ReferenceDemand demand;
   std::unique_ptr<Plant> plant;
@@ -145,11 +166,17 @@ void Session::set_gain(core::GainName name, double value) {
 }
 
 double Session::gain_border(core::GainName name) const {
-  const std::size_t n = impl_->experiment.robots.size();
-  const auto all_pairs = [&](core::GainName gain) { return core::PairTable(n, impl_->loop->target(gain)); };
-  const core::CouplingGains targets{all_pairs(core::GainName::k_xx), all_pairs(core::GainName::k_tt),
-                                    all_pairs(core::GainName::k_yy)};
-  return core::gain_border(name, impl_->gains, targets, impl_->demand);
+  return impl_->gain_border(name, impl_->demand);
+}
+
+double Session::gain_border(core::GainName name, const TickRecord& now) const {
+  core::ReferenceDemand demand;
+  for (const RobotRecord& robot : now.robots) {
+    const double v = std::abs(robot.reference.twist.v), omega = std::abs(robot.reference.twist.omega);
+    demand.v = std::max(demand.v, v);
+    demand.turning = std::max(demand.turning, omega + impl_->gains.k_y * v);
+  }
+  return impl_->gain_border(name, demand);
 }
 
 tl::expected<void, std::string> Session::move_robot(std::size_t robot, const core::Pose& pose) {
@@ -160,12 +187,58 @@ tl::expected<void, std::string> Session::move_robot(std::size_t robot, const cor
   return {};
 }
 
+tl::expected<void, std::string> Session::kick_robot(std::size_t robot, double vx, double vy) {
+  if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  if (!impl_->plant->simulated(robot))
+    return tl::unexpected(fmt::format("robot {} is real: only simulated ones are kicked", robot + 1));
+  if (!std::isfinite(vx) || !std::isfinite(vy)) return tl::unexpected(std::string("a kick needs a velocity"));
+  if (!impl_->loop->post_kick(robot, vx, vy)) return tl::unexpected(std::string("too many kicks at once"));
+  return {};
+}
+
+tl::expected<void, std::string> Session::hold_robot(std::size_t robot, bool hold) {
+  if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  OperatorCommand command{hold ? OperatorCommand::Kind::hold : OperatorCommand::Kind::release};
+  command.number = robot;
+  if (!impl_->loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
+  return {};
+}
+
+tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacle& obstacle) {
+  const std::size_t number = impl_->obstacles.free();
+  if (number == impl_->obstacles.all().size())
+    return tl::unexpected(fmt::format("there are {} obstacles, no more can be added", number));
+  if (auto put = move_obstacle(number, obstacle); !put) return tl::unexpected(put.error());
+  return number;
+}
+
+tl::expected<void, std::string> Session::move_obstacle(std::size_t number, const core::Obstacle& obstacle) {
+  const Experiment& e = impl_->experiment;
+  const bool on_floor = std::abs(obstacle.x) <= e.arena_width / 2 && std::abs(obstacle.y) <= e.arena_height / 2;
+  if (!on_floor) return tl::unexpected(std::string("an obstacle stands inside the arena"));
+  if (!(obstacle.radius > 0.0 && obstacle.radius <= std::max(e.arena_width, e.arena_height)))
+    return tl::unexpected(fmt::format("an obstacle cannot have a radius of {} m", obstacle.radius));
+  return impl_->put(number, obstacle);
+}
+
+tl::expected<void, std::string> Session::remove_obstacle(std::size_t number) {
+  return impl_->put(number, {});
+}
+
+std::span<const core::Obstacle> Session::obstacles() const noexcept {
+  return impl_->obstacles.all();
+}
+
 std::size_t Session::drain(const std::function<void(const TickRecord&)>& take) {
   return impl_->window_channel ? impl_->window_channel->drain(take) : 0;
 }
 
 std::uint64_t Session::dropped_rows() const noexcept {
   return impl_->recorder_channel ? impl_->recorder_channel->dropped() : 0;
+}
+
+std::uint64_t Session::undrained_rows() const noexcept {
+  return impl_->window_channel ? impl_->window_channel->dropped() : 0;
 }
 
 bool Session::picture(Picture& out) {

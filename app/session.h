@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,9 +75,27 @@ class Session {
   void set_gain(core::GainName name, double value);
   /// The largest value that (18f, g) leave to this gain over the whole reference, with the others as they are.
   double gain_border(core::GainName name) const;
+  /// The same at this tick alone, for what its references ask of the robots now: never less than over the whole
+  /// reference.
+  double gain_border(core::GainName name, const TickRecord& now) const;
 
   /// Puts a simulated robot somewhere, as a hand does. Refused for a real one, with the reason.
   tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);
+
+  /// Kicks one: it slides with this velocity [m/s, world frame] until friction has stopped it, and drives on meanwhile.
+  tl::expected<void, std::string> kick_robot(std::size_t robot, double vx, double vy);
+
+  /// Makes one robot stand, real or not, and takes it out of the group until it is let go again; the others drive on.
+  /// This goes through the tick: in danger, stop().
+  tl::expected<void, std::string> hold_robot(std::size_t robot, bool hold);
+
+  /// Puts an obstacle onto the floor that avoidance and shield keep clear of from the next tick on; the answer is its
+  /// number, from 0. The file's obstacles come first, and can be moved and taken away as well.
+  tl::expected<std::size_t, std::string> add_obstacle(const core::Obstacle& obstacle);
+  tl::expected<void, std::string> move_obstacle(std::size_t number, const core::Obstacle& obstacle);
+  tl::expected<void, std::string> remove_obstacle(std::size_t number);
+  /// As they were asked for; one that has radius 0 is not there.
+  std::span<const core::Obstacle> obstacles() const noexcept;
 
   /// Hands over every record since the last call (ready and paused ones too), oldest first. For one thread: the
   /// window's.
@@ -84,6 +103,8 @@ class Session {
 
   /// Rows of the run that its sinks never got, because they were too slow for 20 s; 0 on the virtual clock.
   std::uint64_t dropped_rows() const noexcept;
+  /// Records that `drain` never handed over, because nobody came for them for 20 s.
+  std::uint64_t undrained_rows() const noexcept;
 
   /// The newest camera picture, if there is a newer one than the last that was handed over. For one thread: the
   /// window's.

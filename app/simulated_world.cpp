@@ -48,6 +48,11 @@ void SimulatedWorld::place(std::size_t robot, const core::Pose& pose) {
   robots_[robot].place(pose);
 }
 
+void SimulatedWorld::kick(std::size_t robot, double vx, double vy) {
+  const std::lock_guard lock(mutex_);
+  robots_[robot].kick(vx, vy);
+}
+
 core::Pose SimulatedWorld::pose(std::size_t robot) const {
   const std::lock_guard lock(mutex_);
   return robots_[robot].pose();

@@ -23,6 +23,7 @@ class SimulatedWorld {
   void stop();
 
   void place(std::size_t robot, const core::Pose& pose);
+  void kick(std::size_t robot, double vx, double vy);
   core::Pose pose(std::size_t robot) const;
   void poses(std::span<core::Pose> all) const;
   core::Measurement measure(std::size_t robot, double now);

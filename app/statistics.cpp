@@ -55,8 +55,9 @@ void Statistics::record(const TickRecord& record) {
 
   for (const Event& event : record.events) {
     so_far_.events.emplace_back(record.t, describe(event));
-    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move ||
-        event.kind == Event::Kind::kidnap) disturb(record.t, event);
+    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move || event.kind == Event::Kind::kick ||
+        event.kind == Event::Kind::kidnap)
+      disturb(record.t, event);
     if (event.kind == Event::Kind::deadline_missed)
       so_far_.missed_deadlines += static_cast<std::int64_t>(event.values[0]);
   }

@@ -1,6 +1,7 @@
 #include "ui/alert_strip.h"
 
 #include <QPainter>
+#include <cmath>
 
 namespace skein::ui {
 namespace {
@@ -26,6 +27,20 @@ QString words(const app::Event& event, double t) {
       return when + AlertStrip::tr("Robot %1 was moved by the experiment").arg(robot);
     case Kind::move:
       return when + AlertStrip::tr("Robot %1 was moved by hand").arg(robot);
+    case Kind::hold:
+      return when + AlertStrip::tr("Robot %1 is held: it stands, the others drive on").arg(robot);
+    case Kind::release:
+      return when + AlertStrip::tr("Robot %1 drives again").arg(robot);
+    case Kind::kick:
+      return when + AlertStrip::tr("Robot %1 was kicked, %2 m/s")
+                        .arg(robot)
+                        .arg(std::hypot(event.values[0], event.values[1]), 0, 'f', 2);
+    case Kind::obstacle:
+      return when + (event.values[2] > 0.0 ? AlertStrip::tr("Obstacle %1 stands at x %2 m, y %3 m")
+                                                 .arg(robot)
+                                                 .arg(event.values[0], 0, 'f', 2)
+                                                 .arg(event.values[1], 0, 'f', 2)
+                                           : AlertStrip::tr("Obstacle %1 was taken away").arg(robot));
     default:
       return {};
   }

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 
+#include "ui/arena_pens.h"
 #include "ui/modes.h"
 
 namespace skein::ui {
@@ -14,18 +14,6 @@ namespace {
 
 QString tr(const char* text) {
   return QCoreApplication::translate("ArenaPainter", text);
-}
-
-QColor faded(QColor colour, double opacity) {
-  colour.setAlphaF(static_cast<float>(opacity));
-  return colour;
-}
-
-QPen cosmetic(const QColor& colour, double width, Qt::PenStyle style = Qt::SolidLine) {
-  QPen pen(colour, width, style);
-  pen.setCapStyle(Qt::RoundCap);
-  pen.setJoinStyle(Qt::RoundJoin);
-  return pen;
 }
 
 }  // namespace
@@ -37,11 +25,14 @@ void ArenaPainter::paint(const QRectF& widget) {
   obstacles();
   if (scene_.show_trails) trails();
   if (scene_.record) {
-    if (scene_.show_regions && scene_.experiment.avoidance.enabled) regions();
+    if (scene_.show_couplings) couplings();
+    if (scene_.show_regions) regions();
     references();
     robots();
     ghost();
+    kick();
   }
+  ruler();
   scale_bar(widget);
   legend(widget);
   banner_and_hint(widget);
@@ -58,7 +49,7 @@ void ArenaPainter::floor(const QRectF& widget) {
   }
   const double w = scene_.experiment.arena_width / 2, h = scene_.experiment.arena_height / 2;
   p_.fillRect(QRectF(at(-w, h), at(w, -h)), c_.floor);
-  grid();
+  if (scene_.show_grid) grid();
 }
 
 void ArenaPainter::grid() {
@@ -105,11 +96,24 @@ void ArenaPainter::bounds_and_path() {
 }
 
 void ArenaPainter::obstacles() {
-  for (const core::Obstacle& o : scene_.experiment.obstacles) {
-    p_.setPen(cosmetic(c_.bounds, 1.2));
-    p_.setBrush(c_.obstacle);
+  const auto draw = [this](const core::Obstacle& o, std::size_t number, const QColor& fill, const QColor& rim) {
+    p_.setPen(cosmetic(rim, 1.2));
+    p_.setBrush(fill);
     p_.drawPolygon(map_.outline({o.x, o.y}, o.radius, o.radius));
+    p_.setPen(ink_on(c_.obstacle));
+    p_.drawText(QRectF(at(o.x, o.y) - QPointF(20, 20), QSizeF(40, 40)), Qt::AlignCenter, tr("O%1").arg(number + 1));
+  };
+  const auto& ghost = scene_.ghost_obstacle;
+  for (std::size_t k = 0; k < scene_.obstacles.size(); ++k) {
+    const bool dragged = ghost && ghost->number == static_cast<int>(k);
+    const bool selected = scene_.selected_obstacle == static_cast<int>(k);
+    if (scene_.obstacles[k].radius > 0.0)
+      draw(scene_.obstacles[k], k, faded(c_.obstacle, dragged ? 0.3 : 1.0), selected ? c_.text : c_.bounds);
   }
+  if (!ghost) return;
+  const auto number = ghost->number < 0 ? scene_.obstacles.size() : static_cast<std::size_t>(ghost->number);
+  draw(ghost->obstacle, number, faded(ghost->leaves ? c_.alarm : c_.obstacle, ghost->leaves ? 0.25 : 0.7),
+       ghost->leaves ? c_.alarm : c_.text);
 }
 
 void ArenaPainter::trails() {
@@ -142,13 +146,46 @@ void ArenaPainter::trails() {
   }
 }
 
+/// The couplings as lines: as wide as the gains are strong; one that is off is a dotted trace, which a click brings
+/// back.
+void ArenaPainter::couplings() {
+  const std::size_t n = scene_.experiment.robots.size();
+  const double opacity = n <= 6 ? 0.55 : 3.0 / static_cast<double>(n);  // a crowd's web must not hide the crowd
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const auto one = scene_.pose(i), other = scene_.pose(j);
+      if (!one || !other) continue;
+      const bool lost = scene_.record->robots[i].is(app::lost) || scene_.record->robots[j].is(app::lost);
+      const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
+      const double strength = lost ? 0.0 : scene_.coupling(i, j);
+      constexpr double thinnest = 0.8, widest = 9.0;  // [px]
+      QPen pen = strength > 0.0
+                     ? cosmetic(faded(c_.coupling, hovered ? 0.9 : opacity),
+                                std::clamp(thinnest + widest * strength, thinnest, widest))
+                     : cosmetic(faded(c_.faint_text, hovered ? 0.9 : 0.35), hovered ? 2.0 : 1.0, Qt::DotLine);
+      pen.setCapStyle(Qt::FlatCap);
+      p_.setPen(pen);
+      p_.drawLine(at(one->x, one->y), at(other->x, other->y));
+    }
+}
+
+/// Where robots are noticed (detection, |dx/alpha|^p + |dy/beta|^p = 1), and where the shield stops them: two of its
+/// rings just touch.
 void ArenaPainter::regions() {
   const core::AvoidanceParameters& avoidance = scene_.experiment.avoidance;
+  const core::ShieldParameters& shield = scene_.experiment.shield;
   p_.setBrush(Qt::NoBrush);
   for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
     const auto pose = scene_.pose(i);
     if (!pose) continue;
-    const bool inside = scene_.record->robots[i].is(app::avoiding);
+    const app::RobotRecord& robot = scene_.record->robots[i];
+    if (shield.enabled) {
+      const bool acts = robot.is(app::shielded);
+      p_.setPen(cosmetic(faded(acts ? c_.shielded : c_.robot(i), acts ? 0.9 : 0.6), acts ? 1.6 : 1.0, Qt::DashLine));
+      p_.drawPolygon(map_.outline({pose->x, pose->y}, shield.distance / 2, shield.distance / 2));
+    }
+    if (!avoidance.enabled) continue;
+    const bool inside = robot.is(app::avoiding);
     p_.setPen(cosmetic(faded(inside ? c_.avoiding : c_.robot(i), inside ? 0.9 : 0.40), inside ? 1.6 : 1.0));
     p_.drawPolygon(map_.outline({pose->x, pose->y}, avoidance.alpha, avoidance.beta, avoidance.p));
   }
@@ -244,89 +281,6 @@ void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& co
     p_.drawText(QRectF(centre - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter, symbol);
   }
   p_.restore();
-}
-
-void ArenaPainter::ghost() {
-  if (!scene_.ghost) return;
-  const auto& ghost = *scene_.ghost;
-  if (const auto from = scene_.pose(static_cast<std::size_t>(ghost.robot))) {
-    p_.setPen(cosmetic(c_.robot(static_cast<std::size_t>(ghost.robot)), 1.4, Qt::DashLine));
-    p_.drawLine(at(from->x, from->y), at(ghost.pose.x, ghost.pose.y));
-  }
-  robot(ghost.pose, static_cast<std::size_t>(ghost.robot), 0.75);
-}
-
-void ArenaPainter::scale_bar(const QRectF& widget) {
-  const double scale = map_.scale_at({0, 0});
-  double metres = 0.01;  // 1, 2, 5, 10 ...: the longest that stays under 120 px
-  for (const double step : {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0})
-    if (step * scale < 120) metres = step;
-  const QString text = metres < 1 ? tr("%1 cm").arg(metres * 100) : tr("%1 m").arg(metres);
-  const QFontMetricsF metrics(p_.font());
-  const double length = metres * scale;
-  const QRectF inside = map_.sheet() & widget;  // in the corner of what is shown, clear of the bounds
-  const QRectF card(inside.left() + 10, inside.bottom() - metrics.height() - 24, length + 16, metrics.height() + 14);
-  p_.setPen(Qt::NoPen);
-  p_.setBrush(faded(c_.floor, 0.85));
-  p_.drawRoundedRect(card, 4, 4);
-  const QPointF left(card.left() + 8, card.bottom() - 6), right = left + QPointF(length, 0);
-  p_.setPen(cosmetic(c_.text, 1.6));
-  p_.drawLine(left, right);
-  p_.drawLine(left + QPointF(0, -4), left);
-  p_.drawLine(right + QPointF(0, -4), right);
-  p_.drawText(QRectF(card.left(), card.top() + 1, card.width(), metrics.height()), Qt::AlignCenter, text);
-}
-
-void ArenaPainter::legend(const QRectF& widget) {
-  if (!scene_.record) return;
-  std::map<std::uint8_t, ModeLook> present;  // only what can be seen now needs words
-  for (const app::RobotRecord& robot : scene_.record->robots) {
-    const ModeLook mode_look = look(robot.mode, c_);
-    if (!mode_look.symbol.isEmpty()) present.emplace(mode_look.mode, mode_look);
-  }
-  const QFontMetricsF metrics(p_.font());
-  const QRectF inside = map_.sheet() & widget;
-  double right = inside.right() - 20;
-  const double middle = inside.bottom() - 18 - metrics.height() / 2;
-  for (const auto& [mode, mode_look] : present) {
-    const double width = metrics.horizontalAdvance(mode_look.name);
-    p_.setPen(Qt::NoPen);
-    p_.setBrush(faded(c_.floor, 0.85));
-    const QRectF card(right - width - 30, middle - metrics.height() / 2 - 4, width + 36, metrics.height() + 8);
-    p_.drawRoundedRect(card, 4, 4);
-    p_.setPen(c_.text);
-    p_.drawText(QPointF(right - width, middle + metrics.ascent() / 2 - 1), mode_look.name);
-    badge({right - width - 14, middle}, mode_look.symbol, mode_look.colour);
-    right -= width + 46;
-  }
-}
-
-void ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
-                        bool bold) {
-  p_.save();
-  QFont font = p_.font();
-  font.setBold(bold);
-  if (bold) font.setPointSizeF(font.pointSizeF() * 1.25);
-  p_.setFont(font);
-  const QFontMetricsF metrics(font);
-  const double width = std::min(where.width(), metrics.horizontalAdvance(text) + 28);
-  const QRectF card(where.center().x() - width / 2, where.top(), width, metrics.height() + 12);
-  p_.setPen(Qt::NoPen);
-  p_.setBrush(background);
-  p_.drawRoundedRect(card, 6, 6);
-  p_.setPen(ink);
-  p_.drawText(card.adjusted(10, 0, -10, 0), Qt::AlignCenter, metrics.elidedText(text, Qt::ElideRight, width - 20));
-  p_.restore();
-}
-
-void ArenaPainter::banner_and_hint(const QRectF& widget) {
-  if (!scene_.banner.isEmpty())
-    chip(QRectF(widget.left() + 20, widget.top() + 44, widget.width() - 40, 0), scene_.banner,
-         scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
-         scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
-  if (!scene_.hint.isEmpty())
-    chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 64, widget.width() - 40, 0), scene_.hint,
-         faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 
 }  // namespace skein::ui

@@ -23,11 +23,15 @@ class ArenaPainter {
   void obstacles();
   void trails();
   void regions();
+  void couplings();
   void references();
   void robots();
   void robot(const core::Pose& pose, std::size_t i, double opacity);
   void badge(QPointF centre, const QString& symbol, const QColor& colour);
   void ghost();
+  void kick();
+  void ruler();
+  void note(QPointF centre, const QString& text);
   void scale_bar(const QRectF& widget);
   void legend(const QRectF& widget);
   void chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);

@@ -10,7 +10,11 @@ void ArenaScene::reset(const app::Experiment& of) {
   experiment = of;
   record.reset();
   trails.assign(experiment.robots.size(), {});
-  ghost.reset();
+  forget_gesture();
+  ruler.reset();
+  obstacles = experiment.obstacles;
+  selected_obstacle = -1;
+  hovered_coupling.reset();
   hovered = -1;
   if (selected >= static_cast<int>(experiment.robots.size())) selected = -1;
   picture = {};
@@ -21,6 +25,12 @@ void ArenaScene::reset(const app::Experiment& of) {
 void ArenaScene::take(const app::TickRecord& newest) {
   const bool jumped = record && newest.t < record->t;
   record = newest;
+  for (const app::Event& event : newest.events)
+    if (event.kind == app::Event::Kind::obstacle) {
+      const auto number = static_cast<std::size_t>(event.robot);
+      if (number >= obstacles.size()) obstacles.resize(number + 1);
+      obstacles[number] = {event.values[0], event.values[1], event.values[2]};
+    }
   for (std::size_t i = 0; i < trails.size() && i < newest.robots.size(); ++i) {
     auto& trail = trails[i];
     if (jumped) trail.clear();
@@ -53,6 +63,21 @@ int ArenaScene::robot_at(double x, double y, double reach) const {
     nearest = static_cast<int>(i);
   }
   return nearest;
+}
+
+int ArenaScene::obstacle_at(double x, double y) const {
+  for (std::size_t k = obstacles.size(); k-- > 0;)  // the last one is drawn on top
+    if (std::hypot(obstacles[k].x - x, obstacles[k].y - y) < obstacles[k].radius) return static_cast<int>(k);
+  return -1;
+}
+
+double ArenaScene::coupling(std::size_t, std::size_t) const {
+  if (!record) return 0.0;
+  const std::array now{record->k_xx, record->k_tt, record->k_yy};
+  double shares = 0.0;
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (gain_borders[k] > 0.0) shares += now[k] / gain_borders[k];
+  return shares / now.size();
 }
 
 }  // namespace skein::ui

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <QImage>
+#include <QPointF>
 #include <QString>
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -29,7 +31,10 @@ struct ArenaScene {
   std::vector<std::vector<core::Pose>> lines;  ///< what the reference drives along
   std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
 
-  bool show_picture = false, show_regions = true, show_trails = true;
+  std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
+  std::array<double, 3> gain_borders{};   ///< of `core::gain_names`: what a coupling's width is measured by
+
+  bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;
 
   int selected = -1, hovered = -1;  ///< robots from 0
@@ -38,7 +43,24 @@ struct ArenaScene {
     core::Pose pose;
   };
   std::optional<Ghost> ghost;  ///< where a robot that is being dragged would be put
-  QString banner;              ///< across the top: "STOPPED by operator"
+  struct Kick {
+    int robot;
+    QPointF way, velocity;  ///< the arrow out of the robot [m], and what it stands for [m/s]
+  };
+  std::optional<Kick> kick;
+  struct GhostObstacle {
+    int number;  ///< -1: a new one
+    core::Obstacle obstacle;
+    bool leaves;  ///< let go here, it is taken away
+  };
+  std::optional<GhostObstacle> ghost_obstacle;
+  struct Ruler {
+    QPointF from, to;  ///< on the floor [m]
+  };
+  std::optional<Ruler> ruler;
+  int selected_obstacle = -1;
+  std::optional<std::array<int, 2>> hovered_coupling;
+  QString banner;  ///< across the top: "STOPPED by operator"
   bool banner_alarms = false;
   QString hint;  ///< at the bottom: what can be done here
 
@@ -49,6 +71,11 @@ struct ArenaScene {
   std::optional<core::Pose> pose(std::size_t i) const;
   /// The robot on this point of the floor, or -1; `reach` is how far from its middle still counts [m].
   int robot_at(double x, double y, double reach = robot_radius) const;
+  /// The obstacle on this point of the floor, or -1.
+  int obstacle_at(double x, double y) const;
+  /// How strong the coupling of two robots is now: the mean of its gains' shares of their borders, 0 to about 1.
+  double coupling(std::size_t i, std::size_t j) const;
+  void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }
 };
 
 }  // namespace skein::ui

@@ -2,6 +2,7 @@
 
 #include <QApplication>
 #include <QHelpEvent>
+#include <QKeyEvent>
 #include <QMouseEvent>
 #include <QToolTip>
 #include <QWheelEvent>
@@ -9,7 +10,6 @@
 #include <cmath>
 
 #include "ui/arena_painter.h"
-#include "ui/modes.h"
 
 namespace skein::ui {
 namespace {
@@ -24,14 +24,15 @@ ArenaView::ArenaView(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("arena"));
   setAccessibleName(tr("Arena"));
   setAccessibleDescription(
-      tr("The robots seen from above. Drag a simulated robot to move it, turn it with the wheel."));
+      tr("The robots seen from above. Drag a simulated robot to move it, turn it with the wheel. With the keyboard: a "
+         "number selects a robot, arrows move it, Page Up and Page Down turn it."));
   setMouseTracking(true);
   setFocusPolicy(Qt::ClickFocus);
   setAttribute(Qt::WA_OpaquePaintEvent);
 }
 
 void ArenaView::show_experiment(const app::Experiment& experiment) {
-  cancel_drag();
+  end_gesture();
   turn_.reset();
   scene_.reset(experiment);
   camera_ = nullptr;
@@ -87,6 +88,22 @@ void ArenaView::show_trails(bool on) {
   update();
 }
 
+void ArenaView::show_couplings(bool on) {
+  scene_.show_couplings = on;
+  update();
+}
+
+void ArenaView::show_grid(bool on) {
+  scene_.show_grid = on;
+  update();
+}
+
+void ArenaView::set_tool(ArenaTool tool) {
+  end_gesture();
+  if (tool != ArenaTool::measure) scene_.ruler.reset();
+  tool_ = tool;
+}
+
 void ArenaView::fit() {
   map_.fit();
   update();
@@ -136,47 +153,37 @@ void ArenaView::resizeEvent(QResizeEvent*) {
   map_.resize(size());
 }
 
-int ArenaView::robot_under(QPointF screen) const {
+std::unique_ptr<ArenaGesture> ArenaView::begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global) {
   const QPointF floor = map_.to_floor(screen);
-  // Zoomed out, a robot is small: some pixels around it still catch it.
-  const double reach = std::max(robot_radius, 12.0 / map_.scale_at(floor));
-  return scene_.robot_at(floor.x(), floor.y(), reach);
-}
-
-bool ArenaView::movable(int robot) const {
-  return robot >= 0 && scene_.experiment.robots[static_cast<std::size_t>(robot)].simulated();
-}
-
-QString ArenaView::why_not(int robot) const {
-  return tr("Robot %1 is a real one: put it in its new place by hand.").arg(robot + 1);
-}
-
-core::Pose ArenaView::inside_arena(QPointF floor, double theta) const {
-  const double w = scene_.experiment.arena_width / 2 - robot_radius;
-  const double h = scene_.experiment.arena_height / 2 - robot_radius;
-  return {std::clamp(floor.x(), -w, w), std::clamp(floor.y(), -h, h), theta};
+  if (tool_ == ArenaTool::measure) return measure(scene_, floor);
+  const int robot = robot_under(screen), obstacle = obstacle_under(screen);
+  const bool takes_obstacle = obstacle >= 0 && (robot < 0 || tool_ == ArenaTool::obstacle);
+  scene_.selected_obstacle = takes_obstacle ? obstacle : -1;
+  if (takes_obstacle) return drag_obstacle(scene_, obstacle, floor);
+  if (tool_ == ArenaTool::obstacle) return drop_obstacle(scene_, floor);
+  select(robot);
+  if (robot >= 0) {
+    if (!may_take(robot, global)) return nullptr;
+    const bool kicks = tool_ == ArenaTool::kick || modifiers & Qt::ShiftModifier;
+    return kicks ? kick_robot(scene_, robot) : drag_robot(scene_, robot, floor);
+  }
+  if (const auto pair = coupling_under(screen)) emit coupling_clicked((*pair)[0], (*pair)[1]);
+  return nullptr;
 }
 
 void ArenaView::mousePressEvent(QMouseEvent* event) {
   if (event->button() == Qt::MiddleButton || event->button() == Qt::RightButton) {
-    cancel_drag();
+    end_gesture();
     panned_ = event->position();
     setCursor(Qt::SizeAllCursor);
     return;
   }
   if (event->button() != Qt::LeftButton) return;
-  const int robot = robot_under(event->position());
-  select(robot);
-  if (robot < 0) return;
-  if (!movable(robot)) {
-    emit refused(why_not(robot));
-    QToolTip::showText(event->globalPosition().toPoint(), why_not(robot), this);
-    return;
-  }
-  const core::Pose pose = *scene_.pose(static_cast<std::size_t>(robot));
-  const QPointF grip = map_.to_floor(event->position()) - QPointF(pose.x, pose.y);
-  drag_ = Drag{robot, event->position().toPoint(), grip, false};
-  setCursor(Qt::ClosedHandCursor);
+  pressed_ = event->position().toPoint();
+  moving_ = false;
+  gesture_ = begin_gesture(event->position(), event->modifiers(), event->globalPosition().toPoint());
+  if (gesture_ && tool_ == ArenaTool::hand) setCursor(Qt::ClosedHandCursor);
+  update();
 }
 
 void ArenaView::mouseMoveEvent(QMouseEvent* event) {
@@ -186,20 +193,30 @@ void ArenaView::mouseMoveEvent(QMouseEvent* event) {
     update();
     return;
   }
-  if (drag_) {
-    const auto robot = static_cast<std::size_t>(drag_->robot);
-    drag_->moving = drag_->moving || (event->position().toPoint() - drag_->from).manhattanLength() >=
-                                         QApplication::startDragDistance() / 2;
-    if (!drag_->moving) return;
-    const double theta = scene_.pose(robot).value_or(core::Pose{}).theta;
-    scene_.ghost = {drag_->robot, inside_arena(map_.to_floor(event->position()) - drag_->grip, theta)};
-    update();
-    return;
-  }
-  const int hovered = robot_under(event->position());
-  if (hovered == scene_.hovered) return;
-  scene_.hovered = hovered;
-  setCursor(movable(hovered) ? Qt::OpenHandCursor : hovered >= 0 ? Qt::ForbiddenCursor : Qt::ArrowCursor);
+  if (!gesture_) return hover(event->position());
+  moving_ =
+      moving_ || (event->position().toPoint() - pressed_).manhattanLength() >= QApplication::startDragDistance() / 2;
+  if (!moving_) return;
+  gesture_->move(map_.to_floor(event->position()));
+  update();
+}
+
+void ArenaView::hover(QPointF screen) {
+  const int robot = robot_under(screen);
+  const auto coupling = robot < 0 && tool_ == ArenaTool::hand && obstacle_under(screen) < 0
+                            ? coupling_under(screen)
+                            : std::optional<std::array<int, 2>>();
+  if (tool_ == ArenaTool::measure || tool_ == ArenaTool::obstacle)
+    setCursor(Qt::CrossCursor);
+  else if (robot >= 0)
+    setCursor(movable(robot) ? Qt::OpenHandCursor : Qt::ForbiddenCursor);
+  else if (obstacle_under(screen) >= 0)
+    setCursor(Qt::OpenHandCursor);
+  else
+    setCursor(coupling ? Qt::PointingHandCursor : Qt::ArrowCursor);
+  if (robot == scene_.hovered && coupling == scene_.hovered_coupling) return;
+  scene_.hovered = robot;
+  scene_.hovered_coupling = coupling;
   update();
 }
 
@@ -209,27 +226,67 @@ void ArenaView::mouseReleaseEvent(QMouseEvent* event) {
     unsetCursor();
     return;
   }
-  if (!drag_ || event->button() != Qt::LeftButton) return;
-  const auto ghost = scene_.ghost;
-  cancel_drag();
-  if (!ghost) return;
-  // It has driven on meanwhile, and turned: it keeps the heading that it has now.
-  const auto now = scene_.pose(static_cast<std::size_t>(ghost->robot));
-  emit move_wanted(ghost->robot, {ghost->pose.x, ghost->pose.y, now ? now->theta : ghost->pose.theta});
+  if (!gesture_ || event->button() != Qt::LeftButton) return;
+  gesture_->release({[this](int robot, const core::Pose& pose) { emit move_wanted(robot, pose); },
+                     [this](int robot, QPointF velocity) { emit kick_wanted(robot, velocity); },
+                     [this](int number, const core::Obstacle& o) { emit obstacle_wanted(number, o); }});
+  end_gesture();
 }
 
 void ArenaView::mouseDoubleClickEvent(QMouseEvent* event) {
-  if (event->button() == Qt::LeftButton && robot_under(event->position()) < 0)
+  if (event->button() == Qt::LeftButton && tool_ == ArenaTool::hand && robot_under(event->position()) < 0 &&
+      obstacle_under(event->position()) < 0)
     fit();
   else
     mousePressEvent(event);
 }
 
-void ArenaView::cancel_drag() {
-  drag_.reset();
-  scene_.ghost.reset();
+void ArenaView::end_gesture() {
+  gesture_.reset();
+  scene_.forget_gesture();
   unsetCursor();
   update();
+}
+
+void ArenaView::keyPressEvent(QKeyEvent* event) {
+  // What the mouse does to the robot or obstacle that is selected, for those who have none.
+  const bool fine = event->modifiers() & Qt::ShiftModifier;
+  const double way = fine ? 0.002 : 0.02, angle = (fine ? 1.0 : 15.0) * core::pi / 180.0;
+  const int robot = scene_.selected;
+  if (event->key() >= Qt::Key_1 && event->key() <= Qt::Key_9) {
+    const int asked = event->key() - Qt::Key_1;
+    if (asked < static_cast<int>(scene_.experiment.robots.size())) select(asked);
+    return;
+  }
+  const auto step = event->key() == Qt::Key_Left    ? QPointF(-way, 0)
+                    : event->key() == Qt::Key_Right ? QPointF(way, 0)
+                    : event->key() == Qt::Key_Up    ? QPointF(0, way)
+                    : event->key() == Qt::Key_Down  ? QPointF(0, -way)
+                                                    : QPointF();
+  if (robot >= 0 && !step.isNull()) return nudge(robot, step);
+  if (robot >= 0 && (event->key() == Qt::Key_PageUp || event->key() == Qt::Key_PageDown)) {
+    if (may_take(robot, {})) turn(robot, event->key() == Qt::Key_PageUp ? angle : -angle);
+    return;
+  }
+  if (event->key() == Qt::Key_Delete && scene_.selected_obstacle >= 0) {
+    emit obstacle_wanted(scene_.selected_obstacle, {});
+    scene_.selected_obstacle = -1;
+    return;
+  }
+  QWidget::keyPressEvent(event);
+}
+
+void ArenaView::nudge(int robot, QPointF by) {
+  const auto pose = scene_.pose(static_cast<std::size_t>(robot));
+  if (!pose || !may_take(robot, {})) return;
+  const QPointF to = inside_arena(scene_, QPointF(pose->x, pose->y) + by, robot_radius);
+  emit move_wanted(robot, {to.x(), to.y(), pose->theta});
+}
+
+void ArenaView::resize_obstacle(int number, double factor) {
+  core::Obstacle obstacle = scene_.obstacles[static_cast<std::size_t>(number)];
+  obstacle.radius = std::clamp(obstacle.radius * factor, 0.01, 0.3);
+  emit obstacle_wanted(number, obstacle);
 }
 
 void ArenaView::wheelEvent(QWheelEvent* event) {
@@ -243,11 +300,9 @@ void ArenaView::wheelEvent(QWheelEvent* event) {
     return;
   }
   const int robot = turn_ ? turn_->robot : robot_under(event->position());
-  if (robot < 0) return;
-  if (!movable(robot)) {
-    emit refused(why_not(robot));
-    return;
-  }
+  if (const int obstacle = obstacle_under(event->position()); robot < 0 && obstacle >= 0)
+    return resize_obstacle(obstacle, std::pow(1.1, notches));
+  if (robot < 0 || !may_take(robot, {})) return;
   const double degrees = event->modifiers() & Qt::ShiftModifier ? 1.0 : 15.0;
   turn(robot, notches * degrees * core::pi / 180.0);
 }
@@ -261,30 +316,18 @@ void ArenaView::turn(int robot, double by) {
 
 void ArenaView::leaveEvent(QEvent*) {
   scene_.hovered = -1;
+  scene_.hovered_coupling.reset();
   update();
 }
 
 bool ArenaView::event(QEvent* event) {
   if (event->type() != QEvent::ToolTip) return QWidget::event(event);
   const auto* help = static_cast<QHelpEvent*>(event);
-  const int robot = robot_under(help->pos());
-  if (robot < 0 || !scene_.record) {
+  const QString tip = tip_at(help->pos());
+  if (tip.isEmpty())
     QToolTip::hideText();
-    return true;
-  }
-  const auto i = static_cast<std::size_t>(robot);
-  const core::Pose pose = scene_.pose(i).value_or(core::Pose{});
-  QToolTip::showText(
-      help->globalPos(),
-      tr("<b>Robot %1</b> (tag %2): %3<br>x %4 m, y %5 m, heading %6°<br>%7")
-          .arg(robot + 1)
-          .arg(scene_.experiment.robots[i].tag)
-          .arg(mode_text(scene_.record->robots[i].mode))
-          .arg(pose.x, 0, 'f', 3)
-          .arg(pose.y, 0, 'f', 3)
-          .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)
-          .arg(movable(robot) ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch).") : why_not(robot)),
-      this);
+  else
+    QToolTip::showText(help->globalPos(), tip, this);
   return true;
 }
 

@@ -2,17 +2,18 @@
 
 #include <QElapsedTimer>
 #include <QWidget>
-#include <functional>
+#include <memory>
 #include <optional>
 
 #include "app/session.h"
+#include "ui/arena_gestures.h"
 #include "ui/arena_map.h"
 #include "ui/arena_scene.h"
 
 namespace skein::ui {
 
-/// The arena, seen from above, and the operator's hand in it: a simulated robot is dragged to a new place, and turned
-/// with the mouse wheel.
+/// The arena, seen from above, and the operator's hand in it: simulated robots are dragged, turned with the mouse wheel
+/// and kicked, obstacles dropped and dragged, distances measured, couplings switched with a click.
 class ArenaView final : public QWidget {
   Q_OBJECT
 
@@ -31,6 +32,12 @@ class ArenaView final : public QWidget {
   void show_picture(bool on);
   void show_regions(bool on);
   void show_trails(bool on);
+  void show_couplings(bool on);
+  void show_grid(bool on);
+  void set_tool(ArenaTool tool);
+  ArenaTool tool() const { return tool_; }
+  /// What the couplings' widths are measured by, in the order of `core::gain_names`.
+  void set_gain_borders(const std::array<double, 3>& borders) { scene_.gain_borders = borders; }
   void fit();
   void zoom_in();
   void zoom_out();
@@ -46,6 +53,9 @@ class ArenaView final : public QWidget {
 
  signals:
   void move_wanted(int robot, const skein::core::Pose& pose);
+  void kick_wanted(int robot, QPointF velocity);                            ///< [m/s]
+  void obstacle_wanted(int number, const skein::core::Obstacle& obstacle);  ///< -1: a new one; radius 0: away with it
+  void coupling_clicked(int i, int j);
   void selected(int robot);
   void refused(const QString& why);
 
@@ -58,15 +68,23 @@ class ArenaView final : public QWidget {
   void mouseDoubleClickEvent(QMouseEvent*) override;
   void wheelEvent(QWheelEvent*) override;
   void leaveEvent(QEvent*) override;
+  void keyPressEvent(QKeyEvent*) override;
   bool event(QEvent*) override;
 
  private:
   int robot_under(QPointF screen) const;
+  int obstacle_under(QPointF screen) const;
+  std::optional<std::array<int, 2>> coupling_under(QPointF screen) const;
   bool movable(int robot) const;
+  bool may_take(int robot, QPoint where);
   QString why_not(int robot) const;
-  core::Pose inside_arena(QPointF floor, double theta) const;
+  QString tip_at(QPoint where) const;
+  std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
+  void hover(QPointF screen);
   void turn(int robot, double by);
-  void cancel_drag();
+  void nudge(int robot, QPointF by);
+  void resize_obstacle(int number, double factor);
+  void end_gesture();
   void choose_sheet();
 
   ArenaMap map_;
@@ -74,13 +92,10 @@ class ArenaView final : public QWidget {
   ArenaScene scene_;
   double painted_t_ = -1.0;
 
-  struct Drag {
-    int robot;
-    QPoint from;
-    QPointF grip;  // from the robot's middle to the mouse, on the floor
-    bool moving;
-  };
-  std::optional<Drag> drag_;
+  ArenaTool tool_ = ArenaTool::hand;
+  std::unique_ptr<ArenaGesture> gesture_;
+  QPoint pressed_;       // where the gesture began, on the screen
+  bool moving_ = false;  // far enough from there not to be a click
   std::optional<QPointF> panned_;
 
   // Several notches of the wheel come between two ticks: the next one turns on from what the last one asked for.

@@ -48,9 +48,10 @@ BorderSlider::BorderSlider(QWidget* parent) : QSlider(Qt::Horizontal, parent) {
   setSingleStep(steps / 100);
 }
 
-void BorderSlider::set_marks(double border, double now) {
-  if (border == border_ && now == now_) return;
+void BorderSlider::set_marks(double border, double border_now, double now) {
+  if (border == border_ && border_now == border_now_ && now == now_) return;
   border_ = border;
+  border_now_ = border_now;
   now_ = now;
   update();
 }
@@ -72,9 +73,12 @@ void BorderSlider::paintEvent(QPaintEvent*) {
   p.setBrush(c.dark ? c.panel.lighter(170) : c.panel.darker(118));
   p.drawRoundedRect(track, 3, 3);
   QColor forbidden = c.alarm;
-  forbidden.setAlphaF(0.55F);
+  forbidden.setAlphaF(0.25F);
   p.setBrush(forbidden);
   p.drawRoundedRect(QRectF(QPointF(x(border_), track.top()), track.bottomRight()), 3, 3);
+  forbidden.setAlphaF(0.6F);
+  p.setBrush(forbidden);
+  p.drawRoundedRect(QRectF(QPointF(x(border_now_), track.top()), track.bottomRight()), 3, 3);
   p.setBrush(isEnabled() ? c.accent : c.faint_text);
   p.drawRoundedRect(QRectF(track.topLeft(), QPointF(x(now_), track.bottom())), 3, 3);  // what holds now
   p.setPen(QPen(c.alarm, 2));
@@ -111,7 +115,9 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
 
   slider_->setObjectName(QStringLiteral("slider_") + name);
   slider_->setAccessibleName(tr("%1 slider").arg(name));
-  slider_->setToolTip(tr("%1, for all pairs. Red: more than (18) allows beside this reference.").arg(tr(w.what)));
+  slider_->setToolTip(tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere "
+                         "along the reference.")
+                          .arg(tr(w.what)));
   spin_->setObjectName(QStringLiteral("spin_") + name);
   spin_->setAccessibleName(name);
   spin_->setDecimals(4);
@@ -120,7 +126,6 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   spin_->setAlignment(Qt::AlignRight);
   now_text_->setObjectName(QStringLiteral("now_") + name);
   border_text_->setObjectName(QStringLiteral("border_") + name);
-  border_text_->setToolTip(tr("The largest value that (18f) and (18g) leave over the whole reference."));
   auto* role = new QLabel(tr(w.role), this);
   role->setToolTip(tr(w.what));
 
@@ -156,7 +161,7 @@ void GainSlider::choose(double value) {
 
 void GainSlider::reset(double value, double border) {
   rest_.stop();
-  border_ = border;
+  border_ = border_now_ = border;
   set_range(std::max(border, value) * room_beyond_border);
   now_ = value;
   set_target(value);
@@ -174,9 +179,10 @@ void GainSlider::set_range(double top) {
   slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
 }
 
-void GainSlider::set_border(double border) {
-  if (border == border_) return;
+void GainSlider::set_border(double border, double border_now) {
+  if (border == border_ && border_now == border_now_) return;
   border_ = border;
+  border_now_ = border_now;
   if (border > top_ && !slider_->isSliderDown()) set_range(border * room_beyond_border);
   show_text();
 }
@@ -196,10 +202,14 @@ void GainSlider::set_target(double value) {
 }
 
 void GainSlider::show_text() {
-  slider_->set_marks(border_ / top_, now_ / top_);
+  slider_->set_marks(border_ / top_, border_now_ / top_, now_ / top_);
   const bool on_its_way = std::abs(now_ - spin_->value()) > 0.5e-4;
   now_text_->setText(on_its_way ? tr("now %1 …").arg(number(now_)) : tr("now %1").arg(number(now_)));
   border_text_->setText(tr("border %1").arg(number(border_)));
+  border_text_->setToolTip(
+      tr("The largest value that (18f) and (18g) leave over the whole reference. Now they would leave "
+         "%1: the reference asks for less here than elsewhere.")
+          .arg(number(border_now_)));
 }
 
 }  // namespace skein::ui

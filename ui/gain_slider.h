@@ -10,7 +10,8 @@
 
 namespace skein::ui {
 
-/// A slider whose track shows how far a gain may go: beyond the mark lies what (18) forbids.
+/// A slider whose track shows how far a gain may go: beyond the first mark lies what (18) forbids somewhere along the
+/// reference, beyond the second what it forbids now.
 class BorderSlider final : public QSlider {
   Q_OBJECT
 
@@ -18,7 +19,8 @@ class BorderSlider final : public QSlider {
   static constexpr int steps = 1000;
 
   explicit BorderSlider(QWidget* parent = nullptr);
-  void set_marks(double border, double now);  ///< as shares of the track, 0 to 1
+  /// As shares of the track, 0 to 1: the border over the whole reference, the border now, the gain now.
+  void set_marks(double border, double border_now, double now);
   QSize sizeHint() const override;
 
  protected:
@@ -26,7 +28,7 @@ class BorderSlider final : public QSlider {
   void wheelEvent(QWheelEvent*) override;
 
  private:
-  double border_ = 1.0, now_ = 0.0;
+  double border_ = 1.0, border_now_ = 1.0, now_ = 0.0;
 };
 
 /// One coupling gain: what is asked for, what it is now, and where its border lies.
@@ -38,7 +40,7 @@ class GainSlider final : public QWidget {
 
   /// A new experiment: the value of its file.
   void reset(double value, double border);
-  void set_border(double border);
+  void set_border(double border, double border_now);
   void set_now(double value);     ///< what governs the robots now, on its way to the target
   void set_target(double value);  ///< what the session aims at, if it is not what the slider says
   double target() const { return spin_->value(); }
@@ -56,7 +58,7 @@ class GainSlider final : public QWidget {
   QDoubleSpinBox* spin_;
   QLabel *now_text_, *border_text_;
   QTimer rest_;  // a drag along the slider is one wish, made when the hand rests
-  double top_ = 1.0, border_ = 0.0, now_ = 0.0;
+  double top_ = 1.0, border_ = 0.0, border_now_ = 0.0, now_ = 0.0;
 };
 
 }  // namespace skein::ui

@@ -1,52 +1,133 @@
 #include "ui/gains_panel.h"
 
+#include <QHBoxLayout>
+#include <QInputDialog>
 #include <QLabel>
+#include <QMenu>
 #include <QScrollArea>
+#include <QSignalBlocker>
 #include <QVBoxLayout>
+#include <algorithm>
 
 namespace skein::ui {
+namespace {
+
+/// A gain that goes to a new value, and back.
+class GainChanged final : public QUndoCommand {
+ public:
+  using Apply = std::function<void(core::GainName, double)>;
+  GainChanged(core::GainName gain, double from, double to, Apply apply)
+      : QUndoCommand(GainsPanel::tr("%1 to %2").arg(QLatin1String(app::name(gain))).arg(to, 0, 'g', 4)),
+        gain_(gain),
+        from_(from),
+        to_(to),
+        apply_(std::move(apply)) {}
+  void undo() override { apply_(gain_, from_); }
+  void redo() override { apply_(gain_, to_); }
+
+ private:
+  core::GainName gain_;
+  double from_, to_;
+  Apply apply_;
+};
+
+}  // namespace
 
 GainsPanel::GainsPanel(QWidget* parent)
-    : QWidget(parent), reset_(new QPushButton(tr("Back to the file's values"), this)), margins_(new MarginBars) {
+    : QWidget(parent),
+      undo_button_(new QToolButton(this)),
+      redo_button_(new QToolButton(this)),
+      presets_(new QToolButton(this)),
+      reset_(new QPushButton(tr("File's values"), this)),
+      coupling_(new QComboBox(this)),
+      tabs_(new QTabWidget(this)),
+      margins_(new MarginBars),
+      schedule_(new ScheduleEditor) {
   setObjectName(QStringLiteral("gains"));
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 6, 8, 6);
-  layout->setSpacing(8);
+  layout->setSpacing(7);
   for (const core::GainName gain : core::gain_names) {
     auto* slider = new GainSlider(gain, this);
     sliders_[static_cast<std::size_t>(gain)] = slider;
-    connect(slider, &GainSlider::wanted, this, &GainsPanel::wanted);
+    connect(slider, &GainSlider::wanted, this, &GainsPanel::change);
     layout->addWidget(slider);
   }
+
+  auto* row = new QHBoxLayout;
+  row->setSpacing(4);
+  const auto tool = [&](QToolButton* button, const QString& name, const QString& text, const QString& tip) {
+    button->setObjectName(name);
+    button->setText(text);
+    button->setAccessibleName(tip);
+    button->setToolTip(tip);
+    row->addWidget(button);
+  };
+  tool(undo_button_, QStringLiteral("undo_gain"), QStringLiteral("↶"), tr("Undo the last change of a gain (Ctrl+Z)"));
+  tool(redo_button_, QStringLiteral("redo_gain"), QStringLiteral("↷"), tr("Redo it (Ctrl+Shift+Z)"));
+  tool(presets_, QStringLiteral("gain_presets"), tr("Presets"), tr("Sets of gains, and your own"));
+  presets_->setPopupMode(QToolButton::InstantPopup);
+  presets_->setMenu(new QMenu(presets_));
+  connect(presets_->menu(), &QMenu::aboutToShow, this, &GainsPanel::fill_presets);
+  for (auto* button : {undo_button_, redo_button_}) button->setEnabled(false);
+  connect(undo_button_, &QToolButton::clicked, &undo_, &QUndoStack::undo);
+  connect(redo_button_, &QToolButton::clicked, &undo_, &QUndoStack::redo);
+  connect(&undo_, &QUndoStack::canUndoChanged, undo_button_, &QWidget::setEnabled);
+  connect(&undo_, &QUndoStack::canRedoChanged, redo_button_, &QWidget::setEnabled);
   reset_->setObjectName(QStringLiteral("reset_gains"));
   reset_->setAccessibleName(reset_->text());
-  reset_->setToolTip(tr("One value for all pairs: the largest, where the file gives each pair its own."));
-  connect(reset_, &QPushButton::clicked, this, &GainsPanel::reset_to_file);
-  layout->addWidget(reset_);
-  layout->addSpacing(2);
+  reset_->setToolTip(tr("Back to the file's values: one for all pairs, the largest where each pair has its own."));
+  connect(reset_, &QPushButton::clicked, this, [this] { use(gain_presets(experiment_).front()); });
+  row->addWidget(reset_, 1);
+  layout->addLayout(row);
 
-  auto* title = new QLabel(tr("Left to tracking"), this);
-  QFont bold = title->font();
-  bold.setBold(true);
-  title->setFont(bold);
-  layout->addWidget(title);
+  auto* form = new QHBoxLayout;
+  auto* label = new QLabel(tr("Coupling"), this);
+  coupling_->setObjectName(QStringLiteral("coupling"));
+  coupling_->setAccessibleName(tr("Form of the couplings"));
+  coupling_->addItem(tr("as printed (15)"), QStringLiteral("paper"));
+  coupling_->addItem(tr("bounded"), QStringLiteral("bounded"));
+  coupling_->setToolTip(
+      tr("As printed, the forward and heading couplings may ask for more than their gains, and commands are limited "
+         "after the law; bounded, (18f, g) imply the limits (14). Changed before the start."));
+  connect(coupling_, &QComboBox::activated, this, [this] {
+    emit experiment_wanted(QStringLiteral("controller.coupling=") + coupling_->currentData().toString());
+  });
+  form->addWidget(label);
+  form->addWidget(coupling_, 1);
+  layout->addLayout(form);
+
   auto* scroll = new QScrollArea(this);  // for groups of many robots
   scroll->setFrameShape(QFrame::NoFrame);
   scroll->setWidgetResizable(true);
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   scroll->viewport()->setAutoFillBackground(false);
-  margins_->setAutoFillBackground(false);
   scroll->setWidget(margins_);
   margins_->setAutoFillBackground(false);
-  layout->addWidget(scroll, 1);
+  tabs_->setObjectName(QStringLiteral("gain_tabs"));
+  tabs_->setAccessibleName(tr("Margins and schedule"));
+  tabs_->setDocumentMode(true);
+  tabs_->addTab(scroll, tr("Margins"));
+  tabs_->addTab(schedule_, tr("Schedule"));
+  tabs_->setTabToolTip(0, tr("What reference and couplings leave to tracking"));
+  tabs_->setTabToolTip(1, tr("Gains that change by themselves during the run"));
+  layout->addWidget(tabs_, 1);
+  connect(schedule_, &ScheduleEditor::wanted, this,
+          [this](const QString& changes) { emit experiment_wanted(QStringLiteral("gain_change=") + changes); });
 }
 
 void GainsPanel::show_experiment(const app::Experiment& experiment, const Border& border) {
   experiment_ = experiment;
-  for (const core::GainName gain : core::gain_names)
-    slider(gain)->reset(core::table(experiment.controller.gains, gain).largest(), border(gain));
+  undo_.clear();
+  for (const core::GainName gain : core::gain_names) {
+    const double value = core::table(experiment.controller.gains, gain).largest();
+    slider(gain)->reset(value, border(gain));
+    targets_[static_cast<std::size_t>(gain)] = value;
+  }
   setEnabled(experiment.robots.size() > 1);  // one robot alone has nobody to couple to
+  coupling_->setCurrentIndex(experiment.controller.coupling == core::Coupling::paper ? 0 : 1);
   margins_->show_experiment(experiment);
+  schedule_->show_experiment(experiment);
 }
 
 void GainsPanel::take(const app::TickRecord& record) {
@@ -56,21 +137,73 @@ void GainsPanel::take(const app::TickRecord& record) {
   // The file's own changes and what was held at the border come back as events; both say where the gain goes now.
   for (const app::Event& event : record.events)
     if (event.kind == app::Event::Kind::gain || event.kind == app::Event::Kind::schedule ||
-        event.kind == app::Event::Kind::gain_held)
+        event.kind == app::Event::Kind::gain_held) {
       slider(event.gain)->set_target(event.values[1]);
+      targets_[static_cast<std::size_t>(event.gain)] = event.values[1];
+    }
   margins_->take(record);
 }
 
-void GainsPanel::set_borders(const Border& border) {
-  for (const core::GainName gain : core::gain_names) slider(gain)->set_border(border(gain));
+void GainsPanel::set_borders(const Border& over_all, const Border& now) {
+  for (const core::GainName gain : core::gain_names) slider(gain)->set_border(over_all(gain), now(gain));
 }
 
-void GainsPanel::reset_to_file() {
-  for (const core::GainName gain : core::gain_names) {
-    const double value = core::table(experiment_.controller.gains, gain).largest();
-    slider(gain)->set_target(value);
-    emit wanted(gain, value);
+void GainsPanel::set_before_start(bool before) {
+  coupling_->setEnabled(before);
+  schedule_->set_editable(before);
+}
+
+void GainsPanel::change(core::GainName gain, double value) {
+  const double from = targets_[static_cast<std::size_t>(gain)];
+  undo_.push(new GainChanged(gain, from, value, [this](core::GainName of, double to) {
+    slider(of)->set_target(to);
+    targets_[static_cast<std::size_t>(of)] = to;
+    emit wanted(of, to);
+  }));
+}
+
+void GainsPanel::use(const GainPreset& preset) {
+  undo_.beginMacro(preset.name);
+  // Down first: what one of them gives back, another may need below the common border of (18g).
+  for (const bool down : {true, false})
+    for (const core::GainName gain : core::gain_names) {
+      const double value = preset.values[static_cast<std::size_t>(gain)];
+      if ((value <= targets_[static_cast<std::size_t>(gain)]) == down) change(gain, value);
+    }
+  undo_.endMacro();
+}
+
+void GainsPanel::fill_presets() {
+  QMenu* menu = presets_->menu();
+  menu->clear();
+  QMenu* forget = nullptr;
+  for (const GainPreset& preset : gain_presets(experiment_)) {
+    if (preset.own && !forget) {
+      menu->addSeparator();
+      forget = new QMenu(tr("Forget"), menu);
+    }
+    QAction* action = menu->addAction(preset.name, this, [this, preset] { use(preset); });
+    action->setToolTip(
+        tr("k_xx %1, k_tt %2, k_yy %3").arg(preset.values[0]).arg(preset.values[1]).arg(preset.values[2]));
+    if (preset.own) forget->addAction(preset.name, this, [name = preset.name] { forget_gain_preset(name); });
   }
+  menu->addSeparator();
+  menu->addAction(tr("Keep the present gains …"), this, &GainsPanel::keep_as_preset)
+      ->setObjectName(QStringLiteral("keep_preset"));
+  if (forget) menu->addMenu(forget);
+}
+
+void GainsPanel::keep_as_preset() {
+  auto* dialog = new QInputDialog(this);
+  dialog->setObjectName(QStringLiteral("preset_dialog"));
+  dialog->setWindowTitle(tr("Keep the present gains"));
+  dialog->setLabelText(tr("Under the name"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setModal(false);  // STOP can be clicked beside it
+  connect(dialog, &QInputDialog::textValueSelected, this, [values = targets_](const QString& name) {
+    if (!name.trimmed().isEmpty()) keep_gain_preset({name, values, true});
+  });
+  dialog->show();
 }
 
 }  // namespace skein::ui

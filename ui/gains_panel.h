@@ -1,18 +1,24 @@
 #pragma once
 
+#include <QComboBox>
 #include <QPushButton>
+#include <QTabWidget>
+#include <QToolButton>
+#include <QUndoStack>
 #include <QWidget>
 #include <array>
 #include <functional>
 
 #include "app/experiment.h"
 #include "app/tick_record.h"
+#include "ui/gain_presets.h"
 #include "ui/gain_slider.h"
 #include "ui/margin_bars.h"
+#include "ui/schedule_editor.h"
 
 namespace skein::ui {
 
-/// The three coupling gains, and what they leave to tracking.
+/// The three coupling gains, their schedule, and what they leave to tracking. Every change can be undone.
 class GainsPanel final : public QWidget {
   Q_OBJECT
 
@@ -22,19 +28,33 @@ class GainsPanel final : public QWidget {
   explicit GainsPanel(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment, const Border& border);
   void take(const app::TickRecord& record);
-  void set_borders(const Border& border);
-  void reset_to_file();
+  void set_borders(const Border& over_all, const Border& now);
+  /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
+  void set_before_start(bool before);
+  QUndoStack& undo_stack() { return undo_; }
 
  signals:
   void wanted(skein::core::GainName gain, double value);
+  /// "key=value" of the experiment file, to be set up again with.
+  void experiment_wanted(const QString& set);
 
  private:
   GainSlider* slider(core::GainName gain) const { return sliders_[static_cast<std::size_t>(gain)]; }
+  void change(core::GainName gain, double value);
+  void use(const GainPreset& preset);
+  void fill_presets();
+  void keep_as_preset();
 
   app::Experiment experiment_;
   std::array<GainSlider*, 3> sliders_{};
+  std::array<double, 3> targets_{};  // what the session aims at
+  QUndoStack undo_;
+  QToolButton *undo_button_, *redo_button_, *presets_;
   QPushButton* reset_;
+  QComboBox* coupling_;
+  QTabWidget* tabs_;
   MarginBars* margins_;
+  ScheduleEditor* schedule_;
 };
 
 }  // namespace skein::ui

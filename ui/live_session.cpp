@@ -132,9 +132,33 @@ double LiveSession::gain_border(core::GainName name) const {
   return session_ ? session_->gain_border(name) : 0.0;
 }
 
+double LiveSession::gain_border_now(core::GainName name) const {
+  return session_ && latest_ ? session_->gain_border(name, *latest_) : gain_border(name);
+}
+
 tl::expected<void, std::string> LiveSession::move_robot(std::size_t robot, const core::Pose& pose) {
   if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
   return session_->move_robot(robot, pose);
+}
+
+tl::expected<void, std::string> LiveSession::kick_robot(std::size_t robot, double vx, double vy) {
+  if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
+  return session_->kick_robot(robot, vx, vy);
+}
+
+tl::expected<void, std::string> LiveSession::hold_robot(std::size_t robot, bool hold) {
+  if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
+  return session_->hold_robot(robot, hold);
+}
+
+tl::expected<void, std::string> LiveSession::put_obstacle(int number, const core::Obstacle& obstacle) {
+  if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
+  if (number < 0) {
+    const auto added = session_->add_obstacle(obstacle);
+    return added ? tl::expected<void, std::string>() : tl::unexpected(added.error());
+  }
+  const auto k = static_cast<std::size_t>(number);
+  return obstacle.radius > 0.0 ? session_->move_obstacle(k, obstacle) : session_->remove_obstacle(k);
 }
 
 }  // namespace skein::ui

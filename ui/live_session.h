@@ -45,8 +45,14 @@ class LiveSession final : public QObject {
   void resume();
   void stop() noexcept;  ///< at once, in any state, also while a session is being opened
   void set_gain(core::GainName name, double value);
-  double gain_border(core::GainName name) const;
+  double gain_border(core::GainName name) const;      ///< over the whole reference
+  double gain_border_now(core::GainName name) const;  ///< at the newest record
   tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);
+  tl::expected<void, std::string> kick_robot(std::size_t robot, double vx, double vy);
+  tl::expected<void, std::string> hold_robot(std::size_t robot, bool hold);
+  std::uint64_t undrained_rows() const { return session_ ? session_->undrained_rows() : 0; }
+  /// Number -1: a new one; radius 0: away with it.
+  tl::expected<void, std::string> put_obstacle(int number, const core::Obstacle& obstacle);
   bool has_camera() const { return session_ && session_->has_camera(); }
   bool picture(app::Picture& out) { return session_ && session_->picture(out); }
   std::array<double, 2> pixel(double x, double y) const { return session_->pixel(x, y); }

@@ -11,9 +11,11 @@
 #include "app/command_line.h"
 #include "ui/alert_strip.h"
 #include "ui/arena_view.h"
+#include "ui/check_list.h"
 #include "ui/event_log.h"
 #include "ui/gains_panel.h"
 #include "ui/plots_panel.h"
+#include "ui/robot_buttons.h"
 #include "ui/robots_panel.h"
 #include "ui/run_bar.h"
 #include "ui/stop_guard.h"
@@ -44,8 +46,11 @@ void MainWindow::build_panels() {
   gains_ = new GainsPanel;
   plots_ = new PlotsPanel;
   robots_ = new RobotsPanel;
-  log_ = new EventLog;
+  robot_buttons_ = new RobotButtons;
+  log_ = new EventPanel;
   alert_ = new AlertStrip;
+  checks_ = new CheckList;
+  checks_->hide();
   pace_ = new QLabel;
   pace_->setObjectName(QStringLiteral("pace"));
   pace_->setToolTip(tr("Pace of the control loop, and what a tick takes of it"));
@@ -69,12 +74,19 @@ void MainWindow::build_panels() {
   build_menus(menus);
   build_arena_tools(tools);
   middle_layout->addWidget(tools);
+  middle_layout->addWidget(checks_);
   middle_layout->addWidget(arena_, 1);
   setCentralWidget(middle);
 
   gains_dock_ = dock(gains_, tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
   plots_dock_ = dock(plots_, tr("Errors"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
-  robots_dock_ = dock(robots_, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
+  auto* robots_box = new QWidget;
+  auto* robots_layout = new QVBoxLayout(robots_box);
+  robots_layout->setContentsMargins(0, 0, 0, 0);
+  robots_layout->setSpacing(0);
+  robots_layout->addWidget(robots_, 1);
+  robots_layout->addWidget(robot_buttons_);
+  robots_dock_ = dock(robots_box, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
   log_dock_ = dock(log_, tr("Events"), QStringLiteral("log_dock"), Qt::BottomDockWidgetArea);
 
   statusBar()->setSizeGripEnabled(false);
@@ -105,20 +117,32 @@ void MainWindow::default_layout() {
   resize(1280, 800);
   resizeDocks({gains_dock_, plots_dock_}, {250, 400}, Qt::Horizontal);
   resizeDocks({robots_dock_, log_dock_}, {530, 350}, Qt::Horizontal);
-  resizeDocks({robots_dock_}, {150}, Qt::Vertical);
+  resizeDocks({robots_dock_}, {176}, Qt::Vertical);
 }
 
 void MainWindow::connect_panels() {
   connect(run_bar_, &RunBar::go, this, &MainWindow::go);
   connect(run_bar_, &RunBar::new_run, this, &MainWindow::new_run);
   connect(run_bar_, &RunBar::stop, this, &MainWindow::stop);
-  connect(arena_, &ArenaView::move_wanted, this, &MainWindow::move_robot);
+  connect(arena_, &ArenaView::move_wanted, this,
+          [this](int robot, const core::Pose& pose) { tell(live_.move_robot(static_cast<std::size_t>(robot), pose)); });
+  connect(arena_, &ArenaView::kick_wanted, this, [this](int robot, QPointF velocity) {
+    tell(live_.kick_robot(static_cast<std::size_t>(robot), velocity.x(), velocity.y()));
+  });
+  connect(arena_, &ArenaView::obstacle_wanted, this,
+          [this](int number, const core::Obstacle& obstacle) { tell(live_.put_obstacle(number, obstacle)); });
   connect(arena_, &ArenaView::selected, this, &MainWindow::select_robot);
   connect(arena_, &ArenaView::refused, this, [this](const QString& why) { alert_->say(why, Severity::notice); });
   connect(robots_, &RobotsPanel::picked, arena_, &ArenaView::select);
+  connect(robot_buttons_, &RobotButtons::hold, this,
+          [this](int robot, bool hold) { tell(live_.hold_robot(static_cast<std::size_t>(robot), hold)); });
+  connect(robot_buttons_, &RobotButtons::connect_again, this, &MainWindow::new_run);
   connect(gains_, &GainsPanel::wanted, this,
           [this](core::GainName gain, double value) { live_.set_gain(gain, value); });
+  connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
   connect(plots_, &PlotsPanel::save_wanted, this, &MainWindow::ask_save_plot);
+  connect(checks_, &CheckList::mend, this, &MainWindow::mend);
+  connect(checks_, &CheckList::start_anyway, this, [this] { start_if_ready(true); });
   connect(&live_, &LiveSession::opened, this, &MainWindow::on_opened);
   connect(&live_, &LiveSession::open_failed, this, &MainWindow::on_open_failed);
   connect(&live_, &LiveSession::record_taken, this, &MainWindow::on_record);
@@ -144,10 +168,13 @@ void MainWindow::show_experiment() {
   gains_->show_experiment(experiment, [this](core::GainName gain) { return live_.gain_border(gain); });
   plots_->show_experiment(experiment);
   robots_->robots().show_experiment(experiment);
+  robot_buttons_->show_experiment(experiment);
+  rows_missed_ = 0;
   log_->clear();
   alert_->clear_alert();
+  begin_checks();
   picture_->setEnabled(experiment.camera.source != "none");
-  regions_->setEnabled(experiment.avoidance.enabled);
+  regions_->setEnabled(experiment.avoidance.enabled || experiment.shield.enabled);
   show_state();
 }
 
@@ -172,11 +199,12 @@ void MainWindow::on_record(const app::TickRecord& record) {
   arena_->take(record);
   run_bar_->take(record);
   gains_->take(record);
+  robot_buttons_->take(record);
   plots_->take(record);
   log_->take(record);
   alert_->take(record);
   for (const app::Event& event : record.events)
-    if (event.kind == app::Event::Kind::move) teaches_ = false;
+    if (event.kind == app::Event::Kind::move || event.kind == app::Event::Kind::kick) teaches_ = false;
 }
 
 void MainWindow::on_frame() {
@@ -203,11 +231,12 @@ void MainWindow::on_frame() {
 void MainWindow::show_state() {
   const app::TickRecord* record = live_.latest();
   const app::Phase phase = shown_phase_ = live_.phase();
-  const bool opening = !live_.is_open() && live_.is_busy();
+  const bool opening = live_.is_open() ? record == nullptr : live_.is_busy();
   const bool failed = !live_.is_open() && !live_.is_busy();
   run_bar_->show_phase(phase, record ? record->t : 0.0, opening, failed);
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
-  go_action_->setEnabled(live_.is_open() && !over);
+  go_action_->setEnabled(live_.is_open() && !opening && !over);
+  show_checks();
   new_run_action_->setEnabled(!live_.is_busy());
   save_csv_action_->setEnabled(live_.history().size() > 0 && !saving_);
 
@@ -229,12 +258,24 @@ void MainWindow::show_state() {
   arena_->set_banner(banner, failed || phase == app::Phase::stopped);
   if (phase == app::Phase::stopped) alert_->hold(stopped_text() + acknowledgements(), Severity::alarm);
   const bool can_drag = live_.is_open() && teaches_ && !over;
-  arena_->set_hint(can_drag ? tr("Drag a robot to push it out of the formation; turn it with the mouse wheel")
+  arena_->set_hint(can_drag ? tr("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it")
                             : QString());
 
+  robot_buttons_->show_state(live_.robots(), phase, live_.is_open());
   if (!record) return;
-  robots_->robots().take(*record, live_.robots(), live_.stop_asked());
-  gains_->set_borders([this](core::GainName gain) { return live_.gain_border(gain); });
+  robots_->robots().take(*record, live_.robots(), live_.stop_asked(), robot_buttons_->held());
+  if (const std::uint64_t missed = live_.undrained_rows(); missed > rows_missed_) {
+    const QString text = tr("The window hung: it has missed %n row(s). The record has them.", nullptr,
+                            static_cast<int>(missed - rows_missed_));
+    rows_missed_ = missed;
+    log_->note(record->t, text, Severity::warning);
+    alert_->say(text, Severity::warning);
+  }
+  gains_->set_borders([this](core::GainName gain) { return live_.gain_border(gain); },
+                      [this](core::GainName gain) { return live_.gain_border_now(gain); });
+  gains_->set_before_start(live_.is_open() && phase == app::Phase::ready);
+  arena_->set_gain_borders({live_.gain_border(core::GainName::k_xx), live_.gain_border(core::GainName::k_tt),
+                            live_.gain_border(core::GainName::k_yy)});
   const QString closest = std::isfinite(record->min_distance)
                               ? tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1)
                               : QString();
@@ -265,14 +306,14 @@ QString MainWindow::acknowledgements() const {
                              : tr(". Waiting for robot %1 to acknowledge.").arg(robots);
 }
 
-void MainWindow::move_robot(int robot, const core::Pose& pose) {
-  const auto moved = live_.move_robot(static_cast<std::size_t>(robot), pose);
-  if (!moved) alert_->say(QString::fromStdString(moved.error()), Severity::warning);
+void MainWindow::tell(const tl::expected<void, std::string>& done) {
+  if (!done) alert_->say(QString::fromStdString(done.error()), Severity::warning);
 }
 
 void MainWindow::select_robot(int robot) {
   plots_->select(robot);
   robots_->select_robot(robot);
+  robot_buttons_->select_robot(robot);
 }
 
 void MainWindow::stop() {
@@ -290,7 +331,7 @@ bool MainWindow::stop_by_key() {
 void MainWindow::go() {
   switch (live_.phase()) {
     case app::Phase::ready:
-      return live_.start();
+      return start_if_ready(false);
     case app::Phase::running:
       return live_.pause();
     case app::Phase::paused:

@@ -7,6 +7,7 @@
 #include <QToolBar>
 #include <future>
 
+#include "app/readiness.h"
 #include "ui/live_session.h"
 #include "ui/palette.h"
 
@@ -14,9 +15,11 @@ namespace skein::ui {
 
 class AlertStrip;
 class ArenaView;
-class EventLog;
+class CheckList;
+class EventPanel;
 class GainsPanel;
 class PlotsPanel;
+class RobotButtons;
 class RobotsPanel;
 class RunBar;
 
@@ -64,10 +67,20 @@ class MainWindow final : public QMainWindow {
   void show_state();
   QString stopped_text() const;
   QString acknowledgements() const;
-  void move_robot(int robot, const core::Pose& pose);
+  void tell(const tl::expected<void, std::string>& done);  ///< why it was refused, if it was
   void select_robot(int robot);
   /// Whether anything that stands still now could have been moving: then the key that asked for it is spent.
   bool stop_by_key();
+
+  // main_window_checks.cpp: what has to hold before a start
+  void begin_checks();
+  std::vector<app::Check> judge();
+  void show_checks();
+  void start_if_ready(bool overrule);
+  void mend(app::Check::What what);
+  void bring_to_places();
+
+  void reopen_with(const QString& set);
 
   // main_window_actions.cpp: menus, dialogs, settings
   void build_menus(QMenuBar* menus);
@@ -86,12 +99,18 @@ class MainWindow final : public QMainWindow {
   GainsPanel* gains_;
   PlotsPanel* plots_;
   RobotsPanel* robots_;
-  EventLog* log_;
+  RobotButtons* robot_buttons_;
+  EventPanel* log_;
   AlertStrip* alert_;
+  CheckList* checks_;
   QLabel* pace_;
   QDockWidget *gains_dock_, *plots_dock_, *robots_dock_, *log_dock_;
   QAction *picture_, *regions_, *trails_, *dark_, *go_action_, *new_run_action_, *save_csv_action_;
-  QAction *fit_, *zoom_in_, *zoom_out_, *full_screen_;
+  QAction *fit_, *zoom_in_, *zoom_out_, *full_screen_, *couplings_, *grid_, *checks_action_;
+  std::array<QAction*, 4> tools_{};  ///< of the arena, in the order of ArenaTool
+
+  std::future<app::Certificate> certifying_;
+  std::optional<app::Certificate> certificate_;
 
   struct Saving {
     QString file;
@@ -102,6 +121,7 @@ class MainWindow final : public QMainWindow {
   bool teaches_ = false;    // the hint stands until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
   int frames_ = 0;
+  std::uint64_t rows_missed_ = 0;  // by the window, of this session
 };
 
 }  // namespace skein::ui

@@ -10,21 +10,19 @@
 #include "app/experiment_file.h"
 #include "ui/alert_strip.h"
 #include "ui/arena_view.h"
+#include "ui/gains_panel.h"
 #include "ui/help.h"
 #include "ui/icons.h"
 #include "ui/main_window.h"
 #include "ui/modes.h"
 #include "ui/plots_panel.h"
 #include "ui/run_bar.h"
+#include "ui/settings.h"
 
 namespace skein::ui {
 namespace {
 
 constexpr int layout_version = 1;  // of the docks: a layout of another version is not restored
-
-QSettings settings() {
-  return {QSettings::IniFormat, QSettings::UserScope, QStringLiteral("skein"), QStringLiteral("skein")};
-}
 
 /// Dialogs never block the window: STOP can be clicked while one is open. And they are Qt's own, never the desktop's,
 /// so that Space and Esc reach the program.
@@ -90,6 +88,16 @@ void MainWindow::build_menus(QMenuBar* menus) {
   // The keys stand in the text only: StopGuard takes them before any shortcut could.
   action(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
 
+  run->addSeparator();
+  QAction* undo = gains_->undo_stack().createUndoAction(this, tr("&Undo gain:"));
+  undo->setShortcut(QKeySequence::Undo);
+  QAction* redo = gains_->undo_stack().createRedoAction(this, tr("&Redo gain:"));
+  redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
+  run->addActions({undo, redo});
+  run->addSeparator();
+  checks_action_ = toggle(run, tr("&Check list"), QStringLiteral("view_checks"), false, [this] { show_checks(); });
+  checks_action_->setShortcut(QKeySequence(tr("Ctrl+L")));
+
   QMenu* view = menus->addMenu(tr("&View"));
   picture_ = toggle(view, tr("&Camera picture"), QStringLiteral("view_picture"), false,
                     [this](bool on) { arena_->show_picture(on); });
@@ -97,6 +105,9 @@ void MainWindow::build_menus(QMenuBar* menus) {
                     [this](bool on) { arena_->show_regions(on); });
   trails_ =
       toggle(view, tr("&Trails"), QStringLiteral("view_trails"), true, [this](bool on) { arena_->show_trails(on); });
+  couplings_ = toggle(view, tr("Co&uplings"), QStringLiteral("view_couplings"), true,
+                      [this](bool on) { arena_->show_couplings(on); });
+  grid_ = toggle(view, tr("&Grid"), QStringLiteral("view_grid"), true, [this](bool on) { arena_->show_grid(on); });
   view->addSeparator();
   fit_ = action(view, tr("&Whole arena"), QStringLiteral("fit"), QKeySequence(tr("Ctrl+0")), [this] { arena_->fit(); });
   zoom_in_ =
@@ -118,6 +129,31 @@ void MainWindow::build_menus(QMenuBar* menus) {
     panels->addAction(tr("&Back to the usual layout"), this, [this] { default_layout(); });
   });
 
+  QMenu* arena = menus->addMenu(tr("&Arena"));
+  auto* tools = new QActionGroup(this);
+  const auto tool = [&](ArenaTool which, const QString& text, const QString& name, const QKeySequence& keys,
+                        const QString& tip) {
+    QAction* made = arena->addAction(text);
+    made->setObjectName(name);
+    made->setShortcut(keys);
+    made->setToolTip(tip);
+    made->setCheckable(true);
+    made->setChecked(which == ArenaTool::hand);
+    tools->addAction(made);
+    connect(made, &QAction::toggled, this, [this, which](bool on) {
+      if (on) arena_->set_tool(which);
+    });
+    tools_[static_cast<std::size_t>(which)] = made;
+  };
+  tool(ArenaTool::hand, tr("&Hand"), QStringLiteral("tool_hand"), QKeySequence(tr("H")),
+       tr("Hand (H): drag robots and obstacles, turn robots with the wheel, click a coupling to switch it"));
+  tool(ArenaTool::kick, tr("&Kick"), QStringLiteral("tool_kick"), QKeySequence(tr("K")),
+       tr("Kick (K): draw an arrow out of a simulated robot, and it slides that way"));
+  tool(ArenaTool::measure, tr("&Measure"), QStringLiteral("tool_measure"), QKeySequence(tr("M")),
+       tr("Measure (M): drag from point to point; the ends hold on to robots and obstacles"));
+  tool(ArenaTool::obstacle, tr("&Obstacle"), QStringLiteral("tool_obstacle"), QKeySequence(tr("O")),
+       tr("Obstacle (O): click drops one, drag draws it out to its size"));
+
   QMenu* help = menus->addMenu(tr("&Help"));
   action(help, tr("&Shortcuts"), QStringLiteral("shortcuts"), QKeySequence(tr("F1")),
          [this] { message(this, QStringLiteral("shortcuts_dialog"), tr("Shortcuts"), shortcuts_text()); });
@@ -130,7 +166,9 @@ void MainWindow::build_arena_tools(QToolBar* tools) {
   tools->setIconSize({18, 18});
   tools->addActions({fit_, zoom_in_, zoom_out_});
   tools->addSeparator();
-  tools->addActions({picture_, regions_, trails_});
+  tools->addActions({picture_, couplings_, regions_, trails_, grid_});
+  tools->addSeparator();
+  for (QAction* tool : tools_) tools->addAction(tool);
   dress_icons();
 }
 
@@ -142,6 +180,10 @@ void MainWindow::dress_icons() {
   picture_->setIcon(icon(QStringLiteral("camera"), ink));
   regions_->setIcon(icon(QStringLiteral("regions"), ink));
   trails_->setIcon(icon(QStringLiteral("trails"), ink));
+  couplings_->setIcon(icon(QStringLiteral("couplings"), ink));
+  grid_->setIcon(icon(QStringLiteral("grid"), ink));
+  for (std::size_t k = 0; k < tools_.size(); ++k)
+    tools_[k]->setIcon(icon(tools_[k]->objectName().mid(5), ink));  // "tool_hand": the icon "hand"
 }
 
 void MainWindow::set_theme(Theme theme) {
@@ -225,6 +267,8 @@ void MainWindow::restore_settings() {
   }
   regions_->setChecked(stored.value(QStringLiteral("regions"), true).toBool());
   trails_->setChecked(stored.value(QStringLiteral("trails"), true).toBool());
+  couplings_->setChecked(stored.value(QStringLiteral("couplings"), true).toBool());
+  grid_->setChecked(stored.value(QStringLiteral("grid"), true).toBool());
 }
 
 void MainWindow::store_settings() {
@@ -234,6 +278,8 @@ void MainWindow::store_settings() {
   stored.setValue(QStringLiteral("layout"), saveState(layout_version));
   stored.setValue(QStringLiteral("regions"), regions_->isChecked());
   stored.setValue(QStringLiteral("trails"), trails_->isChecked());
+  stored.setValue(QStringLiteral("couplings"), couplings_->isChecked());
+  stored.setValue(QStringLiteral("grid"), grid_->isChecked());
 }
 
 }  // namespace skein::ui

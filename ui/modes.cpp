@@ -57,6 +57,7 @@ Severity severity(const app::Event& event) {
     case Kind::lost:
       return Severity::alarm;
     case Kind::deadline_missed:
+    case Kind::hold:
     case Kind::gain_held:
     case Kind::link:
       return Severity::warning;
@@ -65,6 +66,9 @@ Severity severity(const app::Event& event) {
     case Kind::start:
     case Kind::perturb:
     case Kind::move:
+    case Kind::kick:
+    case Kind::release:
+    case Kind::obstacle:
     case Kind::gain:
     case Kind::schedule:
     case Kind::pause:
@@ -91,6 +95,38 @@ QColor colour(Severity severity, const Colours& c) {
       return c.faint_text;
   }
   return c.text;
+}
+
+QString symbol(Severity severity) {
+  switch (severity) {
+    case Severity::alarm:
+      return QStringLiteral("✗");
+    case Severity::warning:
+      return QStringLiteral("!");
+    case Severity::good:
+      return QStringLiteral("✓");
+    case Severity::notice:
+      return QStringLiteral("●");
+    case Severity::note:
+      return QStringLiteral("·");
+  }
+  return {};
+}
+
+QString severity_text(Severity severity) {
+  switch (severity) {
+    case Severity::alarm:
+      return tr("alarm");
+    case Severity::warning:
+      return tr("warning");
+    case Severity::good:
+      return tr("good news");
+    case Severity::notice:
+      return tr("notice");
+    case Severity::note:
+      return tr("note");
+  }
+  return {};
 }
 
 }  // namespace skein::ui

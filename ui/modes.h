@@ -29,5 +29,7 @@ QString phase_text(app::Phase phase);
 enum class Severity { note, good, notice, warning, alarm };
 Severity severity(const app::Event& event);
 QColor colour(Severity severity, const Colours& colours);
+QString symbol(Severity severity);  ///< one character: never told by colour alone
+QString severity_text(Severity severity);
 
 }  // namespace skein::ui

@@ -64,6 +64,7 @@ Colours colours(const QPalette& p) {
   c.bounds = c.dark ? QColor(0x6b727b) : QColor(0x7b828b);
   c.path = c.dark ? QColor(0x7c848e) : QColor(0x8a929c);
   c.obstacle = c.dark ? QColor(0x59606a) : QColor(0x9aa1aa);
+  c.coupling = c.dark ? QColor(0xb9a6e0) : QColor(0x7a68a6);
   c.plot = p.color(QPalette::Base);
   c.plot_grid = c.dark ? QColor(0x30343a) : QColor(0xe6e8eb);
   c.axis = c.dark ? QColor(0x8b929b) : QColor(0x70777f);

@@ -18,10 +18,10 @@ void apply(Theme theme);  ///< to the whole program
 struct Colours {
   bool dark = false;
   QColor text, faint_text, panel;
-  QColor surroundings, floor, grid, bounds, path, obstacle;  // arena
-  QColor plot, plot_grid, axis;                              // plots
-  QColor good, notice, warning, alarm, alarm_fill, accent;   // what calls for how much attention
-  QColor avoiding, shielded, limited, standing;              // modes
+  QColor surroundings, floor, grid, bounds, path, obstacle, coupling;  // arena
+  QColor plot, plot_grid, axis;                                        // plots
+  QColor good, notice, warning, alarm, alarm_fill, accent;             // what calls for how much attention
+  QColor avoiding, shielded, limited, standing;                        // modes
 
   /// Robot i, from 0: Okabe and Ito's colours, told apart by nearly everybody. They come round again after seven; the
   /// number on the robot does not.

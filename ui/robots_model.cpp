@@ -28,7 +28,9 @@ void RobotsModel::show_experiment(const app::Experiment& experiment) {
   endResetModel();
 }
 
-void RobotsModel::take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked) {
+void RobotsModel::take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked,
+                       const std::set<int>& held) {
+  held_ = held;
   robots_ = record.robots;
   links_ = links;
   stop_asked_ = stop_asked;
@@ -90,7 +92,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
   }
   if (i >= robots_.size()) return nothing;
   const app::RobotRecord& record = robots_[i];
-  if (column == mode) return mode_text(record.mode);
+  if (column == mode) return held_.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
   if (column == tag_age) {
     if (!(record.pose_age < 1e6)) return tr("not seen");
     return record.pose_age < 10 ? tr("%1 ms").arg(record.pose_age * 1000, 0, 'f', 0)

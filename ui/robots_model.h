@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QAbstractTableModel>
+#include <set>
 #include <vector>
 
 #include "app/experiment.h"
@@ -20,7 +21,8 @@ class RobotsModel final : public QAbstractTableModel {
   using QAbstractTableModel::QAbstractTableModel;
 
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked);
+  void take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked,
+            const std::set<int>& held = {});
   void set_colours(const Colours& colours);
 
   int rowCount(const QModelIndex& parent = {}) const override;
@@ -37,6 +39,7 @@ class RobotsModel final : public QAbstractTableModel {
   std::vector<app::RobotRecord> robots_;
   std::vector<app::RobotStatus> links_;
   Colours colours_;
+  std::set<int> held_;
   bool stop_asked_ = false;
 };
 

@@ -1,15 +1,54 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
 namespace skein::core {
 
 /// A round obstacle that stands on the floor.
 struct Obstacle {
   double x = 0.0;       ///< [m]
   double y = 0.0;       ///< [m]
-  double radius = 0.0;  ///< [m]
+  double radius = 0.0;  ///< [m]; 0: not there
+  friend bool operator==(const Obstacle&, const Obstacle&) = default;
 };
 
 /// Radius of an e-puck's body; two robots touch at twice this distance. [m]
 inline constexpr double robot_radius = 0.035;
+
+/// The obstacles of a run: those that it began with, and those that are dropped, moved and taken away meanwhile. Each
+/// keeps its number. Only the constructor allocates.
+class ObstacleField {
+ public:
+  static constexpr std::size_t room_for_more = 16;
+
+  explicit ObstacleField(const std::vector<Obstacle>& first) : all_(first), standing_(first) {
+    all_.resize(first.size() + room_for_more);
+    standing_.reserve(all_.size());
+  }
+
+  /// All numbers, those that are not there too.
+  std::span<const Obstacle> all() const noexcept { return all_; }
+  std::span<const Obstacle> standing() const noexcept { return standing_; }
+  /// The first number that is free; all().size(): none is.
+  std::size_t free() const noexcept {
+    const auto gap = std::find_if(all_.begin(), all_.end(), [](const Obstacle& o) { return !(o.radius > 0.0); });
+    return static_cast<std::size_t>(gap - all_.begin());
+  }
+  /// Puts one somewhere, or with radius 0 takes it away. False: there is no such number, or it was so already.
+  bool put(std::size_t number, const Obstacle& obstacle) noexcept {
+    if (number >= all_.size() || all_[number] == obstacle) return false;
+    all_[number] = obstacle;
+    standing_.clear();
+    for (const Obstacle& o : all_)
+      if (o.radius > 0.0) standing_.push_back(o);
+    return true;
+  }
+
+ private:
+  std::vector<Obstacle> all_, standing_;
+};
 
 }  // namespace skein::core

@@ -1,5 +1,8 @@
 #include "core/simulation/simulated_robot.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/kinematics/unicycle.h"
 
 namespace skein::core {
@@ -23,6 +26,17 @@ void SimulatedRobot::step(double dt) noexcept {
     rolled.right *= 1.0 + imperfection_.slip * slip_random_.gaussian();
   }
   pose_ = advance(pose_, drive_.twist(rolled), dt);
+
+  const double slide = std::hypot(slide_x_, slide_y_);
+  if (!(slide > 0.0)) return;
+  // Coulomb's friction: the speed falls at a constant rate to nothing, however the time is cut into steps.
+  const double until = std::min(dt, slide / friction);
+  const double seconds = until - 0.5 * friction * until * until / slide;  // at the first speed, for the same way
+  pose_.x += slide_x_ * seconds;
+  pose_.y += slide_y_ * seconds;
+  const double left = std::max(0.0, 1.0 - friction * dt / slide);
+  slide_x_ *= left;
+  slide_y_ *= left;
 }
 
 Measurement SimulatedRobot::measure(double now) noexcept {

@@ -28,8 +28,13 @@ class SimulatedRobot {
                  std::uint64_t stream);
 
   const Pose& pose() const noexcept { return pose_; }
-  /// Puts the robot somewhere, as a hand does.
-  void place(const Pose& pose) noexcept { pose_ = pose; }
+  /// Puts the robot somewhere, as a hand does: there it stands still, but for its wheels.
+  void place(const Pose& pose) noexcept { pose_ = pose, slide_x_ = slide_y_ = 0.0; }
+  /// Kicks it: it slides with this velocity [m/s, world frame] on top of what its wheels do, until friction has taken
+  /// all of it.
+  void kick(double vx, double vy) noexcept { slide_x_ += vx, slide_y_ += vy; }
+  /// What friction takes of a slide [m/s^2]: rubber on a smooth floor, a friction coefficient of 0.3.
+  static constexpr double friction = 3.0;
 
   /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot.
   void command(const WheelSpeeds& commanded) noexcept;
@@ -56,6 +61,7 @@ class SimulatedRobot {
   Random slip_random_, sensor_random_;
   Pose pose_;
   WheelSpeeds wheels_;
+  double slide_x_ = 0.0, slide_y_ = 0.0;        // of a kick [m/s]
   std::array<Measurement, in_flight> queue_{};  // measurements on their way; number k lives at k % in_flight
   std::size_t taken_ = 0, arrived_ = 0;
   Measurement newest_;

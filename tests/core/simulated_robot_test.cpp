@@ -208,5 +208,27 @@ TEST(SimulatedRobot, SlipsAndSeesIndependently) {
   EXPECT_NEAR(product / count, 0.0, 5.0 / std::sqrt(count));
 }
 
+TEST(SimulatedRobot, SlidesTheSameWayAfterAKickHoweverTimeIsCut) {
+  const double speed = 0.5;
+  const double way = speed * speed / (2.0 * SimulatedRobot::friction);
+  for (const double dt : {0.04, 0.013, 0.001, 1.0}) {
+    SimulatedRobot robot({}, MotorModel::ideal, {}, 1, 0);
+    robot.place({0.1, 0.2, 1.0});
+    robot.kick(0.6 * speed, -0.8 * speed);
+    for (double t = 0.0; t < 1.0; t += dt) robot.step(dt);
+    EXPECT_NEAR(robot.pose().x, 0.1 + 0.6 * way, 1e-12) << dt;
+    EXPECT_NEAR(robot.pose().y, 0.2 - 0.8 * way, 1e-12) << dt;
+    EXPECT_EQ(robot.pose().theta, 1.0);
+  }
+}
+
+TEST(SimulatedRobot, AHandStopsASlide) {
+  SimulatedRobot robot({}, MotorModel::ideal, {}, 1, 0);
+  robot.kick(0.5, 0.0);
+  robot.place({0.1, 0.2, 0.0});
+  robot.step(tick);
+  EXPECT_EQ(robot.pose(), (Pose{0.1, 0.2, 0.0}));
+}
+
 }  // namespace
 }  // namespace skein::test

@@ -60,10 +60,10 @@ class Operator : public ::testing::Test {
   }
   QPoint floor(double x, double y) { return arena().map().to_screen({x, y}).toPoint(); }
 
-  void drag(QPoint from, QPoint to) {
-    QTest::mousePress(&arena(), Qt::LeftButton, {}, from);
+  void drag(QPoint from, QPoint to, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    QTest::mousePress(&arena(), Qt::LeftButton, modifiers, from);
     for (int k = 1; k <= 5; ++k) QTest::mouseMove(&arena(), from + (to - from) * k / 5);
-    QTest::mouseRelease(&arena(), Qt::LeftButton, {}, to);
+    QTest::mouseRelease(&arena(), Qt::LeftButton, modifiers, to);
   }
 
   void wheel(QPoint at, int notches, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
@@ -77,16 +77,20 @@ class Operator : public ::testing::Test {
 
   /// Where the operator put robot i last, once the run has a row of it.
   core::Pose moved(std::size_t i) {
-    std::optional<core::Pose> pose;
+    const app::Event event = last(app::Event::Kind::move, static_cast<int>(i));
+    return {event.values[0], event.values[1], event.values[2]};
+  }
+  /// The last event of this kind with this robot (or obstacle), once the run has a row of it.
+  app::Event last(app::Event::Kind kind, int robot) {
+    std::optional<app::Event> found;
     EXPECT_TRUE(eventually([&] {
       for (const auto& row : live().history().rows())
         for (const app::Event& event : row->events)
-          if (event.kind == app::Event::Kind::move && event.robot == static_cast<int>(i))
-            pose = core::Pose{event.values[0], event.values[1], event.values[2]};
-      return pose.has_value();
-    })) << "robot "
-        << i + 1 << " was not moved";
-    return pose.value_or(core::Pose{});
+          if (event.kind == kind && event.robot == robot) found = event;
+      return found.has_value();
+    })) << "there was no \""
+        << app::describe({kind, robot, {}, {}}) << "\"";
+    return found.value_or(app::Event{});
   }
 
   /// The events of the run's CSV, as the file has them.

@@ -1,0 +1,158 @@
+// The operator's gestures in the arena: kick, obstacles, ruler, couplings, keyboard; and why real robots are left
+// alone.
+#include <QAction>
+#include <QLabel>
+#include <cmath>
+
+#include "operator.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Arena : public Operator {
+ protected:
+  void use(const char* tool) { find<QAction>(tool)->trigger(); }
+  using Kind = app::Event::Kind;
+};
+
+TEST_F(Arena, KicksARobotWithShiftAndADrag) {
+  start();
+  const QPoint from = robot(1);
+  drag(from, from + QPoint(0, -60), Qt::ShiftModifier);
+  const app::Event kick = last(Kind::kick, 1);
+  EXPECT_NEAR(kick.values[0], 0.0, 0.05);
+  EXPECT_GT(kick.values[1], 0.3) << "upwards on the screen is +y";
+  EXPECT_EQ(count(saved_events(), "kick r2 "), 1);
+  EXPECT_EQ(count(saved_events(), "move r2 "), 0);
+}
+
+TEST_F(Arena, KicksNoHarderThanAMetreASecondAndNotByAccident) {
+  start();
+  use("tool_kick");
+  drag(robot(0), robot(0) + QPoint(4, 0));  // not out of the robot
+  drag(robot(2), floor(0.9, -0.7));
+  const app::Event kick = last(Kind::kick, 2);
+  EXPECT_NEAR(std::hypot(kick.values[0], kick.values[1]), 1.0, 1e-9);
+  EXPECT_EQ(count(saved_events(), "kick r1"), 0);
+}
+
+TEST_F(Arena, DropsDragsResizesAndTakesAwayAnObstacle) {
+  start();
+  use("tool_obstacle");
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(0.0, 0.0));
+  const app::Event dropped = last(Kind::obstacle, 0);
+  EXPECT_NEAR(dropped.values[0], 0.0, 0.01);
+  EXPECT_NEAR(dropped.values[2], 0.04, 1e-9);
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.0, 0.0) == 0; }));
+
+  use("tool_hand");
+  drag(floor(0.0, 0.0), floor(0.2, -0.2));
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.2, -0.2) == 0; })) << "it was not dragged";
+  wheel(floor(0.2, -0.2), 3);
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacles[0].radius > 0.05; })) << "it has not grown";
+
+  drag(floor(0.2, -0.2), floor(0.0, 0.95));  // off the floor
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.2, -0.2) < 0; })) << "it was not taken away";
+  EXPECT_EQ(count(saved_events(), "obstacle o1 "), 4);
+}
+
+TEST_F(Arena, DrawsAnObstacleOutToItsSizeAndDeletesItByKey) {
+  start();
+  use("tool_obstacle");
+  drag(floor(-0.2, 0.0), floor(-0.1, 0.0));
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.2, 0.0) == 0; }));
+  EXPECT_NEAR(arena().scene().obstacles[0].radius, 0.1, 0.01);
+  use("tool_hand");
+  arena().setFocus();
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(-0.2, 0.0));
+  key(Qt::Key_Delete);
+  EXPECT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.2, 0.0) < 0; }));
+}
+
+TEST_F(Arena, AnObstacleInTheWayIsAvoided) {
+  start();
+  use("tool_obstacle");
+  const core::Pose ahead = app::make_reference(live().experiment())->at(0, record().t + 2.0).pose;
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(ahead.x, ahead.y));
+  EXPECT_TRUE(eventually([&] { return record().robots[0].is(app::avoiding); }));
+}
+
+TEST_F(Arena, AnObstacleFromBeforeTheStartIsInTheRecord) {
+  window.resize(1280, 800);
+  window.show();
+  window.open(app::paper_experiment(), false);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  use("tool_obstacle");
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(0.0, 0.0));
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.0, 0.0) == 0; }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running() && record().t > 0.1; }));
+  EXPECT_EQ(count(saved_events(), "obstacle o1 "), 1);
+}
+
+TEST_F(Arena, MeasuresADistance) {
+  start();
+  use("tool_measure");
+  drag(floor(-0.3, -0.3), floor(0.0, 0.1));
+  ASSERT_TRUE(arena().scene().ruler);
+  const QPointF way = arena().scene().ruler->to - arena().scene().ruler->from;
+  EXPECT_NEAR(std::hypot(way.x(), way.y()), 0.5, 0.01);
+  EXPECT_EQ(count(saved_events(), "move"), 0);
+  use("tool_hand");
+  EXPECT_FALSE(arena().scene().ruler) << "the ruler goes with its tool";
+}
+
+TEST_F(Arena, IsWorkedWithTheKeyboardAlone) {
+  start();
+  arena().setFocus();
+  ASSERT_TRUE(eventually([&] { return arena().hasFocus(); }));
+  key(Qt::Key_3);
+  EXPECT_EQ(arena().scene().selected, 2);
+  const core::Pose before = *arena().scene().pose(2);
+  key(Qt::Key_Up);
+  EXPECT_NEAR(moved(2).y - before.y, 0.02, 0.01);
+  key(Qt::Key_M);
+  EXPECT_EQ(arena().tool(), ArenaTool::measure);
+  key(Qt::Key_H);
+  EXPECT_EQ(arena().tool(), ArenaTool::hand);
+}
+
+TEST_F(Arena, SaysWhichCouplingIsUnderThePointer) {
+  start();
+  const QPoint middle = (robot(0) + robot(1)) / 2;
+  std::optional<std::array<int, 2>> clicked;
+  QObject::connect(&arena(), &ArenaView::coupling_clicked, &arena(), [&](int i, int j) { clicked = {i, j}; });
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, middle);
+  ASSERT_TRUE(clicked);
+  EXPECT_EQ((*clicked)[1] - (*clicked)[0], 1);
+}
+
+TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {
+  start();
+  app::Experiment real = live().experiment();
+  real.robots[1].link = app::RobotSpec::Link::device;
+  const app::TickRecord seen = record();  // the arena alone: no robot is there to be opened
+  ArenaView alone;
+  alone.resize(640, 480);
+  alone.show();
+  alone.show_experiment(real);
+  alone.take(seen);
+  QString why;
+  int gestures = 0;
+  QObject::connect(&alone, &ArenaView::refused, &alone, [&](const QString& text) { why = text; });
+  QObject::connect(&alone, &ArenaView::move_wanted, &alone, [&] { ++gestures; });
+  QObject::connect(&alone, &ArenaView::kick_wanted, &alone, [&] { ++gestures; });
+  const core::Pose pose = *alone.scene().pose(1);
+  for (const auto modifiers : {Qt::KeyboardModifiers(Qt::NoModifier), Qt::KeyboardModifiers(Qt::ShiftModifier)}) {
+    why.clear();
+    const QPoint at = alone.map().to_screen({pose.x, pose.y}).toPoint();
+    QTest::mousePress(&alone, Qt::LeftButton, modifiers, at);
+    QTest::mouseMove(&alone, at + QPoint(60, 0));
+    QTest::mouseRelease(&alone, Qt::LeftButton, modifiers, at + QPoint(60, 0));
+    EXPECT_TRUE(why.contains(QStringLiteral("real"))) << why.toStdString();
+  }
+  EXPECT_EQ(gestures, 0);
+}
+
+}  // namespace
+}  // namespace skein::ui::test

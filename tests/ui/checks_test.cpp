@@ -1,0 +1,79 @@
+// The check list before a start: what it shows, what it lets through, and how things are mended from it.
+#include <QAction>
+#include <QLabel>
+
+#include "operator.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Checks : public Operator {
+ protected:
+  void open_and_wait(const app::Experiment& experiment = app::paper_experiment()) {
+    window.resize(1280, 800);
+    window.show();
+    window.open(experiment, false);
+    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+    ASSERT_TRUE(eventually([&] { return find<QPushButton>("go")->isEnabled(); }));
+  }
+  bool seen() { return find("check_list")->isVisible(); }
+};
+
+TEST_F(Checks, StayAwayWhereAllIsWell) {
+  open_and_wait();
+  EXPECT_FALSE(seen());
+  window.go();
+  EXPECT_TRUE(eventually([&] { return running(); }));
+  EXPECT_FALSE(seen());
+}
+
+TEST_F(Checks, CanBeLookedAtAnyTime) {
+  open_and_wait();
+  find<QAction>("view_checks")->trigger();
+  EXPECT_TRUE(seen());
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("check_gains")->text().contains(QStringLiteral("(18)")); }));
+  for (const char* name : {"camera", "tags", "links", "gains", "reference", "places"})
+    EXPECT_TRUE(eventually([&] {
+      return find<QLabel>((std::string("check_mark_") + name).c_str())->text().contains(QStringLiteral("✓"));
+    })) << name;
+  EXPECT_FALSE(find("start_anyway")->isVisible());
+}
+
+TEST_F(Checks, NameARobotOutOfItsPlaceAndBringItBack) {
+  open_and_wait();
+  drag(robot(1), floor(0.0, 0.0));
+  ASSERT_TRUE(eventually([&] { return seen(); }));
+  EXPECT_TRUE(find<QLabel>("check_places")->text().contains(QStringLiteral("robot 2")));
+  window.go();
+  EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("Not started")));
+  QTest::mouseClick(find<QPushButton>("mend_places"), Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return !seen(); })) << "it was not brought back";
+  EXPECT_EQ(live().phase(), app::Phase::ready) << "Start was refused, and must not come back by itself";
+  window.go();
+  EXPECT_TRUE(eventually([&] { return running(); }));
+}
+
+TEST_F(Checks, AreOverruledWhereThatEndangersNobody) {
+  open_and_wait();
+  drag(robot(1), floor(0.0, 0.0));
+  ASSERT_TRUE(eventually([&] { return seen() && find("start_anyway")->isVisible(); }));
+  QTest::mouseClick(find<QPushButton>("start_anyway"), Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return running(); }));
+  EXPECT_TRUE(eventually([&] { return !seen(); }));
+}
+
+TEST_F(Checks, NobodyStartsBlind) {
+  app::Experiment blind = app::paper_experiment();
+  blind.simulation.dropout = 1.0;  // no pose ever comes
+  open_and_wait(blind);
+  ASSERT_TRUE(eventually([&] { return seen(); }));
+  EXPECT_FALSE(find("start_anyway")->isVisible());
+  window.go();
+  EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("tag")))
+      << find<QLabel>("alert")->text().toStdString();
+  QTest::qWait(100);
+  EXPECT_EQ(live().phase(), app::Phase::ready);
+}
+
+}  // namespace
+}  // namespace skein::ui::test

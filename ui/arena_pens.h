@@ -1,0 +1,19 @@
+#pragma once
+
+#include <QPen>
+
+namespace skein::ui {
+
+inline QColor faded(QColor colour, double opacity) {
+  colour.setAlphaF(static_cast<float>(opacity));
+  return colour;
+}
+
+inline QPen cosmetic(const QColor& colour, double width, Qt::PenStyle style = Qt::SolidLine) {
+  QPen pen(colour, width, style);
+  pen.setCapStyle(Qt::RoundCap);
+  pen.setJoinStyle(Qt::RoundJoin);
+  return pen;
+}
+
+}  // namespace skein::ui
