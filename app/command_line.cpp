@@ -78,8 +78,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
   program.set_version_flag("--version", "skein " SKEIN_VERSION);
   program.require_subcommand(0, 1);
-  std::string window_file;
-  program.add_option("experiment", window_file, "experiment file (TOML) for the window");
+  ExperimentOptions window_experiment;
+  window_experiment.add_to(program, false);
+  window_experiment.add_run_length(program);
 
   CLI::App& run_command = *program.add_subcommand("run", "Runs an experiment without a window");
   ExperimentOptions run_experiment;
@@ -221,8 +222,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     fmt::print(stderr, "skein: this program was built without a window; try: skein run EXPERIMENT, skein --help\n");
     return wrong_input;
   }
-  const auto experiment = load({window_file, {}});
-  return experiment ? show_window({*experiment, window_file.empty()}, argc, argv) : wrong_input;
+  const auto experiment = load(window_experiment.request());
+  return experiment ? show_window({*experiment, window_experiment.file.empty()}, argc, argv) : wrong_input;
 }
 
 }  // namespace

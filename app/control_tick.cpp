@@ -165,12 +165,13 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
         if (changed_before_start[static_cast<std::size_t>(name)])
           note_gain(Event::Kind::gain, name, core::table(experiment.controller.gains, name).largest(),
                     core::table(schedule.target(), name).largest());
-      for (std::size_t k = 0; k < obstacles.all().size(); ++k)
-        if (const core::Obstacle& o = obstacles.all()[k];
-            o != (k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{}))
-          note_obstacle(k, o);
+      for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
+        const core::Obstacle first = k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{};
+        const bool told = record.events.contains(Event::Kind::obstacle, static_cast<int>(k));
+        if (obstacles.all()[k] != first && !told) note_obstacle(k, obstacles.all()[k]);
+      }
       for (std::size_t i = 0; i < robots(); ++i)
-        if (held[i]) note(Event::Kind::hold, i);
+        if (held[i] && !record.events.contains(Event::Kind::hold, static_cast<int>(i))) note(Event::Kind::hold, i);
       record.events.add({Event::Kind::start, -1, {}, {}});
       forget_history();
       return;

@@ -54,6 +54,11 @@ class EventList {
     else
       ++dropped_;
   }
+  bool contains(Event::Kind kind, int robot) const noexcept {
+    for (const Event& event : *this)
+      if (event.kind == kind && event.robot == robot) return true;
+    return false;
+  }
   void clear() noexcept { size_ = 0, dropped_ = 0; }
   const Event* begin() const noexcept { return events_.data(); }
   const Event* end() const noexcept { return events_.data() + size_; }

@@ -65,8 +65,7 @@ Check gains(const Certificate* certificate) {
   }
   const bool hold = positive && forward > 0.0 && turning > 0.0;
   return {What::gains, hold ? State::holds : State::fails,
-          hold ? fmt::format("(18) holds all the way; at least {:.0f} % of v_max and {:.0f} % of omega_max are left",
-                             100 * forward, 100 * turning)
+          hold ? fmt::format("(18) holds: {:.0f} % of v_max, {:.0f} % of omega_max left", 100 * forward, 100 * turning)
                : "(18) is violated: weaker couplings are needed",
           true};
 }
@@ -79,10 +78,10 @@ Check reference(const Certificate* certificate) {
     omega = std::max(omega, r.omega.value);
     wheel = std::max(wheel, r.wheel.value);
   }
-  return {What::reference, v < 1.0 && omega < 1.0 && wheel <= 1.0 ? State::holds : State::fails,
-          fmt::format("asks for at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel", 100 * v,
-                      100 * omega, 100 * wheel),
-          true};
+  return {
+      What::reference, v < 1.0 && omega < 1.0 && wheel <= 1.0 ? State::holds : State::fails,
+      fmt::format("{:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel", 100 * v, 100 * omega, 100 * wheel),
+      true};
 }
 
 Check places(const TickRecord* record) {

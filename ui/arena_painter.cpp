@@ -153,8 +153,8 @@ void ArenaPainter::couplings() {
   const double opacity = n <= 6 ? 0.55 : 3.0 / static_cast<double>(n);  // a crowd's web must not hide the crowd
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
-      const auto one = scene_.pose(i), other = scene_.pose(j);
-      if (!one || !other) continue;
+      QPolygonF line;
+      for (const QPointF& point : scene_.coupling_line(i, j)) line << map_.to_screen(point);
       const bool lost = scene_.record->robots[i].is(app::lost) || scene_.record->robots[j].is(app::lost);
       const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
       const double strength = lost ? 0.0 : scene_.coupling(i, j);
@@ -164,8 +164,9 @@ void ArenaPainter::couplings() {
                                 std::clamp(thinnest + widest * strength, thinnest, widest))
                      : cosmetic(faded(c_.faint_text, hovered ? 0.9 : 0.35), hovered ? 2.0 : 1.0, Qt::DotLine);
       pen.setCapStyle(Qt::FlatCap);
+      p_.setBrush(Qt::NoBrush);
       p_.setPen(pen);
-      p_.drawLine(at(one->x, one->y), at(other->x, other->y));
+      p_.drawPolyline(line);
     }
 }
 

@@ -7,6 +7,18 @@
 #include "ui/modes.h"
 
 namespace skein::ui {
+namespace {
+
+/// From a point to a line between two others.
+double distance_to(QPointF point, QPointF a, QPointF b) {
+  const QPointF way = b - a;
+  const double length2 = QPointF::dotProduct(way, way);
+  const double s = length2 > 0.0 ? std::clamp(QPointF::dotProduct(point - a, way) / length2, 0.0, 1.0) : 0.0;
+  const QPointF off = point - (a + way * s);
+  return std::hypot(off.x(), off.y());
+}
+
+}  // namespace
 
 int ArenaView::robot_under(QPointF screen) const {
   const QPointF floor = map_.to_floor(screen);
@@ -28,17 +40,13 @@ std::optional<std::array<int, 2>> ArenaView::coupling_under(QPointF screen) cons
   const auto robots = static_cast<int>(scene_.experiment.robots.size());
   for (int i = 0; i < robots; ++i)
     for (int j = i + 1; j < robots; ++j) {
-      const auto one = scene_.pose(static_cast<std::size_t>(i)), other = scene_.pose(static_cast<std::size_t>(j));
-      if (!one || !other) continue;
-      const QPointF a = map_.to_screen({one->x, one->y}), way = map_.to_screen({other->x, other->y}) - a;
-      const double length = std::hypot(way.x(), way.y());
-      if (length < 1.0) continue;
-      const QPointF along = way / length;
-      const double t = QPointF::dotProduct(screen - a, along);
-      const double away = std::abs(along.x() * (screen - a).y() - along.y() * (screen - a).x());
-      if (t < 0.0 || t > length || away > least) continue;
-      least = away;
-      nearest = {i, j};
+      const std::vector<QPointF> line = scene_.coupling_line(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+      for (std::size_t k = 1; k < line.size(); ++k) {
+        const double away = distance_to(screen, map_.to_screen(line[k - 1]), map_.to_screen(line[k]));
+        if (away >= least) continue;
+        least = away;
+        nearest = {i, j};
+      }
     }
   return nearest;
 }

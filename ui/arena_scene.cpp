@@ -71,6 +71,22 @@ int ArenaScene::obstacle_at(double x, double y) const {
   return -1;
 }
 
+std::vector<QPointF> ArenaScene::coupling_line(std::size_t i, std::size_t j) const {
+  const auto one = pose(i), other = pose(j);
+  if (!one || !other) return {};
+  const QPointF a(one->x, one->y), b(other->x, other->y), way = b - a;
+  if (j == i + 1) return {a, b};
+  constexpr double bow = 0.16;  // of its length
+  constexpr int pieces = 12;
+  const QPointF across(-way.y(), way.x());
+  std::vector<QPointF> line;
+  for (int k = 0; k <= pieces; ++k) {
+    const double s = static_cast<double>(k) / pieces;
+    line.push_back(a + way * s + across * (4 * bow * s * (1 - s)));
+  }
+  return line;
+}
+
 double ArenaScene::coupling(std::size_t, std::size_t) const {
   if (!record) return 0.0;
   const std::array now{record->k_xx, record->k_tt, record->k_yy};

@@ -73,6 +73,9 @@ struct ArenaScene {
   int robot_at(double x, double y, double reach = robot_radius) const;
   /// The obstacle on this point of the floor, or -1.
   int obstacle_at(double x, double y) const;
+  /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that
+  /// it does not hide behind those between them. Empty: one of them was never seen.
+  std::vector<QPointF> coupling_line(std::size_t i, std::size_t j) const;
   /// How strong the coupling of two robots is now: the mean of its gains' shares of their borders, 0 to about 1.
   double coupling(std::size_t i, std::size_t j) const;
   void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }

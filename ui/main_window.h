@@ -37,7 +37,7 @@ class MainWindow final : public QMainWindow {
   void open_file(const QString& file);
   void save_csv(const QString& file);
   void save_plot(const QString& file);
-  void set_theme(Theme theme);
+  void set_theme(Theme theme);  ///< and keep to it, instead of following the desktop
 
   const LiveSession& live() const { return live_; }
 
@@ -117,8 +117,10 @@ class MainWindow final : public QMainWindow {
     std::future<QString> problem;
   };
   std::optional<Saving> saving_;
-  bool may_close_ = false;  // all robots are stopped and the session is gone
-  bool teaches_ = false;    // the hint stands until a robot was moved
+  bool may_close_ = false;                          // all robots are stopped and the session is gone
+  const Theme desktop_at_start_ = desktop_theme();  // before any palette of ours
+  bool theme_chosen_ = false;                       // else the desktop's
+  bool teaches_ = false;                            // the hint stands until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
   int frames_ = 0;
   std::uint64_t rows_missed_ = 0;  // by the window, of this session

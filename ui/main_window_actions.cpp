@@ -117,6 +117,10 @@ void MainWindow::build_menus(QMenuBar* menus) {
   view->addSeparator();
   dark_ = toggle(view, tr("Dar&k palette"), QStringLiteral("view_dark"), false,
                  [this](bool on) { set_theme(on ? Theme::dark : Theme::light); });
+  action(view, tr("As the des&ktop"), QStringLiteral("view_as_desktop"), {}, [this] {
+    set_theme(desktop_at_start_);
+    theme_chosen_ = false;
+  });
   full_screen_ = toggle(view, tr("&Full screen"), QStringLiteral("view_full_screen"), false,
                         [this](bool on) { on ? showFullScreen() : showNormal(); });
   full_screen_->setShortcut(QKeySequence(tr("F11")));
@@ -187,6 +191,7 @@ void MainWindow::dress_icons() {
 }
 
 void MainWindow::set_theme(Theme theme) {
+  theme_chosen_ = true;
   apply(theme);
   const QSignalBlocker quiet(dark_);
   dark_->setChecked(theme == Theme::dark);
@@ -260,7 +265,8 @@ void MainWindow::show_problem(const QString& title, const QString& text, const Q
 void MainWindow::restore_settings() {
   const QSettings stored = settings();
   const QString theme = stored.value(QStringLiteral("theme")).toString();
-  set_theme(theme.isEmpty() ? desktop_theme() : theme == QStringLiteral("dark") ? Theme::dark : Theme::light);
+  set_theme(theme.isEmpty() ? desktop_at_start_ : theme == QStringLiteral("dark") ? Theme::dark : Theme::light);
+  theme_chosen_ = !theme.isEmpty();
   if (stored.contains(QStringLiteral("geometry"))) {
     restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
     restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
@@ -273,7 +279,10 @@ void MainWindow::restore_settings() {
 
 void MainWindow::store_settings() {
   QSettings stored = settings();
-  stored.setValue(QStringLiteral("theme"), dark_->isChecked() ? QStringLiteral("dark") : QStringLiteral("light"));
+  if (theme_chosen_)
+    stored.setValue(QStringLiteral("theme"), dark_->isChecked() ? QStringLiteral("dark") : QStringLiteral("light"));
+  else
+    stored.remove(QStringLiteral("theme"));
   if (!isFullScreen()) stored.setValue(QStringLiteral("geometry"), saveGeometry());
   stored.setValue(QStringLiteral("layout"), saveState(layout_version));
   stored.setValue(QStringLiteral("regions"), regions_->isChecked());

@@ -1,10 +1,15 @@
 // What is on the window: nothing cut off, nothing unreadable, nothing nameless; and the files it reads and writes.
 #include <QAbstractButton>
+#include <QAbstractItemView>
 #include <QAbstractSlider>
 #include <QAbstractSpinBox>
+#include <QAccessible>
+#include <QAction>
 #include <QApplication>
+#include <QComboBox>
 #include <QDialog>
 #include <QLabel>
+#include <QLineEdit>
 #include <QMessageBox>
 #include <cmath>
 
@@ -79,6 +84,37 @@ TEST(Palette, CanBeRead) {
       for (std::size_t j = 0; j < i; ++j) EXPECT_NE(c.robot(i), c.robot(j));
     }
   }
+}
+
+/// What a screen reader says of it.
+QString spoken(QWidget* widget) {
+  QAccessibleInterface* spoken = QAccessible::queryAccessibleInterface(widget);
+  return spoken ? spoken->text(QAccessible::Name) : QString();
+}
+
+TEST_F(Operator, HearsANameForEverythingInEveryTabAndDialog) {
+  start();
+  for (const char* action : {"shortcuts", "about", "open", "save_csv", "save_plot"}) find<QAction>(action)->trigger();
+  int named = 0;
+  for (QWidget* widget : window.findChildren<QWidget*>()) {
+    const bool usable = qobject_cast<QAbstractButton*>(widget) || qobject_cast<QAbstractSlider*>(widget) ||
+                        qobject_cast<QAbstractSpinBox*>(widget) || qobject_cast<QComboBox*>(widget) ||
+                        qobject_cast<QLineEdit*>(widget) || qobject_cast<QAbstractItemView*>(widget) ||
+                        qobject_cast<ArenaView*>(widget);
+    QWidget* parent = widget->parentWidget();
+    const bool part_of_another = qobject_cast<QComboBox*>(parent) || qobject_cast<QAbstractSpinBox*>(parent) ||
+                                 qobject_cast<QAbstractItemView*>(parent) || qobject_cast<QLineEdit*>(parent) ||
+                                 widget->inherits("QScrollBar") || widget->inherits("QHeaderView") ||
+                                 widget->inherits("QComboBoxListView");
+    const bool of_qt = widget->objectName().startsWith(QStringLiteral("qt_")) ||
+                       widget->window()->inherits("QFileDialog") || parent->inherits("QTabBar");
+    if (!usable || part_of_another || of_qt) continue;
+    EXPECT_FALSE(spoken(widget).isEmpty())
+        << widget->metaObject()->className() << " " << widget->objectName().toStdString();
+    ++named;
+  }
+  EXPECT_GT(named, 30);
+  for (QDialog* dialog : window.findChildren<QDialog*>()) delete dialog;
 }
 
 TEST_F(Operator, FindsANameOnEverythingThatCanBeUsed) {

@@ -1,5 +1,6 @@
 // Takes the pictures of the window for the documents: the paper's experiment shortly after a perturbation, light and
 // dark. skein_screenshots DIR [SECONDS [WIDTH HEIGHT [EXPERIMENT]]]
+#include <QAction>
 #include <QApplication>
 #include <QDir>
 #include <QSettings>
@@ -8,6 +9,7 @@
 #include <cstdio>
 
 #include "app/experiment_file.h"
+#include "ui/arena_view.h"
 #include "ui/main_window.h"
 #include "ui/window.h"
 
@@ -17,6 +19,51 @@ bool save(skein::ui::MainWindow& window, skein::ui::Theme theme, const QString& 
   window.set_theme(theme);
   QTest::qWait(300);  // two replots
   return window.grab().save(file);
+}
+
+QPoint at(const skein::ui::ArenaView& arena, double x, double y) {
+  return arena.map().to_screen({x, y}).toPoint();
+}
+
+void drag(skein::ui::ArenaView& arena, QPoint from, QPoint to, bool let_go = true,
+          Qt::KeyboardModifiers keys = Qt::NoModifier) {
+  QTest::mousePress(&arena, Qt::LeftButton, keys, from);
+  for (int k = 1; k <= 4; ++k) QTest::mouseMove(&arena, from + (to - from) * k / 4);
+  if (let_go) QTest::mouseRelease(&arena, Qt::LeftButton, keys, to);
+}
+
+/// An obstacle in the platoon's way, a ruler between two robots, and a kick about to be given.
+bool gestures(skein::ui::MainWindow& window, const QDir& dir) {
+  auto& arena = *window.findChild<skein::ui::ArenaView*>();
+  const auto use = [&](const char* tool) { window.findChild<QAction*>(QString::fromLatin1(tool))->trigger(); };
+  const auto ahead =
+      skein::app::make_reference(window.live().experiment())->at(0, window.live().latest()->t + 3.0).pose;
+  use("tool_obstacle");
+  QTest::mouseClick(&arena, Qt::LeftButton, {}, at(arena, ahead.x, ahead.y - 0.03));
+  QTest::qWait(3000);
+  const auto one = *arena.scene().pose(0), four = *arena.scene().pose(3);
+  use("tool_measure");
+  drag(arena, at(arena, one.x, one.y), at(arena, four.x, four.y));
+  const bool measured = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("measure.png")));
+  use("tool_kick");
+  const auto two = *arena.scene().pose(1);
+  drag(arena, at(arena, two.x, two.y), at(arena, two.x, two.y - 0.18), false);
+  const bool kicked = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("kick.png")));
+  QTest::mouseRelease(&arena, Qt::LeftButton, {}, at(arena, two.x, two.y - 0.18));
+  use("tool_hand");
+  return measured && kicked;
+}
+
+/// Before a start, with a robot that is not where it should be.
+bool checks(skein::ui::MainWindow& window, const QDir& dir) {
+  auto& arena = *window.findChild<skein::ui::ArenaView*>();
+  window.new_run();
+  if (!QTest::qWaitFor([&] { return window.live().is_open() && window.live().latest(); }, 5000)) return false;
+  QTest::qWait(300);
+  const auto two = *arena.scene().pose(1);
+  drag(arena, at(arena, two.x, two.y), at(arena, 0.2, 0.0));
+  QTest::qWait(500);
+  return save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("check-list.png")));
 }
 
 }  // namespace
@@ -53,7 +100,8 @@ int main(int argc, char** argv) {
   }
   const QDir dir(words[1]);
   const bool done = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("window.png"))) &&
-                    save(window, skein::ui::Theme::dark, dir.filePath(QStringLiteral("window-dark.png")));
+                    save(window, skein::ui::Theme::dark, dir.filePath(QStringLiteral("window-dark.png"))) &&
+                    gestures(window, dir) && checks(window, dir);
   if (!done) std::fprintf(stderr, "could not write to %s\n", argv[1]);
   window.close();
   static_cast<void>(QTest::qWaitFor([&] { return !window.isVisible(); }, 3000));

@@ -1,0 +1,170 @@
+// The gains panel: undo, presets, the form of the couplings, the schedule. And what can be done with one robot.
+#include <QAbstractItemView>
+#include <QAction>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QMenu>
+#include <QTabWidget>
+#include <QToolButton>
+#include <cmath>
+
+#include "operator.h"
+#include "ui/gain_presets.h"
+#include "ui/gains_panel.h"
+#include "ui/robots_model.h"
+#include "ui/schedule_editor.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Gains : public Operator {
+ protected:
+  double spin(const char* name) { return find<QDoubleSpinBox>(name)->value(); }
+  void set(const char* name, double value) {
+    find<QDoubleSpinBox>(name)->setValue(value);
+    ASSERT_TRUE(eventually([&] { return find<QToolButton>("undo_gain")->isEnabled(); }));
+  }
+  void use_preset(const QString& name) {
+    QMenu* menu = find<QToolButton>("gain_presets")->menu();
+    emit menu->aboutToShow();
+    for (QAction* action : menu->actions())
+      if (action->text() == name) return action->trigger();
+    ADD_FAILURE() << "no preset " << name.toStdString();
+  }
+  void open_before_start() {
+    window.resize(1280, 800);
+    window.show();
+    window.open(app::paper_experiment(), false);
+    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+    ASSERT_TRUE(eventually([&] { return find<QComboBox>("coupling")->isEnabled(); }));
+  }
+};
+
+TEST_F(Gains, AreUndoneAndRedone) {
+  start();
+  set("spin_k_xx", 0.012);
+  ASSERT_TRUE(eventually([&] { return std::abs(record().k_xx - 0.012) < 1e-6; }));
+  QTest::mouseClick(find<QToolButton>("undo_gain"), Qt::LeftButton);
+  EXPECT_EQ(spin("spin_k_xx"), 0.008);
+  ASSERT_TRUE(eventually([&] { return std::abs(record().k_xx - 0.008) < 1e-6; }));
+  QTest::mouseClick(find<QToolButton>("redo_gain"), Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return std::abs(record().k_xx - 0.012) < 1e-6; }));
+  EXPECT_FALSE(find<QToolButton>("redo_gain")->isEnabled());
+}
+
+TEST_F(Gains, ComeAsPresetsWhichAreOneStepToUndo) {
+  start();
+  use_preset(QStringLiteral("Uncoupled"));
+  for (const char* name : {"spin_k_xx", "spin_k_tt", "spin_k_yy"}) EXPECT_EQ(spin(name), 0.0) << name;
+  ASSERT_TRUE(eventually([&] { return record().k_xx == 0.0 && record().k_yy == 0.0; }));
+  QTest::mouseClick(find<QToolButton>("undo_gain"), Qt::LeftButton);
+  EXPECT_EQ(spin("spin_k_xx"), 0.008);
+  EXPECT_EQ(spin("spin_k_tt"), 0.025);
+  EXPECT_EQ(spin("spin_k_yy"), 0.08);
+}
+
+TEST_F(Gains, KeepThePresetsOfTheirOwn) {
+  keep_gain_preset({QStringLiteral("Mine / 1"), {0.001, 0.002, 0.003}, true});
+  start();
+  use_preset(QStringLiteral("Mine - 1"));
+  EXPECT_EQ(spin("spin_k_tt"), 0.002);
+  forget_gain_preset(QStringLiteral("Mine - 1"));
+  for (const GainPreset& preset : gain_presets(live().experiment())) EXPECT_FALSE(preset.own);
+}
+
+TEST_F(Gains, SwitchTheFormOfTheCouplingsBeforeTheStart) {
+  open_before_start();
+  auto* box = find<QComboBox>("coupling");
+  box->setCurrentIndex(1);
+  emit box->activated(1);
+  ASSERT_TRUE(eventually([&] {
+    return live().is_open() && live().latest() && live().experiment().controller.coupling == core::Coupling::bounded;
+  }));
+  EXPECT_EQ(box->currentIndex(), 1);
+  EXPECT_NE(live().experiment().source.find("bounded"), std::string::npos) << "the record must say so";
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running(); }));
+  EXPECT_TRUE(eventually([&] { return !box->isEnabled(); })) << "a law does not change in mid-run";
+}
+
+TEST_F(Gains, FollowAScheduleThatWasMadeInTheWindow) {
+  open_before_start();
+  find<QTabWidget>("gain_tabs")->setCurrentWidget(find("schedule"));
+  QTest::mouseClick(find<QPushButton>("schedule_add"), Qt::LeftButton);
+  auto* table = find<QAbstractItemView>("schedule_table");
+  ASSERT_EQ(table->model()->rowCount(), 1);
+  const auto put = [&](int column, const QString& text) {
+    return table->model()->setData(table->model()->index(0, column), text, Qt::EditRole);
+  };
+  EXPECT_TRUE(put(ScheduleModel::t, QStringLiteral("0.4")));
+  EXPECT_TRUE(put(ScheduleModel::k_xx, QStringLiteral("0.002")));
+  EXPECT_TRUE(put(ScheduleModel::k_tt, QString()));
+  EXPECT_TRUE(put(ScheduleModel::k_yy, QString()));
+  EXPECT_TRUE(put(ScheduleModel::ramp, QStringLiteral("0.2")));
+  EXPECT_FALSE(put(ScheduleModel::t, QStringLiteral("soon")));
+  EXPECT_FALSE(put(ScheduleModel::ramp, QString()));
+  QTest::mouseClick(find<QPushButton>("schedule_apply"), Qt::LeftButton);
+  ASSERT_TRUE(
+      eventually([&] { return live().is_open() && live().latest() && live().experiment().gain_changes.size() == 1; }));
+  EXPECT_EQ(table->model()->rowCount(), 1);
+  ASSERT_TRUE(eventually([&] { return find<QPushButton>("go")->isEnabled(); }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running() && record().t > 0.8; }));
+  EXPECT_NEAR(record().k_xx, 0.002, 1e-12);
+  EXPECT_NEAR(record().k_tt, 0.025, 1e-12);
+  EXPECT_EQ(count(saved_events(), "schedule k_xx 0.008 -> 0.002"), 1);
+}
+
+TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
+  open_before_start();
+  auto* panel = find<GainsPanel>("gains");
+  emit panel->experiment_wanted(QStringLiteral("gain_change=[{ t = 1, k_xx = 5 }]"));
+  auto* box = find<QWidget>("problem_dialog");
+  ASSERT_NE(box, nullptr);
+  EXPECT_TRUE(live().experiment().gain_changes.empty());
+  delete box;
+}
+
+TEST_F(Operator, HoldsOneRobotAndLetsItGo) {
+  start();
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, robot(2));
+  auto* hold = find<QPushButton>("hold_robot");
+  ASSERT_TRUE(eventually([&] { return hold->isEnabled(); }));
+  EXPECT_TRUE(hold->text().contains(QLatin1Char('3')));
+  QTest::mouseClick(hold, Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return record().robots[2].wheels == core::WheelSpeeds{} && running(); }));
+  EXPECT_NE(record().robots[0].wheels, core::WheelSpeeds{}) << "the others drive on";
+  auto* table = find<QAbstractItemView>("robots");
+  ASSERT_TRUE(eventually(
+      [&] { return table->model()->index(2, RobotsModel::mode).data().toString() == QStringLiteral("held"); }));
+  ASSERT_TRUE(eventually([&] { return hold->text().startsWith(QStringLiteral("Let")); }));
+  QTest::mouseClick(hold, Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return record().robots[2].wheels != core::WheelSpeeds{}; }));
+  const QStringList events = saved_events();
+  EXPECT_EQ(count(events, "hold r3"), 1);
+  EXPECT_EQ(count(events, "release r3"), 1);
+}
+
+TEST_F(Operator, FiltersTheEvents) {
+  start();
+  find<QDoubleSpinBox>("spin_k_yy")->setValue(find<QDoubleSpinBox>("spin_k_yy")->maximum());
+  drag(robot(1), robot(1) + QPoint(-30, 0));
+  auto* log = find<QAbstractItemView>("event_log");
+  ASSERT_TRUE(eventually([&] { return log->model()->rowCount() >= 3; }));
+  const int all = log->model()->rowCount();
+  auto* level = find<QComboBox>("event_level");
+  level->setCurrentIndex(2);
+  EXPECT_LT(log->model()->rowCount(), all);
+  ASSERT_GE(log->model()->rowCount(), 1) << "gain_held is a warning";
+  EXPECT_EQ(log->model()->index(0, 1).data().toString(), QStringLiteral("!"));
+  level->setCurrentIndex(0);
+  find<QLineEdit>("event_words")->setText(QStringLiteral("R2"));
+  ASSERT_GE(log->model()->rowCount(), 1);
+  for (int row = 0; row < log->model()->rowCount(); ++row)
+    EXPECT_TRUE(log->model()->index(row, 2).data().toString().contains(QStringLiteral("r2")));
+}
+
+}  // namespace
+}  // namespace skein::ui::test
