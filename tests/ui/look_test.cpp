@@ -48,8 +48,9 @@ TEST_P(Look, CutsNothingOff) {
 }
 
 INSTANTIATE_TEST_SUITE_P(On, Look,
-                         ::testing::Values(Screen{1280, 800, Theme::light}, Screen{1280, 800, Theme::dark},
-                                           Screen{1920, 1080, Theme::light}, Screen{1920, 1080, Theme::dark}),
+                         ::testing::Values(Screen{1280, 720, Theme::light}, Screen{1280, 800, Theme::light},
+                                           Screen{1280, 800, Theme::dark}, Screen{1920, 1080, Theme::light},
+                                           Screen{1920, 1080, Theme::dark}),
                          [](const auto& screen) {
                            return std::to_string(screen.param.width) + "x" + std::to_string(screen.param.height) +
                                   (screen.param.theme == Theme::dark ? "Dark" : "Light");
