@@ -27,6 +27,8 @@ QString words(const app::Event& event, double t) {
       return when + AlertStrip::tr("Robot %1 was moved by the experiment").arg(robot);
     case Kind::move:
       return when + AlertStrip::tr("Robot %1 was moved by hand").arg(robot);
+    case Kind::kidnap:
+      return when + AlertStrip::tr("Robot %1 is not where its wheels took it: it was carried or pushed").arg(robot);
     case Kind::hold:
       return when + AlertStrip::tr("Robot %1 is held: it stands, the others drive on").arg(robot);
     case Kind::release:

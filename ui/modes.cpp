@@ -57,6 +57,7 @@ Severity severity(const app::Event& event) {
     case Kind::lost:
       return Severity::alarm;
     case Kind::deadline_missed:
+    case Kind::kidnap:
     case Kind::hold:
     case Kind::gain_held:
     case Kind::link:

@@ -19,10 +19,13 @@ class Readiness : public ::testing::Test {
       measurements.push_back({reference->at(i, 0.0).pose, 0.0});
     }
   }
+  /// What a tick sees that sees the robots for the first time.
   const TickRecord& look() {
+    ControlTick tick(experiment);
     TickInput input;
     input.measurements = measurements;
-    return tick.step(input);
+    record = tick.step(input);
+    return record;
   }
   Check check(Check::What what) {
     const std::vector<Check> all = readiness(experiment, &certificate, &look(), robots);
@@ -33,7 +36,7 @@ class Readiness : public ::testing::Test {
   Experiment experiment = paper_experiment();
   std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   Certificate certificate = certify(experiment);
-  ControlTick tick{experiment};
+  TickRecord record;
   std::vector<RobotStatus> robots;
   std::vector<core::Measurement> measurements;
 };

@@ -5,6 +5,7 @@
 #include <QMenu>
 #include <QMenuBar>
 #include <QSlider>
+#include <QToolButton>
 
 #include "operator.h"
 
@@ -53,7 +54,8 @@ TEST_F(Stop, ByTheMenu) {
 TEST_F(Stop, WithTheFocusInAnyWidgetThatTakesKeys) {
   start();
   int tried = 0;
-  for (const char* name : {"spin_k_xx", "slider_k_tt", "go", "new_run", "robots", "event_log", "reset_gains", "arena"})
+  for (const char* name : {"spin_k_xx", "slider_k_tt", "go", "new_run", "robots", "event_log", "reset_gains", "arena",
+                           "event_words", "event_level", "gain_presets"})
     for (const Qt::Key pressed : {Qt::Key_Space, Qt::Key_Escape}) {
       auto* widget = find(name);
       ASSERT_TRUE(eventually([&] { return widget->isEnabled(); })) << name;
@@ -68,7 +70,7 @@ TEST_F(Stop, WithTheFocusInAnyWidgetThatTakesKeys) {
       window.go();
       ASSERT_TRUE(eventually([&] { return running(); }));
     }
-  EXPECT_EQ(tried, 16);
+  EXPECT_EQ(tried, 22);
 }
 
 TEST_F(Stop, WhileANumberIsBeingTyped) {
@@ -103,6 +105,35 @@ TEST_F(Stop, WithADialogOpen) {
     window.go();
     ASSERT_TRUE(eventually([&] { return running(); }));
   }
+}
+
+TEST_F(Stop, WhileAPresetIsNamed) {
+  start();
+  QMenu* menu = find<QToolButton>("gain_presets")->menu();
+  emit menu->aboutToShow();
+  find<QAction>("keep_preset")->trigger();
+  auto* dialog = find<QDialog>("preset_dialog");
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(dialog));
+  EXPECT_FALSE(dialog->isModal());
+  dialog->activateWindow();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(dialog));
+  key(Qt::Key_Escape, dialog);
+  expect_stopped();
+  EXPECT_TRUE(dialog->isVisible()) << "the key did more than stop";
+  delete dialog;
+}
+
+TEST_F(Stop, WithTheCheckListOpen) {
+  window.resize(1280, 800);
+  window.show();
+  window.open(app::paper_experiment(), false);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  find<QAction>("view_checks")->trigger();
+  ASSERT_TRUE(eventually([&] { return find("check_list")->isVisible(); }));
+  key(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); })) << "STOP before the start is latched as well";
+  window.go();
+  EXPECT_TRUE(stopped());
 }
 
 TEST_F(Stop, LetsAFileNameHaveBlanksOnceNothingMoves) {
