@@ -78,10 +78,9 @@ Check reference(const Certificate* certificate) {
     omega = std::max(omega, r.omega.value);
     wheel = std::max(wheel, r.wheel.value);
   }
-  return {
-      What::reference, v < 1.0 && omega < 1.0 && wheel <= 1.0 ? State::holds : State::fails,
-      fmt::format("{:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel", 100 * v, 100 * omega, 100 * wheel),
-      true};
+  return {What::reference, v < 1.0 && omega < 1.0 && wheel <= 1.0 ? State::holds : State::fails,
+          fmt::format("v {:.0f} %, omega {:.0f} %, wheels {:.0f} % of their limits", 100 * v, 100 * omega, 100 * wheel),
+          true};
 }
 
 Check places(const TickRecord* record) {

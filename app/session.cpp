@@ -172,7 +172,7 @@ double Session::gain_border(core::GainName name) const {
 double Session::gain_border(core::GainName name, const TickRecord& now) const {
   core::ReferenceDemand demand;
   for (const RobotRecord& robot : now.robots) {
-    const double v = std::abs(robot.reference.twist.v), omega = std::abs(robot.reference.twist.omega);
+    const double v = std::abs(robot.nominal.twist.v), omega = std::abs(robot.nominal.twist.omega);
     demand.v = std::max(demand.v, v);
     demand.turning = std::max(demand.turning, omega + impl_->gains.k_y * v);
   }

@@ -75,7 +75,7 @@ class Session {
   void set_gain(core::GainName name, double value);
   /// The largest value that (18f, g) leave to this gain over the whole reference, with the others as they are.
   double gain_border(core::GainName name) const;
-  /// The same at this tick alone, for what its references ask of the robots now: never less than over the whole
+  /// The same at this tick alone, for what the formation asks of the robots now: never less than over the whole
   /// reference.
   double gain_border(core::GainName name, const TickRecord& now) const;
 

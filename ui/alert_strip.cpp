@@ -67,6 +67,7 @@ void AlertStrip::take(const app::TickRecord& record) {
     const QString text = words(event, record.t);
     if (!text.isEmpty()) say(text, severity(event));
   }
+  watch(record);
   if (held_ || lost_ == before) return;
   since_.invalidate();
   if (lost_.empty())
@@ -75,6 +76,36 @@ void AlertStrip::take(const app::TickRecord& record) {
     say(tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
   else
     say(tr("LOST: robot %1 – no tag seen, it stands").arg(lost_robots()), Severity::alarm);
+}
+
+/// Limits that bite and a V that rises are said when they last, and unsaid when they are over.
+void AlertStrip::watch(const app::TickRecord& record) {
+  constexpr double lasts = 1.0;  // [s]: shorter ones are the everyday of a push
+  const bool running = record.phase == app::Phase::running;
+  const auto since = [&](double& begin, bool holds) {
+    if (!holds || !running)
+      begin = app::none;
+    else if (std::isnan(begin))
+      begin = record.t;
+    return record.t - begin >= lasts;  // of NaN: no
+  };
+  limited_since_.resize(record.robots.size(), app::none);
+  QStringList limited;
+  for (std::size_t i = 0; i < record.robots.size(); ++i)
+    if (since(limited_since_[i], record.robots[i].is(app::limited))) limited << QString::number(i + 1);
+  const bool rises = since(rising_since_, record.V > last_V_);
+  last_V_ = record.V;
+
+  const QString before = condition_;
+  condition_ = !limited.isEmpty() ? tr("Limits bite: robot %1 is asked for more than (14) or its wheels allow")
+                                        .arg(limited.join(QStringLiteral(", ")))
+               : rises ? tr("V rises: limits, shield or avoidance keep robots from what the law asks")
+                       : QString();
+  if (condition_ == before || held_ || !lost_.empty()) return;
+  if (!condition_.isEmpty())
+    say(condition_, Severity::warning);
+  else if (text_ == before)
+    clear_text();
 }
 
 QString AlertStrip::lost_robots() const {
@@ -103,6 +134,13 @@ void AlertStrip::hold(const QString& text, Severity severity) {
 void AlertStrip::clear_alert() {
   held_ = false;
   lost_.clear();
+  limited_since_.clear();
+  rising_since_ = last_V_ = app::none;
+  condition_.clear();
+  clear_text();
+}
+
+void AlertStrip::clear_text() {
   text_.clear();
   severity_ = Severity::note;
   since_.invalidate();
@@ -110,7 +148,8 @@ void AlertStrip::clear_alert() {
 }
 
 void AlertStrip::refresh() {
-  if (!held_ && lost_.empty() && since_.isValid() && since_.elapsed() > fade_ms) clear_alert();
+  const bool lasts = held_ || !lost_.empty() || (!condition_.isEmpty() && text_ == condition_);
+  if (!lasts && since_.isValid() && since_.elapsed() > fade_ms) clear_text();
 }
 
 void AlertStrip::show_text() {

@@ -3,6 +3,7 @@
 #include <QElapsedTimer>
 #include <QLabel>
 #include <set>
+#include <vector>
 
 #include "ui/modes.h"
 
@@ -27,9 +28,15 @@ class AlertStrip final : public QLabel {
   void paintEvent(QPaintEvent*) override;
 
  private:
+  void watch(const app::TickRecord& record);
+  void clear_text();
   void show_text();
 
   std::set<int> lost_;  // a state, not news: said as long as it lasts
+  // Two more states: limits that bite, V that rises. Since when [s of the experiment], NaN: they do not.
+  std::vector<double> limited_since_;
+  double rising_since_ = app::none, last_V_ = app::none;
+  QString condition_;  // what is said of them, as long as it lasts
   QString text_;
   Severity severity_ = Severity::note;
   bool held_ = false;

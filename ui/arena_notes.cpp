@@ -70,11 +70,12 @@ void ArenaPainter::ruler() {
   p_.drawEllipse(a, 4, 4);
   p_.drawEllipse(b, 4, 4);
   const double degrees = std::atan2(way.y(), way.x()) * 180.0 / core::pi;
-  note((a + b) / 2 - QPointF(0, 18), tr("%1 cm   Δx %2   Δy %3   %4°")
-                                         .arg(100 * std::hypot(way.x(), way.y()), 0, 'f', 1)
-                                         .arg(100 * way.x(), 0, 'f', 1)
-                                         .arg(100 * way.y(), 0, 'f', 1)
-                                         .arg(degrees, 0, 'f', 0));
+  const QPointF above((a.x() + b.x()) / 2, std::min(a.y(), b.y()) - 44);  // clear of robots at its ends
+  note(above, tr("%1 cm   Δx %2   Δy %3   %4°")
+                  .arg(100 * std::hypot(way.x(), way.y()), 0, 'f', 1)
+                  .arg(100 * way.x(), 0, 'f', 1)
+                  .arg(100 * way.y(), 0, 'f', 1)
+                  .arg(degrees, 0, 'f', 0));
 }
 
 void ArenaPainter::scale_bar(const QRectF& widget) {

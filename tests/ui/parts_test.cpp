@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/experiment_file.h"
+#include "ui/alert_strip.h"
 #include "ui/arena_map.h"
 #include "ui/arena_view.h"
 #include "ui/modes.h"
@@ -153,6 +154,27 @@ TEST(RobotsModel, SaysWhatIsWrongWithALink) {
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ToolTipRole).toString().contains(QStringLiteral("no route to it")));
   EXPECT_EQ(cell(RobotsModel::round_trip, Qt::DisplayRole).toString(), QStringLiteral("12.3 ms"));
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ForegroundRole).isValid());
+}
+
+TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
+  AlertStrip strip;
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(2);
+  const auto drive = [&](double from, double to, std::uint8_t mode, double slope) {
+    for (double t = from; t < to; t += 0.04) {
+      record.t = t;
+      record.V = 1.0 + slope * t;
+      record.robots[1].mode = mode;
+      strip.take(record);
+    }
+    return strip.text();
+  };
+  EXPECT_FALSE(drive(0.0, 0.8, app::limited, 0.0).contains(QStringLiteral("Limits"))) << "a short one is no news";
+  EXPECT_TRUE(drive(0.8, 2.0, app::limited, 0.0).contains(QStringLiteral("robot 2")));
+  EXPECT_FALSE(drive(2.0, 2.1, app::tracking, 0.0).contains(QStringLiteral("Limits"))) << "it is over";
+  EXPECT_TRUE(drive(3.0, 4.5, app::tracking, 1.0).contains(QStringLiteral("V rises")));
+  EXPECT_FALSE(drive(4.5, 4.6, app::tracking, 0.0).contains(QStringLiteral("V rises")));
 }
 
 }  // namespace

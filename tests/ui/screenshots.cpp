@@ -17,7 +17,7 @@ namespace {
 
 bool save(skein::ui::MainWindow& window, skein::ui::Theme theme, const QString& file) {
   window.set_theme(theme);
-  QTest::qWait(300);  // two replots
+  QTest::qWait(900);  // replots, and texts that change five times a second
   return window.grab().save(file);
 }
 
