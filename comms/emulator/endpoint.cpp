@@ -116,8 +116,11 @@ class SocketEndpoint final : public Endpoint {
     return {};
   }
   void write(std::span<const std::uint8_t> bytes) noexcept override {
-    if (host_.open()) [[maybe_unused]]
-      const auto sent = ::send(host_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (!host_.open()) return;
+    // The error of a broken connection is told once: an RFCOMM socket that told it here has nothing but EAGAIN for
+    // recv().
+    if (::send(host_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0 && errno != EAGAIN && errno != EINTR)
+      host_.reset();
   }
   void hang_up() override { host_.reset(); }
   void admit(bool hosts) override {
