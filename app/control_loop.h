@@ -42,6 +42,8 @@ class ControlLoop {
   Phase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
   /// The first robot whose pose is not known now, from 0; -1: all are.
   int unseen() const noexcept { return unseen_.load(std::memory_order_acquire); }
+  /// Whether some robot whose pose is known stands farther from its start than `staging.within`, or looks elsewhere.
+  bool away() const noexcept { return away_.load(std::memory_order_acquire); }
   /// The present targets of the gains (the largest of all pairs), for the window.
   double target(core::GainName name) const noexcept { return targets_[static_cast<std::size_t>(name)].load(); }
   /// Set when the control thread died; the reason may be read then.
@@ -80,7 +82,7 @@ class ControlLoop {
   std::size_t next_perturbation_ = 0;
   std::int64_t virtual_ticks_ = 0;
 
-  std::atomic<bool> stop_{false}, failed_{false};
+  std::atomic<bool> stop_{false}, failed_{false}, away_{false};
   std::atomic<Phase> phase_{Phase::ready};
   std::atomic<int> unseen_{0};
   std::array<std::atomic<double>, 3> targets_{};

@@ -11,7 +11,7 @@ namespace skein::app {
 
 /// What the operator, or the program for them, asks of the next tick.
 struct OperatorCommand {
-  enum class Kind : std::uint8_t { start, pause, resume, gain, obstacle, hold, release };
+  enum class Kind : std::uint8_t { start, pause, resume, gain, obstacle, hold, release, stage };
   Kind kind = Kind::start;
   core::GainName gain = core::GainName::k_xx;
   double value = 0.0;         ///< of the gain, for all pairs
