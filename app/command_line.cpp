@@ -10,6 +10,8 @@
 
 #include "app/commands.h"
 #include "app/fault_file.h"
+#include "app/safety_net.h"
+#include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
 
 namespace skein::app {
@@ -180,10 +182,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App& stop_command = *robots_command.add_subcommand(
       "stop", "Stops robots, whatever state they were left in; exit status 3 when one does not acknowledge");
   std::vector<std::string> robots_to_stop;
-  stop_command
-      .add_option("robots", robots_to_stop,
-                  "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST for one robot, an experiment file for all of its")
-      ->required();
+  stop_command.add_option(
+      "robots", robots_to_stop,
+      "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST for one robot, an experiment file for all of its; "
+      "default: the robots of every run that was killed");
   CLI::App& test_command = *robots_command.add_subcommand(
       "test", "Asks a robot for version and battery, turns each wheel 10 mm, and says what is wrong with them");
   std::string robot_to_test;
@@ -202,6 +204,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::vector<std::string> robots_to_pair;
   pair_command.add_option("robots", robots_to_pair, "names (e-puck_1234) or Bluetooth addresses")->required();
   pair_command.add_option("--adapter", adapter, "as for scan")->type_name("ADAPTER");
+
+  CLI::App& guard_command =
+      *program.add_subcommand("guard", "Started by a run with real robots: stops them when the run is killed");
+  std::string marker;
+  guard_command.add_option("marker", marker, "the file that names the robots")->required();
 
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;
@@ -227,8 +234,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);
   }
+  if (guard_command) return guard(marker, STDIN_FILENO);
   install_signal_handlers();
+  comms::stop_robots_on_crash();
   if (run_command) {
+    look_after_bad_ends();
     run_request.experiment = run_experiment.request();
     return run(run_request);
   }
@@ -246,6 +256,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     fmt::print(stderr, "skein: this program was built without a window; try: skein run EXPERIMENT, skein --help\n");
     return wrong_input;
   }
+  look_after_bad_ends();
   const auto experiment = load(window_experiment.request());
   return experiment ? show_window({*experiment, window_experiment.file.empty()}, argc, argv) : wrong_input;
 }

@@ -1,18 +1,20 @@
 #include <fmt/format.h>
 
-#include <future>
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
 #include <vector>
 
 #include "app/command_line.h"
 #include "app/commands.h"
-#include "comms/link_supervisor.h"
+#include "app/safety_net.h"
 #include "comms/robot_check.h"
 
 namespace skein::app {
 namespace {
 
 constexpr double reach_timeout = 15.0;  // a Bluetooth connection takes a few seconds, and may meet a busy robot [s]
-constexpr double stop_timeout = 2.0;    // [s]
 
 /// The robots that the words name: a link address each, or the real robots of an experiment file. Nothing, with the
 /// reason on stderr, if one of the words names none.
@@ -30,19 +32,13 @@ std::optional<std::vector<comms::LinkAddress>> addresses_of(const std::vector<st
     }
     const auto experiment = load({word, {}});
     if (!experiment) return {};
-    const std::size_t before = addresses.size();
-    for (std::size_t i = 0; i < experiment->robots.size(); ++i) {
-      const RobotSpec& robot = experiment->robots[i];
-      if (robot.simulated()) continue;
-      auto address = comms::parse_link_address(robot.address);
-      if (!address) {
-        fmt::print(stderr, "skein: {}: robot {}: {}\n", word, i + 1, address.error());
-        return {};
-      }
-      address->adapter = robot.adapter;
-      addresses.push_back(*address);
+    const auto robots = real_robots(*experiment);
+    if (!robots) {
+      fmt::print(stderr, "skein: {}: {}\n", word, robots.error());
+      return {};
     }
-    if (addresses.size() == before) {
+    addresses.insert(addresses.end(), robots->begin(), robots->end());
+    if (robots->empty()) {
       fmt::print(stderr, "skein: {}: no robot in it is real\n", word);
       return {};
     }
@@ -50,35 +46,46 @@ std::optional<std::vector<comms::LinkAddress>> addresses_of(const std::vector<st
   return addresses;
 }
 
-/// Connects, stops, and says how that went; empty: the robot has acknowledged.
-std::string stop_one(const comms::LinkAddress& address) {
-  comms::LinkSupervisor link({address}, {.close_timeout = stop_timeout});  // one each: none waits for another
-  const auto started = link.start(reach_timeout);
-  const comms::LinkStatus status = link.close(stop_timeout).at(0);
-  if (status.stop_acknowledged) return {};
-  return started || !status.reason.empty() ? status.reason : started.error();
+/// Stops the robots of every run that ended badly, and forgets the runs whose robots stand.
+int stop_left_behind() {
+  const std::vector<RunMarker> runs = bad_ends();
+  if (runs.empty()) fmt::print("no run has left a robot behind\n");
+  int status = done;
+  for (const RunMarker& run : runs) {
+    if (stop_all(run.robots))
+      std::filesystem::remove(run.path);
+    else
+      status = device_failed;
+  }
+  return status;
 }
 
 }  // namespace
 
+void look_after_bad_ends() {
+  const std::vector<RunMarker> runs = bad_ends();
+  if (runs.empty()) return;
+  for (const RunMarker& run : runs) {
+    std::string names;
+    for (const comms::LinkAddress& robot : run.robots) names += ' ' + comms::to_text(robot);
+    fmt::print(stderr, "skein: the run \"{}\" ended badly, and its robots may still be driving:{}\n", run.experiment,
+               names);
+  }
+  if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
+    fmt::print(stderr, "skein: to stop them: skein robots stop\n");
+    return;
+  }
+  fmt::print(stderr, "skein: stop them now? [Y/n] ");
+  std::string answer;
+  std::getline(std::cin, answer);
+  if (!answer.starts_with('n') && !answer.starts_with('N')) (void)stop_left_behind();
+}
+
 int stop_robots(const std::vector<std::string>& words) {
+  if (words.empty()) return stop_left_behind();
   const auto addresses = addresses_of(words);
   if (!addresses) return wrong_input;
-  std::vector<std::future<std::string>> stops;
-  for (const comms::LinkAddress& address : *addresses)
-    stops.push_back(std::async(std::launch::async, [&address] { return stop_one(address); }));
-  int status = done;
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    const std::string failure = stops[i].get();
-    const std::string name = comms::to_text((*addresses)[i]);
-    if (failure.empty()) {
-      fmt::print("{}: stopped\n", name);
-    } else {
-      fmt::print(stderr, "skein: {}: NOT known to be stopped: {}\n", name, failure);
-      status = device_failed;
-    }
-  }
-  return status;
+  return stop_all(*addresses) ? done : device_failed;
 }
 
 int test_robot(const std::string& word) {

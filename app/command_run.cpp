@@ -108,6 +108,7 @@ int run(const RunRequest& request) {
   SessionOptions options;
   options.sinks = {&statistics, &progress};
   options.video = request.video;
+  options.guard = true;
   std::vector<std::unique_ptr<CsvFile>> files;
   try {
     for (const std::string& path :
@@ -126,6 +127,8 @@ int run(const RunRequest& request) {
     complain(session.error());
     return device_failed;
   }
+  if (const auto why = (*session)->unguarded())
+    complain(fmt::format("{}: should this program be killed, nothing stops the robots", *why));
   const Phase end = (*session)->run([] { return !interrupted(); });
   (*session)->close();
 
@@ -145,6 +148,8 @@ int run(const RunRequest& request) {
     }
   }
   const std::vector<RobotStatus> robots = (*session)->robots();
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    if (experiment->robots[i].link != RobotSpec::Link::sim) summary.links.emplace_back(static_cast<int>(i), robots[i]);
   for (std::size_t i = 0; i < robots.size(); ++i)
     if (!robots[i].stop_acknowledged) summary.not_stopped.push_back(static_cast<int>(i));
 

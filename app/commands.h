@@ -49,8 +49,8 @@ int sweep(const SweepRequest& request);
 /// Further words go to Google Benchmark.
 int bench(const std::string& what, double seconds, std::vector<std::string> arguments);
 
-/// Stops robots, named by link addresses or by experiment files, whatever state they were left in; `device_failed`
-/// when one has not acknowledged.
+/// Stops robots, named by link addresses or by experiment files, whatever state they were left in; without words those
+/// of every run that was killed. `device_failed` when one has not acknowledged.
 int stop_robots(const std::vector<std::string>& words);
 
 /// Looks for robots by Bluetooth for so long [s], with one adapter ("hci1", or its address) or all (empty), and prints
@@ -59,6 +59,10 @@ int scan_robots(const std::string& adapter, double seconds);
 
 /// Pairs with robots, named by name or address; prints them likewise; `device_failed` if one was not paired.
 int pair_robots(const std::vector<std::string>& robots, const std::string& adapter);
+
+/// Says on stderr which runs ended without stopping their robots, if any did, and offers to stop them where somebody
+/// sits at a terminal.
+void look_after_bad_ends();
 
 /// Asks one robot who it is, turns each wheel a little, and names what is wrong with them; `device_failed` if something
 /// is.

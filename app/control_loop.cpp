@@ -26,11 +26,16 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
 void ControlLoop::cycle(double now, int elapsed) {
   TickInput input;
   perturb(elapsed, input.events);
+  plant_.tell_links(input.events);
   complete_latency();
   const Latency tick_before = latency_;
   new_frame_ = plant_.measure(now, newest_, truth_, frame_);
 
   std::size_t obeyed = 0;
+  // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
+  for (const Event& event : input.events)
+    if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
+      obeyed_[obeyed++] = {OperatorCommand::Kind::hold, {}, 0.0, static_cast<std::size_t>(event.robot), {}};
   while (obeyed < obeyed_.size() && commands_.pop(obeyed_[obeyed])) ++obeyed;
   input.now = now;
   input.elapsed = elapsed;
@@ -49,6 +54,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   plant_.act(wheels_);
 
   out_ = record;
+  plant_.fill_links(out_.robots);
   if (clock_.wall()) {
     out_.compute_time = decided_at_ - began;
     out_.latency = tick_before;

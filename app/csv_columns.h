@@ -88,6 +88,14 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 7> measurement_columns{{
     {"sigma_theta", [](auto& r) -> decltype(auto) { return (r.measurement.sigma_theta); }},
 }};
 
+// After them: r<i>_link, a word, and then
+inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_columns{{
+    {"link_rtt", [](auto& r) -> decltype(auto) { return (r.link.round_trip); }},
+    {"battery", [](auto& r) -> decltype(auto) { return (r.link.battery); }},
+    {"left_steps", [](auto& r) -> decltype(auto) { return (r.link.left_steps); }},
+    {"right_steps", [](auto& r) -> decltype(auto) { return (r.link.right_steps); }},
+}};
+
 struct ModeName {
   Mode mode;
   std::string_view name;

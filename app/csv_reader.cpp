@@ -138,6 +138,11 @@ void CsvReader::find_columns() {
     known[prefix + "how"] = [i](TickRecord& r, std::string_view cell) {
       return read_how(cell, r.robots[i].measurement.how);
     };
+    for (const auto& column : link_columns) of_robot(column);
+    known[prefix + "link"] = [i](TickRecord& r, std::string_view cell) {
+      r.robots[i].link.state = comms::link_state(cell);
+      return cell.empty() || r.robots[i].link.state.has_value();
+    };
     known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) { return read_mode(cell, r.robots[i].mode); };
   }
   for (const std::string& column : columns_) {
@@ -162,10 +167,11 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
   for (std::size_t i = 0; i < cells_.size(); ++i)
     if (stores_[i] && !stores_[i](record, cells_[i]))
       return error(fmt::format("column {}: found \"{}\", allowed: {}", columns_[i], cells_[i],
-                               columns_[i].ends_with("mode") ? "modes joined by +"
-                               : columns_[i] == "event"      ? "events joined by \"; \""
-                               : columns_[i] == "tick"       ? "a whole number"
-                                                             : "a number or nothing"));
+                               columns_[i].ends_with("mode")    ? "modes joined by +"
+                               : columns_[i].ends_with("_link") ? "a link's state"
+                               : columns_[i] == "event"         ? "events joined by \"; \""
+                               : columns_[i] == "tick"          ? "a whole number"
+                                                                : "a number or nothing"));
   for (const RobotRecord& robot : record.robots)
     if (robot.is(staging)) record.phase = Phase::staging;
   for (RobotRecord& robot : record.robots)

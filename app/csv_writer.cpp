@@ -33,6 +33,9 @@ struct CsvWriter::Impl {
     const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
     for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
     row.append(core::name(record.measurement.how)) += ',';
+    if (record.link.state) row += comms::to_text(*record.link.state);
+    row += ',';
+    for (const auto& column : link_columns) number(column.get(record));
   }
 
   void head(const Experiment& experiment) {
@@ -56,6 +59,8 @@ struct CsvWriter::Impl {
       row += fmt::format("r{}_mode,", i);
       for (const auto& column : measurement_columns) row += fmt::format("r{}_{},", i, column.name);
       row += fmt::format("r{}_how,", i);
+      row += fmt::format("r{}_link,", i);
+      for (const auto& column : link_columns) row += fmt::format("r{}_{},", i, column.name);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     row += "now\n";

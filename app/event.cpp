@@ -29,8 +29,6 @@ constexpr std::array<std::pair<Kind, std::string_view>, 23> words{
      {Kind::deadlock, "deadlock"}, {Kind::deadline_missed, "deadline_missed"},
      {Kind::link, "link"}}};
 
-constexpr int link_states = static_cast<int>(comms::LinkState::closed) + 1;
-
 std::string_view link_word(double state) {
   return comms::to_text(static_cast<comms::LinkState>(static_cast<int>(state)));
 }
@@ -58,9 +56,9 @@ bool read_detail(std::string_view text, Event& event, std::size_t& values) {
       event.gain = gain;
       return true;
     }
-  for (int state = 0; state < link_states; ++state)
-    if (event.kind == Kind::link && text == link_word(state)) {
-      event.values[0] = state;
+  if (event.kind == Kind::link)
+    if (const auto state = comms::link_state(text)) {
+      event.values[0] = static_cast<double>(*state);
       return true;
     }
   if (text == "->") return true;

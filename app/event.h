@@ -22,7 +22,7 @@ struct Event {
     perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
     kidnap,           // robot; values dx, dy, dtheta: found this far from where it should be, put there by somebody
     move,             // robot; values x, y, theta: put there by the operator
-    hold,             // robot: the operator made it stand, alone
+    hold,             // robot: the operator made it stand, alone; or its link was lost
     release,          // robot: it may drive again
     kick,             // robot; values vx, vy: the operator sent it sliding
     obstacle,         // its number in `robot`; values x, y, radius: put there by the operator, radius 0: taken away
@@ -37,7 +37,7 @@ struct Event {
     staged,           // everybody stands at its start
     deadlock,         // robot: field or shield held it up and brought it no nearer to its place; it takes a way round
     deadline_missed,  // values[0]: how many ticks were skipped
-    link,             // robot; values[0]: comms::LinkState it went to
+    link,             // robot; values[0]: comms::LinkState: lost for longer than the bridge time, or up again
   };
   Kind kind = Kind::start;
   int robot = -1;  ///< from 0; -1: none (of `obstacle`: the obstacle's number)

@@ -136,6 +136,16 @@ struct StagingSpec {
   bool back = false;       ///< drive to the starts after the run as well
 };
 
+/// What the group does when a robot's link is lost.
+struct FailureSpec {
+  enum class LinkLost {
+    all_stop,      ///< STOP for everybody
+    others_go_on,  ///< that robot is held, until the operator releases it
+  };
+  LinkLost link_lost = LinkLost::all_stop;
+  double link_bridge = 0.2;  ///< a link that has not been up for longer than this is lost [s]
+};
+
 struct Perturbation {
   double t = 0.0;
   std::size_t robot = 0;
@@ -169,6 +179,7 @@ struct Experiment {
   LinksSpec links;
   EstimationSpec estimation;
   StagingSpec staging;
+  FailureSpec failure;
   core::Imperfection simulation;
   std::vector<Perturbation> perturbations;  ///< in the order of t
   Expectations expect;

@@ -316,6 +316,14 @@ void read_perturbations(TomlTable& document, Experiment& e) {
   }
 }
 
+void read_failure(TomlTable t, FailureSpec& failure) {
+  using LinkLost = FailureSpec::LinkLost;
+  t.choice("link_lost", failure.link_lost,
+           {{"all_stop", LinkLost::all_stop}, {"others_go_on", LinkLost::others_go_on}});
+  t.number("link_bridge", failure.link_bridge, between(0.1, 10.0, "s"));
+  t.finish();
+}
+
 void read_expectations(TomlTable t, Expectations& expect) {
   t.number("final_error", expect.final_error, between(0.0, longest, "m"));
   t.number("min_distance", expect.min_distance, between(0.0, longest, "m"));
@@ -345,6 +353,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_obstacles(t, e);
   read_camera(t.table("camera"), e.camera, problems);
   read_links(t.table("links"), e);
+  read_failure(t.table("failure"), e.failure);
   read_simulation(t.table("simulation"), e);
   read_estimation(t.table("estimation"), e.estimation);
   read_staging(t.table("staging"), e.staging);

@@ -10,7 +10,7 @@ namespace {
 constexpr double open_timeout = 15.0;      // a Bluetooth connection takes a few seconds, a robot may be asked twice [s]
 constexpr double close_timeout = 1.0;      // for the stops to be acknowledged [s]
 constexpr double lock_step_timeout = 2.0;  // an emulated robot answers in well under a millisecond [s]
-constexpr double tolerated_down_time = 0.2;  // a link that is not up for longer than this ends the run [s]
+constexpr double battery_period = 10.0;    // [s]
 
 tl::expected<comms::LinkAddress, std::string> address_of(const RobotSpec& robot) {
   auto address = comms::parse_link_address(robot.address);
@@ -47,7 +47,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
         [&world, &clock, emulated_robots](std::size_t k, const core::WheelSpeeds& actual) {
           world.turn(emulated_robots[k], clock.now(), actual);
         },
-        [&clock] { return clock.now(); });
+        [&clock] { return clock.now(); }, std::string{}, options.faults, experiment.seed);
   }
   if (!plant->linked_.empty()) {
     std::vector<comms::LinkAddress> addresses;
@@ -66,13 +66,15 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     comms::LinkOptions link_options;
     link_options.reply_timeout = experiment.links.reply_timeout;
     link_options.command_silence = experiment.command_silence();
+    link_options.ask_version = true;
+    link_options.battery_period = battery_period;
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
     if (!clock.wall()) {
-      link_options.command_silence = link_options.heartbeat = 0.0;
+      link_options.command_silence = link_options.heartbeat = link_options.battery_period = 0.0;
       link_options.reply_timeout = lock_step_timeout;
     }
     plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, link_options);
-    plant->down_since_.assign(addresses.size(), none);
+    plant->watch_.emplace(plant->linked_, experiment.failure.link_bridge, clock.wall());
     if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
   }
   if (experiment.camera.source != "none") {
@@ -152,14 +154,23 @@ std::vector<RobotStatus> Plant::robots() const {
   }
   if (!links_) return all;
   const std::vector<comms::LinkStatus> links = final_status_.empty() ? links_->status() : final_status_;
-  for (std::size_t k = 0; k < links.size(); ++k)
-    all[linked_[k]] = {std::string(comms::to_text(links[k].state)),
-                       links[k].reason,
-                       links[k].exchanges > 0 ? links[k].rtt_median : none,
-                       links[k].exchanges,
-                       links[k].timeouts,
-                       links[k].reconnects,
-                       links[k].stop_acknowledged};
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const comms::LinkStatus& link = links[k];
+    RobotStatus& robot = all[linked_[k]];
+    robot.link = comms::to_text(link.state);
+    robot.reason = link.reason;
+    if (link.exchanges > 0) robot.round_trip = link.rtt_median, robot.round_trip_p99 = link.rtt_p99;
+    robot.exchanges = link.exchanges;
+    robot.timeouts = link.timeouts;
+    robot.resynchronisations = link.resynchronisations;
+    robot.reconnects = link.reconnects;
+    robot.bytes_sent = link.bytes_sent;
+    robot.bytes_received = link.bytes_received;
+    robot.battery = link.battery.volts;
+    robot.battery_low = link.battery.low;
+    robot.version = link.version;
+    robot.stop_acknowledged = link.stop_acknowledged;
+  }
   return all;
 }
 
@@ -167,19 +178,9 @@ std::optional<std::string> Plant::failure() {
   if (camera_ && camera_->failed()) return camera_->reason();
   if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
   if (!links_ || !final_status_.empty()) return {};
-  const std::vector<comms::LinkStatus> links = links_->status();
-  const double now = clock_.now();
-  for (std::size_t k = 0; k < links.size(); ++k) {
-    const bool up = links[k].state == comms::LinkState::up;
-    if (up)
-      down_since_[k] = none;
-    else if (std::isnan(down_since_[k]))
-      down_since_[k] = now;
-    else if (now - down_since_[k] > tolerated_down_time)
-      return fmt::format("robot {}: the link is {}{}{}", linked_[k] + 1, comms::to_text(links[k].state),
-                         links[k].reason.empty() ? "" : ": ", links[k].reason);
-  }
-  return {};
+  auto lost = watch_->look(links_->status());
+  if (experiment_.failure.link_lost == FailureSpec::LinkLost::others_go_on) return {};
+  return lost;
 }
 
 void Plant::close() {

@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "app/camera_rig.h"
+#include "app/link_watch.h"
 #include "app/session.h"
 #include "app/session_clock.h"
 #include "app/simulated_world.h"
@@ -38,6 +39,14 @@ class Plant {
   /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
   /// thread's.
   void act(std::span<const core::WheelSpeeds> wheels);
+  /// Events of links that were lost or came back since the last call. The control thread's.
+  void tell_links(EventList& events) noexcept {
+    if (watch_) watch_->tell(events);
+  }
+  /// What is known of the robots' links. The control thread's.
+  void fill_links(std::vector<RobotRecord>& robots) const noexcept {
+    if (watch_) watch_->fill(robots);
+  }
   /// Stops everything at once and for good. Any thread.
   void stop() noexcept;
 
@@ -68,7 +77,7 @@ class Plant {
   std::vector<comms::LinkStatus> final_status_;  // after close()
   std::unique_ptr<CameraRig> camera_;            // last: its thread uses the world
   std::atomic<bool> stopped_{false}, unacknowledged_{false};
-  std::vector<double> down_since_;  // of each link; NaN while up
+  std::optional<LinkWatch> watch_;
 };
 
 }  // namespace skein::app

@@ -10,6 +10,7 @@
 #include "app/control_loop.h"
 #include "app/plant.h"
 #include "app/record_channel.h"
+#include "app/safety_net.h"
 
 namespace skein::app {
 namespace {
@@ -110,6 +111,7 @@ struct Session::Impl {
   core::ObstacleField obstacles;  // as the operator wants them
   core::Gains gains;
   core::ReferenceDemand demand;
+  tl::expected<SafetyNet, std::string> net;
   std::unique_ptr<Plant> plant;
   std::unique_ptr<ControlLoop> loop;
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
@@ -132,8 +134,12 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.gains = make_gains(experiment);
   i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
+  if (i.options.guard) i.net = SafetyNet::spread(i.experiment);
   auto plant = Plant::open(i.experiment, i.clock, i.options);
-  if (!plant) return tl::unexpected(plant.error());
+  if (!plant) {
+    if (i.net) i.net->done({});  // those that were reached have been stopped
+    return tl::unexpected(plant.error());
+  }
   i.plant = std::move(*plant);
   i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
                                          [&i](const TickRecord& record) { i.publish(record); });
@@ -203,6 +209,9 @@ tl::expected<void, std::string> Session::kick_robot(std::size_t robot, double vx
 
 tl::expected<void, std::string> Session::hold_robot(std::size_t robot, bool hold) {
   if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  if (!hold)
+    if (const RobotStatus status = robots()[robot]; status.link != "up" && status.link != "simulated")
+      return tl::unexpected(fmt::format("robot {}: its link is {}", robot + 1, status.link));
   OperatorCommand command{hold ? OperatorCommand::Kind::hold : OperatorCommand::Kind::release};
   command.number = robot;
   if (!impl_->loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
@@ -265,6 +274,10 @@ std::vector<RobotStatus> Session::robots() const {
 VideoStatus Session::video() const {
   const CameraRig* camera = impl_->plant->camera();
   return camera ? camera->video() : VideoStatus{};
+}
+
+std::optional<std::string> Session::unguarded() const {
+  return impl_->net ? std::nullopt : std::optional(impl_->net.error());
 }
 
 std::optional<std::string> Session::failure() const {
@@ -332,6 +345,7 @@ void Session::close() {
   i.stop();
   i.loop->end_thread();
   i.plant->close();
+  if (i.net) i.net->done(i.plant->robots());
   if (i.recorder_thread.joinable()) {
     i.recorder_thread.request_stop();
     i.recorder_thread.join();

@@ -14,6 +14,7 @@
 
 #include "app/experiment.h"
 #include "app/tick_record.h"
+#include "comms/emulator/radio_faults.h"
 
 namespace skein::app {
 
@@ -25,10 +26,14 @@ struct Picture {
 
 /// One robot's link as the window and the summary show it.
 struct RobotStatus {
-  std::string link;          ///< "simulated", "up", "stale", "failed" ...
-  std::string reason;        ///< why, where it is not up
-  double round_trip = none;  ///< median [s]
-  std::uint64_t exchanges = 0, timeouts = 0, reconnects = 0;
+  std::string link;                                 ///< "simulated", "up", "stale", "failed" ...
+  std::string reason;                               ///< the newest thing that went wrong
+  double round_trip = none, round_trip_p99 = none;  ///< median and 99th percentile of the last 256 [s]
+  std::uint64_t exchanges = 0, timeouts = 0, resynchronisations = 0, reconnects = 0;
+  std::uint64_t bytes_sent = 0, bytes_received = 0;
+  double battery = none;           ///< [V]; none: not known, or an old e-puck1, which says only whether it is low
+  bool battery_low = false;        ///< charge it
+  std::string version;             ///< of its firmware, as it says it; empty: it did not
   bool stop_acknowledged = false;  ///< after close()
 };
 
@@ -43,6 +48,9 @@ struct SessionOptions {
   bool pictures = false;           ///< keep the newest camera picture at hand
   std::vector<RecordSink*> sinks;  ///< told every row of the run, on a thread of their own in a real-time session
   std::string video{};             ///< keep the camera's frames in this film (Matroska); empty: none
+  /// Real robots get a guard, a process of its own that stops them should this one be killed (safety_net.h).
+  bool guard = false;
+  std::vector<comms::Fault> faults{};  ///< of the robots with link "loopback", counted among themselves, for practice
 };
 
 /// An experiment with everything that runs it: plant, camera, links, control thread, recorder. The facade that the
@@ -120,6 +128,8 @@ class Session {
   std::vector<RobotStatus> robots() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
+  /// Why there is no guard although one was asked for: should this program be killed, nothing stops the robots.
+  std::optional<std::string> unguarded() const;
   /// Why the session failed (camera gone, a link that could not be held, an exception), if it did.
   std::optional<std::string> failure() const;
 

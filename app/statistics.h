@@ -9,6 +9,7 @@
 
 #include "app/experiment.h"
 #include "app/histogram.h"
+#include "app/session.h"
 #include "app/tick_record.h"
 
 namespace skein::app {
@@ -59,6 +60,7 @@ class Statistics final : public RecordSink {
     Histogram latency_total;                               ///< a frame's arrival to its command written
     bool stopped = false;                                  ///< by the operator or a failure
     std::string failure;                                   ///< why it was stopped, where a camera or a robot failed
+    std::vector<std::pair<int, RobotStatus>> links;        ///< of the robots that have one, from 0, at the end
     std::vector<int> not_stopped;                   ///< robots that did not acknowledge their stop at the end, from 0
     std::vector<PerturbationResult> perturbations;  ///< of the file and of the operator's moves
     std::vector<std::pair<double, std::string>> events;  ///< all, with their t

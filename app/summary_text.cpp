@@ -53,6 +53,22 @@ Json latency(const Statistics::Summary& s) {
   return result;
 }
 
+Json json(int robot, const RobotStatus& link) {
+  return {{"robot", robot + 1},
+          {"link", link.link},
+          {"reason", link.reason},
+          {"version", link.version},
+          {"battery", json(link.battery)},
+          {"rtt_median", json(link.round_trip)},
+          {"rtt_p99", json(link.round_trip_p99)},
+          {"exchanges", link.exchanges},
+          {"timeouts", link.timeouts},
+          {"resynchronisations", link.resynchronisations},
+          {"reconnects", link.reconnects},
+          {"bytes_sent", link.bytes_sent},
+          {"bytes_received", link.bytes_received}};
+}
+
 /// The summary once, for both forms: what stands here in this order stands in the lines as well.
 Json json(const Statistics::Summary& s) {
   Json result{{"name", s.name},
@@ -76,8 +92,10 @@ Json json(const Statistics::Summary& s) {
               {"stopped", s.stopped},
               {"failure", s.failure},
               {"not_stopped", from_one(s.not_stopped)},
+              {"links", Json::array()},
               {"perturbations", Json::array()},
               {"events", Json::array()}};
+  for (const auto& [robot, link] : s.links) result["links"].push_back(json(robot, link));
   for (const PerturbationResult& p : s.perturbations) result["perturbations"].push_back(json(p));
   for (const auto& [t, what] : s.events) result["events"].push_back({{"t", json(t)}, {"what", what}});
   return result;
@@ -107,6 +125,11 @@ std::string as_lines(const Statistics::Summary& summary) {
       for (const auto& [stage, part] : value.items())
         for (const auto& [what, seconds] : part.items())
           lines += fmt::format("latency_{}_{}: {}\n", stage, what, text(seconds));
+    } else if (key == "links") {
+      for (const auto& link : value)
+        for (const auto& [name, part] : link.items())
+          if (name != "robot" && part != "")
+            lines += fmt::format("r{}_{}: {}\n", link["robot"].get<int>(), name, text(part));
     } else if (key == "events") {
       lines += fmt::format("events: {}\n", value.size());
     } else if (!value.is_string() || !value.get<std::string>().empty()) {

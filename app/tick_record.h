@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "app/event.h"
+#include "comms/link_status.h"
 #include "core/control/gains.h"
 #include "core/control/tracking_error.h"
 #include "core/estimation/measurement.h"
@@ -28,6 +30,14 @@ enum Mode : std::uint8_t {
   lost = 64,     ///< no pose within the bridge time
 };
 
+/// What is known of a robot's link at a tick; nothing of one that has none.
+struct LinkRecord {
+  std::optional<comms::LinkState> state;
+  double round_trip = none;                      ///< median of the last 256; wall clock only [s]
+  double battery = none;                         ///< wall clock only [V]
+  double left_steps = none, right_steps = none;  ///< that the robot has counted since the link's first reading [steps]
+};
+
 /// One robot at one tick. Poses in the world frame.
 struct RobotRecord {
   core::Measurement measurement;                ///< the newest one at hand
@@ -44,6 +54,7 @@ struct RobotRecord {
   double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
   core::Margins margins{};                      ///< of (18), now
   std::uint8_t mode = stopped;
+  LinkRecord link;  ///< as it was last looked at: within 20 ms, on the virtual clock after the tick before
 
   bool is(Mode m) const noexcept { return (mode & m) != 0; }
 };

@@ -59,6 +59,7 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
     wait_ = options_.reconnect_first;
   }
   write(now);
+  if (transport_) transport_->set_stands(session_->stop_acknowledged());
 }
 
 void Link::open(double now) {
@@ -127,7 +128,7 @@ void Link::note_times(double read_at, double written_at) noexcept {
 void Link::lose(const TransportError& error, double now) {
   transport_.reset();
   reopened_ = false;
-  session_->lost(error.reason);
+  session_->lost(error.reason, now);
   // A robot that was reached once may be moving: only a new connection can stop it, so that is tried for ever.
   failed_ = error.permanent && !reached_;
   try_at_ = failed_ ? never : now + wait_;
@@ -145,9 +146,9 @@ void Link::begin_closing(double now) {
   if (!transport_) try_at_ = reached_ ? std::min(try_at_, now + options_.reconnect_first) : never;
 }
 
-void Link::fail(std::string reason) {
+void Link::fail(std::string reason, double now) {
   transport_.reset();
-  session_->lost(std::move(reason));
+  session_->lost(std::move(reason), now);
   failed_ = true;
   try_at_ = never;
 }
@@ -166,8 +167,9 @@ bool Link::may_end() const noexcept {
   return session_->stop_acknowledged() || failed_ || (!reached_ && !session_->open());
 }
 
-LinkStatus Link::status() const {
+LinkStatus Link::status(double now) const {
   LinkStatus status = session_->status();
+  status.out_for = std::max(0.0, now - session_->out_since());
   status.reconnects = reconnects_;
   if (failed_ || (ended_ && !status.stop_acknowledged))
     status.state = LinkState::failed;

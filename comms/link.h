@@ -33,10 +33,10 @@ class Link {
   void turn(short events, std::uint32_t emergency, double now);
   /// For `times`: what came was read at `read_at`, what there was to write is written by `written_at`.
   void note_times(double read_at, double written_at) noexcept;
-  void stop(double now);           ///< stop at once; commands given so far are void
-  void begin_closing(double now);  ///< stop, take no more commands, reconnect quickly if need be
-  void fail(std::string reason);   ///< gives the link up
-  void end();                      ///< closes the transport, whatever the robot does
+  void stop(double now);                      ///< stop at once; commands given so far are void
+  void begin_closing(double now);             ///< stop, take no more commands, reconnect quickly if need be
+  void fail(std::string reason, double now);  ///< gives the link up
+  void end();                                 ///< closes the transport, whatever the robot does
 
   // --- What is known ------------------------------------------------------------------------------------------------
   const LinkAddress& address() const noexcept { return address_; }
@@ -44,7 +44,7 @@ class Link {
   bool failed() const noexcept { return failed_; }
   bool settled() const noexcept;  ///< the newest command is answered or void
   bool may_end() const noexcept;  ///< the robot has acknowledged its stop, or was never reached
-  LinkStatus status() const;
+  LinkStatus status(double now) const;
   CommandTimes times() const noexcept { return {written_at_.load(), answered_at_.load()}; }  ///< any thread
 
  private:

@@ -23,12 +23,12 @@ void LinkSession::opened(double now) {
   garbled_ = false;
   silent_since_ = now;
   stop_acknowledged_ = false;
-  phase_ = Phase::idle;  // nothing is outstanding on a new link
   begin();
   send_stop(now);
 }
 
-void LinkSession::lost(std::string reason) {
+void LinkSession::lost(std::string reason, double now) {
+  if (up()) down_since_ = now;
   phase_ = Phase::closed;
   pending_.reset();
   in_flight_.reset();
@@ -57,6 +57,7 @@ void LinkSession::stop(double now) {
 
 void LinkSession::send_stop(double now) {
   if (phase_ == Phase::idle) silent_since_ = now;
+  if (up()) down_since_ = now;
   put_stop();
   phase_ = Phase::synchronising;
   moving_allowed_ = false;
@@ -194,6 +195,10 @@ double LinkSession::deadline() const noexcept {
 double LinkSession::silent_since() const noexcept {
   const bool owes = phase_ == Phase::synchronising || phase_ == Phase::waiting;
   return owes ? silent_since_ : never;
+}
+
+double LinkSession::out_since() const noexcept {
+  return up() ? never : down_since_;
 }
 
 void LinkSession::sent(std::size_t bytes) {

@@ -33,8 +33,8 @@ class LinkSession {
   LinkSession& operator=(const LinkSession&) = delete;
 
   // --- What happens to the link -------------------------------------------------------------------------------------
-  void opened(double now);        ///< the link is open (again): stop sequence; commands from before are dropped
-  void lost(std::string reason);  ///< the link is gone
+  void opened(double now);  ///< the link is open (again): stop sequence; commands from before are dropped
+  void lost(std::string reason, double now);  ///< the link is gone
   void received(std::span<const std::uint8_t> bytes, double now);
   void advance(double now);  ///< lets time pass; call it at deadline() at the latest
 
@@ -57,6 +57,8 @@ class LinkSession {
   bool up() const noexcept { return phase_ == Phase::idle || phase_ == Phase::waiting; }
   bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
   double silent_since() const noexcept;  ///< since when it has owed an answer and said nothing; infinity: it owes none
+  /// Since when it has not been up; infinity: it is.
+  double out_since() const noexcept;
   std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
   /// Of the command whose answer is awaited; 0: none is.
   std::uint16_t sent_ticket() const noexcept { return in_flight_ ? in_flight_->ticket : std::uint16_t{0}; }
@@ -109,6 +111,7 @@ class LinkSession {
   std::optional<Pending> pending_;    // newest command, not sent yet
   std::optional<Pending> in_flight_;  // the command whose answer is awaited
   double silent_since_ = 0.0;         // the robot was asked then, or said something
+  double down_since_ = -never;        // not up since then
   double commanded_at_ = 0.0;         // when the newest command came
   bool moving_allowed_ = false;       // a command was sent and no stop since: command silence must stop the robot
   bool garbled_ = false;

@@ -22,4 +22,10 @@ std::string_view to_text(LinkState state) noexcept {
   return "?";
 }
 
+std::optional<LinkState> link_state(std::string_view word) noexcept {
+  for (int state = 0; state <= static_cast<int>(LinkState::closed); ++state)
+    if (word == to_text(static_cast<LinkState>(state))) return static_cast<LinkState>(state);
+  return std::nullopt;
+}
+
 }  // namespace skein::comms

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,9 @@ enum class LinkState {
 /// The state as a word for logs and tables: "up", "stale", ...
 std::string_view to_text(LinkState state) noexcept;
 
+/// The state that the word says; none: it says none.
+std::optional<LinkState> link_state(std::string_view word) noexcept;
+
 /// When the newest command that was sent went through each of its stations, CLOCK_MONOTONIC; 0: none yet. [s]
 struct CommandTimes {
   double written = 0.0;   ///< its last byte was handed to the system
@@ -30,6 +34,7 @@ struct CommandTimes {
 /// What is known of one link.
 struct LinkStatus {
   LinkState state = LinkState::down;
+  double out_for = 0.0;     ///< for how long it has not been up; 0: it is [s]
   std::string reason;       ///< the newest thing that went wrong, as a sentence; empty: nothing yet
   double rtt_median = 0.0;  ///< round trip of the last 256 exchanges, 0 before the first [s]
   double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]

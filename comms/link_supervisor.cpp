@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "comms/crash_stop.h"
 #include "comms/link.h"
 
 namespace skein::comms {
@@ -45,7 +46,7 @@ class LinkSupervisor::Loop {
     for (LinkAddress& address : robots) {
       const auto resolved = resolve(address);
       links_.emplace_back(resolved ? *resolved : std::move(address), options);
-      if (!resolved) links_.back().fail(resolved.error());
+      if (!resolved) links_.back().fail(resolved.error(), seconds_now());
     }
     polled_.reserve(links_.size() + 1);  // the thread never allocates for it
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -89,6 +90,8 @@ class LinkSupervisor::Loop {
   std::uint32_t stops_seen_ = 0;
   bool closing_seen_ = false;
 
+  CrashThread crash_{[](void* loop) noexcept { static_cast<Loop*>(loop)->emergency_stop(); }, this};
+
   mutable std::mutex mutex_;
   std::condition_variable turned_;  // told after every turn
   double close_by_ = 0.0;           // guarded by mutex_
@@ -118,7 +121,7 @@ tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
     auto culprit = std::find_if(links_.begin(), links_.end(), is_failed);
     if (culprit == links_.end()) culprit = std::find_if_not(links_.begin(), links_.end(), is_up);
     if (culprit == links_.end()) return {};
-    const LinkStatus status = culprit->status();
+    const LinkStatus status = culprit->status(seconds_now());
     const std::string& name = culprit->address().name;
     failure = fmt::format(
         "{} ({}): {}", name.empty() ? fmt::format("robot {}", culprit - links_.begin() + 1) : name,
@@ -169,7 +172,8 @@ bool LinkSupervisor::Loop::wait_acknowledged(double timeout_s) {
 std::vector<LinkStatus> LinkSupervisor::Loop::status() const {
   const std::lock_guard lock(mutex_);
   std::vector<LinkStatus> status;
-  for (const Link& link : links_) status.push_back(link.status());
+  const double now = seconds_now();
+  for (const Link& link : links_) status.push_back(link.status(now));
   return status;
 }
 
@@ -191,6 +195,7 @@ std::vector<LinkStatus> LinkSupervisor::Loop::close(double timeout_s) {
 // --- The link thread ------------------------------------------------------------------------------------------------
 
 void LinkSupervisor::Loop::run() noexcept {
+  crash_.runs_here();
   std::unique_lock lock(mutex_);
   while (true) {
     const double now = seconds_now();
@@ -219,7 +224,7 @@ void LinkSupervisor::Loop::turn(double now) {
       if (close_now) link.begin_closing(now);
       link.turn(polled_.empty() ? short{0} : polled_[i].revents, emergency, now);
     } catch (const std::exception& error) {
-      link.fail(fmt::format("internal error: {}", error.what()));
+      link.fail(fmt::format("internal error: {}", error.what()), now);
     }
   }
   const double written = seconds_now();

@@ -115,6 +115,7 @@ tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress
   if (::isatty(descriptor) == 0) return fail(ENOTTY, address);
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(errno, address);
   if (!make_raw(descriptor)) return fail(errno, address);
+  transport.connected();
   return transport;
 }
 
@@ -128,7 +129,7 @@ tl::expected<Transport, TransportError> Transport::open_rfcomm(const LinkAddress
   }
   Transport transport(descriptor, /*connecting=*/true, address);
   if (connect_rfcomm(descriptor, address.device, address.channel))
-    transport.connecting_ = false;
+    transport.connected();
   else if (errno != EINPROGRESS && errno != EAGAIN)
     return fail(errno, address);
   return transport;
@@ -146,7 +147,7 @@ tl::expected<Transport, TransportError> Transport::open_tcp(const LinkAddress& a
   const int on = 1;  // 21 bytes wait for no others
   ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&robot), sizeof robot) == 0)
-    transport.connecting_ = false;
+    transport.connected();
   else if (errno != EINPROGRESS)
     return fail(errno, address);
   return transport;
@@ -158,17 +159,25 @@ Transport::Transport(int descriptor, bool connecting, LinkAddress address)
 Transport::Transport(Transport&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       connecting_(other.connecting_),
-      address_(std::move(other.address_)) {}
+      address_(std::move(other.address_)),
+      crash_entry_(std::move(other.crash_entry_)) {}
 
 Transport& Transport::operator=(Transport&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(connecting_, other.connecting_);
   std::swap(address_, other.address_);
+  std::swap(crash_entry_, other.crash_entry_);
   return *this;
 }
 
 Transport::~Transport() {
+  crash_entry_ = CrashEntry();  // before the descriptor may be somebody else's
   if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void Transport::connected() noexcept {
+  connecting_ = false;
+  crash_entry_ = CrashEntry(descriptor_, address_.kind);
 }
 
 tl::expected<void, TransportError> Transport::finish_connecting() {
@@ -176,7 +185,7 @@ tl::expected<void, TransportError> Transport::finish_connecting() {
   socklen_t size = sizeof error;
   if (::getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size) != 0) error = errno;
   if (error != 0) return fail(error, address_);
-  connecting_ = false;
+  connected();
   return {};
 }
 

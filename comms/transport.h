@@ -6,6 +6,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "comms/crash_stop.h"
 #include "comms/link_address.h"
 
 namespace skein::comms {
@@ -37,6 +38,9 @@ class Transport {
   bool connecting() const noexcept { return connecting_; }
   tl::expected<void, TransportError> finish_connecting();
 
+  /// The robot is known to stand, or not: for a crash, see crash_stop.h.
+  void set_stands(bool stands) noexcept { crash_entry_.set_stands(stands); }
+
   /// Number of bytes read into `into`; 0: nothing there now. The error: the link is gone.
   tl::expected<std::size_t, TransportError> read(std::span<std::uint8_t> into);
   /// Number of bytes that the system took; 0: it is full now. The error: the link is gone.
@@ -44,6 +48,7 @@ class Transport {
 
  private:
   Transport(int descriptor, bool connecting, LinkAddress address);
+  void connected() noexcept;
   static tl::expected<Transport, TransportError> open_serial(const LinkAddress& address);
   static tl::expected<Transport, TransportError> open_rfcomm(const LinkAddress& address);
   static tl::expected<Transport, TransportError> open_tcp(const LinkAddress& address);
@@ -51,6 +56,7 @@ class Transport {
   int descriptor_ = -1;
   bool connecting_ = false;
   LinkAddress address_;
+  CrashEntry crash_entry_;  // once connected
 };
 
 }  // namespace skein::comms

@@ -36,6 +36,7 @@ void LiveSession::open(const app::Experiment& experiment, bool start_at_once) {
   history_.clear();
   app::SessionOptions options;
   options.pictures = experiment.camera.source != "none";
+  options.guard = true;
   changing_ = std::async(std::launch::async,
                          [old = std::move(session_), experiment, options]() mutable -> std::optional<Opened> {
                            if (old) old->close();

@@ -186,8 +186,9 @@ TEST(CommandLine, CheckCertifiesTheGains) {
 
 TEST(CommandLine, CheckSaysWhatTheorem1AsksInVain) {
   const Result r = skein({"check", experiments + "lemniscate.toml", "--set", "reference.speed=0"});
-  EXPECT_TRUE(has(r.out, "theorem_1: does not apply: v_ref vanishes (0 m/s, robot 1 at t = 0 s), against case 1, and "
-                         "omega_ref vanishes (0 rad/s, robot 1 at t = 0 s), against case 2"))
+  EXPECT_TRUE(has(r.out,
+                  "theorem_1: does not apply: v_ref vanishes (0 m/s, robot 1 at t = 0 s), against case 1, and "
+                  "omega_ref vanishes (0 rad/s, robot 1 at t = 0 s), against case 2"))
       << r.out << r.err;
   // The inner robot is the slowest.
   const Result door = skein({"check", experiments + "unequal-speeds.toml"});

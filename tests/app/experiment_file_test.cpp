@@ -229,6 +229,7 @@ TEST(Documentation, NamesEveryKey) {
         "[camera]",
         "[links]",
         "[estimation]",
+        "[failure]",
         "[simulation]",
         "[[perturb]]\nt=0\nrobot=1\ndx=0",
         "[expect]"})

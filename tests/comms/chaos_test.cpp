@@ -84,7 +84,7 @@ class ChaosLink {
   void lose(const char* reason, double now) {
     open_ = false;
     breaks_ = robot_.breaks();
-    session_.lost(reason);
+    session_.lost(reason, now);
     try_at_ = now + wait_;
     wait_ = std::min(2.0 * wait_, options_.reconnect_longest);
   }

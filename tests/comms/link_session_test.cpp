@@ -272,7 +272,7 @@ TEST(LinkSession, AfterAReconnectItStaysStoppedUntilANewCommand) {
   lab.open();
   lab.command(300, 300);
   lab.talk();
-  lab.session.lost("the line hung up");
+  lab.session.lost("the line hung up", lab.now);
   EXPECT_EQ(lab.state(), LinkState::down);
   EXPECT_EQ(lab.session.status().reason, "the line hung up");
   EXPECT_FALSE(lab.session.stop_acknowledged());
@@ -370,7 +370,7 @@ TEST(LinkSession, RecoversFromAnything) {
           lab.session.stop(lab.now);
           break;
         case 7:
-          lab.session.lost("test");
+          lab.session.lost("test", lab.now);
           lab.session.opened(lab.now);
           break;
         default:

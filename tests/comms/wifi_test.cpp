@@ -202,7 +202,7 @@ TEST(WifiSession, AnAnswerThatNeverComesEndsTheConnectionWithinASecond) {
   }
   EXPECT_LE(lab.now - lost_at, 1.0);
   EXPECT_FALSE(lab.session.up());
-  lab.session.lost("reopened");
+  lab.session.lost("reopened", lab.now);
   lab.session.opened(lab.now);
   lab.talk();
   EXPECT_TRUE(lab.session.up());
@@ -256,7 +256,7 @@ TEST(WifiSession, AnyChunksAnyCommandsAnyStopsEndStandingAndUp) {
       }
       if (what == 5) lab.session.received(carry(to_host, amount), lab.now);
       if (lab.session.garbled()) {  // connect anew
-        lab.session.lost("garbled");
+        lab.session.lost("garbled", lab.now);
         to_robot.clear();
         to_host.clear();
         lab.robot.forget_half_command();

@@ -1,0 +1,165 @@
+#include "comms/crash_stop.h"
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <ctime>
+#include <utility>
+
+#include "comms/asercom.h"
+#include "comms/epuck_wifi.h"
+
+namespace skein::comms {
+namespace {
+
+struct Entry {
+  std::atomic<bool> taken{false};
+  std::atomic<int> descriptor{-1};
+  std::atomic<bool> wifi{false};
+  std::atomic<bool> stands{false};
+};
+struct Thread {
+  std::atomic<bool> taken{false};
+  std::atomic<void (*)(void*) noexcept> stop{nullptr};
+  std::atomic<void*> who{nullptr};
+  std::atomic<long> id{0};
+};
+std::array<Entry, 128> entries;
+std::array<Thread, 16> threads;
+static_assert(std::atomic<void*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+constexpr std::array<int, 5> crashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+std::array<struct sigaction, crashes.size()> before;
+std::atomic<bool> handling{false};
+
+constexpr long look_every = 2'000'000;                 // [ns]
+constexpr int looks_a_stop = 50, looks_at_most = 500;  // 100 ms, 1 s
+
+const auto wifi_stop = wifi_command({});
+std::array<std::uint8_t, 43> asercom_stop;  // filled by stop_robots_on_crash()
+
+long this_thread() noexcept {
+  return ::syscall(SYS_gettid);
+}
+
+template <class Places>
+int take(Places& places) noexcept {
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (!places[i].taken.exchange(true)) return static_cast<int>(i);
+  return -1;
+}
+
+void write_stop(const Entry& entry, int descriptor) noexcept {
+  const bool wifi = entry.wifi.load();
+  const std::uint8_t* const bytes = wifi ? wifi_stop.data() : asercom_stop.data();
+  [[maybe_unused]] const auto written = ::write(descriptor, bytes, wifi ? wifi_stop.size() : asercom_stop.size());
+}
+
+/// Reads the answer where the thread that would have is this one, and gone. A line that ends in "s", or anything from a
+/// WiFi robot, which answers nothing but what it was sent.
+bool answered(const Entry& entry, int descriptor) noexcept {
+  std::array<char, 256> bytes;
+  const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
+  if (entry.wifi.load()) return count > 0;
+  for (ssize_t i = 0; i + 1 < count; ++i)
+    if (bytes[static_cast<std::size_t>(i)] == 's' && bytes[static_cast<std::size_t>(i) + 1] == '\r') return true;
+  return false;
+}
+
+void stop_all() noexcept {
+  bool link_thread_gone = false;
+  for (Thread& thread : threads) {
+    if (!thread.taken.load()) continue;
+    if (thread.id.load() == this_thread()) link_thread_gone = true;
+    if (const auto stop = thread.stop.load()) stop(thread.who.load());
+  }
+  for (int look = 0; look < looks_at_most; ++look) {
+    bool all_stand = true;
+    for (Entry& entry : entries) {
+      const int descriptor = entry.descriptor.load();
+      if (descriptor < 0) continue;
+      if (link_thread_gone && look > 0 && answered(entry, descriptor)) entry.stands.store(true);
+      // Once to everybody: one that stands may have a command on its way.
+      if (look == 0 || (!entry.stands.load() && look % looks_a_stop == 0)) write_stop(entry, descriptor);
+      if (look == 0) entry.stands.store(false);
+      all_stand = all_stand && entry.stands.load();
+    }
+    if (all_stand) return;
+    const timespec pause{0, look_every};
+    ::nanosleep(&pause, nullptr);
+  }
+}
+
+extern "C" void on_crash(int signal) {
+  const int kept = errno;
+  const bool first = !handling.exchange(true);
+  if (first) stop_all();
+  for (std::size_t i = 0; i < crashes.size(); ++i)
+    if (crashes[i] == signal) ::sigaction(signal, &before[i], nullptr);
+  errno = kept;
+  ::raise(signal);  // held back until this handler is left
+}
+
+}  // namespace
+
+void stop_robots_on_crash() {
+  const auto stop = stop_sequence();
+  std::copy(stop.begin(), stop.end(), asercom_stop.begin());
+  static std::array<char, 32 * 1024> stack;  // for an overflow of this thread's own
+  stack_t alternative{};
+  alternative.ss_sp = stack.data();
+  alternative.ss_size = stack.size();
+  ::sigaltstack(&alternative, nullptr);
+  struct sigaction action {};
+  action.sa_handler = on_crash;
+  action.sa_flags = SA_ONSTACK;
+  sigemptyset(&action.sa_mask);
+  for (std::size_t i = 0; i < crashes.size(); ++i) ::sigaction(crashes[i], &action, &before[i]);
+}
+
+CrashEntry::CrashEntry(int descriptor, LinkKind kind) noexcept : place_(take(entries)) {
+  if (place_ < 0) return;
+  Entry& entry = entries[static_cast<std::size_t>(place_)];
+  entry.wifi.store(kind == LinkKind::tcp);
+  entry.stands.store(false);
+  entry.descriptor.store(descriptor);
+}
+CrashEntry::CrashEntry(CrashEntry&& other) noexcept : place_(std::exchange(other.place_, -1)) {}
+CrashEntry& CrashEntry::operator=(CrashEntry&& other) noexcept {
+  std::swap(place_, other.place_);
+  return *this;
+}
+CrashEntry::~CrashEntry() {
+  if (place_ < 0) return;
+  Entry& entry = entries[static_cast<std::size_t>(place_)];
+  entry.descriptor.store(-1);
+  entry.taken.store(false);
+}
+void CrashEntry::set_stands(bool stands) noexcept {
+  if (place_ >= 0) entries[static_cast<std::size_t>(place_)].stands.store(stands);
+}
+
+CrashThread::CrashThread(void (*stop)(void* who) noexcept, void* who) noexcept : place_(take(threads)) {
+  if (place_ < 0) return;
+  Thread& thread = threads[static_cast<std::size_t>(place_)];
+  thread.id.store(0);
+  thread.who.store(who);
+  thread.stop.store(stop);
+}
+CrashThread::~CrashThread() {
+  if (place_ < 0) return;
+  Thread& thread = threads[static_cast<std::size_t>(place_)];
+  thread.stop.store(nullptr);
+  thread.taken.store(false);
+}
+void CrashThread::runs_here() noexcept {
+  if (place_ >= 0) threads[static_cast<std::size_t>(place_)].id.store(this_thread());
+}
+
+}  // namespace skein::comms

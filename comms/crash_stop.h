@@ -1,0 +1,48 @@
+#pragma once
+
+#include "comms/link_address.h"
+
+/// Stops the robots when the program crashes: what a signal handler needs lies ready at any time, descriptors of open
+/// links and the bytes of a stop.
+namespace skein::comms {
+
+/// SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT, in whatever thread, stop every robot before they end the program: every
+/// link thread gets the emergency stop, every open link the bytes at once, again every 100 ms, until each robot is
+/// known to stand, at most for a second. Then the signal does what it did before. Does not come back from a stack
+/// overflow but in the thread that called this.
+void stop_robots_on_crash();
+
+// --- For links
+// --------------------------------------------------------------------------------------------------------
+
+/// An open descriptor to a robot, known to the handler as long as this lives. Move-only. All calls are lock-free.
+class CrashEntry {
+ public:
+  CrashEntry() noexcept = default;
+  CrashEntry(int descriptor, LinkKind kind) noexcept;  ///< beyond 128 links: not known
+  CrashEntry(CrashEntry&& other) noexcept;
+  CrashEntry& operator=(CrashEntry&& other) noexcept;
+  ~CrashEntry();
+
+  void set_stands(bool stands) noexcept;  ///< the robot has acknowledged its stop
+
+ private:
+  int place_ = -1;
+};
+
+/// A link thread, known to the handler as long as this lives: `stop(who)` is called there, and must be
+/// async-signal-safe.
+class CrashThread {
+ public:
+  CrashThread(void (*stop)(void* who) noexcept, void* who) noexcept;
+  ~CrashThread();
+  CrashThread(const CrashThread&) = delete;
+  CrashThread& operator=(const CrashThread&) = delete;
+
+  void runs_here() noexcept;  ///< the calling thread is the one that reads the links
+
+ private:
+  int place_ = -1;
+};
+
+}  // namespace skein::comms
