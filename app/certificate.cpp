@@ -47,26 +47,40 @@ std::string as_text(const Certificate::Theorem& theorem) {
       v, theorem.continuous_omega ? fmt::format("vanishes ({})", omega) : "jumps along the path");
 }
 
+std::array<std::pair<core::PairTable*, core::GainName>, core::pair_names.size()> parts_of(core::Gains& g) {
+  using Name = core::GainName;
+  return {{{&g.k_xx, Name::k_xx},
+           {&g.k_tt, Name::k_tt},
+           {&g.k_yy, Name::k_yy},
+           {&g.c_xx, Name::c_xx},
+           {&g.c_tt, Name::c_tt},
+           {&g.c_yy, Name::c_yy},
+           {&g.l_xx, Name::l_xx},
+           {&g.l_tt, Name::l_tt}}};
+}
+
 }  // namespace
 
 bool Certificate::holds() const noexcept {
+  constexpr double rounding = -1e-12;
   return std::all_of(robots.begin(), robots.end(), [](const Robot& r) {
-    return r.k_x.value > 0.0 && r.k_theta.value > 0.0 && r.b.value >= 0.0 && r.v.value < 1.0 && r.omega.value < 1.0 &&
-           r.wheel.value <= 1.0;
+    return r.k_x.value > 0.0 && r.k_theta.value > 0.0 && r.b.value >= 0.0 && r.f.value >= rounding &&
+           r.g.value >= rounding && r.v.value < 1.0 && r.omega.value < 1.0 && r.wheel.value <= 1.0;
   });
 }
 
 Certificate certify(const Experiment& experiment) {
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   core::Gains gains = make_gains(experiment);
-  core::GainSchedule schedule({gains.k_xx, gains.k_tt, gains.k_yy});
+  core::GainSchedule schedule(experiment.controller.gains);
   const std::size_t n = experiment.robots.size();
 
   Certificate certificate;
+  certificate.fixed = gains.policy == core::GainPolicy::fixed;
   certificate.v_max = experiment.controller.v_max;
   certificate.omega_max = experiment.controller.omega_max;
   Certificate::Robot start;
-  start.k_x.value = start.k_theta.value = start.b.value = infinite;
+  start.k_x.value = start.k_theta.value = start.b.value = start.f.value = start.g.value = infinite;
   start.v.value = start.omega.value = start.wheel.value = -infinite;
   certificate.robots.assign(n, start);
 
@@ -80,17 +94,14 @@ Certificate certify(const Experiment& experiment) {
     const double t = static_cast<double>(k) / experiment.rate;
     for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change) {
       const GainChange& change = experiment.gain_changes[next_change];
-      if (change.k_xx) schedule.ramp(core::GainName::k_xx, *change.k_xx, change.ramp);
-      if (change.k_tt) schedule.ramp(core::GainName::k_tt, *change.k_tt, change.ramp);
-      if (change.k_yy) schedule.ramp(core::GainName::k_yy, *change.k_yy, change.ramp);
+      for (const core::GainName name : core::pair_names)
+        if (change[name]) schedule.ramp(name, *change[name], change.ramp);
     }
     if (k > 0) schedule.step(experiment.period());
-    gains.k_xx = schedule.now().k_xx;
-    gains.k_tt = schedule.now().k_tt;
-    gains.k_yy = schedule.now().k_yy;
+    for (const auto& [target, name] : parts_of(gains)) *target = core::table(schedule.now(), name);
     reference->at(t, points);
     for (std::size_t i = 0; i < n; ++i) twists[i] = points[i].twist;
-    core::use_all_authority(gains, twists);
+    core::use_policy(gains, twists);
     for (std::size_t i = 0; i < n; ++i) {
       Certificate::Robot& robot = certificate.robots[i];
       const core::CommandLimits limits = make_limits(experiment, i);
@@ -99,7 +110,10 @@ Certificate certify(const Experiment& experiment) {
       keep_smallest(certificate.theorem.omega, omega, t, i);
       keep_smallest(robot.k_x, gains.k_x[i], t);
       keep_smallest(robot.k_theta, gains.k_theta[i], t);
-      keep_smallest(robot.b, core::margins(gains, i, twists[i]).b, t);
+      const core::Margins margins = core::margins(gains, i, twists[i]);
+      keep_smallest(robot.b, margins.b, t);
+      keep_smallest(robot.f, margins.f, t);
+      keep_smallest(robot.g, margins.g, t);
       keep_largest(robot.v, v / limits.v_max, t);
       keep_largest(robot.omega, omega / limits.omega_max, t);
       keep_largest(robot.wheel, (v + 0.5 * limits.drive.track * omega) / limits.drive.max_wheel_speed(), t);
@@ -118,6 +132,10 @@ std::string as_lines(const Certificate& certificate) {
                    100.0 * r.k_x.value / certificate.v_max, r.k_x.t);
     fmt::format_to(out, "robot_{}_smallest_k_theta: {:.4g} rad/s ({:.0f} % of omega_max) at t = {:g} s\n", i + 1,
                    r.k_theta.value, 100.0 * r.k_theta.value / certificate.omega_max, r.k_theta.t);
+    if (certificate.fixed) {
+      fmt::format_to(out, "robot_{}_smallest_margin_f: {:.4g} m/s at t = {:g} s\n", i + 1, r.f.value, r.f.t);
+      fmt::format_to(out, "robot_{}_smallest_margin_g: {:.4g} rad/s at t = {:g} s\n", i + 1, r.g.value, r.g.t);
+    }
     fmt::format_to(
         out, "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
         i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);

@@ -18,6 +18,7 @@ struct Certificate {
     Worst k_x;      ///< smallest k_x of (36) [m/s]; (18a) and (18f) ask for more than 0
     Worst k_theta;  ///< smallest k_theta of (36) [rad/s]; (18a) and (18g) ask for more than 0
     Worst b;        ///< smallest of its coupling parameters (18b)
+    Worst f, g;     ///< smallest margins of (18f) [m/s] and (18g) [rad/s]: 0 where tracking gets all the authority
     Worst v;        ///< largest |v_ref| as a share of v_max
     Worst omega;    ///< largest |omega_ref| as a share of omega_max
     Worst wheel;    ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
@@ -43,6 +44,7 @@ struct Certificate {
   std::vector<Robot> robots;
   Theorem theorem;
   double v_max = 0.0, omega_max = 0.0;
+  bool fixed = false;  ///< the tracking gains are given
 
   /// (18a-g) hold and the reference is inside the actuators' limits, everywhere.
   bool holds() const noexcept;

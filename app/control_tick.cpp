@@ -11,13 +11,6 @@
 #include "core/estimation/pose_filter.h"
 
 namespace skein::app {
-namespace {
-
-/// An operator's change of a gain takes at least five seconds from nothing to all of the authority there is: Theorem 1
-/// wants gains that are continuous, and a hand on a slider is not.
-constexpr double operator_ramp = 5.0;
-
-}  // namespace
 
 struct ControlTick::State {
   explicit State(const Experiment& e);
@@ -48,9 +41,6 @@ struct ControlTick::State {
   void note_obstacle(std::size_t k, const core::Obstacle& o) noexcept {
     record.events.add({Event::Kind::obstacle, static_cast<int>(k), {}, {o.x, o.y, o.radius}});
   }
-  void note_gain(Event::Kind kind, core::GainName gain, double from, double to) noexcept {
-    record.events.add({kind, -1, gain, {from, to, 0.0}});
-  }
 
   // What the experiment says.
   const Experiment experiment;
@@ -61,10 +51,8 @@ struct ControlTick::State {
   // What lasts from tick to tick.
   double last_now = none;
   double dt = 0.0;  // of the experiment, since the tick before; 0 unless running
-  std::size_t next_change = 0;
   core::Gains gains;
-  core::GainSchedule schedule;
-  std::array<bool, 3> changed_before_start{};
+  Couplings couplings;
   core::ObstacleField obstacles;
   core::Avoidance avoidance;
   core::Shield shield;
@@ -90,7 +78,7 @@ ControlTick::State::State(const Experiment& e)
       reference(make_reference(e)),
       demand(reference->demand(e.controller.k_y)),
       gains(make_gains(e)),
-      schedule({gains.k_xx, gains.k_tt, gains.k_yy}),
+      couplings(e, gains, demand),
       obstacles(e.obstacles),
       avoidance(e.robots.size()),
       shield(e.robots.size(), obstacles.all().size()),
@@ -160,11 +148,7 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
     case OperatorCommand::Kind::start:
       if (record.phase != Phase::ready) return;
       record.phase = Phase::running;
-      // What was changed before the run began belongs into its record, or it could not be repeated from it.
-      for (const core::GainName name : core::gain_names)
-        if (changed_before_start[static_cast<std::size_t>(name)])
-          note_gain(Event::Kind::gain, name, core::table(experiment.controller.gains, name).largest(),
-                    core::table(schedule.target(), name).largest());
+      couplings.note_changes_before_start(record.events);
       for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
         const core::Obstacle first = k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{};
         const bool told = record.events.contains(Event::Kind::obstacle, static_cast<int>(k));
@@ -197,25 +181,12 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
       note(hold ? Event::Kind::hold : Event::Kind::release, command.number);
       return;
     }
-    case OperatorCommand::Kind::gain: {
-      const double border = core::gain_border(command.gain, gains, schedule.target(), demand);
-      const double value = std::clamp(command.value, 0.0, border);
-      const double from = core::table(schedule.target(), command.gain).largest();
-      if (command.value > border) note_gain(Event::Kind::gain_held, command.gain, command.value, value);
-      if (value == from) return;
-      if (record.phase == Phase::ready) {  // no motion yet that a jump could disturb
-        schedule.move(command.gain, value, std::numeric_limits<double>::infinity());
-        schedule.step(1.0);
-        changed_before_start[static_cast<std::size_t>(command.gain)] = true;
-        note_gain(Event::Kind::gain, command.gain, from, value);
-        return;
-      }
-      const double authority = command.gain == core::GainName::k_xx ? gains.v_max[0] : gains.omega_max[0];
-      const auto partners = static_cast<double>(std::max<std::size_t>(1, robots() - 1));
-      schedule.move(command.gain, value, authority / partners / operator_ramp);
-      note_gain(Event::Kind::gain, command.gain, from, value);
+    case OperatorCommand::Kind::gain:
+    case OperatorCommand::Kind::pair_gain:
+    case OperatorCommand::Kind::couple:
+    case OperatorCommand::Kind::uncouple:
+      couplings.obey(command, record.phase == Phase::ready, record.events);
       return;
-    }
   }
 }
 
@@ -257,22 +228,8 @@ void ControlTick::State::estimate(const TickInput& input) noexcept {
 
 /// The coupling gains of this tick: the file's changes and the operator's, ramped.
 void ControlTick::State::schedule_gains() noexcept {
-  for (; next_change < experiment.gain_changes.size(); ++next_change) {
-    const GainChange& change = experiment.gain_changes[next_change];
-    if (!running() || record.t < change.t) break;
-    for (const core::GainName name : core::gain_names) {
-      const std::optional<core::PairTable>& target = name == core::GainName::k_xx   ? change.k_xx
-                                                     : name == core::GainName::k_tt ? change.k_tt
-                                                                                    : change.k_yy;
-      if (!target) continue;
-      note_gain(Event::Kind::schedule, name, core::table(schedule.target(), name).largest(), target->largest());
-      schedule.ramp(name, *target, change.ramp);
-    }
-  }
-  schedule.step(dt);
-  gains.k_xx = schedule.now().k_xx;
-  gains.k_tt = schedule.now().k_tt;
-  gains.k_yy = schedule.now().k_yy;
+  if (running()) couplings.follow_file(record.t, record.events);
+  couplings.step(dt, gains);
 }
 
 /// The formation's reference, and what avoidance (29-34) makes of it; then the tracking gains that these leave (36).
@@ -290,7 +247,7 @@ void ControlTick::State::follow_reference() noexcept {
     std::copy(nominal.begin(), nominal.end(), followed.begin());
   }
   for (std::size_t i = 0; i < robots(); ++i) followed_twists[i] = followed[i].twist;
-  core::use_all_authority(gains, followed_twists);
+  core::use_policy(gains, followed_twists);
 }
 
 /// (4) and (15). The error of a robot that is lost or held counts as zero, which takes it out of the group: nobody is
@@ -384,8 +341,8 @@ double ControlTick::next_time(int elapsed) const noexcept {
   return static_cast<double>(tick.record.tick + (tick.running() ? elapsed : 0)) / tick.experiment.rate;
 }
 
-double ControlTick::gain_target(core::GainName name) const noexcept {
-  return core::table(state_->schedule.target(), name).largest();
+const Couplings& ControlTick::couplings() const noexcept {
+  return state_->couplings;
 }
 
 const TickRecord& ControlTick::record() const noexcept {

@@ -29,6 +29,10 @@ struct Event {
     gain,             // name; values from, to: the operator's new target for all pairs
     schedule,         // name; values from, to: a [[gain_change]] of the file begins
     gain_held,        // name; values asked for, held at: (18) forbids more
+    pair_gain,        // robot, other, name; values from, to: the operator's new target for one pair
+    pair_gain_held,   // robot, other, name; values asked for, held at
+    couple,           // robot, other: coupled again
+    uncouple,         // robot, other: not coupled any more
     lost,             // robot: no pose within the bridge time, it was stopped
     found,            // robot: its pose is back
     avoid,            // robot: entered a detection region
@@ -40,13 +44,14 @@ struct Event {
   int robot = -1;  ///< from 0; -1: none (of `obstacle`: the obstacle's number)
   core::GainName gain = core::GainName::k_xx;
   std::array<double, 3> values{};
+  int other = -1;  ///< the second robot of a pair, from 0; -1: none
 };
 
 /// A bounded list that never allocates; what does not fit is counted.
 class EventList {
  public:
-  /// What is changed before a start comes with it, all in one tick: every gain and a crowd of obstacles.
-  static constexpr std::size_t capacity = 48;
+  /// What is changed before a start comes with it, all in one tick: every gain, gains of pairs, a crowd of obstacles.
+  static constexpr std::size_t capacity = 96;
 
   void add(const Event& event) noexcept {
     if (size_ < capacity)

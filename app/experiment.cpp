@@ -84,14 +84,17 @@ core::Gains make_gains(const Experiment& experiment) {
   gains.c_x.assign(n, c.c_x);
   gains.c_theta.assign(n, c.c_theta);
   gains.k_xx = c.gains.k_xx;
-  gains.c_xx.fill(c.c_xx);
-  gains.l_xx.fill(c.l_xx);
+  gains.c_xx = c.gains.c_xx;
+  gains.l_xx = c.gains.l_xx;
   gains.k_tt = c.gains.k_tt;
-  gains.c_tt.fill(c.c_tt);
-  gains.l_tt.fill(c.l_tt);
+  gains.c_tt = c.gains.c_tt;
+  gains.l_tt = c.gains.l_tt;
   gains.k_yy = c.gains.k_yy;
-  gains.c_yy.fill(c.c_yy);
-  core::use_all_authority(gains, std::vector<core::Twist>(n));
+  gains.c_yy = c.gains.c_yy;
+  gains.policy = c.policy;
+  gains.k_x.assign(n, c.k_x);
+  gains.k_theta.assign(n, c.k_theta);
+  core::use_policy(gains, std::vector<core::Twist>(n));
   return gains;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -80,17 +81,22 @@ struct ControllerSpec {
   core::Saturation saturation = core::Saturation::tanh;
   core::Coupling coupling = core::Coupling::paper;
   double v_max = 0.1, omega_max = 1.7;
-  double c_x = 20.0, c_xx = 1.5, l_xx = 100.0;
-  double c_theta = 1.0, c_tt = 0.04, l_tt = 100.0;
-  double c_yy = 1.5, k_y = 11.0, k = 200.0;
-  core::CouplingGains gains;  ///< (36): 0.008, 0.025, 0.08
+  double c_x = 20.0, c_theta = 1.0, k_y = 11.0, k = 200.0;
+  core::GainPolicy policy = core::GainPolicy::authority;
+  double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed" [m/s, rad/s]
+  core::CouplingGains gains;        ///< of all pairs; those of (36) unless the file says otherwise
 };
 
-/// From time t on, the given gains move to new values at a constant rate within `ramp` seconds.
+/// From time t on, the given parameters of the couplings move to new values at a constant rate within `ramp` seconds.
 struct GainChange {
   double t = 0.0;
   double ramp = 1.0;
-  std::optional<core::PairTable> k_xx, k_tt, k_yy;
+  std::array<std::optional<core::PairTable>, core::pair_names.size()> tables;  ///< in the order of core::pair_names
+
+  std::optional<core::PairTable>& operator[](core::GainName name) { return tables[static_cast<std::size_t>(name)]; }
+  const std::optional<core::PairTable>& operator[](core::GainName name) const {
+    return tables[static_cast<std::size_t>(name)];
+  }
 };
 
 struct RobotSpec {

@@ -224,6 +224,9 @@ TEST(Event, WordsAreRead) {
       {{Kind::move, 0, {}, {0.1, 0.2, -1.5}}, "move r1 x=0.1 y=0.2 theta=-1.5"},
       {{Kind::gain, -1, core::GainName::k_tt, {0.025, 0.03, 0.0}}, "gain k_tt 0.025 -> 0.03"},
       {{Kind::gain_held, -1, core::GainName::k_yy, {1.0, 0.1 / 3.0, 0.0}}, "gain_held k_yy 1 -> 0.03333333333333333"},
+      {{Kind::pair_gain, 1, core::GainName::k_xx, {0.008, 0.01, 0.0}, 2}, "pair_gain r2 r3 k_xx 0.008 -> 0.01"},
+      {{Kind::uncouple, 0, {}, {}, 3}, "uncouple r1 r4"},
+      {{Kind::schedule, -1, core::GainName::l_tt, {100.0, 50.0, 0.0}}, "schedule l_tt 100 -> 50"},
       {{Kind::deadline_missed, -1, {}, {3.0, 0.0, 0.0}}, "deadline_missed 3"},
       {{Kind::link, 2, {}, {4.0, 0.0, 0.0}}, "link r3 stale"}};
   for (const auto& [event, words] : cases) {
@@ -232,6 +235,7 @@ TEST(Event, WordsAreRead) {
     ASSERT_TRUE(read) << words;
     EXPECT_EQ(read->kind, event.kind);
     EXPECT_EQ(read->robot, event.robot);
+    EXPECT_EQ(read->other, event.other);
     EXPECT_EQ(read->gain, event.gain);
     EXPECT_EQ(read->values, event.values);
   }
