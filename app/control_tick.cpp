@@ -6,11 +6,25 @@
 #include <limits>
 
 #include "core/control/coordination_law.h"
+#include "core/control/descent_watch.h"
 #include "core/control/formation.h"
 #include "core/control/lyapunov.h"
 #include "core/estimation/pose_filter.h"
 
 namespace skein::app {
+
+namespace {
+
+/// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
+/// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
+/// sees.
+double rise_tolerance(const Experiment& e) {
+  const double position = std::max(e.camera.source == "none" ? 0.5e-3 : 1e-3, e.simulation.pose_noise);
+  constexpr double deviations = 8.0, heading_error = 0.3;  // [rad]: its slope by a heading is that heading's error
+  return deviations * (e.controller.k_y * position + heading_error * e.simulation.heading_noise);
+}
+
+}  // namespace
 
 struct ControlTick::State {
   explicit State(const Experiment& e);
@@ -30,6 +44,7 @@ struct ControlTick::State {
   void limit_and_shield() noexcept;
   void drive_wheels() noexcept;
   void account(const TickInput& input) noexcept;
+  void watch_descent() noexcept;
 
   bool running() const noexcept { return record.phase == Phase::running; }
   /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
@@ -57,6 +72,8 @@ struct ControlTick::State {
   core::Avoidance avoidance;
   core::Shield shield;
   core::LawPairs pairs;  // workspace of the law
+  core::DescentWatch watch;
+  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
   std::vector<core::PoseFilter> filters;
   std::vector<bool> seen_before;
   std::vector<bool> held;               // made to stand by the operator
@@ -83,6 +100,7 @@ ControlTick::State::State(const Experiment& e)
       avoidance(e.robots.size()),
       shield(e.robots.size(), obstacles.all().size()),
       pairs(e.robots.size()),
+      watch(e.robots.size(), rise_tolerance(e)),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
@@ -115,6 +133,7 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   tick.schedule_gains();
   tick.follow_reference();
   tick.apply_law();
+  tick.watch_descent();
   tick.limit_and_shield();
   tick.drive_wheels();
   tick.account(input);
@@ -263,6 +282,7 @@ void ControlTick::State::apply_law() noexcept {
 void ControlTick::State::limit_and_shield() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
+    robot.limits = 0;
     if (!running() || is_out(i)) {
       robot.mode |= stopped;
       commands[i] = {};
@@ -270,6 +290,9 @@ void ControlTick::State::limit_and_shield() noexcept {
       continue;
     }
     robot.mode |= followed[i] == nominal[i] ? tracking : avoiding;
+    const core::CommandLimits::Biting biting = limits[i].biting(law[i]);
+    robot.limits = static_cast<std::uint8_t>((biting.v ? limit_v : 0) | (biting.omega ? limit_omega : 0) |
+                                             (biting.wheels ? limit_wheels : 0));
     commands[i] = limits[i].limit(law[i]);
     v_limits[i] = limits[i].v_limit(commands[i].omega);
     if (commands[i] != law[i]) robot.mode |= limited;
@@ -301,7 +324,31 @@ void ControlTick::State::drive_wheels() noexcept {
     choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
     choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
     filters[i].command(record.now + experiment.estimation.actuation_delay, spec.drive.twist(runs));
+    watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
   }
+}
+
+/// (20) forbids that V rises. Says where it does and nothing explains it: neither a hand nor a robot that was lost or
+/// found (within the time in which the filter comes to believe the new pose).
+void ControlTick::State::watch_descent() noexcept {
+  constexpr double settles = 0.5;  // [s]
+  for (const Event& event : record.events) switch (event.kind) {
+      case Event::Kind::perturb:
+      case Event::Kind::kidnap:
+      case Event::Kind::move:
+      case Event::Kind::kick:
+      case Event::Kind::hold:
+      case Event::Kind::release:
+      case Event::Kind::lost:
+      case Event::Kind::found:
+        explained_until = record.now + experiment.simulation.latency + settles;
+        break;
+      default:
+        break;
+    }
+  if (!running() || record.now < explained_until) watch.forget();
+  const double rise = watch.step(gains, poses, followed, errors, record.period);
+  if (rise > 0.0) record.events.add({Event::Kind::v_rise, -1, {}, {rise, 0.0, 0.0}});
 }
 
 /// Everything that this tick did, for the log, the plots and the tests.

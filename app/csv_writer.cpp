@@ -27,12 +27,19 @@ struct CsvWriter::Impl {
       if (bits & mode) row.append(joint).append(name), joint = "+";
     row += ',';
   }
+  void limits(std::uint8_t bits) {
+    const char* joint = "";
+    for (const auto& [limit, name] : limit_names)
+      if (bits & limit) row.append(joint).append(name), joint = "+";
+    row += ',';
+  }
   void robot(const RobotRecord& record) {
     for (const auto& column : robot_columns) number(column.get(record));
     mode(record.mode);
     const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
     for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
     row.append(core::name(record.measurement.how)) += ',';
+    limits(record.limits);
   }
 
   void head(const Experiment& experiment) {
@@ -55,7 +62,7 @@ struct CsvWriter::Impl {
       for (const auto& column : robot_columns) row += fmt::format("r{}_{},", i, column.name);
       row += fmt::format("r{}_mode,", i);
       for (const auto& column : measurement_columns) row += fmt::format("r{}_{},", i, column.name);
-      row += fmt::format("r{}_how,", i);
+      row += fmt::format("r{0}_how,r{0}_limit,", i);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     row += "now\n";

@@ -15,7 +15,7 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 24> words{{{Kind::start, "start"},
+constexpr std::array<std::pair<Kind, std::string_view>, 25> words{{{Kind::start, "start"},
                                                                    {Kind::pause, "pause"},
                                                                    {Kind::resume, "resume"},
                                                                    {Kind::stop, "stop"},
@@ -38,6 +38,7 @@ constexpr std::array<std::pair<Kind, std::string_view>, 24> words{{{Kind::start,
                                                                    {Kind::avoid, "avoid"},
                                                                    {Kind::clear, "clear"},
                                                                    {Kind::deadline_missed, "deadline_missed"},
+                                                                   {Kind::v_rise, "v_rise"},
                                                                    {Kind::link, "link"}}};
 
 constexpr int link_states = static_cast<int>(comms::LinkState::closed) + 1;
@@ -111,6 +112,7 @@ std::string describe(const Event& event) {
     case Kind::pair_gain_held:
       return text + fmt::format(" {} {} -> {}", name(event.gain), a, b);
     case Kind::deadline_missed:
+    case Kind::v_rise:
       return text + fmt::format(" {}", a);
     case Kind::link:
       return text + fmt::format(" {}", link_word(a));

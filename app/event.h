@@ -38,6 +38,7 @@ struct Event {
     avoid,            // robot: entered a detection region
     clear,            // robot: back on the nominal reference
     deadline_missed,  // values[0]: how many ticks were skipped
+    v_rise,           // values[0]: V has risen so much, and nothing that is known explains it
     link,             // robot; values[0]: comms::LinkState it went to
   };
   Kind kind = Kind::start;

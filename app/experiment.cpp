@@ -28,6 +28,13 @@ std::shared_ptr<const core::Path> centred_path(const PathSpec& path) {
   return std::make_shared<core::RoundedRectangle>(path.width, path.height, path.radius);
 }
 
+std::vector<core::SpacingChange> spacings(const ReferenceSpec& reference) {
+  std::vector<core::SpacingChange> changes;
+  for (const ReferenceChange& change : reference.changes)
+    changes.push_back({change.t, change.duration, change.shape.spacing});
+  return changes;
+}
+
 core::Shape places(const ShapeSpec& spec, std::size_t robots) {
   return spec.offsets.empty() ? core::make_shape(spec.shape, robots, spec.spacing) : spec.offsets;
 }
@@ -45,6 +52,7 @@ std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
 }
 
 std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& t, const ReferenceSpec& defaults) {
+  if (!t.samples.empty()) return std::make_unique<core::Timetable>(t.samples);
   auto path = make_path(t.path);
   const double speed = t.speed.value_or(defaults.speed), most = t.acceleration.value_or(defaults.acceleration);
   if (!t.from_rest_to_rest()) return std::make_unique<core::Rounds>(std::move(path), speed, t.start);
@@ -58,7 +66,7 @@ std::unique_ptr<const core::Reference> make_reference(const Experiment& experime
   const ReferenceSpec& r = experiment.reference;
   const std::size_t n = experiment.robots.size();
   if (r.kind == ReferenceSpec::Kind::platoon)
-    return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start);
+    return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start, spacings(r));
   if (r.kind == ReferenceSpec::Kind::independent) {
     std::vector<std::unique_ptr<const core::Trajectory>> trajectories;
     for (const RobotSpec& robot : experiment.robots)

@@ -14,6 +14,7 @@
 #include "core/estimation/pose_filter.h"
 #include "core/kinematics/step_rate.h"
 #include "core/reference/formation.h"
+#include "core/reference/timetable.h"
 #include "core/reference/trajectory.h"
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
@@ -43,7 +44,7 @@ struct ShapeSpec {
 
 struct ReferenceChange {
   double t = 0.0, duration = 0.0;  ///< [s]
-  ShapeSpec shape;
+  ShapeSpec shape;                 ///< of a platoon its spacing alone, along the path
 };
 
 struct ReferenceSpec {
@@ -58,7 +59,7 @@ struct ReferenceSpec {
   double start = 1.6;     ///< arc length at which robot 1, or the centre, begins [m]
   PathSpec path;
   ShapeSpec shape;                       ///< of a formation
-  std::vector<ReferenceChange> changes;  ///< of a formation, in the order of t
+  std::vector<ReferenceChange> changes;  ///< in the order of t
   double acceleration = 0.1;             ///< of trajectories that say nothing else [m/s^2]
   bool may_meet = false;                 ///< of trajectories: the shield is to keep robots apart whose references meet
 };
@@ -73,6 +74,8 @@ struct TrajectorySpec {
   std::optional<double> distance;  ///< from rest to rest; empty: to the end of an open path, a closed one for ever [m]
   std::optional<double> duration;  ///< instead of speed: from rest to rest [s]
   double turn_rate = 0.0;          ///< on the spot, after the arrival [rad/s]
+  std::vector<core::TimedPoint> samples;  ///< instead of all this: places and their times
+  std::vector<double> headings;           ///< of the samples, where the file gives them; only to be checked [rad]
 
   bool from_rest_to_rest() const noexcept { return distance || !path.closed; }
 };

@@ -101,6 +101,16 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
   const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
   if (e.reference.kind == ReferenceSpec::Kind::independent) return check_trajectory_speeds(e, problems);
   const double curvature = make_path(e.reference.path)->largest_curvature();
+  if (const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
+      platoon && demand.v > e.reference.speed &&
+      (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)) {
+    problems.add(
+        "reference.change",
+        fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for which {} fails whatever "
+                    "the couplings, allowed: changes that take longer",
+                    demand.v, demand.v >= e.controller.v_max ? "(18f)" : "(18g)"));
+    return;
+  }
   const double share = std::max(demand.v / e.controller.v_max, demand.turning / e.controller.omega_max);
   const double fastest = e.reference.speed / share;  // all velocities grow with it
   if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)

@@ -48,6 +48,10 @@ void Statistics::record(const TickRecord& record) {
   so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
   if (so_far_.ticks > 1) so_far_.largest_period = std::fmax(so_far_.largest_period, record.period);
   if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
+  double delay = none;
+  for (const RobotRecord& robot : record.robots)
+    if (!robot.is(lost)) delay = std::fmax(delay, robot.pose_age + experiment_.estimation.actuation_delay);
+  if (!std::isnan(delay)) loop_delays_.push_back(delay);
   for (std::size_t stage = 0; stage < stages; ++stage) so_far_.latency[stage].add(record.latency.of[stage]);
   so_far_.latency_total.add(record.latency.total);
   if (record.phase == Phase::stopped) so_far_.stopped = true;

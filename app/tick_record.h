@@ -28,6 +28,13 @@ enum Mode : std::uint8_t {
   lost = 64,     ///< no pose within the bridge time
 };
 
+/// What took something from what the law asked for; those that did are added up (bits).
+enum Limit : std::uint8_t {
+  limit_v = 1,       ///< |v| <= v_max (14)
+  limit_omega = 2,   ///< |omega| <= omega_max (14)
+  limit_wheels = 4,  ///< what a wheel can do
+};
+
 /// One robot at one tick. Poses in the world frame.
 struct RobotRecord {
   core::Measurement measurement;                ///< the newest one at hand
@@ -44,6 +51,7 @@ struct RobotRecord {
   double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
   core::Margins margins{};                      ///< of (18), now
   std::uint8_t mode = stopped;
+  std::uint8_t limits = 0;  ///< of `Limit`
 
   bool is(Mode m) const noexcept { return (mode & m) != 0; }
 };

@@ -151,6 +151,16 @@ TEST(CommandLine, TheExamplesDoWhatTheyExpect) {
   }
 }
 
+TEST(CommandLine, ParkedRobotsAreCase2OfTheTheorem) {
+  const Result r = skein({"run", experiments + "parking.toml"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_GT(value(r.out, "delay_margin"), value(r.out, "loop_delay")) << r.out;
+  const Result certificate = skein({"check", experiments + "parking.toml"});
+  EXPECT_EQ(certificate.status, 0) << certificate.err;
+  EXPECT_TRUE(has(certificate.out, "theorem_1: case 2 from t = ")) << certificate.out;
+  EXPECT_TRUE(has(certificate.out, "delay_margin: 0.")) << certificate.out;
+}
+
 TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
   Folder folder;
   std::ofstream(folder / "bad.toml") << "name = \"bad\"\n[controller]\nv_max = -1\nwhatever = 3\n";

@@ -59,7 +59,7 @@ TEST(ExperimentFile, ThePaperIsBuiltInAndSaysTheDefaults) {
 
 TEST(ExperimentFile, EveryShippedExperimentLoads) {
   for (const char* name : {"platoon", "platoon-loopback", "uncoupled", "lemniscate", "diamond-to-line", "corner-blends",
-                           "unequal-speeds"}) {
+                           "unequal-speeds", "parking"}) {
     const auto e = load_experiment(experiments + name + ".toml");
     ASSERT_TRUE(e) << e.error().front().message();
     EXPECT_EQ(e->name, name);
