@@ -49,14 +49,14 @@ Gains one_robot(const Twist& reference) {
 }
 
 TEST(DelayMargin, IsWhereDrivenRobotsBeginToSwing) {
-  for (const Twist& reference : {Twist{0.05, 0.0}, Twist{0.05, 0.05 / 0.119}, Twist{0.02, -0.3}, Twist{0.08, 0.1}})
-    for (const double period : {0.04, 0.1}) {
+  for (const Twist& reference : {Twist{0.05, 0.0}, Twist{0.05, 0.05 / 0.119}, Twist{0.02, -0.3}, Twist{0.06, 0.1}})
+    for (const double period : {0.02, 0.04}) {
       const Gains gains = one_robot(reference);
       const core::DelayMargin margin = core::delay_margin(gains, 0, reference, period);
       ASSERT_FALSE(margin.unbounded);
-      ASSERT_GT(margin.delay, period);
-      EXPECT_LT(growth(gains, reference, period, 0.93 * margin.delay, 80.0), 0.5) << reference.v << " " << period;
-      EXPECT_GT(growth(gains, reference, period, 1.07 * margin.delay, 80.0), 2.0) << reference.v << " " << period;
+      ASSERT_GT(margin.delay, 0.5 * period);
+      EXPECT_LT(growth(gains, reference, period, 0.93 * margin.delay, 300.0), 0.1) << reference.v << " " << period;
+      EXPECT_GT(growth(gains, reference, period, 1.07 * margin.delay, 150.0), 10.0) << reference.v << " " << period;
     }
 }
 
