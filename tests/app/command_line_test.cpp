@@ -208,7 +208,7 @@ TEST(CommandLine, ARecordedRunReplaysBitForBit) {
   Folder folder;
   ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--csv", folder / "run.csv", "--quiet", "--set",
                    "simulation.pose_noise=0.002", "--set", "simulation.latency=0.1", "--set", "simulation.dropout=0.1",
-                   "--set", "expect.final_error=0.02", "--set", "expect.formation_first=false", "--set",
+                   "--set", "expect.final_error=0.02", "--set", "expect.formation_first=true", "--set",
                    "robot_defaults.model=epuck1"})
                 .status,
             0);
