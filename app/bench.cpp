@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "app/bench_links.h"
 #include "app/command_line.h"
@@ -15,6 +16,7 @@
 #include "app/experiment_file.h"
 #include "app/session.h"
 #include "app/statistics.h"
+#include "core/avoidance/avoidance.h"
 #include "core/control/coordination_law.h"
 #include "core/simulation/random.h"
 #include "vision/bench.h"
@@ -82,6 +84,63 @@ void law_fast(benchmark::State& state) {
     difference = std::max({difference, std::abs(fast[i].v - group.command[i].v) / group.gains.v_max[i],
                            std::abs(fast[i].omega - group.command[i].omega) / group.gains.omega_max[i]});
   state.counters["difference"] = difference;
+}
+
+/// A group of any size in rows, 12 cm apart, that drives the same way at the same speed.
+struct Rows {
+  core::Gains gains;
+  std::vector<core::Pose> poses;
+  std::vector<core::ReferencePoint> nominal, reference;
+  std::vector<core::Twist> command;
+  std::vector<double> v_limit;
+  std::unique_ptr<bool[]> touched;
+
+  explicit Rows(std::size_t robots)
+      : gains(core::paper_gains(robots)),
+        reference(robots),
+        command(robots, {0.05, 0.0}),
+        v_limit(robots, 0.1),
+        touched(new bool[robots]()) {
+    const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(robots))));
+    for (std::size_t i = 0; i < robots; ++i) {
+      poses.push_back({0.12 * static_cast<double>(i % side), 0.12 * static_cast<double>(i / side), 0.3});
+      nominal.push_back({poses.back(), command[i]});
+    }
+  }
+};
+
+/// What avoidance and shield looked at when every robot looked at every other: the baseline.
+void near_pairs_plain(benchmark::State& state) {
+  const Rows rows(static_cast<std::size_t>(state.range(0)));
+  const core::AvoidanceParameters region;
+  const core::ShieldParameters shield;
+  const std::size_t n = rows.poses.size();
+  for (auto _ : state) {
+    std::size_t near = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const core::Pose& here = rows.poses[i];
+      for (std::size_t j = 0; j < n; ++j)
+        near += j != i && core::region_level(region, here.x - rows.poses[j].x, here.y - rows.poses[j].y) <= 1.0;
+      for (std::size_t j = i + 1; j < n; ++j)
+        near += shield.gamma * (core::distance(here, rows.poses[j]) - shield.distance) < 0.2;
+    }
+    benchmark::DoNotOptimize(near);
+  }
+}
+
+/// Avoidance and shield as the tick calls them.
+void near_pairs(benchmark::State& state) {
+  Rows rows(static_cast<std::size_t>(state.range(0)));
+  const std::size_t n = rows.poses.size();
+  core::Avoidance avoidance(n, 0);
+  core::Shield shield(n, 0);
+  const core::Scene scene{rows.poses, rows.command, {rows.touched.get(), n}, {}};
+  for (auto _ : state) {
+    avoidance.step({}, rows.gains, 0.04, scene, rows.nominal, rows.reference);
+    shield.apply({}, rows.poses, {}, rows.v_limit, rows.command, {rows.touched.get(), n});
+    benchmark::DoNotOptimize(rows.command.data());
+    benchmark::ClobberMemory();
+  }
 }
 
 /// The law alone, on the errors of the same run: the baseline of the tick.
@@ -199,6 +258,8 @@ int bench(const std::string& what, double seconds, std::vector<std::string> argu
     const auto sizes = [](auto* b) { b->Arg(4)->Arg(100)->Arg(1000)->Unit(benchmark::kMicrosecond); };
     sizes(benchmark::RegisterBenchmark("law, pair by pair (baseline)", law_plain));
     sizes(benchmark::RegisterBenchmark("law", law_fast));
+    sizes(benchmark::RegisterBenchmark("avoidance + shield, all pairs (baseline)", near_pairs_plain));
+    sizes(benchmark::RegisterBenchmark("avoidance + shield", near_pairs));
   }
   if (asked("run"))
     benchmark::RegisterBenchmark("run platoon.toml --csv", whole_run)

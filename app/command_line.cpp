@@ -113,6 +113,29 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   replay_command.add_option("--video", replay_film,
                             "the film of the same run (`skein run --video`): every pose is found in it once more");
 
+  CLI::App& sweep_command = *program.add_subcommand(
+      "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
+  SweepRequest sweep_request;
+  sweep_command.add_option("study", sweep_request.file, "study file (TOML), see docs/studies.md")->required();
+  sweep_command.add_option("--runs", sweep_request.runs, "how many runs, instead of the file's")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->type_name("N");
+  sweep_command.add_option("--seed", sweep_request.seed, "seed of the first run; the next ones count on")
+      ->type_name("N");
+  sweep_command
+      .add_option("--only", sweep_request.only, "the one run with this seed, and the `skein run` that repeats it")
+      ->type_name("SEED");
+  sweep_command.add_option("--set", sweep_request.sets, "key=value: any key of the experiment; repeatable")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sweep_command.add_option("--threads", sweep_request.threads, "default: one a core")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  sweep_command.add_option("--csv", sweep_request.csv, "one row a run")->type_name("FILE");
+  sweep_command.add_flag("--json", sweep_request.json, "print the summary as one JSON object");
+  sweep_command.add_flag("--quiet", sweep_request.quiet, "no progress, no summary");
+
   CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
   TrackRequest track_request;
   track_command.add_option("source", track_request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
@@ -211,6 +234,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   }
   if (check_command) return check(check_experiment.request());
   if (replay_command) return replay(replay_file, replay_film);
+  if (sweep_command) return sweep(sweep_request);
   if (track_command) return track(track_request);
   if (stop_command) return stop_robots(robots_to_stop);
   if (test_command) return test_robot(robot_to_test);

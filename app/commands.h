@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,16 @@ struct TrackRequest {
   bool quiet = false;
 };
 int track(const TrackRequest& request);
+
+struct SweepRequest {
+  std::string file, csv;
+  std::vector<std::string> sets;
+  std::optional<std::int64_t> runs;
+  std::optional<std::uint64_t> seed, only;  ///< only: the one run with this seed
+  unsigned threads = 0;                     ///< 0: as many as there are cores
+  bool quiet = false, json = false;
+};
+int sweep(const SweepRequest& request);
 
 /// `what`: "tick", "run", "loopback", "links"; empty: all. `seconds`: how long each measurement of the links takes.
 /// Further words go to Google Benchmark.

@@ -83,6 +83,13 @@ void ControlLoop::cycle(double now, int elapsed) {
       std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
   unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),
                 std::memory_order_release);
+  constexpr double looks_elsewhere = 0.2;  // [rad]
+  away_.store(std::any_of(record.robots.begin(), record.robots.end(),
+                          [&](const RobotRecord& r) {
+                            return core::distance(r.pose, r.nominal.pose) > experiment_.staging.within ||
+                                   std::abs(core::wrap_angle(r.pose.theta - r.nominal.pose.theta)) > looks_elsewhere;
+                          }),
+              std::memory_order_release);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
 }

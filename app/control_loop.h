@@ -52,6 +52,8 @@ class ControlLoop {
   bool coupled(std::size_t i, std::size_t j) const noexcept {
     return pairs_[pair(i, j)].coupled.load(std::memory_order_relaxed);
   }
+  /// Whether some robot whose pose is known stands farther from its start than `staging.within`, or looks elsewhere.
+  bool away() const noexcept { return away_.load(std::memory_order_acquire); }
   /// Set when the control thread died; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
@@ -94,7 +96,7 @@ class ControlLoop {
   std::size_t next_perturbation_ = 0;
   std::int64_t virtual_ticks_ = 0;
 
-  std::atomic<bool> stop_{false}, failed_{false};
+  std::atomic<bool> stop_{false}, failed_{false}, away_{false};
   std::atomic<Phase> phase_{Phase::ready};
   std::atomic<int> unseen_{0};
   std::unique_ptr<PairState[]> pairs_;

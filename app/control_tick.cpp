@@ -1,19 +1,25 @@
 #include "app/control_tick.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
+#include "app/control_tick_state.h"
 #include "core/control/coordination_law.h"
-#include "core/control/descent_watch.h"
 #include "core/control/formation.h"
 #include "core/control/lyapunov.h"
 #include "core/estimation/pose_filter.h"
 
 namespace skein::app {
-
 namespace {
+
+/// A detour keeps this much more distance than the shield asks for, so that the shield stays out of it. [m]
+constexpr double detour_margin = 0.012;
+
+/// Staging looks so far ahead [s].
+constexpr double staging_horizon = 3.0;
+
+/// How many standard deviations a pose is trusted to be off at most.
+constexpr double trusted_deviations = 3.0;
 
 /// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
 /// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
@@ -26,70 +32,6 @@ double rise_tolerance(const Experiment& e) {
 
 }  // namespace
 
-struct ControlTick::State {
-  explicit State(const Experiment& e);
-
-  // The stages of a tick, in their order.
-  void begin(const TickInput& input) noexcept;
-  void obey(const OperatorCommand& command) noexcept;
-  /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
-  void forget_history() noexcept {
-    for (core::PoseFilter& filter : filters) filter.forget();
-  }
-  void look(std::size_t i) noexcept;
-  void estimate(const TickInput& input) noexcept;
-  void schedule_gains() noexcept;
-  void follow_reference() noexcept;
-  void apply_law() noexcept;
-  void limit_and_shield() noexcept;
-  void drive_wheels() noexcept;
-  void account(const TickInput& input) noexcept;
-  void watch_descent() noexcept;
-
-  bool running() const noexcept { return record.phase == Phase::running; }
-  /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
-  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i]; }
-  std::size_t robots() const noexcept { return record.robots.size(); }
-  void note(Event::Kind kind, std::size_t robot) noexcept {
-    record.events.add({kind, static_cast<int>(robot), {}, {}});
-  }
-  void note_obstacle(std::size_t k, const core::Obstacle& o) noexcept {
-    record.events.add({Event::Kind::obstacle, static_cast<int>(k), {}, {o.x, o.y, o.radius}});
-  }
-
-  // What the experiment says.
-  const Experiment experiment;
-  const std::unique_ptr<const core::Reference> reference;
-  const core::ReferenceDemand demand;
-  std::vector<core::CommandLimits> limits;
-
-  // What lasts from tick to tick.
-  double last_now = none;
-  double dt = 0.0;  // of the experiment, since the tick before; 0 unless running
-  core::Gains gains;
-  Couplings couplings;
-  core::ObstacleField obstacles;
-  core::Avoidance avoidance;
-  core::Shield shield;
-  core::LawPairs pairs;  // workspace of the law
-  core::DescentWatch watch;
-  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
-  std::vector<core::PoseFilter> filters;
-  std::vector<bool> seen_before;
-  std::vector<bool> held;               // made to stand by the operator
-  std::vector<bool> off_nominal;        // follows a modified reference
-  std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
-
-  // What lasts for one tick.
-  std::vector<core::Pose> poses, midway;
-  std::vector<core::ReferencePoint> nominal, followed;
-  std::vector<core::Twist> followed_twists, law, commands;
-  std::vector<core::TrackingError> errors;
-  std::vector<double> v_limits;
-  std::unique_ptr<bool[]> shield_touched;
-  TickRecord record;
-};
-
 ControlTick::State::State(const Experiment& e)
     : experiment(e),
       reference(make_reference(e)),
@@ -97,8 +39,9 @@ ControlTick::State::State(const Experiment& e)
       gains(make_gains(e)),
       couplings(e, gains, demand),
       obstacles(e.obstacles),
-      avoidance(e.robots.size()),
+      avoidance(e.robots.size(), obstacles.all().size()),
       shield(e.robots.size(), obstacles.all().size()),
+      near(e.robots.size()),
       pairs(e.robots.size()),
       watch(e.robots.size(), rise_tolerance(e)),
       shield_touched(new bool[e.robots.size()]()) {
@@ -111,6 +54,7 @@ ControlTick::State::State(const Experiment& e)
   owed.resize(n);
   poses.resize(n);
   midway.resize(n);
+  stands.resize(n);
   nominal.resize(n);
   followed.resize(n);
   followed_twists.resize(n);
@@ -118,6 +62,7 @@ ControlTick::State::State(const Experiment& e)
   commands.resize(n);
   errors.resize(n);
   v_limits.resize(n);
+  doubt.resize(n);
   record.robots.resize(n);
   record.delta.resize(n > 0 ? n - 1 : 0);
 }
@@ -137,76 +82,8 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   tick.limit_and_shield();
   tick.drive_wheels();
   tick.account(input);
+  if (tick.record.phase == Phase::staging) tick.watch_staging();
   return tick.record;
-}
-
-/// Phase and time: the experiment's clock counts ticks, and stands still unless the experiment runs.
-void ControlTick::State::begin(const TickInput& input) noexcept {
-  record.events = input.events;
-  record.period = input.now - last_now;
-  record.now = last_now = input.now;
-  if (input.elapsed > 1)
-    record.events.add({Event::Kind::deadline_missed, -1, {}, {static_cast<double>(input.elapsed - 1), 0.0, 0.0}});
-
-  dt = 0.0;
-  if (running()) {
-    record.tick += input.elapsed;
-    dt = input.elapsed * experiment.period();
-  }
-  for (const OperatorCommand& command : input.commands) obey(command);
-  if (input.stop && record.phase != Phase::stopped && record.phase != Phase::finished) {
-    record.events.add({Event::Kind::stop, -1, {}, {}});
-    record.phase = Phase::stopped;
-  }
-  if (running() && record.tick >= experiment.ticks()) record.phase = Phase::finished;
-  record.t = static_cast<double>(record.tick) / experiment.rate;
-}
-
-void ControlTick::State::obey(const OperatorCommand& command) noexcept {
-  switch (command.kind) {
-    case OperatorCommand::Kind::start:
-      if (record.phase != Phase::ready) return;
-      record.phase = Phase::running;
-      couplings.note_changes_before_start(record.events);
-      for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
-        const core::Obstacle first = k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{};
-        const bool told = record.events.contains(Event::Kind::obstacle, static_cast<int>(k));
-        if (obstacles.all()[k] != first && !told) note_obstacle(k, obstacles.all()[k]);
-      }
-      for (std::size_t i = 0; i < robots(); ++i)
-        if (held[i] && !record.events.contains(Event::Kind::hold, static_cast<int>(i))) note(Event::Kind::hold, i);
-      record.events.add({Event::Kind::start, -1, {}, {}});
-      forget_history();
-      return;
-    case OperatorCommand::Kind::pause:
-      if (record.phase != Phase::running) return;
-      record.phase = Phase::paused;
-      record.events.add({Event::Kind::pause, -1, {}, {}});
-      return;
-    case OperatorCommand::Kind::resume:
-      if (record.phase != Phase::paused) return;
-      record.phase = Phase::running;
-      record.events.add({Event::Kind::resume, -1, {}, {}});
-      forget_history();
-      return;
-    case OperatorCommand::Kind::obstacle:
-      if (obstacles.put(command.number, command.obstacle)) note_obstacle(command.number, command.obstacle);
-      return;
-    case OperatorCommand::Kind::hold:
-    case OperatorCommand::Kind::release: {
-      const bool hold = command.kind == OperatorCommand::Kind::hold;
-      if (command.number >= robots() || held[command.number] == hold) return;
-      held[command.number] = hold;
-      note(hold ? Event::Kind::hold : Event::Kind::release, command.number);
-      return;
-    }
-    case OperatorCommand::Kind::gain:
-    case OperatorCommand::Kind::pair_gain:
-    case OperatorCommand::Kind::couple:
-    case OperatorCommand::Kind::uncouple:
-      couplings.obey(command, record.phase == Phase::ready, record.events);
-      return;
-  }
 }
 
 /// One robot's newest measurement. A jump that nobody announced is a perturbation like those of the file.
@@ -238,6 +115,9 @@ void ControlTick::State::estimate(const TickInput& input) noexcept {
         seen ? filters[i].predict(input.now + experiment.estimation.actuation_delay) : core::Pose{none, none, none};
     robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
+    doubt[i] = seen ? trusted_deviations *
+                          filters[i].sigma_after(experiment.estimation.filter, std::abs(commands[i].v) * robot.pose_age)
+                    : 0.0;
     // One that has never been seen was not lost, and its first sight is what everybody expects.
     if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
     if (seen) seen_before[i] = true;
@@ -253,16 +133,32 @@ void ControlTick::State::schedule_gains() noexcept {
 
 /// The formation's reference, and what avoidance (29-34) makes of it; then the tracking gains that these leave (36).
 void ControlTick::State::follow_reference() noexcept {
-  reference->at(record.t, nominal);
-  if (running()) {
-    avoidance.step(experiment.avoidance, gains, dt, poses, obstacles.standing(), nominal, followed);
+  const bool to_the_starts = record.phase == Phase::staging;
+  reference->at(to_the_starts ? 0.0 : record.t, nominal);
+  if (!running())
+    for (core::ReferencePoint& point : nominal) point.twist = {};
+  if (moving()) {
+    const double most_doubt = *std::max_element(doubt.begin(), doubt.end());
+    const core::Scene scene{poses,
+                            commands,
+                            {shield_touched.get(), robots()},
+                            obstacles.standing(),
+                            experiment.shield.distance + 2.0 * most_doubt + detour_margin,
+                            0.5 * experiment.arena_width - core::robot_radius,
+                            0.5 * experiment.arena_height - core::robot_radius};
+    core::AvoidanceParameters parameters = experiment.avoidance;
+    if (to_the_starts) {
+      parameters.enabled = true;
+      parameters.horizon = std::max(parameters.horizon, staging_horizon);
+    }
+    avoidance.step(parameters, gains, motion_dt, scene, nominal, followed);
     for (std::size_t i = 0; i < robots(); ++i) {
       const bool modified = avoidance.state(i) != core::Avoidance::State::nominal;
-      if (modified != off_nominal[i]) note(modified ? Event::Kind::avoid : Event::Kind::clear, i);
+      if (modified != off_nominal[i] && running()) note(modified ? Event::Kind::avoid : Event::Kind::clear, i);
       off_nominal[i] = modified;
+      if (avoidance.stuck(i)) note(Event::Kind::deadlock, i);
     }
   } else {
-    for (core::ReferencePoint& point : nominal) point.twist = {};
     std::copy(nominal.begin(), nominal.end(), followed.begin());
   }
   for (std::size_t i = 0; i < robots(); ++i) followed_twists[i] = followed[i].twist;
@@ -283,13 +179,13 @@ void ControlTick::State::limit_and_shield() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     robot.limits = 0;
-    if (!running() || is_out(i)) {
+    if (!moving() || is_out(i)) {
       robot.mode |= stopped;
       commands[i] = {};
       v_limits[i] = 0.0;
       continue;
     }
-    robot.mode |= followed[i] == nominal[i] ? tracking : avoiding;
+    robot.mode |= !running() ? staging : followed[i] == nominal[i] ? tracking : avoiding;
     const core::CommandLimits::Biting biting = limits[i].biting(law[i]);
     robot.limits = static_cast<std::uint8_t>((biting.v ? limit_v : 0) | (biting.omega ? limit_omega : 0) |
                                              (biting.wheels ? limit_wheels : 0));
@@ -302,7 +198,8 @@ void ControlTick::State::limit_and_shield() noexcept {
     midway[i] = poses[i];
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
-  shield.apply(experiment.shield, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()});
+  shield.apply(experiment.shield, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
+               doubt);
   for (std::size_t i = 0; i < robots(); ++i)
     if (shield_touched[i]) record.robots[i].mode |= shielded;
 }
@@ -358,7 +255,6 @@ void ControlTick::State::account(const TickInput& input) noexcept {
   record.k_yy = gains.k_yy.largest();
   record.V = core::lyapunov(gains, errors);
   record.V_dot = core::lyapunov_rate(gains, errors);
-  record.min_distance = none;
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     robot.truth = input.truth.empty() ? core::Pose{none, none, none} : input.truth[i];
@@ -371,11 +267,11 @@ void ControlTick::State::account(const TickInput& input) noexcept {
     robot.k_theta = gains.k_theta[i];
     robot.margins = core::margins(gains, i, followed_twists[i]);
   }
-  const auto stands = [&](const RobotRecord& r) { return std::isnan(r.truth.x) ? r.pose : r.truth; };
-  for (std::size_t i = 0; i < robots(); ++i)
-    for (std::size_t j = i + 1; j < robots(); ++j)
-      record.min_distance =
-          std::fmin(record.min_distance, core::distance(stands(record.robots[i]), stands(record.robots[j])));
+  for (std::size_t i = 0; i < robots(); ++i) {
+    const RobotRecord& robot = record.robots[i];
+    stands[i] = std::isnan(robot.truth.x) ? robot.pose : robot.truth;
+  }
+  record.min_distance = near.smallest_distance(stands);
   for (std::size_t i = 0; i + 1 < robots(); ++i)
     record.delta[i] = core::formation_error(nominal[i].pose, nominal[i + 1].pose, poses[i], poses[i + 1]);
 }

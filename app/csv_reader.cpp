@@ -175,6 +175,8 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
                                : columns_[i] == "event"         ? "events joined by \"; \""
                                : columns_[i] == "tick"          ? "a whole number"
                                                                 : "a number or nothing"));
+  for (const RobotRecord& robot : record.robots)
+    if (robot.is(staging)) record.phase = Phase::staging;
   for (RobotRecord& robot : record.robots)
     if (std::isnan(robot.measurement.captured_at)) robot.measurement = {};  // never seen
   return true;

@@ -15,31 +15,22 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 25> words{{{Kind::start, "start"},
-                                                                   {Kind::pause, "pause"},
-                                                                   {Kind::resume, "resume"},
-                                                                   {Kind::stop, "stop"},
-                                                                   {Kind::perturb, "perturb"},
-                                                                   {Kind::kidnap, "kidnap"},
-                                                                   {Kind::move, "move"},
-                                                                   {Kind::hold, "hold"},
-                                                                   {Kind::release, "release"},
-                                                                   {Kind::kick, "kick"},
-                                                                   {Kind::obstacle, "obstacle"},
-                                                                   {Kind::gain, "gain"},
-                                                                   {Kind::schedule, "schedule"},
-                                                                   {Kind::gain_held, "gain_held"},
-                                                                   {Kind::pair_gain, "pair_gain"},
-                                                                   {Kind::pair_gain_held, "pair_gain_held"},
-                                                                   {Kind::couple, "couple"},
-                                                                   {Kind::uncouple, "uncouple"},
-                                                                   {Kind::lost, "lost"},
-                                                                   {Kind::found, "found"},
-                                                                   {Kind::avoid, "avoid"},
-                                                                   {Kind::clear, "clear"},
-                                                                   {Kind::deadline_missed, "deadline_missed"},
-                                                                   {Kind::v_rise, "v_rise"},
-                                                                   {Kind::link, "link"}}};
+constexpr std::array<std::pair<Kind, std::string_view>, 28> words{
+    {{Kind::start, "start"},         {Kind::pause, "pause"},
+     {Kind::resume, "resume"},       {Kind::stop, "stop"},
+     {Kind::perturb, "perturb"},     {Kind::kidnap, "kidnap"},
+     {Kind::move, "move"},           {Kind::hold, "hold"},
+     {Kind::release, "release"},     {Kind::kick, "kick"},
+     {Kind::obstacle, "obstacle"},   {Kind::gain, "gain"},
+     {Kind::schedule, "schedule"},   {Kind::gain_held, "gain_held"},
+     {Kind::pair_gain, "pair_gain"}, {Kind::pair_gain_held, "pair_gain_held"},
+     {Kind::couple, "couple"},       {Kind::uncouple, "uncouple"},
+
+     {Kind::lost, "lost"},           {Kind::found, "found"},
+     {Kind::avoid, "avoid"},         {Kind::clear, "clear"},
+     {Kind::stage, "stage"},         {Kind::staged, "staged"},
+     {Kind::deadlock, "deadlock"},   {Kind::deadline_missed, "deadline_missed"},
+     {Kind::v_rise, "v_rise"},       {Kind::link, "link"}}};
 
 constexpr int link_states = static_cast<int>(comms::LinkState::closed) + 1;
 

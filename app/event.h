@@ -37,6 +37,9 @@ struct Event {
     found,            // robot: its pose is back
     avoid,            // robot: entered a detection region
     clear,            // robot: back on the nominal reference
+    stage,            // operator or program: to the starts
+    staged,           // everybody stands at its start
+    deadlock,         // robot: field or shield held it up and brought it no nearer to its place; it takes a way round
     deadline_missed,  // values[0]: how many ticks were skipped
     v_rise,           // values[0]: V has risen so much, and nothing that is known explains it
     link,             // robot; values[0]: comms::LinkState it went to

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/avoidance/avoidance.h"
+#include "core/avoidance/potential_field.h"
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
 #include "core/estimation/pose_filter.h"
@@ -113,8 +113,9 @@ struct RobotSpec {
   std::string address;  ///< as written in the file
   std::string adapter;  ///< Bluetooth adapter, for example "hci1"; empty: the system's choice
   core::MotorModel motor = core::MotorModel::ideal;  ///< key `model`; of a loopback or real robot "epuck2" unless given
-  core::DifferentialDrive drive;                     ///< keys wheel_diameter, track; max_step_rate follows from `model`
   std::optional<TrajectorySpec> trajectory;          ///< of an independent reference
+  std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
+  core::DifferentialDrive drive;    ///< keys wheel_diameter, track; max_step_rate follows from `model`
 
   bool simulated() const noexcept { return link != Link::device; }
 };
@@ -136,6 +137,14 @@ struct EstimationSpec {
   core::FilterParameters filter;
 };
 
+/// How robots get to where the run begins.
+struct StagingSpec {
+  bool automatic = true;   ///< before a run without a window, where a robot stands farther off than `within`
+  double within = 0.03;    ///< [m]
+  double timeout = 120.0;  ///< the run fails where somebody has not arrived by then [s]
+  bool back = false;       ///< drive to the starts after the run as well
+};
+
 struct Perturbation {
   double t = 0.0;
   std::size_t robot = 0;
@@ -147,6 +156,7 @@ struct Expectations {
   std::optional<double> final_error;  ///< largest position error of the last tick is at most this [m]
   std::optional<double>
       min_distance;  ///< smallest distance between two robots (true poses where known) is at least this [m]
+  std::optional<double> arrived;        ///< all references rest and all robots are there by this time [s]
   std::optional<bool> formation_first;  ///< after every perturbation the formation settles (1 cm) before tracking does
   std::optional<std::int64_t> collisions;  ///< number of times two robots come closer than 70 mm
 };
@@ -167,6 +177,7 @@ struct Experiment {
   CameraSpec camera;
   LinksSpec links;
   EstimationSpec estimation;
+  StagingSpec staging;
   core::Imperfection simulation;
   std::vector<Perturbation> perturbations;  ///< in the order of t
   Expectations expect;

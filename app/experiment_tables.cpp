@@ -151,6 +151,7 @@ void read_avoidance(TomlTable t, core::AvoidanceParameters& a) {
   t.integer("p", a.p, 1, 50);
   t.number("K_a", a.K_a, between(0.0, 1e3, "1/s"));
   t.number("K_o", a.K_o, between(0.0, 1e3, "m^2/s"));
+  t.number("horizon", a.horizon, between(0.0, 60.0, "s"));
   t.finish();
 }
 
@@ -212,6 +213,26 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   if (t.has("model")) robot.model = model, robot.model_key = t.full("model");
 }
 
+/// Where a simulated robot stands at first: [x, y, theta].
+void read_start(TomlTable& t, RobotSpec& robot, const Experiment& e) {
+  const toml::node* const found = t.node("start");
+  if (!found) return;
+  const toml::array* const pose = found->as_array();
+  const auto number = [&](std::size_t k, double most) {
+    const auto value = pose && pose->size() == 3 && (*pose)[k].is_number() ? (*pose)[k].value<double>() : std::nullopt;
+    return value && std::abs(*value) <= most ? value : std::nullopt;
+  };
+  const double x_most = 0.5 * e.arena_width, y_most = 0.5 * e.arena_height;
+  const auto x = number(0, x_most), y = number(1, y_most), theta = number(2, core::pi);
+  if (x && y && theta)
+    robot.start = {*x, *y, *theta};
+  else
+    t.refuse("start", *found,
+             fmt::format("[x, y, theta] inside the arena: x from -{0:.6g} to {0:.6g} m, y from -{1:.6g} to {1:.6g} m, "
+                         "theta from -pi to pi",
+                         x_most, y_most));
+}
+
 /// What is left to say once both tables are read.
 RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   RobotSpec robot = keys.spec;
@@ -239,6 +260,7 @@ void read_robots(TomlTable& document, Experiment& e, Problems& problems) {
     RobotKeys robot = defaults;
     robot.spec.tag = static_cast<int>(e.robots.size()) + 1;
     t.integer("tag", robot.spec.tag, 0, 586);  // the ids of the family 36h11
+    read_start(t, robot.spec, e);
     read_robot(t, robot, problems);
     if (TomlTable trajectory = t.table("trajectory"); t.has("trajectory"))
       read_trajectory(trajectory, robot.spec.trajectory.emplace());
@@ -275,6 +297,14 @@ void read_estimation(TomlTable t, EstimationSpec& estimation) {
   t.finish();
 }
 
+void read_staging(TomlTable t, StagingSpec& staging) {
+  t.flag("automatic", staging.automatic);
+  t.number("within", staging.within, between(0.02, longest, "m"));
+  t.number("timeout", staging.timeout, above(0.0, longest_run, "s"));
+  t.flag("back", staging.back);
+  t.finish();
+}
+
 void read_simulation(TomlTable t, Experiment& e) {
   constexpr double in_flight = 62.0;  // measurements that a simulated robot can have on their way
   t.number("pose_noise", e.simulation.pose_noise, between(0.0, 1.0, "m"));
@@ -308,6 +338,7 @@ void read_perturbations(TomlTable& document, Experiment& e) {
 void read_expectations(TomlTable t, Expectations& expect) {
   t.number("final_error", expect.final_error, between(0.0, longest, "m"));
   t.number("min_distance", expect.min_distance, between(0.0, longest, "m"));
+  t.number("arrived", expect.arrived, between(0.0, longest_run, "s"));
   t.flag("formation_first", expect.formation_first);
   t.integer("collisions", expect.collisions, 0, 1000000);
   t.finish();
@@ -334,8 +365,9 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_obstacles(t, e);
   read_camera(t.table("camera"), e.camera, problems);
   read_links(t.table("links"), e);
-  read_estimation(t.table("estimation"), e.estimation);
   read_simulation(t.table("simulation"), e);
+  read_estimation(t.table("estimation"), e.estimation);
+  read_staging(t.table("staging"), e.staging);
   read_perturbations(t, e);
   read_expectations(t.table("expect"), e.expect);
   t.finish();

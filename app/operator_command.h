@@ -20,6 +20,7 @@ struct OperatorCommand {
     obstacle,   ///< number, obstacle
     hold,       ///< number: the robot stands, out of the group
     release,    ///< number: it drives on
+    stage,      ///< robots drive to their starts
   };
   Kind kind = Kind::start;
   core::GainName gain = core::GainName::k_xx;

@@ -40,6 +40,9 @@ std::vector<OperatorCommand> commands_of(const TickRecord& row) {
       case Event::Kind::start:
         commands.push_back({OperatorCommand::Kind::start});
         break;
+      case Event::Kind::stage:
+        commands.push_back({OperatorCommand::Kind::stage, {}, 0.0});
+        break;
       case Event::Kind::pause:
         commands.push_back({OperatorCommand::Kind::pause});
         break;

@@ -23,7 +23,9 @@ constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two 
 
 /// The rows of a run: its running ticks, and after the start whatever else something happened in (pause, stop).
 bool belongs_to_run(const TickRecord& record, bool started) noexcept {
-  return record.phase == Phase::running || (started && !record.events.empty());
+  const bool driving_back = record.phase == Phase::staging && record.tick > 0;
+  return record.phase == Phase::running || (record.phase == Phase::staging && !driving_back) ||
+         (started && !driving_back && !record.events.empty());
 }
 
 }  // namespace
@@ -45,7 +47,7 @@ struct Session::Impl {
   void tell_sinks(const TickRecord& record) {
     if (belongs_to_run(record, started))
       for (RecordSink* sink : options.sinks) sink->record(record);
-    started = started || record.phase == Phase::running;
+    started = started || record.phase == Phase::running || record.phase == Phase::staging;
   }
 
   void fail(std::string reason) {
@@ -149,6 +151,9 @@ const Experiment& Session::experiment() const noexcept {
 
 void Session::start() {
   impl_->loop->post({OperatorCommand::Kind::start});
+}
+void Session::stage() {
+  impl_->loop->post({OperatorCommand::Kind::stage, {}, 0.0});
 }
 void Session::pause() {
   impl_->loop->post({OperatorCommand::Kind::pause});
@@ -301,31 +306,50 @@ Phase Session::run(const std::function<bool()>& keep_on) {
   const auto ask = [&] {
     if (keep_on && !keep_on()) i.stop();
   };
+  int turns = 0;
+  const auto turn = [&] {
+    constexpr int between_questions = 16;  // ticks: a fraction of a second even where a camera is rendered
+    if (i.clock.wall() || turns++ % between_questions == 0) ask();
+    if (i.clock.wall()) {
+      std::this_thread::sleep_for(5ms);
+    } else {
+      i.loop->cycle_virtual();
+      i.watch();
+    }
+  };
+  const auto drive_to_starts = [&] {
+    stage();
+    const double give_up = i.clock.now() + i.experiment.staging.timeout;
+    for (bool began = false; !i.loop->failed() && i.loop->phase() != Phase::stopped; turn()) {
+      if (i.loop->phase() == Phase::staging)
+        began = true;
+      else if (began)
+        return;
+      if (i.clock.now() < give_up) continue;
+      i.fail(fmt::format("staging: not everybody has reached its start within {} s", i.experiment.staging.timeout));
+      while (!over() && !i.loop->failed()) turn();
+    }
+  };
+
+  bool away = false;
   if (i.clock.wall()) {
     // Nobody drives blind: every robot has to be seen before the start.
     const double give_up = i.clock.now() + first_sight_timeout;
-    for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed();
-         std::this_thread::sleep_for(5ms)) {
-      ask();
+    for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed(); turn()) {
       if (i.clock.now() < give_up) continue;
       i.fail(fmt::format("robot {}: its tag {} is not seen", unseen + 1,
                          i.experiment.robots[static_cast<std::size_t>(unseen)].tag));
       break;
     }
-    start();
-    while (!over() && !i.loop->failed()) {
-      ask();
-      std::this_thread::sleep_for(5ms);
-    }
-    return i.loop->phase();
+    away = i.loop->away();
+  } else {  // simulated robots stand at their starts, unless the file puts them elsewhere
+    away = std::any_of(i.experiment.robots.begin(), i.experiment.robots.end(),
+                       [](const RobotSpec& robot) { return robot.start.has_value(); });
   }
+  if (away && i.experiment.staging.automatic && !over()) drive_to_starts();
   start();
-  constexpr int between_questions = 16;  // ticks: a fraction of a second even where a camera is rendered
-  for (int k = 0; !over(); ++k) {
-    if (k % between_questions == 0) ask();
-    i.loop->cycle_virtual();
-    i.watch();
-  }
+  while (!over() && !i.loop->failed()) turn();
+  if (i.experiment.staging.back && i.loop->phase() == Phase::finished) drive_to_starts();
   return i.loop->phase();
 }
 

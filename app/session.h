@@ -66,6 +66,9 @@ class Session {
   const Experiment& experiment() const noexcept;
 
   void start();
+  /// Every robot drives to its start without touching anybody, and stands there; then the session is ready again, or
+  /// finished if the run is over. Does nothing while it runs.
+  void stage();
   void pause();
   void resume();
   /// STOP: latched, straight to every link and every simulated wheel, without waiting for the tick; the run is over.

@@ -10,7 +10,8 @@ SimulatedWorld::SimulatedWorld(const Experiment& experiment) {
     const RobotSpec& spec = experiment.robots[i];
     simulated_.push_back(spec.simulated());
     robots_.emplace_back(spec.drive, spec.motor, experiment.simulation, experiment.seed, i);
-    robots_.back().place(spec.simulated() ? reference->at(i, 0.0).pose : core::Pose{none, none, none});
+    robots_.back().place(spec.simulated() ? spec.start.value_or(reference->at(i, 0.0).pose)
+                                          : core::Pose{none, none, none});
   }
 }
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double touch = 2.0 * core::robot_radius;  // two robots' midpoints when their bodies meet [m]
 constexpr double touch_hysteresis = 1e-3;           // a pair that rubs along is one collision [m]
 constexpr double one_disturbance = 0.2;             // [s]
+constexpr double arrived_within = 0.01;             // [m]
 
 /// Where a robot is, as well as it is known; nothing of one that was never seen.
 core::Pose place(const RobotRecord& robot) noexcept {
@@ -46,13 +47,22 @@ Statistics::Statistics(const Experiment& experiment) : experiment_(experiment) {
 }
 
 void Statistics::record(const TickRecord& record) {
+  so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
+  count_collisions(record);
+  if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
   const Sample sample{record.t, record.formation_error(), tracking_error(record)};
   samples_.push_back(sample);
+  const bool there = sample.tracking <= arrived_within &&
+                     std::all_of(record.robots.begin(), record.robots.end(),
+                                 [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
+  if (!there)
+    so_far_.arrived = none;
+  else if (std::isnan(so_far_.arrived))
+    so_far_.arrived = record.t;
   ++so_far_.ticks;
   so_far_.duration = record.t + experiment_.period();
   so_far_.final_error = sample.tracking;
   so_far_.final_formation_error = sample.formation;
-  so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
   if (so_far_.ticks > 1) so_far_.largest_period = std::fmax(so_far_.largest_period, record.period);
   if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
   double delay = none;
@@ -62,7 +72,6 @@ void Statistics::record(const TickRecord& record) {
   for (std::size_t stage = 0; stage < stages; ++stage) so_far_.latency[stage].add(record.latency.of[stage]);
   so_far_.latency_total.add(record.latency.total);
   if (record.phase == Phase::stopped) so_far_.stopped = true;
-  count_collisions(record);
 
   for (const Event& event : record.events) {
     so_far_.events.emplace_back(record.t, describe(event));
@@ -76,18 +85,26 @@ void Statistics::record(const TickRecord& record) {
 
 void Statistics::count_collisions(const TickRecord& record) {
   const std::size_t n = record.robots.size();
-  touching_.resize(n * n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j) {
-      const double distance = core::distance(place(record.robots[i]), place(record.robots[j]));
-      const std::size_t pair = i * n + j;
-      if (distance < touch && !touching_[pair]) {
-        ++so_far_.collisions;
-        touching_[pair] = true;
-      } else if (distance > touch + touch_hysteresis) {
-        touching_[pair] = false;
-      }
+  const std::vector<core::Obstacle>& obstacles = experiment_.obstacles;
+  touching_.resize(n * n + n * obstacles.size());
+  const auto see = [&](std::size_t pair, double gap) {
+    if (gap < 0.0 && !touching_[pair]) {
+      ++so_far_.collisions;
+      touching_[pair] = true;
+    } else if (gap > touch_hysteresis) {
+      touching_[pair] = false;
     }
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const core::Pose here = place(record.robots[i]);
+    for (std::size_t j = i + 1; j < n; ++j) see(i * n + j, core::distance(here, place(record.robots[j])) - touch);
+    for (std::size_t k = 0; k < obstacles.size(); ++k) {
+      const core::Obstacle& o = obstacles[k];
+      const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - core::robot_radius;
+      so_far_.obstacle_gap = std::fmin(so_far_.obstacle_gap, gap);
+      see(n * n + i * obstacles.size() + k, gap);
+    }
+  }
 }
 
 void Statistics::disturb(double t, const Event& event) {
@@ -151,6 +168,7 @@ std::vector<std::string> failed_expectations(const Expectations& expect, const S
                           "little",
                           *limit, summary.min_distance, *limit - summary.min_distance));
   }
+  if (expect.arrived) at_most("arrived", *expect.arrived, summary.arrived, "s");
   if (expect.collisions && summary.collisions > *expect.collisions)
     failed.push_back(
         fmt::format("expect.collisions: expected at most {}, found {}", *expect.collisions, summary.collisions));

@@ -44,8 +44,10 @@ class Statistics final : public RecordSink {
     double duration = 0.0;                ///< of the experiment, as far as it ran [s]
     double final_error = none;            ///< largest distance from the places in the formation, last tick [m]
     double final_formation_error = none;  ///< [m]
-    double min_distance = none;           ///< [m]
-    std::int64_t collisions = 0;          ///< times that a pair came closer than 70 mm
+    double arrived = none;        ///< since when all references rest and every robot is within 1 cm of its place [s]
+    double min_distance = none;   ///< [m]
+    double obstacle_gap = none;   ///< smallest between a robot's edge and an obstacle's; none without any [m]
+    std::int64_t collisions = 0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle
     std::int64_t missed_deadlines = 0;
     std::int64_t dropped_rows = 0;  ///< that the recorder was too slow to take: they are in no file and in no figure
     std::int64_t video_frames = 0;  ///< kept in the film of the run, where there is one
@@ -85,7 +87,7 @@ class Statistics final : public RecordSink {
   std::vector<Sample> samples_;
   std::vector<Disturbance> disturbances_;
   std::vector<double> compute_times_, loop_delays_;
-  std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick
+  std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick, then robots with obstacles
 };
 
 /// Which of the file's [expect] failed, each as a sentence that says by how much. Empty: all held.

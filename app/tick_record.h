@@ -63,6 +63,7 @@ enum class Phase : std::uint8_t {
   paused,    ///< the reference stands still, robots stand
   stopped,   ///< STOP: latched; the run is over
   finished,  ///< the duration is over
+  staging,   ///< robots drive to their starts; then ready again, or finished
 };
 
 /// The stages of the way from a camera's frame to a robot's answer.

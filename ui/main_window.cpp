@@ -336,6 +336,7 @@ void MainWindow::go() {
       return live_.pause();
     case app::Phase::paused:
       return live_.resume();
+    case app::Phase::staging:
     case app::Phase::stopped:
     case app::Phase::finished:
       return;

@@ -38,6 +38,8 @@ QString phase_text(app::Phase phase) {
   switch (phase) {
     case app::Phase::ready:
       return tr("Ready");
+    case app::Phase::staging:
+      return tr("Staging");
     case app::Phase::running:
       return tr("Running");
     case app::Phase::paused:
@@ -80,6 +82,9 @@ Severity severity(const app::Event& event) {
     case Kind::pause:
     case Kind::resume:
       return Severity::notice;
+    case Kind::stage:
+    case Kind::staged:
+    case Kind::deadlock:
     case Kind::avoid:
     case Kind::clear:
       return Severity::note;

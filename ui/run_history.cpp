@@ -22,8 +22,9 @@ void RunHistory::clear() {
 }
 
 void RunHistory::add(const app::TickRecord& record) {
-  started_ = started_ || record.phase == app::Phase::running;
-  const bool row = record.phase == app::Phase::running || (started_ && !record.events.empty());
+  started_ = started_ || record.phase == app::Phase::running || record.phase == app::Phase::staging;
+  const bool row = record.phase == app::Phase::running || record.phase == app::Phase::staging ||
+                   (started_ && !record.events.empty());
   if (!row) return;
   rows_.push_back(std::make_shared<const app::TickRecord>(record));
   const std::size_t row_bytes = sizeof(app::TickRecord) + record.robots.size() * sizeof(app::RobotRecord);

@@ -11,6 +11,21 @@ namespace {
 constexpr double hysteresis = 1.1;         // a region once entered is this much larger
 constexpr double arrived_distance = 1e-3;  // [m]: less than the camera can tell
 constexpr double arrived_angle = 0.02;     // [rad]
+constexpr double pushed_away = 0.01;       // from a place at rest: it drives back from there on [m]
+constexpr double close_by = 0.06;          // a robot that came straight here turns along its moving place [m]
+constexpr double approach = 2.0;           // how fast a straight way back ends [1/s]
+constexpr double look_ahead = 3.0;         // of a detour, where the experiment says nothing else [s]
+constexpr double way_is_free = 0.4;        // so long, before a detour ends [s]
+constexpr double most_ahead = 0.1;         // that a detour's heading may be of the robot's [rad]
+constexpr double standing = 0.2;           // share of the top speed below which a robot stands
+constexpr double precedence = 0.05;        // how much sooner each robot gives way than the one before it
+constexpr double longest_wait = 5.0;       // that counts [s]
+constexpr double progress = 0.01;          // that counts [m]
+constexpr double at_its_place = 0.02;      // nobody is stuck who is so near to where it should be [m]
+
+bool at_rest(const ReferencePoint& nominal) noexcept {
+  return nominal.twist == Twist{};
+}
 
 /// The sum of (31) over everything inside robot i's region; nothing inside: `inside` is false.
 struct Repulsion {
@@ -18,19 +33,18 @@ struct Repulsion {
   bool inside = false;
 };
 
-Repulsion repulsion(const AvoidanceParameters& region, std::size_t i, std::span<const Pose> poses,
-                    std::span<const Obstacle> obstacles, const Pose& nominal) noexcept {
+Repulsion repulsion(const AvoidanceParameters& region, const Scene& scene, std::size_t i,
+                    std::span<const std::uint32_t> near, const Pose& nominal) noexcept {
   Repulsion sum;
-  const Pose& pose = poses[i];
+  const Pose& pose = scene.poses[i];
   const auto add = [&](const AvoidanceParameters& a, double x_j, double y_j) {
     if (!(region_level(a, pose.x - x_j, pose.y - y_j) <= 1.0)) return;  // nor where a pose is not known (NaN)
     const Velocity d = descent(a, pose.x, pose.y, nominal.x, nominal.y, x_j, y_j);
     sum.velocity = {sum.velocity.x + d.x, sum.velocity.y + d.y};
     sum.inside = true;
   };
-  for (std::size_t j = 0; j < poses.size(); ++j)
-    if (j != i) add(region, poses[j].x, poses[j].y);
-  for (const Obstacle& obstacle : obstacles) add(around(region, obstacle), obstacle.x, obstacle.y);
+  for (const std::uint32_t j : near) add(region, scene.poses[j].x, scene.poses[j].y);
+  for (const Obstacle& obstacle : scene.obstacles) add(around(region, obstacle), obstacle.x, obstacle.y);
   return sum;
 }
 
@@ -61,42 +75,147 @@ Twist homing(const Gains& gains, std::size_t i, const ReferencePoint& nominal, c
   return {std::clamp(v, 0.0, bounds.v_limit(omega_bounded)), omega_bounded};
 }
 
+/// Straight to where the place is, and there into its direction.
+Twist straight_home(const ReferencePoint& nominal, const Pose& from, const ReferenceBounds& bounds) noexcept {
+  const double dx = nominal.pose.x - from.x, dy = nominal.pose.y - from.y;
+  const double left = std::hypot(dx, dy);
+  if (left < 0.7 * arrived_distance) return Steering::towards(nominal.pose.theta, 0.0, from.theta, bounds);
+  const double speed = std::min(bounds.v, std::abs(nominal.twist.v) + approach * left);
+  return Steering::towards(std::atan2(dy, dx), speed, from.theta, bounds);
+}
+
 }  // namespace
 
-double ReferenceBounds::v_limit(double omega_ref) const noexcept {
-  return std::max(0.0, std::min(v, (omega - std::abs(omega_ref)) / k_y));
+Avoidance::Avoidance(std::size_t robots, std::size_t obstacles)
+    : robots_(robots), moves_(robots), touching_(robots), ahead_(robots), steering_(robots, obstacles) {}
+
+/// Held up, and for a while no nearer to its place.
+bool Avoidance::is_stuck(Robot& robot, double dt, bool held, double distance) const noexcept {
+  const bool hindered = held || robot.state == State::avoiding;
+  if (distance < robot.nearest - progress || (!hindered && robot.state == State::nominal)) {
+    robot.nearest = distance;
+    robot.stuck_for = 0.0;
+  } else if (hindered) {
+    robot.stuck_for += dt;
+  }
+  return robot.stuck_for > patience && distance > at_its_place;
 }
 
-ReferenceBounds reference_bounds(const Gains& gains, std::size_t i) noexcept {
-  return {std::max(0.0, free_v(gains, i) - gains.k_xx.row_sum(i)),
-          std::max(0.0, free_omega(gains, i) - gains.k_tt.row_sum(i) - gains.k_yy.row_sum(i)), gains.k_y};
+void Avoidance::detour(std::size_t i, const AvoidanceParameters& parameters, const Gains& gains, double dt,
+                       const Scene& scene, const ReferencePoint& nominal) noexcept {
+  Robot& robot = robots_[i];
+  const ReferenceBounds bounds = reference_bounds(gains, i);
+  if (robot.state != State::detouring) {
+    const double theta = robot.state == State::nominal ? scene.poses[i].theta : robot.reference.pose.theta;
+    robot.reference.pose.theta = theta;
+    robot.heading = std::numeric_limits<double>::quiet_NaN();
+    robot.reference.twist = {};
+    robot.waited = 0.0;
+    robot.left = distance(scene.poses[i], nominal.pose);
+    robot.state = State::detouring;
+  }
+  const double horizon = parameters.horizon > 0.0 ? parameters.horizon : look_ahead;
+  const double left = distance(scene.poses[i], nominal.pose);
+  const bool stands = distance(scene.poses[i], robot.previous) < standing * bounds.v * dt &&
+                      left > robot.left - standing * bounds.v * dt;
+  robot.waited = stands ? std::min(robot.waited + dt * (1.0 + precedence * static_cast<double>(i)), longest_wait)
+                        : std::max(0.0, robot.waited - 0.5 * dt);
+  robot.left = left;
+  // The law turns a robot after its reference only slowly: the reference waits for it.
+  const Pose& pose = scene.poses[i];
+  const double ahead = std::clamp(wrap_angle(robot.reference.pose.theta - pose.theta), -most_ahead, most_ahead);
+  const Pose from{pose.x, pose.y, wrap_angle(pose.theta + ahead)};
+  const Course course = steering_.choose(scene, i, ahead_.around(i), from, nominal, bounds, horizon, robot.heading,
+                                         robot.reference.twist.omega, robot.waited);
+  robot.heading = course.heading;
+  const Twist twist = Steering::towards(course.heading, course.speed, from.theta, bounds);
+  const double theta = wrap_angle(from.theta + twist.omega * dt);
+  // As (34a, b): from where the robot was, so that it neither runs ahead of its reference nor behind.
+  robot.reference = {
+      {robot.previous.x + dt * twist.v * std::cos(theta), robot.previous.y + dt * twist.v * std::sin(theta), theta},
+      twist};
+  if (distance(from, nominal.pose) > close_by) return;
+  robot.state = State::returning;
+  robot.straight = at_rest(nominal);
+  robot.stuck_for = 0.0;
 }
 
-void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, double dt, std::span<const Pose> poses,
-                     std::span<const Obstacle> obstacles, std::span<const ReferencePoint> nominal,
-                     std::span<ReferencePoint> reference) noexcept {
+void Avoidance::come_back(std::size_t i, const Gains& gains, double dt, const ReferencePoint& nominal) noexcept {
+  Robot& robot = robots_[i];
+  const ReferenceBounds bounds = reference_bounds(gains, i);
+  robot.reference.pose = advance(robot.reference.pose, robot.reference.twist, dt);
+  const TrackingError left = tracking_error(nominal.pose, robot.reference.pose);
+  const double distance = std::hypot(left.x, left.y);
+  if (robot.straight && !at_rest(nominal) && distance < close_by) robot.straight = false;
+  robot.reference.twist = robot.straight || at_rest(nominal) ? straight_home(nominal, robot.reference.pose, bounds)
+                                                             : homing(gains, i, nominal, robot.reference.pose, bounds);
+  if (distance < arrived_distance && std::abs(left.theta) < arrived_angle)
+    robot.state = State::nominal;
+  else
+    robot.state = State::returning;
+}
+
+void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, double dt, const Scene& scene,
+                     std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference) noexcept {
+  const bool looks_ahead = parameters.enabled && parameters.horizon > 0.0;
+  const bool field = parameters.enabled && !looks_ahead;
+  if (field) touching_.sort(scene.poses, hysteresis * std::max(parameters.alpha, parameters.beta));
+  // A detour stays out of the others' regions, or they would avoid it.
+  Scene spacious = scene;
+  if (field) spacious.keep = std::max(scene.keep, hysteresis * std::max(parameters.alpha, parameters.beta));
+  bool sorted_ahead = false;
+  const auto sort_ahead = [&] {
+    if (sorted_ahead) return;
+    // Whoever follows its place does so on, also in the first tick, in which nobody has been told anything yet.
+    for (std::size_t j = 0; j < robots_.size(); ++j)
+      moves_[j] = robots_[j].state == State::nominal && distance(scene.poses[j], nominal[j].pose) < at_its_place
+                      ? nominal[j].twist
+                      : scene.twists[j];
+    spacious.twists = moves_;
+    const double horizon = looks_ahead ? parameters.horizon : look_ahead;
+    const double fastest = *std::max_element(gains.v_max.begin(), gains.v_max.end());
+    ahead_.sort(scene.poses, 2.0 * fastest * horizon + spacious.keep);
+    sorted_ahead = true;
+  };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
-    const Pose previous = robot.has_previous ? robot.previous : poses[i];
-    robot.previous = poses[i];
-    robot.has_previous = !std::isnan(poses[i].x);
+    robot.found_stuck = false;
+    const Pose& pose = scene.poses[i];
+    if (!robot.has_previous) robot.previous = pose;
+    const bool known = !std::isnan(pose.x);
 
     AvoidanceParameters region = parameters;
     if (robot.state == State::avoiding) region.alpha *= hysteresis, region.beta *= hysteresis;
-    const Repulsion away = parameters.enabled ? repulsion(region, i, poses, obstacles, nominal[i].pose) : Repulsion{};
-
-    if (away.inside) {
-      const ReferenceBounds bounds = reference_bounds(gains, i);
-      const double heading = robot.state == State::avoiding ? robot.reference.pose.theta : previous.theta;
-      robot.reference = repelled(previous, heading, away.velocity, gains.v_max[i], bounds, dt);
-      robot.state = State::avoiding;
-    } else if (robot.state != State::nominal) {
-      robot.reference.pose = advance(robot.reference.pose, robot.reference.twist, dt);
-      robot.reference.twist = homing(gains, i, nominal[i], robot.reference.pose, reference_bounds(gains, i));
-      const TrackingError left = tracking_error(nominal[i].pose, robot.reference.pose);
-      const bool arrived = std::hypot(left.x, left.y) < arrived_distance && std::abs(left.theta) < arrived_angle;
-      robot.state = arrived ? State::nominal : State::returning;
+    const Repulsion away = field ? repulsion(region, scene, i, touching_.around(i), nominal[i].pose) : Repulsion{};
+    const bool held = i < scene.held.size() && scene.held[i];
+    const bool stuck = parameters.enabled && known && robot.state != State::detouring &&
+                       is_stuck(robot, dt, held, distance(pose, nominal[i].pose));
+    bool meets = false;
+    if (looks_ahead && known && robot.state != State::detouring) {
+      sort_ahead();
+      meets = steering_.conflict(spacious, i, ahead_.around(i),
+                                 robot.state == State::nominal ? nominal[i] : robot.reference, parameters.horizon);
     }
+
+    if (robot.state == State::detouring || stuck || meets) {
+      robot.found_stuck = stuck;
+      sort_ahead();
+      detour(i, parameters, gains, dt, spacious, nominal[i]);
+    } else if (away.inside) {
+      const ReferenceBounds bounds = reference_bounds(gains, i);
+      const double heading = robot.state == State::avoiding ? robot.reference.pose.theta : robot.previous.theta;
+      robot.reference = repelled(robot.previous, heading, away.velocity, gains.v_max[i], bounds, dt);
+      robot.state = State::avoiding;
+      robot.straight = false;
+    } else if (robot.state != State::nominal) {
+      come_back(i, gains, dt, nominal[i]);
+    } else if (parameters.enabled && known && at_rest(nominal[i]) && distance(pose, nominal[i].pose) > pushed_away) {
+      robot.reference = {pose, {}};
+      robot.state = State::returning;
+      robot.straight = true;
+    }
+    robot.previous = pose;
+    robot.has_previous = known;
     reference[i] = robot.state == State::nominal ? nominal[i] : robot.reference;
   }
 }

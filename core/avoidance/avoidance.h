@@ -1,51 +1,50 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include "core/avoidance/near_robots.h"
 #include "core/avoidance/potential_field.h"
+#include "core/avoidance/steering.h"
 #include "core/control/gains.h"
 #include "core/control/tracking_error.h"
 
 namespace skein::core {
 
-/// What a modified reference of one robot may ask, so that (18f, g) go on holding with the present couplings.
-struct ReferenceBounds {
-  double v;      ///< largest v_ref [m/s]
-  double omega;  ///< largest |omega_ref| + k_y v_ref [rad/s]
-  double k_y;
-
-  /// The largest turning rate: it leaves at least a part of the common bound to the forward speed.
-  double omega_limit() const noexcept { return 0.6 * omega; }
-  /// The largest forward speed beside this turning rate, never negative.
-  double v_limit(double omega_ref) const noexcept;
-};
-ReferenceBounds reference_bounds(const Gains& gains, std::size_t i) noexcept;
-
-/// Collision avoidance by changed references, (29)-(34), one state machine a robot:
+/// Collision avoidance by changed references, one state machine a robot:
 ///   nominal    the reference is the formation's
 ///   avoiding   another robot or an obstacle is inside the detection region: (31)-(34) make the reference
+///   detouring  the reference is steered round whoever is in the way, see `Steering`
 ///   returning  nobody is: the reference drives back to the formation's as a unicycle of its own
+/// A robot takes a detour when it is stuck: the field or the shield has held it up for `patience` without bringing it
+/// nearer to its place. With a look-ahead (horizon > 0) it does so as soon as it would meet somebody within that time,
+/// and the field is not used.
+///
 /// Beyond the paper: v_ref and omega_ref stay inside `reference_bounds` (34e reaches 78 rad/s, and the gains of (36)
 /// then turn negative); the heading of the reference turns at a bounded rate and v_ref is the part of the repulsion
 /// along it, so that the reference is one that a unicycle can follow; a region once entered is left only at 1.1 times
-/// its size; and on leaving the reference does not jump back to the nominal one.
+/// its size; on leaving the reference does not jump back to the nominal one; and a robot that was pushed away from a
+/// place at rest, where the law has no hold on the lateral error, is driven back to it.
 class Avoidance {
  public:
-  enum class State { nominal, avoiding, returning };
+  enum class State { nominal, avoiding, detouring, returning };
 
-  explicit Avoidance(std::size_t robots) : robots_(robots) {}
+  Avoidance(std::size_t robots, std::size_t obstacles);
 
-  /// One step of length dt [s]. A robot whose pose is not known (NaN) is nobody's obstructor. reference[i] is written
-  /// for every robot: equal to nominal[i], bit for bit, in state nominal.
-  void step(const AvoidanceParameters& parameters, const Gains& gains, double dt, std::span<const Pose> poses,
-            std::span<const Obstacle> obstacles, std::span<const ReferencePoint> nominal,
-            std::span<ReferencePoint> reference) noexcept;
+  /// One step of length dt [s]. reference[i] is written for every robot: equal to nominal[i], bit for bit, in state
+  /// nominal.
+  void step(const AvoidanceParameters& parameters, const Gains& gains, double dt, const Scene& scene,
+            std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference) noexcept;
 
   State state(std::size_t i) const noexcept { return robots_[i].state; }
+  /// Whether robot i has just been found stuck.
+  bool stuck(std::size_t i) const noexcept { return robots_[i].found_stuck; }
   /// Forget robot i's modified reference, for example when it has been put somewhere else.
   void reset(std::size_t i) noexcept { robots_[i] = {}; }
+
+  static constexpr double patience = 3.0;  ///< [s]
 
  private:
   struct Robot {
@@ -53,9 +52,24 @@ class Avoidance {
     ReferencePoint reference;  // while not nominal
     Pose previous;             // its pose at t_{k-1}
     bool has_previous = false;
+    bool straight = false;  // returning: heads for its place whatever way that one looks, until it is near
+    bool found_stuck = false;
+    double heading = std::numeric_limits<double>::quiet_NaN();  // of its course, while detouring
+    double waited = 0.0;                                        // detouring: how long it has stood in others' way [s]
+    double left = 0.0;                                          // detouring: to its place, at the tick before [m]
+    double nearest = 0.0;    // to its place since it was last held up less than now [m]
+    double stuck_for = 0.0;  // [s]
   };
 
+  bool is_stuck(Robot& robot, double dt, bool held, double distance) const noexcept;
+  void detour(std::size_t i, const AvoidanceParameters&, const Gains&, double dt, const Scene&,
+              const ReferencePoint& nominal) noexcept;
+  void come_back(std::size_t i, const Gains&, double dt, const ReferencePoint& nominal) noexcept;
+
   std::vector<Robot> robots_;
+  std::vector<Twist> moves_;     // how each is taken to drive on
+  NearRobots touching_, ahead_;  // who is inside a region; whom a detour may meet
+  Steering steering_;
 };
 
 }  // namespace skein::core

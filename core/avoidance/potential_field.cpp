@@ -1,5 +1,8 @@
 #include "core/avoidance/potential_field.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace skein::core {
 
 double region_level(const AvoidanceParameters& a, double dx, double dy) noexcept {
@@ -28,8 +31,9 @@ Velocity descent(const AvoidanceParameters& a, double x, double y, double x_ref,
 
 AvoidanceParameters around(const AvoidanceParameters& parameters, const Obstacle& obstacle) noexcept {
   AvoidanceParameters wider = parameters;
-  wider.alpha += obstacle.radius - robot_radius;
-  wider.beta += obstacle.radius - robot_radius;
+  constexpr double least = 1e-3;  // [m]: a region smaller than a robot around a pole still has a size
+  wider.alpha = std::max(least, wider.alpha + obstacle.radius - robot_radius);
+  wider.beta = std::max(least, wider.beta + obstacle.radius - robot_radius);
   return wider;
 }
 

@@ -33,6 +33,12 @@ class PoseFilter {
   Pose predict(double time) const noexcept { return predictor_.predict(pose_, captured_at_, time); }
   /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].
   double sigma_xy() const noexcept;
+  /// The same of a position that was carried along `way` metres of commanded motion: sideways by what the heading was
+  /// off, and along the way by what the wheels slipped. [m]
+  double sigma_after(const FilterParameters& parameters, double way) const noexcept {
+    const double sigma = sigma_xy();
+    return std::sqrt(sigma * sigma + way * way * (covariance_(2, 2) + parameters.slip * parameters.slip));
+  }
   double sigma_theta() const noexcept { return std::sqrt(covariance_(2, 2)); }
 
   /// Somebody is known to have put the robot elsewhere at this time: the next jump, within half a second, is expected.

@@ -5,12 +5,12 @@
 
 namespace skein::core {
 
-Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(robots), upper_(robots) {
+Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(robots), upper_(robots), near_(robots) {
   constraints_.reserve(robots * (robots - 1) / 2 + robots * obstacles);
 }
 
 void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-                     std::span<const double> v_limit) noexcept {
+                     std::span<const double> v_limit, std::span<const double> doubt) noexcept {
   constraints_.clear();
   const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
                        bool moves) {
@@ -23,19 +23,27 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
     const double a_j = moves ? -(n_x * std::cos(poses[j].theta) + n_y * std::sin(poses[j].theta)) : 0.0;
     constraints_.push_back({i, j, a_i, a_j, -p.gamma * std::max(0.0, d - keep), 0.0});
   };
+  // Farther apart than this nobody closes in too fast; the nanometre is for rounding.
+  const double fastest = poses.empty() ? 0.0 : *std::max_element(v_limit.begin(), v_limit.end());
+  const auto doubt_of = [&](std::size_t i) { return doubt.empty() ? 0.0 : doubt[i]; };
+  const double most_doubt = doubt.empty() ? 0.0 : *std::max_element(doubt.begin(), doubt.end());
+  near_.sort(poses, p.distance + 2.0 * most_doubt + 2.0 * fastest / p.gamma + 1e-9);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    for (std::size_t j = i + 1; j < poses.size(); ++j)
-      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y, p.distance, v_limit[i] + v_limit[j], true);
+    for (const std::uint32_t j : near_.above(i))
+      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y, p.distance + doubt_of(i) + doubt_of(j),
+          v_limit[i] + v_limit[j], true);
     for (const Obstacle& o : obstacles)
-      add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - robot_radius + o.radius, v_limit[i], false);
+      add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - robot_radius + o.radius + doubt_of(i), v_limit[i],
+          false);
   }
 }
 
 void Shield::apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-                   std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched) noexcept {
+                   std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
+                   std::span<const double> doubt) noexcept {
   std::fill(touched.begin(), touched.end(), false);
   if (!parameters.enabled) return;
-  collect(parameters, poses, obstacles, v_limit);
+  collect(parameters, poses, obstacles, v_limit, doubt);
   const auto left_of = [&](const Constraint& c) {
     return c.a_i * v_[c.i] + (c.j != c.i ? c.a_j * v_[c.j] : 0.0) - c.bound;
   };

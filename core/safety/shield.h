@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/avoidance/near_robots.h"
 #include "core/avoidance/obstacle.h"
 #include "core/geometry/pose.h"
 
@@ -28,8 +29,10 @@ class Shield {
 
   /// Changes `commands` in place; `touched[i]` becomes true where v_i had to change (by more than 1e-9 m/s).
   /// v_limit: what the limits leave each robot beside its turning rate [m/s]; |v_i| <= v_limit,i on entry.
+  /// doubt: how far off each robot's pose may be [m]; two robots keep theirs on top of D, empty: none.
   void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-             std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched) noexcept;
+             std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
+             std::span<const double> doubt = {}) noexcept;
 
  private:
   /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle (then j = i).
@@ -37,11 +40,12 @@ class Shield {
     std::size_t i, j;
     double a_i, a_j, bound, multiplier;
   };
-  void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>,
+  void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>, std::span<const double>,
                std::span<const double>) noexcept;
 
   std::vector<Constraint> constraints_;  // reserved for every pair: apply never allocates
   std::vector<double> v_, lower_, upper_;
+  NearRobots near_;
 };
 
 }  // namespace skein::core

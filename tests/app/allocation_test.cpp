@@ -8,6 +8,7 @@
 #include "app/control_tick.h"
 #include "app/experiment_file.h"
 #include "app/record_channel.h"
+#include "core/simulation/simulated_robot.h"
 
 namespace {
 std::atomic<long> allocations{0};
@@ -120,6 +121,54 @@ INSTANTIATE_TEST_SUITE_P(
         "'line', from = [-0.5, 0], to = [0.5, 0] }, turn_rate = 0.5 }\n[[robot]]\ntrajectory = { path = { shape "
         "= 'spline', points = [[0.5, 0.3], [0, 0], [-0.5, 0.3]] } }\n[[robot]]\ntrajectory = { path = { "
         "shape = 'circle', radius = 0.2, centre = [0, 0.4] } }"));
+
+/// Drives an experiment on simulated robots, from wherever they stand, and counts what its ticks allocate; how often
+/// somebody was found stuck is told as well.
+long allocated(const Experiment& e, int ticks, int& deadlocks, int& staging_ticks) {
+  ControlTick tick(e);
+  const auto reference = make_reference(e);
+  const std::size_t n = e.robots.size();
+  std::vector<core::SimulatedRobot> robots;
+  for (std::size_t i = 0; i < n; ++i) {
+    robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
+    robots.back().place(e.robots[i].start.value_or(reference->at(i, 0.0).pose));
+  }
+  std::vector<core::Measurement> measurements(n);
+  const OperatorCommand begin{e.robots[0].start ? OperatorCommand::Kind::stage : OperatorCommand::Kind::start};
+  const OperatorCommand start{};
+  const long before = allocations.load();
+  for (int k = 0; k < ticks; ++k) {
+    TickInput input;
+    input.now = k * e.period();
+    for (std::size_t i = 0; i < n; ++i) measurements[i] = robots[i].measure(input.now);
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&begin, 1};
+    if (k > 0 && tick.record().phase == Phase::ready) input.commands = {&start, 1};
+    const TickRecord& record = tick.step(input);
+    staging_ticks += record.phase == Phase::staging;
+    for (const Event& event : record.events) deadlocks += event.kind == Event::Kind::deadlock;
+    for (std::size_t i = 0; i < n; ++i) {
+      robots[i].command(record.robots[i].wheels);
+      robots[i].step(e.period());
+    }
+  }
+  return allocations.load() - before;
+}
+
+TEST(Allocation, DetoursDeadlocksAndStagingAllocateNothing) {
+  const std::string swap = SKEIN_SOURCE_DIR "/resources/experiments/antipodal-swap-10.toml";
+  int deadlocks = 0, staging_ticks = 0;
+  EXPECT_EQ(allocated(*load_experiment(swap), 700, deadlocks, staging_ticks), 0);
+  EXPECT_EQ(deadlocks + staging_ticks, 0);
+  // The field alone, which does jam.
+  EXPECT_EQ(allocated(*load_experiment(swap, {"avoidance.horizon=0"}), 700, deadlocks, staging_ticks), 0);
+  EXPECT_GT(deadlocks, 0);
+  Experiment platoon = paper_experiment();
+  for (std::size_t i = 0; i < 4; ++i)
+    platoon.robots[i].start = core::Pose{-0.3 + 0.2 * static_cast<double>(i), 0.1, 1.0};
+  EXPECT_EQ(allocated(platoon, 900, deadlocks, staging_ticks), 0);
+  EXPECT_GT(staging_ticks, 0);
+}
 
 }  // namespace
 }  // namespace skein::app

@@ -14,7 +14,7 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app
   std::vector<core::SimulatedRobot> robots;
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
     robots.emplace_back(plant.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
-    robots.back().place(reference->at(i, 0.0).pose);
+    robots.back().place(e.robots[i].start.value_or(reference->at(i, 0.0).pose));
   }
   const app::OperatorCommand start;
   std::vector<core::Measurement> measured(robots.size());

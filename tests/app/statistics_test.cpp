@@ -201,7 +201,7 @@ TEST(Expectations, SayByHowMuchTheyFailed) {
   s.perturbations.push_back({18.0, 1, "perturb r2", {5.0, {}, 3.0, {}}});
   s.perturbations.push_back({30.0, 1, "perturb r2", {2.0, {}, {}, {}}});
   EXPECT_EQ(
-      failed_expectations({0.01, 0.07, true, 0}, s),
+      failed_expectations({0.01, 0.07, {}, true, 0}, s),
       (std::vector<std::string>{
           "expect.final_error: expected at most 0.01 m, found 0.0123 m, which is 0.0023 m too much",
           "expect.min_distance: expected at least 0.07 m, found 0.06 m, which is 0.01 m too little",
@@ -209,10 +209,10 @@ TEST(Expectations, SayByHowMuchTheyFailed) {
           "expect.formation_first: expected true, but after \"perturb r2\" at 18 s the formation settled to 1 cm after "
           "5.00 s and the tracking after 3.00 s"}));
   EXPECT_EQ(failed_expectations({}, s), std::vector<std::string>{});
-  EXPECT_EQ(failed_expectations({0.0123, 0.06, {}, 2}, s), std::vector<std::string>{});
-  EXPECT_EQ(failed_expectations({{}, {}, false, {}}, s).size(), 1u);
+  EXPECT_EQ(failed_expectations({0.0123, 0.06, {}, {}, 2}, s), std::vector<std::string>{});
+  EXPECT_EQ(failed_expectations({{}, {}, {}, false, {}}, s).size(), 1u);
   s.final_error = s.min_distance = none;
-  EXPECT_EQ(failed_expectations({0.01, 0.07, {}, {}}, s).size(), 2u) << "no value is no success";
+  EXPECT_EQ(failed_expectations({0.01, 0.07, {}, {}, {}}, s).size(), 2u) << "no value is no success";
 }
 
 TEST(Summary, ReadsAsLinesAndAsJson) {
@@ -228,7 +228,7 @@ TEST(Summary, ReadsAsLinesAndAsJson) {
   EXPECT_EQ(
       as_lines(s),
       "name: a \"name\"\nticks: 2100\nduration: 84.0\nfinal_error: 0.001235\nfinal_formation_error: none\n"
-      "min_distance: none\ncollisions: 1\nmissed_deadlines: 0\ndropped_rows: 0\nvideo_frames: 0\nvideo_dropped: "
+      "arrived: none\nmin_distance: none\nobstacle_gap: none\ncollisions: 1\nmissed_deadlines: 0\ndropped_rows: 0\nvideo_frames: 0\nvideo_dropped: "
       "0\nlargest_period: none\nmedian_compute: "
       "none\n"
       "largest_compute: none\nloop_delay: none\ndelay_margin: none\nstopped: false\nnot_stopped: 1 3\nperturbation_1_t: 18.0\nperturbation_1_robot: 2\n"

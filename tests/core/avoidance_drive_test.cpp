@@ -33,8 +33,8 @@ double tick(Encounter& e, core::Shield* shield) {
     commands[i] = limits.limit(commands[i]);
     v_limit[i] = limits.v_limit(commands[i].omega);
   }
-  std::array<bool, 16> touched{};
-  if (shield) shield->apply({}, e.poses, e.obstacles, v_limit, commands, {touched.data(), e.n});
+  if (shield) shield->apply({}, e.poses, e.obstacles, v_limit, commands, {e.held.get(), e.n});
+  e.twists_before = commands;
   double least = 1e9;
   for (std::size_t i = 0; i < e.n; ++i) {
     e.poses[i] = core::advance(e.poses[i], commands[i], e.dt);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/avoidance/avoidance.h"
@@ -12,12 +13,17 @@ struct Encounter {
   explicit Encounter(std::size_t robots)
       : n(robots),
         gains(core::paper_gains(robots)),
-        avoidance(robots),
+        avoidance(robots, 100),
         poses(robots),
+        twists_before(robots),
+        held(std::make_unique<bool[]>(robots)),
         nominal(robots),
         reference(robots) {}
 
-  void step() { avoidance.step(parameters, gains, dt, poses, obstacles, nominal, reference); }
+  void step() {
+    const core::Scene scene{poses, twists_before, {held.get(), n}, obstacles};
+    avoidance.step(parameters, gains, dt, scene, nominal, reference);
+  }
   std::vector<core::Twist> twists() const {
     std::vector<core::Twist> all;
     for (const auto& point : reference) all.push_back(point.twist);
@@ -30,6 +36,8 @@ struct Encounter {
   core::Gains gains;
   core::Avoidance avoidance;
   std::vector<core::Pose> poses;
+  std::vector<core::Twist> twists_before;  // what each was told last
+  std::unique_ptr<bool[]> held;            // whom the shield has held up
   std::vector<core::Obstacle> obstacles;
   std::vector<core::ReferencePoint> nominal, reference;
 };
