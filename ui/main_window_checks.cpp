@@ -12,17 +12,25 @@ namespace skein::ui {
 
 void MainWindow::begin_checks() {
   certificate_.reset();
+  gains_->show_delay_margin({});
   // Aside: a long run of many robots takes longer than a frame.
   certifying_ = std::async(std::launch::async, [experiment = live_.experiment()] { return app::certify(experiment); });
 }
 
 std::vector<app::Check> MainWindow::judge() {
-  if (certifying_.valid() && certifying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+  if (certifying_.valid() && certifying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     certificate_ = certifying_.get();
+    const core::DelayMargin& margin = certificate_->delay.margin;
+    const QString least = tr("%1 s").arg(margin.delay, 0, 'f', 2);
+    gains_->show_delay_margin(tr("Delay margin: %1 (robot %2)")
+                                  .arg(margin.unbounded ? tr("more than %1").arg(least) : least)
+                                  .arg(certificate_->delay.robot + 1));
+  }
   return app::readiness(live_.experiment(), certificate_ ? &*certificate_ : nullptr, live_.latest(), live_.robots());
 }
 
 void MainWindow::show_checks() {
+  if (!certificate_) judge();  // for the delay margin, also where nobody looks at the list
   const bool before_start = live_.is_open() && live_.phase() == app::Phase::ready;
   if (!before_start) {
     checks_->setVisible(checks_action_->isChecked());
