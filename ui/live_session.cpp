@@ -110,6 +110,10 @@ void LiveSession::start() {
   if (session_) session_->start();
 }
 
+void LiveSession::stage() {
+  if (session_) session_->stage();
+}
+
 void LiveSession::pause() {
   if (session_) session_->pause();
 }

@@ -41,6 +41,7 @@ class LiveSession final : public QObject {
   const RunHistory& history() const { return history_; }
 
   void start();
+  void stage();  ///< every robot drives to its start
   void pause();
   void resume();
   void stop() noexcept;  ///< at once, in any state, also while a session is being opened

@@ -1,4 +1,5 @@
 // What is looked at before a start, and how it is mended.
+#include <algorithm>
 #include <chrono>
 
 #include "app/experiment_file.h"
@@ -78,20 +79,15 @@ void MainWindow::mend(app::Check::What what) {
   }
 }
 
-/// A hand that puts the simulated robots where they start. Real ones are carried, or drive there themselves.
+/// Simulated robots are put where they start, as by a hand; where there are real ones, everybody drives there.
 void MainWindow::bring_to_places() {
   const app::TickRecord* record = live_.latest();
   if (!record) return;
-  QStringList real;
-  for (std::size_t i = 0; i < record->robots.size(); ++i) {
-    if (live_.experiment().robots[i].simulated())
-      tell(live_.move_robot(i, record->robots[i].nominal.pose));
-    else
-      real << QString::number(i + 1);
-  }
-  if (!real.isEmpty())
-    alert_->say(tr("Put robot %1 onto its ring in the arena by hand").arg(real.join(QStringLiteral(", "))),
-                Severity::notice);
+  const auto& robots = live_.experiment().robots;
+  if (!std::all_of(robots.begin(), robots.end(), [](const auto& robot) { return robot.simulated(); }))
+    return live_.stage();
+  for (std::size_t i = 0; i < record->robots.size(); ++i)
+    tell(live_.move_robot(i, record->robots[i].nominal.pose));
 }
 
 /// The same experiment with one key of its file changed ("key=value"), before its start.

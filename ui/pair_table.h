@@ -4,6 +4,7 @@
 #include <QComboBox>
 #include <QTableView>
 #include <QWidget>
+#include <algorithm>
 #include <functional>
 #include <vector>
 
