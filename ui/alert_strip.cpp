@@ -21,6 +21,20 @@ QString words(const app::Event& event, double t) {
       return when + AlertStrip::tr("%1 is held at %2, its border: (18) allows no more")
                         .arg(QLatin1String(app::name(event.gain)))
                         .arg(event.values[1], 0, 'g', 4);
+    case Kind::v_rise:
+      return when +
+             AlertStrip::tr("V has risen, and nothing that is known explains it: a robot does not do as it is told");
+    case Kind::pair_gain_held:
+      return when + AlertStrip::tr("%1 of robots %2 and %3 is held at %4, its border: (18) allows no more")
+                        .arg(QLatin1String(app::name(event.gain)))
+                        .arg(event.robot + 1)
+                        .arg(event.other + 1)
+                        .arg(event.values[1], 0, 'g', 4);
+    case Kind::couple:
+      return when + AlertStrip::tr("Robots %1 and %2 are coupled again").arg(event.robot + 1).arg(event.other + 1);
+    case Kind::uncouple:
+      return when +
+             AlertStrip::tr("Robots %1 and %2 are not coupled any more").arg(event.robot + 1).arg(event.other + 1);
     case Kind::link:
       return when + QString::fromStdString(app::describe(event));
     case Kind::perturb:
@@ -78,7 +92,7 @@ void AlertStrip::take(const app::TickRecord& record) {
     say(tr("LOST: robot %1 – no tag seen, it stands").arg(lost_robots()), Severity::alarm);
 }
 
-/// Limits that bite and a V that rises are said when they last, and unsaid when they are over.
+/// Limits that bite are said when that lasts, and unsaid when it is over.
 void AlertStrip::watch(const app::TickRecord& record) {
   constexpr double lasts = 1.0;  // [s]: shorter ones are the everyday of a push
   const bool running = record.phase == app::Phase::running;
@@ -93,14 +107,11 @@ void AlertStrip::watch(const app::TickRecord& record) {
   QStringList limited;
   for (std::size_t i = 0; i < record.robots.size(); ++i)
     if (since(limited_since_[i], record.robots[i].is(app::limited))) limited << QString::number(i + 1);
-  const bool rises = since(rising_since_, record.V > last_V_);
-  last_V_ = record.V;
 
   const QString before = condition_;
   condition_ = !limited.isEmpty() ? tr("Limits bite: robot %1 is asked for more than (14) or its wheels allow")
                                         .arg(limited.join(QStringLiteral(", ")))
-               : rises ? tr("V rises: limits, shield or avoidance keep robots from what the law asks")
-                       : QString();
+                                  : QString();
   if (condition_ == before || held_ || !lost_.empty()) return;
   if (!condition_.isEmpty())
     say(condition_, Severity::warning);
@@ -135,7 +146,6 @@ void AlertStrip::clear_alert() {
   held_ = false;
   lost_.clear();
   limited_since_.clear();
-  rising_since_ = last_V_ = app::none;
   condition_.clear();
   clear_text();
 }

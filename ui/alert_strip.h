@@ -32,11 +32,9 @@ class AlertStrip final : public QLabel {
   void clear_text();
   void show_text();
 
-  std::set<int> lost_;  // a state, not news: said as long as it lasts
-  // Two more states: limits that bite, V that rises. Since when [s of the experiment], NaN: they do not.
-  std::vector<double> limited_since_;
-  double rising_since_ = app::none, last_V_ = app::none;
-  QString condition_;  // what is said of them, as long as it lasts
+  std::set<int> lost_;                 // a state, not news: said as long as it lasts
+  std::vector<double> limited_since_;  // limits that bite, a state as well: since when, NaN: they do not [s]
+  QString condition_;                  // what is said of them, as long as it lasts
   QString text_;
   Severity severity_ = Severity::note;
   bool held_ = false;

@@ -157,7 +157,7 @@ void ArenaPainter::couplings() {
       for (const QPointF& point : scene_.coupling_line(i, j)) line << map_.to_screen(point);
       const bool lost = scene_.record->robots[i].is(app::lost) || scene_.record->robots[j].is(app::lost);
       const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
-      const double strength = lost ? 0.0 : scene_.coupling(i, j);
+      const double strength = lost ? 0.0 : scene_.couplings[i * n + j];
       constexpr double thinnest = 0.8, widest = 9.0;  // [px]
       QPen pen = strength > 0.0
                      ? cosmetic(faded(c_.coupling, hovered ? 0.9 : opacity),

@@ -13,6 +13,7 @@ void ArenaScene::reset(const app::Experiment& of) {
   forget_gesture();
   ruler.reset();
   obstacles = experiment.obstacles;
+  couplings.assign(experiment.robots.size() * experiment.robots.size(), 0.0);
   selected_obstacle = -1;
   hovered_coupling.reset();
   hovered = -1;
@@ -85,15 +86,6 @@ std::vector<QPointF> ArenaScene::coupling_line(std::size_t i, std::size_t j) con
     line.push_back(a + way * s + across * (4 * bow * s * (1 - s)));
   }
   return line;
-}
-
-double ArenaScene::coupling(std::size_t, std::size_t) const {
-  if (!record) return 0.0;
-  const std::array now{record->k_xx, record->k_tt, record->k_yy};
-  double shares = 0.0;
-  for (std::size_t k = 0; k < now.size(); ++k)
-    if (gain_borders[k] > 0.0) shares += now[k] / gain_borders[k];
-  return shares / now.size();
 }
 
 }  // namespace skein::ui

@@ -32,7 +32,8 @@ struct ArenaScene {
   std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
 
   std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
-  std::array<double, 3> gain_borders{};   ///< of `core::gain_names`: what a coupling's width is measured by
+  /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their borders.
+  std::vector<double> couplings;
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;
@@ -76,8 +77,6 @@ struct ArenaScene {
   /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that
   /// it does not hide behind those between them. Empty: one of them was never seen.
   std::vector<QPointF> coupling_line(std::size_t i, std::size_t j) const;
-  /// How strong the coupling of two robots is now: the mean of its gains' shares of their borders, 0 to about 1.
-  double coupling(std::size_t i, std::size_t j) const;
   void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }
 };
 

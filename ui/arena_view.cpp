@@ -93,6 +93,11 @@ void ArenaView::show_couplings(bool on) {
   update();
 }
 
+void ArenaView::set_coupling(std::size_t i, std::size_t j, double strength) {
+  const std::size_t pair = i * scene_.experiment.robots.size() + j;
+  if (pair < scene_.couplings.size()) scene_.couplings[pair] = strength;
+}
+
 void ArenaView::show_grid(bool on) {
   scene_.show_grid = on;
   update();

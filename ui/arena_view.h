@@ -36,8 +36,8 @@ class ArenaView final : public QWidget {
   void show_grid(bool on);
   void set_tool(ArenaTool tool);
   ArenaTool tool() const { return tool_; }
-  /// What the couplings' widths are measured by, in the order of `core::gain_names`.
-  void set_gain_borders(const std::array<double, 3>& borders) { scene_.gain_borders = borders; }
+  /// Of robots i < j, from 0: how wide the line between them is, 0 (off: a dotted trace) to about 1.
+  void set_coupling(std::size_t i, std::size_t j, double strength);
   void fit();
   void zoom_in();
   void zoom_out();

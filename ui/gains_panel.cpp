@@ -12,22 +12,18 @@
 namespace skein::ui {
 namespace {
 
-/// A gain that goes to a new value, and back.
-class GainChanged final : public QUndoCommand {
+/// Something of the gains that goes to a new value, and back.
+template <typename Value>
+class Changed final : public QUndoCommand {
  public:
-  using Apply = std::function<void(core::GainName, double)>;
-  GainChanged(core::GainName gain, double from, double to, Apply apply)
-      : QUndoCommand(GainsPanel::tr("%1 to %2").arg(QLatin1String(app::name(gain))).arg(to, 0, 'g', 4)),
-        gain_(gain),
-        from_(from),
-        to_(to),
-        apply_(std::move(apply)) {}
-  void undo() override { apply_(gain_, from_); }
-  void redo() override { apply_(gain_, to_); }
+  using Apply = std::function<void(Value)>;
+  Changed(const QString& what, Value from, Value to, Apply apply)
+      : QUndoCommand(what), from_(from), to_(to), apply_(std::move(apply)) {}
+  void undo() override { apply_(from_); }
+  void redo() override { apply_(to_); }
 
  private:
-  core::GainName gain_;
-  double from_, to_;
+  Value from_, to_;
   Apply apply_;
 };
 
@@ -42,6 +38,8 @@ GainsPanel::GainsPanel(QWidget* parent)
       coupling_(new QComboBox(this)),
       tabs_(new QTabWidget(this)),
       margins_(new MarginBars),
+      delay_(new QLabel),
+      pairs_(new PairTable),
       schedule_(new ScheduleEditor) {
   setObjectName(QStringLiteral("gains"));
   auto* layout = new QVBoxLayout(this);
@@ -107,11 +105,24 @@ GainsPanel::GainsPanel(QWidget* parent)
   tabs_->setObjectName(QStringLiteral("gain_tabs"));
   tabs_->setAccessibleName(tr("Margins and schedule"));
   tabs_->setDocumentMode(true);
-  tabs_->addTab(scroll, tr("Margins"));
+  delay_->setObjectName(QStringLiteral("delay_margin"));
+  delay_->setToolTip(
+      tr("The delay from a pose to the wheels' answer that the robots' loops bear beside this reference"));
+  auto* margins = new QWidget;
+  auto* margins_layout = new QVBoxLayout(margins);
+  margins_layout->setContentsMargins(0, 2, 0, 0);
+  margins_layout->setSpacing(2);
+  margins_layout->addWidget(scroll, 1);
+  margins_layout->addWidget(delay_);
+  tabs_->addTab(margins, tr("Margins"));
+  tabs_->addTab(pairs_, tr("Pairs"));
   tabs_->addTab(schedule_, tr("Schedule"));
   tabs_->setTabToolTip(0, tr("What reference and couplings leave to tracking"));
-  tabs_->setTabToolTip(1, tr("Gains that change by themselves during the run"));
+  tabs_->setTabToolTip(1, tr("The gains of every pair of robots; couplings that are switched off"));
+  tabs_->setTabToolTip(2, tr("Gains that change by themselves during the run"));
   layout->addWidget(tabs_, 1);
+  connect(pairs_, &PairTable::gain_wanted, this, &GainsPanel::change_pair);
+  connect(pairs_, &PairTable::couple_wanted, this, &GainsPanel::couple_pair);
   connect(schedule_, &ScheduleEditor::wanted, this,
           [this](const QString& changes) { emit experiment_wanted(QStringLiteral("gain_change=") + changes); });
 }
@@ -127,6 +138,7 @@ void GainsPanel::show_experiment(const app::Experiment& experiment, const Border
   setEnabled(experiment.robots.size() > 1);  // one robot alone has nobody to couple to
   coupling_->setCurrentIndex(experiment.controller.coupling == core::Coupling::paper ? 0 : 1);
   margins_->show_experiment(experiment);
+  pairs_->show_robots(experiment.robots.size());
   schedule_->show_experiment(experiment);
 }
 
@@ -148,6 +160,10 @@ void GainsPanel::set_borders(const Border& over_all, const Border& now) {
   for (const core::GainName gain : core::gain_names) slider(gain)->set_border(over_all(gain), now(gain));
 }
 
+void GainsPanel::show_delay_margin(const QString& text) {
+  delay_->setText(text);
+}
+
 void GainsPanel::set_before_start(bool before) {
   coupling_->setEnabled(before);
   schedule_->set_editable(before);
@@ -155,11 +171,34 @@ void GainsPanel::set_before_start(bool before) {
 
 void GainsPanel::change(core::GainName gain, double value) {
   const double from = targets_[static_cast<std::size_t>(gain)];
-  undo_.push(new GainChanged(gain, from, value, [this](core::GainName of, double to) {
-    slider(of)->set_target(to);
-    targets_[static_cast<std::size_t>(of)] = to;
-    emit wanted(of, to);
+  const QString what = tr("%1 to %2").arg(QLatin1String(app::name(gain))).arg(value, 0, 'g', 4);
+  undo_.push(new Changed<double>(what, from, value, [this, gain](double to) {
+    slider(gain)->set_target(to);
+    targets_[static_cast<std::size_t>(gain)] = to;
+    emit wanted(gain, to);
   }));
+}
+
+void GainsPanel::change_pair(core::GainName gain, int i, int j, double value) {
+  if (!ask_) return;
+  const double from = ask_(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j)).target;
+  const QString what = tr("%1 of %2 and %3").arg(QLatin1String(app::name(gain))).arg(i + 1).arg(j + 1);
+  undo_.push(
+      new Changed<double>(what, from, value, [this, gain, i, j](double to) { emit pair_wanted(gain, i, j, to); }));
+}
+
+void GainsPanel::couple_pair(int i, int j, bool on) {
+  const QString what = tr("coupling of %1 and %2").arg(i + 1).arg(j + 1);
+  undo_.push(new Changed<bool>(what, !on, on, [this, i, j](bool to) { emit couple_wanted(i, j, to); }));
+}
+
+void GainsPanel::switch_pair(int i, int j) {
+  if (ask_)
+    couple_pair(i, j, !ask_(core::GainName::k_xx, static_cast<std::size_t>(i), static_cast<std::size_t>(j)).coupled);
+}
+
+void GainsPanel::refresh_pairs() {
+  if (ask_ && pairs_->isVisible()) pairs_->refresh(ask_);  // asking for a crowd takes time
 }
 
 void GainsPanel::use(const GainPreset& preset) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QComboBox>
+#include <QLabel>
 #include <QPushButton>
 #include <QTabWidget>
 #include <QToolButton>
@@ -14,6 +15,7 @@
 #include "ui/gain_presets.h"
 #include "ui/gain_slider.h"
 #include "ui/margin_bars.h"
+#include "ui/pair_table.h"
 #include "ui/schedule_editor.h"
 
 namespace skein::ui {
@@ -29,18 +31,29 @@ class GainsPanel final : public QWidget {
   void show_experiment(const app::Experiment& experiment, const Border& border);
   void take(const app::TickRecord& record);
   void set_borders(const Border& over_all, const Border& now);
+  /// How much delay from camera to wheels the loops bear, in words.
+  void show_delay_margin(const QString& text);
+  /// How the pairs are asked for: now and whenever one of them is changed.
+  void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
+  void refresh_pairs();
+  /// Couples two robots that are not, and the other way round.
+  void switch_pair(int i, int j);
   /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
   void set_before_start(bool before);
   QUndoStack& undo_stack() { return undo_; }
 
  signals:
   void wanted(skein::core::GainName gain, double value);
+  void pair_wanted(skein::core::GainName gain, int i, int j, double value);
+  void couple_wanted(int i, int j, bool on);
   /// "key=value" of the experiment file, to be set up again with.
   void experiment_wanted(const QString& set);
 
  private:
   GainSlider* slider(core::GainName gain) const { return sliders_[static_cast<std::size_t>(gain)]; }
   void change(core::GainName gain, double value);
+  void change_pair(core::GainName gain, int i, int j, double value);
+  void couple_pair(int i, int j, bool on);
   void use(const GainPreset& preset);
   void fill_presets();
   void keep_as_preset();
@@ -54,6 +67,9 @@ class GainsPanel final : public QWidget {
   QComboBox* coupling_;
   QTabWidget* tabs_;
   MarginBars* margins_;
+  QLabel* delay_;
+  PairTable* pairs_;
+  PairModel::Ask ask_;
   ScheduleEditor* schedule_;
 };
 

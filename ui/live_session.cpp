@@ -111,6 +111,10 @@ void LiveSession::start() {
   if (session_) session_->start();
 }
 
+void LiveSession::stage() {
+  if (session_) session_->stage();
+}
+
 void LiveSession::pause() {
   if (session_) session_->pause();
 }
@@ -131,6 +135,26 @@ void LiveSession::set_gain(core::GainName name, double value) {
 
 double LiveSession::gain_border(core::GainName name) const {
   return session_ ? session_->gain_border(name) : 0.0;
+}
+
+void LiveSession::set_gain(core::GainName name, std::size_t i, std::size_t j, double value) {
+  if (session_) session_->set_gain(name, i, j, value);
+}
+
+void LiveSession::couple(std::size_t i, std::size_t j, bool on) {
+  if (session_) session_->couple(i, j, on);
+}
+
+double LiveSession::gain(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain(name, i, j) : 0.0;
+}
+
+double LiveSession::gain_target(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain_target(name, i, j) : 0.0;
+}
+
+double LiveSession::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain_border(name, i, j) : 0.0;
 }
 
 double LiveSession::gain_border_now(core::GainName name) const {

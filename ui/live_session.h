@@ -41,10 +41,17 @@ class LiveSession final : public QObject {
   const RunHistory& history() const { return history_; }
 
   void start();
+  void stage();  ///< every robot drives to its start
   void pause();
   void resume();
   void stop() noexcept;  ///< at once, in any state, also while a session is being opened
   void set_gain(core::GainName name, double value);
+  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value);
+  void couple(std::size_t i, std::size_t j, bool on);
+  bool coupled(std::size_t i, std::size_t j) const { return !session_ || session_->coupled(i, j); }
+  double gain(core::GainName name, std::size_t i, std::size_t j) const;
+  double gain_target(core::GainName name, std::size_t i, std::size_t j) const;
+  double gain_border(core::GainName name, std::size_t i, std::size_t j) const;
   double gain_border(core::GainName name) const;      ///< over the whole reference
   double gain_border_now(core::GainName name) const;  ///< at the newest record
   tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);

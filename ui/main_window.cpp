@@ -139,6 +139,7 @@ void MainWindow::connect_panels() {
   connect(robot_buttons_, &RobotButtons::connect_again, this, &MainWindow::new_run);
   connect(gains_, &GainsPanel::wanted, this,
           [this](core::GainName gain, double value) { live_.set_gain(gain, value); });
+  connect_pairs();
   connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
   connect(plots_, &PlotsPanel::save_wanted, this, &MainWindow::ask_save_plot);
   connect(checks_, &CheckList::mend, this, &MainWindow::mend);
@@ -274,8 +275,7 @@ void MainWindow::show_state() {
   gains_->set_borders([this](core::GainName gain) { return live_.gain_border(gain); },
                       [this](core::GainName gain) { return live_.gain_border_now(gain); });
   gains_->set_before_start(live_.is_open() && phase == app::Phase::ready);
-  arena_->set_gain_borders({live_.gain_border(core::GainName::k_xx), live_.gain_border(core::GainName::k_tt),
-                            live_.gain_border(core::GainName::k_yy)});
+  show_pairs();
   const QString closest = std::isfinite(record->min_distance)
                               ? tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1)
                               : QString();

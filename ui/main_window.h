@@ -82,6 +82,10 @@ class MainWindow final : public QMainWindow {
 
   void reopen_with(const QString& set);
 
+  // main_window_pairs.cpp: couplings, pair by pair
+  void connect_pairs();
+  void show_pairs();
+
   // main_window_actions.cpp: menus, dialogs, settings
   void build_menus(QMenuBar* menus);
   void build_arena_tools(QToolBar* tools);

@@ -1,4 +1,5 @@
 // What is looked at before a start, and how it is mended.
+#include <algorithm>
 #include <chrono>
 
 #include "app/experiment_file.h"
@@ -12,17 +13,25 @@ namespace skein::ui {
 
 void MainWindow::begin_checks() {
   certificate_.reset();
+  gains_->show_delay_margin({});
   // Aside: a long run of many robots takes longer than a frame.
   certifying_ = std::async(std::launch::async, [experiment = live_.experiment()] { return app::certify(experiment); });
 }
 
 std::vector<app::Check> MainWindow::judge() {
-  if (certifying_.valid() && certifying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+  if (certifying_.valid() && certifying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     certificate_ = certifying_.get();
+    const core::DelayMargin& margin = certificate_->delay.margin;
+    const QString least = tr("%1 s").arg(margin.delay, 0, 'f', 2);
+    gains_->show_delay_margin(tr("Delay margin: %1 (robot %2)")
+                                  .arg(margin.unbounded ? tr("more than %1").arg(least) : least)
+                                  .arg(certificate_->delay.robot + 1));
+  }
   return app::readiness(live_.experiment(), certificate_ ? &*certificate_ : nullptr, live_.latest(), live_.robots());
 }
 
 void MainWindow::show_checks() {
+  if (!certificate_) judge();  // for the delay margin, also where nobody looks at the list
   const bool before_start = live_.is_open() && live_.phase() == app::Phase::ready;
   if (!before_start) {
     checks_->setVisible(checks_action_->isChecked());
@@ -70,20 +79,15 @@ void MainWindow::mend(app::Check::What what) {
   }
 }
 
-/// A hand that puts the simulated robots where they start. Real ones are carried, or drive there themselves.
+/// Simulated robots are put where they start, as by a hand; where there are real ones, everybody drives there.
 void MainWindow::bring_to_places() {
   const app::TickRecord* record = live_.latest();
   if (!record) return;
-  QStringList real;
-  for (std::size_t i = 0; i < record->robots.size(); ++i) {
-    if (live_.experiment().robots[i].simulated())
-      tell(live_.move_robot(i, record->robots[i].nominal.pose));
-    else
-      real << QString::number(i + 1);
-  }
-  if (!real.isEmpty())
-    alert_->say(tr("Put robot %1 onto its ring in the arena by hand").arg(real.join(QStringLiteral(", "))),
-                Severity::notice);
+  const auto& robots = live_.experiment().robots;
+  if (!std::all_of(robots.begin(), robots.end(), [](const auto& robot) { return robot.simulated(); }))
+    return live_.stage();
+  for (std::size_t i = 0; i < record->robots.size(); ++i)
+    tell(live_.move_robot(i, record->robots[i].nominal.pose));
 }
 
 /// The same experiment with one key of its file changed ("key=value"), before its start.

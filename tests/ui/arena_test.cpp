@@ -117,7 +117,7 @@ TEST_F(Arena, IsWorkedWithTheKeyboardAlone) {
   EXPECT_EQ(arena().tool(), ArenaTool::hand);
 }
 
-TEST_F(Arena, SaysWhichCouplingIsUnderThePointer) {
+TEST_F(Arena, SwitchesACouplingWithAClickAndBackWithUndo) {
   start();
   const QPoint middle = (robot(0) + robot(1)) / 2;
   std::optional<std::array<int, 2>> clicked;
@@ -125,6 +125,13 @@ TEST_F(Arena, SaysWhichCouplingIsUnderThePointer) {
   QTest::mouseClick(&arena(), Qt::LeftButton, {}, middle);
   ASSERT_TRUE(clicked);
   EXPECT_EQ((*clicked)[1] - (*clicked)[0], 1);
+  const auto i = static_cast<std::size_t>((*clicked)[0]), j = static_cast<std::size_t>((*clicked)[1]);
+  ASSERT_TRUE(eventually([&] { return !live().coupled(i, j); })) << "the click did not switch it off";
+  ASSERT_TRUE(eventually([&] { return live().gain(core::GainName::k_xx, i, j) == 0.0; }));
+  ASSERT_TRUE(eventually([&] { return arena().scene().couplings[i * 4 + j] == 0.0; })) << "its line is still there";
+  EXPECT_GT(live().gain(core::GainName::k_xx, 2, 3), 0.0) << "the others are as they were";
+  key(Qt::Key_Z, nullptr, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return live().coupled(i, j); })) << "undo";
 }
 
 TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {

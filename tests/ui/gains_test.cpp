@@ -117,6 +117,31 @@ TEST_F(Gains, FollowAScheduleThatWasMadeInTheWindow) {
   EXPECT_EQ(count(saved_events(), "schedule k_xx 0.008 -> 0.002"), 1);
 }
 
+TEST_F(Gains, AreSetPairByPairAndHeldAtTheBorder) {
+  start();
+  find<QTabWidget>("gain_tabs")->setCurrentWidget(find("pairs"));
+  auto* table = find<QAbstractItemView>("pair_table");
+  const auto cell = [&](int i, int j, int role = Qt::DisplayRole) { return table->model()->index(i, j).data(role); };
+  ASSERT_TRUE(eventually([&] { return cell(0, 1).toString() == QStringLiteral("0.008"); }));
+  ASSERT_TRUE(table->model()->setData(table->model()->index(1, 0), QStringLiteral("0.004"), Qt::EditRole));
+  ASSERT_TRUE(eventually([&] { return cell(0, 1).toString() == QStringLiteral("0.004"); }));
+  EXPECT_EQ(cell(1, 0), cell(0, 1)) << "(18c)";
+  EXPECT_EQ(cell(2, 3).toString(), QStringLiteral("0.008"));
+  EXPECT_FALSE(table->model()->setData(table->model()->index(1, 0), QStringLiteral("much"), Qt::EditRole));
+
+  ASSERT_TRUE(table->model()->setData(table->model()->index(0, 2), QStringLiteral("5"), Qt::EditRole));
+  ASSERT_TRUE(eventually([&] {
+    const double held = live().gain_target(core::GainName::k_xx, 0, 2);
+    return held > 0.008 && held < 0.1;
+  })) << "(18) allows no such gain";
+  EXPECT_EQ(count(saved_events(), "pair_gain_held"), 1);
+
+  ASSERT_TRUE(table->model()->setData(table->model()->index(1, 2), Qt::Unchecked, Qt::CheckStateRole));
+  ASSERT_TRUE(eventually([&] { return cell(1, 2).toString() == QStringLiteral("off"); }));
+  QTest::mouseClick(find<QToolButton>("undo_gain"), Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return cell(1, 2).toString() == QStringLiteral("0.008"); }));
+}
+
 TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
   open_before_start();
   auto* panel = find<GainsPanel>("gains");

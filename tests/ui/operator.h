@@ -73,7 +73,9 @@ class Operator : public ::testing::Test {
   }
 
   /// A key as the keyboard sends it: to the window that has the focus, and on from there.
-  void key(Qt::Key key, QWidget* in = nullptr) { QTest::keyClick((in ? in : &window)->window()->windowHandle(), key); }
+  void key(Qt::Key key, QWidget* in = nullptr, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    QTest::keyClick((in ? in : &window)->window()->windowHandle(), key, modifiers);
+  }
 
   /// Where the operator put robot i last, once the run has a row of it.
   core::Pose moved(std::size_t i) {

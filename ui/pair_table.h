@@ -1,0 +1,80 @@
+#pragma once
+
+#include <QAbstractTableModel>
+#include <QComboBox>
+#include <QTableView>
+#include <QWidget>
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "core/control/gain_schedule.h"
+#include "ui/palette.h"
+
+namespace skein::ui {
+
+/// One gain of every pair of robots, as a square: (i, j) and (j, i) are the same cell, as (18c) asks. A cell's tick is
+/// whether the two are coupled.
+class PairModel final : public QAbstractTableModel {
+  Q_OBJECT
+
+ public:
+  struct Pair {
+    double target = 0.0, border = 0.0;
+    bool coupled = true;
+    friend bool operator==(const Pair&, const Pair&) = default;
+  };
+  using Ask = std::function<Pair(core::GainName, std::size_t, std::size_t)>;
+
+  using QAbstractTableModel::QAbstractTableModel;
+  void show_robots(std::size_t robots);
+  void show_gain(core::GainName gain);
+  core::GainName gain() const { return gain_; }
+  void refresh(const Ask& ask);  ///< takes every pair's values
+  void set_colours(const Colours& colours);
+
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override { return rowCount(parent); }
+  QVariant data(const QModelIndex& index, int role) const override;
+  bool setData(const QModelIndex& index, const QVariant& value, int role) override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+  Qt::ItemFlags flags(const QModelIndex& index) const override;
+
+ signals:
+  void gain_wanted(skein::core::GainName gain, int i, int j, double value);
+  void couple_wanted(int i, int j, bool on);
+
+ private:
+  Pair& at(std::size_t i, std::size_t j) { return pairs_[std::min(i, j) * robots_ + std::max(i, j)]; }
+  const Pair& at(std::size_t i, std::size_t j) const { return pairs_[std::min(i, j) * robots_ + std::max(i, j)]; }
+
+  std::size_t robots_ = 0;
+  core::GainName gain_ = core::GainName::k_xx;
+  std::vector<Pair> pairs_;
+  Colours colours_;
+};
+
+/// The square with a choice of the gain above it.
+class PairTable final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit PairTable(QWidget* parent = nullptr);
+  void show_robots(std::size_t robots);
+  void refresh(const PairModel::Ask& ask) { model_.refresh(ask); }
+
+ signals:
+  void gain_wanted(skein::core::GainName gain, int i, int j, double value);
+  void couple_wanted(int i, int j, bool on);
+
+ protected:
+  void changeEvent(QEvent*) override;
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
+ private:
+  PairModel model_;
+  QComboBox* gain_;
+  QTableView* table_;
+};
+
+}  // namespace skein::ui
