@@ -282,6 +282,7 @@ int bench(const std::string& what, double seconds, std::vector<std::string> argu
   benchmark::Initialize(&count, words.data());
   if (benchmark::ReportUnrecognizedArguments(count, words.data())) return wrong_input;
   benchmark::RunSpecifiedBenchmarks();
+  if (asked("vision") && !vision::print_vision_targets() && !what.empty()) return expectation_failed;
   return done;
 }
 

@@ -57,8 +57,13 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
   if (experiment.camera.source == "synthetic") {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
   } else {
-    auto source =
-        vision::open_source(experiment.camera.source, {calibration->width, calibration->height, experiment.rate});
+    vision::SourceOptions options{calibration->width, calibration->height, experiment.rate};
+    for (const auto& [name, value] :
+         {std::pair("exposure", experiment.camera.exposure), std::pair("gain", experiment.camera.gain),
+          std::pair("focus", experiment.camera.focus)})
+      if (!std::isnan(value)) options.controls.emplace_back(name, value);
+    options.keep_waiting = [&ending = rig->ending_] { return !ending.load(std::memory_order_relaxed); };
+    auto source = vision::open_source(experiment.camera.source, options);
     if (!source) return tl::unexpected(source.error());
     rig->source_ = std::move(*source);
     rig->live_ = experiment.camera.source.starts_with("v4l2:");
@@ -104,7 +109,14 @@ void CameraRig::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
 }
 
+CameraStatus CameraRig::camera() const {
+  if (!source_) return {};
+  const vision::SourceStatus status = source_->status();
+  return {status.up, status.outages, status.damaged, status.passed_over, status.reason, status.notices};
+}
+
 void CameraRig::end() {
+  ending_.store(true, std::memory_order_relaxed);
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
   if (recorder_) recorder_->finish();

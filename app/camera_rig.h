@@ -48,6 +48,7 @@ class CameraRig {
   tl::expected<void, std::string> keep(const std::string& path);
   /// Any thread.
   VideoStatus video() const;
+  CameraStatus camera() const;
 
   /// Wall clock: starts the thread.
   void start();
@@ -100,7 +101,7 @@ class CameraRig {
   int ready_ = -1;                      // eventfd: rung for every frame that was worked off
   Newest<Picture> picture_;
   std::string reason_;
-  std::atomic<bool> failed_{false};
+  std::atomic<bool> failed_{false}, ending_{false};
   std::jthread thread_;
 };
 

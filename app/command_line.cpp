@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/command_line_vision.h"
 #include "app/commands.h"
 #include "app/fault_file.h"
 #include "app/safety_net.h"
@@ -146,7 +147,29 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_option("--csv", track_request.csv, "one row a detection; default: stdout")->type_name("FILE");
   track_command.add_option("--record", track_request.record, "keep the frames in this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
+  track_command.add_flag("--list-controls", track_request.list_controls,
+                         "of a camera: its formats, rates and controls, and nothing else");
+  track_command
+      .add_option("--set", track_request.settings,
+                  "of a camera, repeatable: exposure=SECONDS (0: automatic), gain=, focus=, or a control of its own")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  track_command.add_option("--size", track_request.size, "of a camera's frames; default: the calibration's")
+      ->type_name("WxH");
+  track_command.add_option("--rate", track_request.rate, "of a camera [frames/s]; default: as it is set")
+      ->check(CLI::Range(0.1, 10000.0));
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
+
+  CLI::App& camera_command = *program.add_subcommand("camera", "Looks after real cameras");
+  camera_command.require_subcommand(1);
+  CLI::App& list_command =
+      *camera_command.add_subcommand("list", "Which cameras there are; of one, its formats, rates and controls");
+  std::string camera_device;
+  list_command.add_option("device", camera_device, "such as /dev/video0");
+
+  VisionCommands vision_commands;
+  vision_commands.add_to(program);
 
   CLI::App& emulate_command = *program.add_subcommand(
       "emulate",
@@ -246,6 +269,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (replay_command) return replay(replay_file, replay_film);
   if (sweep_command) return sweep(sweep_request);
   if (track_command) return track(track_request);
+  if (const auto status = vision_commands.run()) return *status;
+  if (list_command) return list_cameras(camera_device);
   if (stop_command) return stop_robots(robots_to_stop);
   if (test_command) return test_robot(robot_to_test);
   if (scan_command) return scan_robots(adapter, scan_seconds);

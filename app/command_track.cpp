@@ -1,17 +1,40 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 
 #include "app/command_line.h"
 #include "app/commands.h"
+#include "vision/camera_controls.h"
 #include "vision/track.h"
 
 namespace skein::app {
 
 int track(const TrackRequest& request) {
+  if (request.list_controls) {
+    if (request.source.starts_with("v4l2:")) return list_cameras(request.source.substr(5));
+    fmt::print(stderr, "skein: {} is no camera; allowed with --list-controls: v4l2:DEVICE\n", request.source);
+    return wrong_input;
+  }
   vision::TrackOptions options;
+  for (const std::string& text : request.settings) {
+    const auto setting = vision::parse_setting(text);
+    if (!setting) {
+      fmt::print(stderr, "skein: --set {}\n", setting.error());
+      return wrong_input;
+    }
+    options.camera.controls.push_back(*setting);
+  }
+  int read = 0;
+  if (!request.size.empty() &&
+      (std::sscanf(request.size.c_str(), "%dx%d%n", &options.camera.width, &options.camera.height, &read) != 2 ||
+       read != static_cast<int>(request.size.size()))) {
+    fmt::print(stderr, "skein: --size {}; allowed: WIDTHxHEIGHT, such as 1280x960\n", request.size);
+    return wrong_input;
+  }
+  options.camera.rate = request.rate;
   options.source = request.source;
   if (!request.camera.empty()) {
     auto calibration = vision::load_calibration(request.camera);
@@ -34,7 +57,7 @@ int track(const TrackRequest& request) {
   options.notes = {{"PROGRAM", "skein " SKEIN_VERSION}};
   const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
   options.keep_going = [&](std::int64_t frames) {
-    if (show_progress && frames % 10 == 0) fmt::print(stderr, "\r\033[K{} frames", frames);
+    if (show_progress && frames > 0 && frames % 10 == 0) fmt::print(stderr, "\r\033[K{} frames", frames);
     return !interrupted();
   };
   const auto summary = vision::track(options);
@@ -43,12 +66,17 @@ int track(const TrackRequest& request) {
     fmt::print(stderr, "skein: {}\n", summary.error());
     return device_failed;
   }
+  for (const std::string& notice : summary->status.notices) fmt::print(stderr, "skein: {}\n", notice);
+  if (summary->status.outages > 0) fmt::print(stderr, "skein: the last outage: {}\n", summary->status.reason);
   for (const std::string& skipped : summary->skipped) fmt::print(stderr, "skein: skipped {}\n", skipped);
   if (!request.quiet) {
     // With the rows on stdout the summary must not stand among them.
     std::FILE* out = request.csv.empty() ? stderr : stdout;
     fmt::print(out, "source: {}\nframes: {}\ndetections: {}\nids: {}\nskipped: {}\n", summary->source, summary->frames,
                summary->detections, fmt::join(summary->ids, " "), summary->skipped.size());
+    if (request.source.starts_with("v4l2:"))
+      fmt::print(out, "outages: {}\ndamaged: {}\npassed_over: {}\n", summary->status.outages, summary->status.damaged,
+                 summary->status.passed_over);
     if (!request.record.empty())
       fmt::print(out, "recorded: {}\nnot_recorded: {}\n", summary->recording.written, summary->recording.dropped);
   }

@@ -30,7 +30,10 @@ int check(const ExperimentRequest& request);
 int replay(const std::string& csv, const std::string& film);
 
 struct TrackRequest {
-  std::string source, camera, csv, record;
+  std::string source, camera, csv, record, size;
+  double rate = 0.0;
+  std::vector<std::string> settings;  ///< "exposure=0.005"
+  bool list_controls = false;
   bool quiet = false;
 };
 int track(const TrackRequest& request);
@@ -44,6 +47,9 @@ struct SweepRequest {
   bool quiet = false, json = false;
 };
 int sweep(const SweepRequest& request);
+
+/// What a camera can do and how it is set; without a device, which there are.
+int list_cameras(const std::string& device);
 
 /// `what`: "tick", "run", "loopback", "links"; empty: all. `seconds`: how long each measurement of the links takes.
 /// Further words go to Google Benchmark.

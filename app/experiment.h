@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -123,6 +124,8 @@ struct RobotSpec {
 struct CameraSpec {
   std::string source = "none";  ///< "none" | "synthetic" | "v4l2:DEV" | "video:FILE" | "images:DIR"
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
+  /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
+  double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
 };
 
 /// How patient the links to the robots are, on the wall clock.

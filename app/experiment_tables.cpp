@@ -280,6 +280,9 @@ void read_camera(TomlTable t, CameraSpec& camera, Problems& problems) {
                  fmt::format(R"(found "{}", allowed: "none", "synthetic", "v4l2:DEVICE", "video:FILE" or "images:DIR")",
                              camera.source));
   t.text("calibration", camera.calibration);
+  t.number("exposure", camera.exposure, between(0.0, 10.0, "s"));
+  t.number("gain", camera.gain, between(0.0, 1e6));
+  t.number("focus", camera.focus, between(0.0, 1e6));
   t.finish();
 }
 

@@ -299,6 +299,11 @@ std::vector<RobotStatus> Session::robots() const {
   return impl_->plant->robots();
 }
 
+CameraStatus Session::camera() const {
+  const CameraRig* camera = impl_->plant->camera();
+  return camera ? camera->camera() : CameraStatus{};
+}
+
 VideoStatus Session::video() const {
   const CameraRig* camera = impl_->plant->camera();
   return camera ? camera->video() : VideoStatus{};

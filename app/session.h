@@ -37,6 +37,16 @@ struct RobotStatus {
   bool stop_acknowledged = false;  ///< after close()
 };
 
+/// How a real camera has been doing.
+struct CameraStatus {
+  bool up = true;                    ///< false: it does not deliver, and is opened again and again
+  std::int64_t outages = 0;          ///< times that it stopped delivering
+  std::int64_t damaged = 0;          ///< frames that could not be used
+  std::int64_t passed_over = 0;      ///< whole frames that a newer one had overtaken
+  std::string reason;                ///< of the last outage
+  std::vector<std::string> notices;  ///< what could not be set as it was asked for
+};
+
 /// The film that a session keeps of its camera's frames.
 struct VideoStatus {
   std::int64_t frames = 0;   ///< kept
@@ -139,6 +149,8 @@ class Session {
   std::array<double, 2> pixel(double x, double y) const;
 
   std::vector<RobotStatus> robots() const;
+  /// Any thread.
+  CameraStatus camera() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
   /// Why there is no guard although one was asked for: should this program be killed, nothing stops the robots.

@@ -50,8 +50,10 @@ class Statistics final : public RecordSink {
     double obstacle_gap = none;   ///< smallest between a robot's edge and an obstacle's; none without any [m]
     std::int64_t collisions = 0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle
     std::int64_t missed_deadlines = 0;
-    std::int64_t dropped_rows = 0;  ///< that the recorder was too slow to take: they are in no file and in no figure
-    std::int64_t video_frames = 0;  ///< kept in the film of the run, where there is one
+    std::int64_t dropped_rows = 0;    ///< that the recorder was too slow to take: they are in no file and in no figure
+    std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
+    std::int64_t camera_damaged = 0;  ///< frames of it that could not be used
+    std::int64_t video_frames = 0;    ///< kept in the film of the run, where there is one
     std::int64_t video_dropped = 0;
     std::string video_problem;                             ///< why the film ends early
     double largest_period = none;                          ///< [s]

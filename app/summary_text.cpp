@@ -82,6 +82,8 @@ Json json(const Statistics::Summary& s) {
               {"collisions", s.collisions},
               {"missed_deadlines", s.missed_deadlines},
               {"dropped_rows", s.dropped_rows},
+              {"camera_outages", s.camera_outages},
+              {"camera_damaged", s.camera_damaged},
               {"video_frames", s.video_frames},
               {"video_dropped", s.video_dropped},
               {"video_problem", s.video_problem},

@@ -1,6 +1,7 @@
 #include "vision/bench.h"
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <time.h>
 
@@ -116,9 +117,15 @@ Scores measure(const BenchScene& scene) {
   return scores;
 }
 
+/// Of the scenes that were measured.
+std::map<std::string, Scores>& known_scores() {
+  static std::map<std::string, Scores> known;
+  return known;
+}
+
 /// Measured when the first of its methods is asked for.
 const Scores& scores_of(const BenchScene& scene) {
-  static std::map<std::string, Scores> known;
+  auto& known = known_scores();
   const auto found = known.find(scene.name);
   return found != known.end() ? found->second : known.emplace(scene.name, measure(scene)).first->second;
 }
@@ -156,6 +163,35 @@ void register_vision_benchmarks() {
           ->Iterations(1);
     }
   }
+}
+
+bool print_vision_targets() {
+  bool all_met = true;
+  for (const BenchScene& scene : detail::bench_scenes()) {
+    const auto found = known_scores().find(scene.name);
+    if (found == known_scores().end()) continue;
+    const Score& s = found->second.at("Skein");
+    const auto right = static_cast<double>(std::max<std::int64_t>(1, s.right));
+    const auto in_sight = static_cast<double>(std::max<std::int64_t>(1, s.in_sight));
+    const detail::BenchTargets& wanted = scene.targets;
+    std::string line;
+    const auto row = [&](const char* what, double measured, double target, bool at_most) {
+      if (std::isnan(target)) return;
+      const bool met = at_most ? measured <= target : measured >= target;
+      all_met = all_met && met;
+      line += fmt::format("; {} {:.4g} ({} {:g}{})", what, measured, at_most ? "at most" : "at least", target,
+                          met ? "" : ", MISSED");
+    };
+    row("median ms", s.percentile(0.5), wanted.median_ms, true);
+    row("p99 ms", s.percentile(0.99), wanted.p99_ms, true);
+    row("times AprilTag", found->second.at("AprilTag").percentile(0.5) / s.percentile(0.5), wanted.times_faster, false);
+    row("rms mm", 1e3 * std::sqrt(s.xy2 / right), wanted.xy_mm, true);
+    row("rms deg", 180.0 / core::pi * std::sqrt(s.theta2 / right), wanted.deg, true);
+    row("recall %", 100.0 * static_cast<double>(s.seen_in_sight) / in_sight, wanted.recall, false);
+    row("wrong", static_cast<double>(s.wrong_poses + s.wrong_ids), 0.0, true);
+    fmt::print("target, {}: {}\n", scene.name, line.substr(2));
+  }
+  return all_met;
 }
 
 }  // namespace skein::vision

@@ -7,4 +7,8 @@ namespace skein::vision {
 /// AprilTag as it comes, position and heading rms, recall of the tags in sight, and wrong poses and ids.
 void register_vision_benchmarks();
 
+/// After they have run: what the tracker had to reach in the scenes that were measured, one line each. false: it has
+/// missed something.
+bool print_vision_targets();
+
 }  // namespace skein::vision

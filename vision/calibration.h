@@ -26,13 +26,14 @@ struct CameraPose {
 /// Everything needed to turn the corners of a tag (px) into a pose on the floor (m): pinhole with Brown-Conrady
 /// distortion as in OpenCV, pixel (0, 0) at the centre of the top-left one.
 struct Calibration {
-  int width = 0;                                // size of the pictures it holds for [px]
-  int height = 0;                               // [px]
-  double fx = 0.0;                              // focal length in columns [px]
-  double fy = 0.0;                              // focal length in rows [px]
-  double cx = 0.0;                              // principal point [px]
-  double cy = 0.0;                              // [px]
-  std::array<double, 5> distortion{};           // k1 k2 p1 p2 k3, OpenCV's order
+  int width = 0;                       // size of the pictures it holds for [px]
+  int height = 0;                      // [px]
+  double fx = 0.0;                     // focal length in columns [px]
+  double fy = 0.0;                     // focal length in rows [px]
+  double cx = 0.0;                     // principal point [px]
+  double cy = 0.0;                     // [px]
+  std::array<double, 5> distortion{};  // k1 k2 p1 p2 k3, OpenCV's order
+  double row_time = 0.0;               // a rolling shutter reads so much later per row [s]; 0: all rows at once
   std::optional<CameraPose> world_from_camera;  // none: intrinsics only, pixels cannot be placed on the floor
   double tag_height = 0.06;                     // the plane of the tags above the floor [m]; an e-puck is 55 mm tall
   double tag_size = 0.06;                       // edge of a tag's black square, without its white border [m]

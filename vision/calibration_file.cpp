@@ -9,9 +9,10 @@
 #include <sstream>
 
 #include "vision/calibration.h"
+#include "vision/detail/toml_reader.h"
 
 // The file:
-//   [camera]   width, height, fx, fy, cx, cy, distortion = [k1, k2, p1, p2, k3]
+//   [camera]   width, height, fx, fy, cx, cy, distortion = [k1, k2, p1, p2, k3], row_time (0 if missing)
 //   [world]    rotation = three rows of three, position = [x, y, z]                         (may be missing: intrinsics
 //   only) [tags]     height, size                                                                  (may be missing:
 //   0.06 m both)
@@ -19,91 +20,8 @@
 namespace skein::vision {
 namespace {
 
-/// What is wrong, and where. Thrown inside this file only: a reader of a dozen keys is clearest without a test after
-/// each.
-struct Problem {
-  std::string text;
-};
-
-struct Range {
-  double least;
-  double most;
-};
-
-class Reader {
- public:
-  explicit Reader(std::string file) : file_(std::move(file)) {}
-
-  [[noreturn]] void fail(const toml::source_region& where, const std::string& what) const {
-    throw Problem{fmt::format("{}:{}:{}: {}", file_, where.begin.line, where.begin.column, what)};
-  }
-
-  void only(const toml::table& table, std::string_view of, std::initializer_list<std::string_view> keys) const {
-    for (const auto& [key, value] : table) {
-      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end()) {
-        fail(key.source(), fmt::format("unknown key '{}{}'; allowed: {}", of, key.str(), fmt::join(keys, ", ")));
-      }
-    }
-  }
-
-  const toml::table* table(const toml::table& root, std::string_view key) const {
-    const toml::node* node = root.get(key);
-    if (node != nullptr && !node->is_table()) fail(node->source(), wrong(key, *node, "a table"));
-    return node == nullptr ? nullptr : node->as_table();
-  }
-
-  double number(const toml::table& table, std::string_view of, std::string_view key, Range range) const {
-    return number(need(table, of, key), fmt::format("{}{}", of, key), range);
-  }
-
-  int integer(const toml::table& table, std::string_view of, std::string_view key, Range range) const {
-    const toml::node& node = need(table, of, key);
-    const std::string allowed = fmt::format("a whole number from {} to {}", range.least, range.most);
-    const auto value = node.value_exact<std::int64_t>();
-    if (!value || static_cast<double>(*value) < range.least || static_cast<double>(*value) > range.most) {
-      fail(node.source(), wrong(fmt::format("{}{}", of, key), node, allowed));
-    }
-    return static_cast<int>(*value);
-  }
-
-  template <std::size_t N>
-  std::array<double, N> numbers(const toml::node& node, const std::string& key, Range range) const {
-    const toml::array* array = node.as_array();
-    if (array == nullptr || array->size() != N) fail(node.source(), wrong(key, node, fmt::format("{} numbers", N)));
-    std::array<double, N> values{};
-    for (std::size_t i = 0; i < N; ++i) values[i] = number(*array->get(i), fmt::format("{}[{}]", key, i), range);
-    return values;
-  }
-
-  const toml::node& need(const toml::table& table, std::string_view of, std::string_view key) const {
-    const toml::node* node = table.get(key);
-    if (node == nullptr) fail(table.source(), fmt::format("'{}{}' is missing", of, key));
-    return *node;
-  }
-
-  std::string wrong(std::string_view key, const toml::node& node, std::string_view allowed) const {
-    std::ostringstream found;
-    if (const toml::array* array = node.as_array()) {
-      found << array->size() << (array->size() == 1 ? " element" : " elements");
-    } else if (node.is_table()) {
-      found << "a table";
-    } else {
-      node.visit([&](const auto& value) { found << value; });
-    }
-    return fmt::format("{} = {}; allowed: {}", key, found.str(), allowed);
-  }
-
- private:
-  double number(const toml::node& node, const std::string& key, Range range) const {
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !std::isfinite(*value) || *value < range.least || *value > range.most) {
-      fail(node.source(), wrong(key, node, fmt::format("a number from {} to {}", range.least, range.most)));
-    }
-    return *value;
-  }
-
-  std::string file_;
-};
+using detail::Problem;
+using detail::Reader;
 
 CameraPose read_world(const Reader& reader, const toml::table& table) {
   reader.only(table, "world.", {"rotation", "position"});
@@ -136,7 +54,7 @@ Calibration read(const Reader& reader, const toml::table& root) {
 
   const toml::table* camera = reader.table(root, "camera");
   if (camera == nullptr) reader.fail(root.source(), "the table [camera] is missing");
-  reader.only(*camera, "camera.", {"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+  reader.only(*camera, "camera.", {"width", "height", "fx", "fy", "cx", "cy", "distortion", "row_time"});
   result.width = reader.integer(*camera, "camera.", "width", {16, 32768});
   result.height = reader.integer(*camera, "camera.", "height", {16, 32768});
   // A focal length of under a tenth of the picture would be a fish-eye, which this model does not describe.
@@ -146,6 +64,8 @@ Calibration read(const Reader& reader, const toml::table& root) {
   result.cy = reader.number(*camera, "camera.", "cy", {-1.0 * result.height, 2.0 * result.height});
   result.distortion =
       reader.numbers<5>(reader.need(*camera, "camera.", "distortion"), "camera.distortion", {-1000.0, 1000.0});
+
+  if (camera->contains("row_time")) result.row_time = reader.number(*camera, "camera.", "row_time", {0.0, 0.001});
 
   if (const toml::table* world = reader.table(root, "world")) result.world_from_camera = read_world(reader, *world);
 
@@ -193,6 +113,8 @@ std::string format_calibration(const Calibration& calibration) {
       "cy = {}\n"
       "distortion = [{}]  # k1, k2, p1, p2, k3 (OpenCV's)\n",
       c.width, c.height, c.fx, c.fy, c.cx, c.cy, fmt::join(c.distortion, ", "));
+  if (c.row_time != 0.0)
+    text += fmt::format("row_time = {}  # of a rolling shutter, from row to row [s]\n", c.row_time);
   if (c.world_from_camera) {
     const Eigen::Matrix3d& r = c.world_from_camera->rotation;
     const Eigen::Vector3d& p = c.world_from_camera->position;

@@ -1,15 +1,29 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <utility>
+#include <vector>
 
 #include "vision/film.h"
 #include "vision/frame.h"
 
 namespace skein::vision {
+
+/// How a source has been doing, of cameras above all.
+struct SourceStatus {
+  bool up = true;                      // false: the camera does not deliver, and is opened again and again
+  std::int64_t outages = 0;            // times that it stopped delivering: unplugged, stalled
+  std::int64_t damaged = 0;            // frames that were passed over
+  std::int64_t passed_over = 0;        // whole frames that a newer one had overtaken
+  std::string reason{};                // of the last outage
+  std::vector<std::string> notices{};  // controls that took another value than they were asked to
+};
 
 /// Where frames come from.
 class FrameSource {
@@ -35,14 +49,23 @@ class FrameSource {
     return none;
   }
 
+  /// Any thread, at any time.
+  virtual SourceStatus status() const { return {}; }
+
   /// One line, file and reason, for each picture that could not be read and was passed over.
   virtual std::span<const std::string> skipped() const { return {}; }
 };
 
+/// Names and values, as in "exposure=0.005".
+using ControlSettings = std::vector<std::pair<std::string, double>>;
+
 struct SourceOptions {
-  int width = 0;      // asked of a camera [px], as a rule the calibration's; 0: as the camera is set
-  int height = 0;     // [px]
-  double rate = 0.0;  // asked of a camera [frames/s]; 0: as the camera is set
+  int width = 0;               // asked of a camera [px], as a rule the calibration's; 0: as the camera is set
+  int height = 0;              // [px]
+  double rate = 0.0;           // asked of a camera [frames/s]; 0: as the camera is set
+  ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again
+  double reopen_for = 10.0;    // a camera that stops delivering is opened again for so long before that is an error [s]
+  std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the wait with an error
 };
 
 /// "images:DIR" or "images:FILE"  png, jpg, pgm, ppm, bmp, tif, sorted by name; captured_at as if 25 were taken a
@@ -53,7 +76,8 @@ struct SourceOptions {
 ///                                damaged are skipped.
 /// "v4l2:DEVICE"                  a camera through the kernel: GREY, YUYV or MJPEG, newest frame only, captured_at is
 /// the
-///                                driver's CLOCK_MONOTONIC stamp. A camera that stops delivering is an error.
+///                                driver's CLOCK_MONOTONIC stamp. A camera that stops delivering for three frame times
+///                                is opened again; where that does not help, it is an error.
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_view source,
                                                                     const SourceOptions& options = {});
 

@@ -49,10 +49,10 @@ tl::expected<const Media*, std::string> media() {
   return static_cast<const Media*>(*loaded);
 }
 
-tl::expected<const Aruco*, std::string> aruco() {
-  static const auto loaded = load("skein_aruco.so", aruco_symbol);
-  if (!loaded) return tl::unexpected("OpenCV's ArUco: " + loaded.error());
-  return static_cast<const Aruco*>(*loaded);
+tl::expected<const Boards*, std::string> boards() {
+  static const auto loaded = load("skein_boards.so", boards_symbol);
+  if (!loaded) return tl::unexpected("calibration boards and printed sheets: " + loaded.error());
+  return static_cast<const Boards*>(*loaded);
 }
 
 }  // namespace skein::vision

@@ -3,7 +3,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "vision/media/aruco.h"
+#include "vision/media/boards.h"
 #include "vision/media/media.h"
 
 namespace skein::vision {
@@ -13,7 +13,7 @@ namespace skein::vision {
 /// ../lib/skein from there, and where the build puts it. The error names the places and what was wrong.
 tl::expected<const Media*, std::string> media();
 
-/// The same of skein_aruco.so, for benchmarks.
-tl::expected<const Aruco*, std::string> aruco();
+/// The same of skein_boards.so.
+tl::expected<const Boards*, std::string> boards();
 
 }  // namespace skein::vision

@@ -110,7 +110,9 @@ void write_row(std::ostream& csv, Row& row, const TrackOptions& options, const F
                How how) {
   row.number(frame.index);
   row.text(frame.source);
-  row.number(frame.captured_at);
+  double middle = 0.0;
+  for (const auto& corner : detection.corners) middle += 0.25 * corner[1];
+  row.number(frame.captured_at + (options.calibration ? options.calibration->row_time * middle : 0.0));
   row.number(detection.tag);
   for (const auto& corner : detection.corners) {
     row.number(corner[0]);
@@ -140,7 +142,8 @@ tl::expected<std::unique_ptr<Recorder>, std::string> open_recorder(const TrackOp
 }  // namespace
 
 tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
-  SourceOptions wanted;
+  SourceOptions wanted = options.camera;
+  if (options.keep_going) wanted.keep_waiting = [&] { return options.keep_going(-1); };
   if (options.calibration) {
     wanted.width = options.calibration->width;
     wanted.height = options.calibration->height;
@@ -185,6 +188,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
   }
 
   if (*recorder) summary.recording = (*recorder)->finish();
+  summary.status = (*source)->status();
   const auto skipped = (*source)->skipped();
   summary.skipped.assign(skipped.begin(), skipped.end());
   if (summary.frames == 0 && !summary.skipped.empty()) {

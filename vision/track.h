@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "vision/calibration.h"
+#include "vision/frame_source.h"
 #include "vision/recorder.h"
 
 namespace skein::vision {
 
 struct TrackOptions {
-  std::string source{};                      // as for open_source
+  std::string source{};    // as for open_source
+  SourceOptions camera{};  // size, rate and controls; the size is the calibration's where there is one
   std::optional<Calibration> calibration{};  // none: ids and corners in px only
   std::ostream* csv = nullptr;               // rows go here; none: only the summary is wanted
   std::int64_t max_frames = 0;               // 0: until the end of the stream; a camera has none
@@ -22,7 +24,7 @@ struct TrackOptions {
   std::string record{};   // a film that the frames are kept in (see Recorder); empty: none
   FilmNotes notes{};      // of that film; SOURCE and CALIBRATION are added
   std::function<bool(std::int64_t frames)>
-      keep_going{};  // asked after every frame: false ends the run (progress, Ctrl-C)
+      keep_going{};  // asked after every frame, and with -1 while a camera does not deliver: false ends the run
 };
 
 struct TrackSummary {
@@ -32,6 +34,7 @@ struct TrackSummary {
   std::vector<int> ids;              // seen, ascending
   std::string source{};              // FrameSource::describe()
   RecorderStatus recording{};
+  SourceStatus status{};  // of the source at the end
 };
 
 /// Every tag of every frame as CSV, one row each, no control: the body of `skein track`. Columns: frame, source, t [s],

@@ -53,6 +53,24 @@ Calibration with_world(Calibration calibration) {
   return calibration;
 }
 
+/// A frame in so many parts, or nearly so, that overlap by a tag with its border, turned or not: it lies wholly in one.
+std::vector<Window> overlapping_parts(int width, int height, int parts, double overlap) {
+  const int most_columns = std::max(1, static_cast<int>(width / (2.0 * overlap)));
+  const int most_rows = std::max(1, static_cast<int>(height / (2.0 * overlap)));
+  const int columns = std::clamp(static_cast<int>(std::lround(std::sqrt(parts * 4.0 / 3.0))), 1, most_columns);
+  const int rows = std::clamp(parts / columns, 1, most_rows);
+  const int half = static_cast<int>(std::ceil(0.5 * overlap));
+  std::vector<Window> windows;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const int left = width * column / columns - half;
+      const int top = height * row / rows - half;
+      windows.push_back(
+          {left, top, width * (column + 1) / columns + half - left, height * (row + 1) / rows + half - top});
+    }
+  return windows;
+}
+
 }  // namespace
 
 TagTracker::Parts::Parts(Calibration c, TrackerOptions o)
@@ -63,7 +81,9 @@ TagTracker::Parts::Parts(Calibration c, TrackerOptions o)
       edge_px(tag_edge_px(calibration)),
       decimate(decimate_for_edge(edge_px)),
       gate(calibration.width, calibration.height, std::max(8.0, edge_px)),
-      wanted(make_wanted(options.tags)) {
+      wanted(make_wanted(options.tags)),
+      search_parts(overlapping_parts(calibration.width, calibration.height, std::max(1, options.search_parts),
+                                     options.window * std::max(8.0, edge_px))) {
   poses.reserve(wanted.size());
   // Most of what a template costs is paid here and not in the first frame.
   for (WantedTag& tag : wanted) {
@@ -132,6 +152,12 @@ void TagTracker::Parts::follow(const Frame& frame) {
   }
 }
 
+/// When the rows that show a tag were read: a rolling shutter comes to each of them later than to the first.
+double TagTracker::Parts::seen_at(const Frame& frame, const Corners& corners) const {
+  const double row = 0.25 * (corners[0][1] + corners[1][1] + corners[2][1] + corners[3][1]);
+  return frame.captured_at + calibration.row_time * row;
+}
+
 void TagTracker::Parts::accept(WantedTag& tag, const Frame& frame, const detail::Fit& fit) {
   tag.found = true;
   tag.stretch = fit.stretch;
@@ -139,7 +165,7 @@ void TagTracker::Parts::accept(WantedTag& tag, const Frame& frame, const detail:
   tag.contrast = fit.contrast;
   tag.pose.tag = tag.tag;
   tag.pose.pose = fit.pose;
-  tag.pose.captured_at = frame.captured_at;
+  tag.pose.captured_at = seen_at(frame, fit.corners);
   tag.pose.covariance = fit.covariance;
   tag.pose.sigma_xy = std::sqrt(0.5 * (fit.covariance(0, 0) + fit.covariance(1, 1)));
   tag.pose.sigma_theta = std::sqrt(fit.covariance(2, 2));

@@ -12,10 +12,13 @@ namespace skein::vision {
 
 struct TrackerOptions {
   std::vector<int> tags{};  // ids wanted, each once; others are not reported
-  int search_every = 5;  // frames between AprilTag searches of the full frame while a tag is missing: a tag that left
-                         // the arena for good must not cost one (10 ms and more) in every frame
-  int audit_every = 25;  // frames in which the gate, strip by strip, goes over the whole picture for second copies
-  int search_anyway = 1500;  // frames between full searches when none is missing: for copies that the gate cannot see
+  int search_every = 5;     // frames between AprilTag searches of the full frame (10 ms and more) while no tag was ever
+                            // seen, or while one was seen twice
+  int search_parts = 20;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
+                            // every frame: a tag that is hidden or gone for good must not hold the others up
+  int audit_every = 25;     // frames in which the gate, strip by strip, goes over the whole picture for second copies
+  int search_anyway = 1500;  // frames in which all parts are searched when none is missing: for copies that the gate
+                             // cannot see
   double window = 2.2;       // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
   double max_speed = 0.3;    // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
   double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]
@@ -31,6 +34,7 @@ struct TrackerOptions {
 struct TrackerCounters {
   std::int64_t frames = 0;
   std::int64_t full_searches = 0;  // frames searched as a whole
+  std::int64_t part_searches = 0;  // and those of which a part was
   std::int64_t poses = 0;          // reported
   std::int64_t ghosts = 0;         // times that a wanted id was seen twice in a frame and therefore not reported
   std::int64_t rejected = 0;       // wanted tags not lying flat at tag_height, or not of tag_size

@@ -25,7 +25,7 @@ constexpr int recheck_every = 10;
 // So that the list of such places stays short where robots drive about that nobody wants. [frames]
 constexpr std::int64_t forget_after = 500;
 
-constexpr int dim_every = 8;  // [full searches]
+constexpr int dim_every = 3;  // [times round all parts]
 
 // A detector's small corner errors must not pass for a tag out of shape; the fit is the one to say so.
 constexpr double detector_tolerance = 0.25;
@@ -129,7 +129,7 @@ void TagTracker::Parts::consider(WantedTag& tag, const Frame& frame, const Detec
   tag.contrast = 2.0 * detection.decision_margin;
   tag.pose = {.tag = tag.tag,
               .pose = place->pose,
-              .captured_at = frame.captured_at,
+              .captured_at = seen_at(frame, detection.corners),
               .sigma_xy = sigma.xy,
               .sigma_theta = sigma.theta,
               .covariance = Eigen::Vector3d(sigma.xy * sigma.xy, sigma.xy * sigma.xy, sigma.theta * sigma.theta)
@@ -189,29 +189,41 @@ void TagTracker::Parts::look_at_gate(const Frame& frame) {
   check_places(frame, gate.places(0, gate.rows(), known, 0.7 * edge_px), most_windows, most_old_windows);
 }
 
+/// The frame as a whole: at the beginning, and while an id was seen twice, since only a look at everything can tell
+/// that one of the two is gone.
 bool TagTracker::Parts::search_due() const {
-  if (wanted.empty()) return false;
-  const std::int64_t since = counters.frames - last_search;
-  if (!missing()) return since >= options.search_anyway;
+  if (!missing()) return false;
   if (counters.full_searches == 0) return true;
-  // Lost in this very frame: look at once.
-  const bool just_lost = std::any_of(wanted.begin(), wanted.end(), [](const WantedTag& tag) {
-    return tag.missing() && tag.following && tag.missed == 0;
-  });
-  return since >= options.search_every || (just_lost && since > 1);
+  const bool ambiguous =
+      std::any_of(wanted.begin(), wanted.end(), [](const WantedTag& tag) { return tag.missing() && tag.ambiguous; });
+  return (!contrast || ambiguous) && counters.frames - last_search >= options.search_every;
 }
 
 void TagTracker::Parts::search(const Frame& frame) {
-  if (!search_due()) return;
-  const bool for_missing = missing();
+  if (!search_due()) {
+    search_part(frame);
+    return;
+  }
   detector.set_decimate(decimate);
-  // Every other search is one for dim light (30 ms) until a tag has said what the light is like; after that it is only
-  // for one that lies in a deep shadow.
-  const bool dim_turn = for_missing && counters.full_searches % (contrast ? dim_every : 2) == 1;
+  // Every other search is one for dim light (30 ms) until a tag has said what the light is like.
+  const bool dim_turn = !contrast && counters.full_searches % 2 == 1;
   detector.set_min_white_black_diff(dim_turn ? static_cast<int>(dim) : detector_threshold());
   last_search = counters.frames;
   ++counters.full_searches;
   consider_all(frame, detector.detect(frame), /*whole_frame=*/true);
+}
+
+/// The next part of the frame, in every frame while a tag is missing, else now and then.
+void TagTracker::Parts::search_part(const Frame& frame) {
+  if (wanted.empty() || !contrast) return;
+  const auto parts = static_cast<std::int64_t>(search_parts.size());
+  if (!missing() && counters.frames % std::max<std::int64_t>(1, options.search_anyway / parts) != 0) return;
+  // Every so many times round it is for a tag that lies in a deep shadow.
+  const bool dim_turn = counters.part_searches / parts % dim_every == dim_every - 1;
+  detector.set_decimate(decimate);
+  detector.set_min_white_black_diff(dim_turn ? static_cast<int>(dim) : detector_threshold());
+  const Window& part = search_parts[static_cast<std::size_t>(counters.part_searches++ % parts)];
+  consider_all(frame, detector.detect(frame, part), /*whole_frame=*/parts == 1);
 }
 
 /// Every frame a strip of the picture, so that no frame has to wait for the whole of it.

@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <ctime>
+#include <mutex>
 #include <optional>
+#include <utility>
 
+#include "vision/camera_controls.h"
+#include "vision/detail/v4l2_device.h"
 #include "vision/media_loader.h"
 #include "vision/v4l2_pixels.h"
 
@@ -24,74 +27,58 @@ constexpr unsigned buffers_wanted = 4;
 constexpr double first_frame_wait = 5.0;
 
 // Frame times without a frame after which the camera counts as stuck, and the least wait. [frames, s]
-constexpr double stall_frames = 5.0;
-constexpr double least_stall_wait = 0.25;
+constexpr double stall_frames = 3.0;
+constexpr double least_stall_wait = 0.02;
 
-std::string four_letters(std::uint32_t format) {
-  std::string text;
-  for (int i = 0; i < 4; ++i) text += static_cast<char>((format >> (8 * i)) & 0x7f);
-  return text;
-}
+// Between two attempts to open a camera that has gone. [s]
+constexpr double reopen_pause = 0.1;
+
+using detail::four_letters;
 
 class V4l2Camera final : public FrameSource {
  public:
-  V4l2Camera(std::string device, V4l2Kernel& kernel) : device_(std::move(device)), kernel_(kernel) {}
-  ~V4l2Camera() override {
-    if (streaming_) {
-      int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-      control(VIDIOC_STREAMOFF, &type);
-    }
-    for (const Buffer& buffer : buffers_) kernel_.unmap(buffer.start, buffer.length);
-    if (fd_ >= 0) kernel_.close(fd_);
-  }
+  V4l2Camera(std::string device, SourceOptions options, V4l2Kernel& kernel)
+      : device_(std::move(device), kernel), options_(std::move(options)) {}
+  ~V4l2Camera() override { close(); }
   V4l2Camera(const V4l2Camera&) = delete;
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   /// Empty, or what is in the way.
-  std::string open(const SourceOptions& options) {
-    fd_ = kernel_.open(device_.c_str());
-    if (fd_ < 0) return failed("cannot be opened");
-    std::string problem = check_device();
-    if (problem.empty()) problem = choose_format(options);
+  std::string open() {
+    std::string problem = device_.open();
+    if (problem.empty()) problem = choose_format();
+    if (problem.empty()) {
+      const auto set = set_controls(device_, options_.controls);
+      if (set)
+        note(*set);
+      else
+        problem = set.error();
+    }
     if (problem.empty()) problem = map_buffers();
+    if (!problem.empty()) close();
     return problem;
   }
 
   tl::expected<bool, std::string> read(Frame& frame) override {
     for (;;) {
-      if (std::string problem = wait(); !problem.empty()) return tl::unexpected(problem);
-      // Everything that has piled up while we were busy; only the last is of use.
-      std::optional<v4l2_buffer> newest;
-      for (;;) {
-        v4l2_buffer buffer{};
-        buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-        buffer.memory = V4L2_MEMORY_MMAP;
-        if (control(VIDIOC_DQBUF, &buffer) == -1) {
-          if (errno == EAGAIN) break;
-          return tl::unexpected(failed("stopped delivering frames"));
-        }
-        if (newest && control(VIDIOC_QBUF, &*newest) == -1) return tl::unexpected(failed("lost a buffer"));
-        newest = buffer;
-      }
-      if (!newest) continue;
-      const double arrived_at = monotonic_now();
-      const bool whole = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && convert(*newest, frame);
-      if (whole) {
-        damaged_ = 0;
-        frame.captured_at = stamp(*newest);
-        frame.arrived_at = arrived_at;
-        frame.index = frames_++;
-        frame.source = std::to_string(frame.index);
-      }
-      if (control(VIDIOC_QBUF, &*newest) == -1) return tl::unexpected(failed("lost a buffer"));
+      std::string problem;
+      const bool whole = take(frame, problem);
       if (whole) return true;
+      if (options_.keep_waiting && !options_.keep_waiting())
+        return tl::unexpected(device_.path() + ": nobody waits for it any more");
+      if (!problem.empty())
+        if (std::string given_up = reopen(problem); !given_up.empty()) return tl::unexpected(given_up);
       // A damaged frame (a bad cable, a full bus): the next one may be well, but not for ever.
-      if (++damaged_ > max_damaged) return tl::unexpected(device_ + ": sends only damaged frames");
+      if (damaged_ > max_damaged) return tl::unexpected(device_.path() + ": sends only damaged frames");
     }
   }
 
+  SourceStatus status() const override {
+    const std::lock_guard lock(status_mutex_);
+    return status_;
+  }
   std::string describe() const override {
-    return fmt::format("camera {} ({}x{} {}, {:.3g} frames/s)", device_, width_, height_, four_letters(format_),
+    return fmt::format("camera {} ({}x{} {}, {:.3g} frames/s)", device_.path(), width_, height_, four_letters(format_),
                        1.0 / period_);
   }
 
@@ -102,30 +89,105 @@ class V4l2Camera final : public FrameSource {
   };
   static constexpr int max_damaged = 25;
 
-  int control(unsigned long request, void* argument) const {
-    int result = 0;
-    do {
-      result = kernel_.control(fd_, request, argument);
-    } while (result == -1 && errno == EINTR);
-    return result;
-  }
-
-  std::string failed(std::string_view what) const {
-    return fmt::format("{}: {} ({})", device_, what, std::strerror(errno));
-  }
-
-  std::string check_device() {
-    v4l2_capability capability{};
-    if (control(VIDIOC_QUERYCAP, &capability) == -1) return device_ + ": is no V4L2 camera";
-    const std::uint32_t can =
-        (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
-    if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
-      return device_ + ": does not capture video (a camera often has a second device that does)";
+  void close() {
+    if (streaming_) {
+      int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+      device_.control(VIDIOC_STREAMOFF, &type);
     }
-    return {};
+    streaming_ = false;
+    for (const Buffer& buffer : buffers_) device_.kernel().unmap(buffer.start, buffer.length);
+    buffers_.clear();
+    device_.close();
   }
 
-  std::string choose_format(const SourceOptions& options) {
+  void note(const std::vector<std::string>& notices) {
+    const std::lock_guard lock(status_mutex_);
+    status_.notices = notices;
+  }
+
+  /// A camera may lower its rate in the dark: what counts as a stall follows it. [s]
+  void learn_period(double stamp, int passed_over) {
+    constexpr double slowest = 1.0;
+    if (!fresh_) seen_period_ = std::clamp((stamp - last_stamp_) / (1 + passed_over), 0.0, slowest);
+    last_stamp_ = stamp;
+  }
+
+  /// Waits for the newest frame. false: none, or a damaged one; `problem`: the camera has stopped delivering.
+  bool take(Frame& frame, std::string& problem) {
+    problem = wait();
+    if (!problem.empty()) return false;
+    // Everything that has piled up while we were busy; only the last is of use.
+    std::optional<v4l2_buffer> newest;
+    int passed_over = 0;
+    for (;;) {
+      v4l2_buffer buffer{};
+      buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+      buffer.memory = V4L2_MEMORY_MMAP;
+      if (device_.control(VIDIOC_DQBUF, &buffer) == -1) {
+        if (errno == EAGAIN) break;
+        problem = device_.failed("stopped delivering frames");
+        return false;
+      }
+      passed_over += newest ? 1 : 0;
+      if (newest && device_.control(VIDIOC_QBUF, &*newest) == -1) {
+        problem = device_.failed("lost a buffer");
+        return false;
+      }
+      newest = buffer;
+    }
+    if (!newest) return false;
+    const double arrived_at = monotonic_now();
+    const bool whole = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && convert(*newest, frame);
+    if (whole) {
+      frame.captured_at = stamp(*newest);
+      learn_period(frame.captured_at, passed_over);
+      frame.arrived_at = arrived_at;
+      frame.index = frames_++;
+      frame.source = std::to_string(frame.index);
+    }
+    damaged_ = whole ? 0 : damaged_ + 1;
+    fresh_ = fresh_ && !whole;
+    {
+      const std::lock_guard lock(status_mutex_);
+      status_.up = status_.up || whole;
+      status_.damaged += whole ? 0 : 1;
+      status_.passed_over += passed_over;
+    }
+    if (device_.control(VIDIOC_QBUF, &*newest) == -1) problem = device_.failed("lost a buffer");
+    return whole;
+  }
+
+  /// The camera has gone: unplugged, or stuck until it is started anew. Empty once it runs again.
+  std::string reopen(const std::string& problem) {
+    {
+      const std::lock_guard lock(status_mutex_);
+      status_.outages += status_.up ? 1 : 0;
+      status_.up = false;
+      status_.reason = problem;
+    }
+    const bool was_fresh = std::exchange(fresh_, true);
+    // One that has never delivered, or has not since it was opened again, uses up the time as well.
+    out_for_ = was_fresh && frames_ > 0 ? out_for_ + first_frame_wait : 0.0;
+    const int width = width_;
+    const int height = height_;
+    close();
+    while (frames_ > 0 && out_for_ < options_.reopen_for) {
+      if (options_.keep_waiting && !options_.keep_waiting()) return problem;
+      const std::string again = open();
+      if (again.empty()) {
+        if (width_ == width && height_ == height) return {};
+        return fmt::format("{}: came back with {}x{} px instead of {}x{}", device_.path(), width_, height_, width,
+                           height);
+      }
+      pollfd nothing{-1, 0, 0};
+      device_.kernel().poll(&nothing, static_cast<int>(reopen_pause * 1000.0));
+      out_for_ += reopen_pause;
+    }
+    return problem;
+  }
+
+  std::string choose_format() {
+    const SourceOptions& options = options_;
     // From free to costly: grey as it is, grey among colours, a JPEG to decode (3 ms at 1280x960).
     constexpr std::array liked = {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG};
     std::string offered;
@@ -134,17 +196,18 @@ class V4l2Camera final : public FrameSource {
       v4l2_fmtdesc description{};
       description.index = i;
       description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-      if (control(VIDIOC_ENUM_FMT, &description) == -1) break;
+      if (device_.control(VIDIOC_ENUM_FMT, &description) == -1) break;
       offered += (offered.empty() ? "" : ", ") + four_letters(description.pixelformat);
       const auto place = std::find(liked.begin(), liked.end(), description.pixelformat);
       best = std::min(best, static_cast<std::size_t>(place - liked.begin()));
     }
     if (best == liked.size()) {
-      return fmt::format("{}: offers {}; needed: GREY, YUYV or MJPG", device_, offered.empty() ? "no format" : offered);
+      return fmt::format("{}: offers {}; needed: GREY, YUYV or MJPG", device_.path(),
+                         offered.empty() ? "no format" : offered);
     }
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (control(VIDIOC_G_FMT, &format) == -1) return failed("does not tell its format");
+    if (device_.control(VIDIOC_G_FMT, &format) == -1) return device_.failed("does not tell its format");
     if (options.width > 0 && options.height > 0) {
       format.fmt.pix.width = static_cast<std::uint32_t>(options.width);
       format.fmt.pix.height = static_cast<std::uint32_t>(options.height);
@@ -152,16 +215,17 @@ class V4l2Camera final : public FrameSource {
     format.fmt.pix.pixelformat = liked[best];
     format.fmt.pix.field = V4L2_FIELD_NONE;
     format.fmt.pix.bytesperline = 0;
-    if (control(VIDIOC_S_FMT, &format) == -1) return failed("refuses the format " + four_letters(liked[best]));
+    if (device_.control(VIDIOC_S_FMT, &format) == -1)
+      return device_.failed("refuses the format " + four_letters(liked[best]));
     format_ = format.fmt.pix.pixelformat;
     width_ = static_cast<int>(format.fmt.pix.width);
     height_ = static_cast<int>(format.fmt.pix.height);
     stride_ = format.fmt.pix.bytesperline;
     if (format_ != liked[best])
-      return fmt::format("{}: gives {} where {} was asked for", device_, four_letters(format_),
+      return fmt::format("{}: gives {} where {} was asked for", device_.path(), four_letters(format_),
                          four_letters(liked[best]));
     if (options.width > 0 && (width_ != options.width || height_ != options.height)) {
-      return fmt::format("{}: cannot give {}x{} in {}, only {}x{}", device_, options.width, options.height,
+      return fmt::format("{}: cannot give {}x{} in {}, only {}x{}", device_.path(), options.width, options.height,
                          four_letters(format_), width_, height_);
     }
     if (format_ == V4L2_PIX_FMT_MJPEG) {
@@ -180,9 +244,9 @@ class V4l2Camera final : public FrameSource {
     v4l2_fract& period = parameters.parm.capture.timeperframe;
     if (rate > 0.0) {
       period = {1000, static_cast<std::uint32_t>(std::max(1.0, rate * 1000.0))};
-      control(VIDIOC_S_PARM, &parameters);
+      device_.control(VIDIOC_S_PARM, &parameters);
     }
-    if (control(VIDIOC_G_PARM, &parameters) == 0 && period.numerator > 0 && period.denominator > 0) {
+    if (device_.control(VIDIOC_G_PARM, &parameters) == 0 && period.numerator > 0 && period.denominator > 0) {
       period_ = static_cast<double>(period.numerator) / period.denominator;
     }
   }
@@ -192,36 +256,37 @@ class V4l2Camera final : public FrameSource {
     request.count = buffers_wanted;
     request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     request.memory = V4L2_MEMORY_MMAP;
-    if (control(VIDIOC_REQBUFS, &request) == -1 || request.count < 2) {
-      return failed(errno == EBUSY ? "is in use by another program" : "has no buffers to map");
+    if (device_.control(VIDIOC_REQBUFS, &request) == -1 || request.count < 2) {
+      return device_.failed(errno == EBUSY ? "is in use by another program" : "has no buffers to map");
     }
     for (std::uint32_t i = 0; i < request.count; ++i) {
       v4l2_buffer buffer{};
       buffer.index = i;
       buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
       buffer.memory = V4L2_MEMORY_MMAP;
-      if (control(VIDIOC_QUERYBUF, &buffer) == -1) return failed("does not describe its buffers");
-      void* start = kernel_.map(fd_, buffer.length, buffer.m.offset);
-      if (start == MAP_FAILED) return failed("does not share its buffers");
+      if (device_.control(VIDIOC_QUERYBUF, &buffer) == -1) return device_.failed("does not describe its buffers");
+      void* start = device_.kernel().map(device_.fd(), buffer.length, buffer.m.offset);
+      if (start == MAP_FAILED) return device_.failed("does not share its buffers");
       buffers_.push_back({start, buffer.length});
-      if (control(VIDIOC_QBUF, &buffer) == -1) return failed("does not take its buffers");
+      if (device_.control(VIDIOC_QBUF, &buffer) == -1) return device_.failed("does not take its buffers");
     }
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (control(VIDIOC_STREAMON, &type) == -1) return failed("does not start");
+    if (device_.control(VIDIOC_STREAMON, &type) == -1) return device_.failed("does not start");
     streaming_ = true;
     return {};
   }
 
   /// Until a frame is there. Empty, or why none will come.
   std::string wait() const {
-    const double seconds = frames_ == 0 ? first_frame_wait : std::max(least_stall_wait, stall_frames * period_);
-    pollfd waiting{fd_, POLLIN, 0};
-    const int ready = kernel_.poll(&waiting, static_cast<int>(seconds * 1000.0));
-    if (ready == -1 && errno != EINTR) return failed("cannot be waited for");
-    if (ready == 0) return fmt::format("{}: no frame for {:.3g} s (unplugged, or the bus is full?)", device_, seconds);
-    if (ready > 0 && (waiting.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
-      return device_ + ": stopped delivering frames (unplugged?)";
-    }
+    const double seconds =
+        fresh_ ? first_frame_wait : std::max(least_stall_wait, stall_frames * std::max(period_, seen_period_));
+    pollfd waiting{device_.fd(), POLLIN, 0};
+    const int ready = device_.kernel().poll(&waiting, static_cast<int>(seconds * 1000.0));
+    if (ready == -1 && errno != EINTR) return device_.failed("cannot be waited for");
+    if (ready == 0)
+      return fmt::format("{}: no frame for {:.3g} s (unplugged, or the bus is full?)", device_.path(), seconds);
+    if (ready > 0 && (waiting.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0)
+      return device_.path() + ": stopped delivering frames (unplugged?)";
     return {};
   }
 
@@ -250,27 +315,32 @@ class V4l2Camera final : public FrameSource {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
   }
 
-  std::string device_;
-  V4l2Kernel& kernel_;
-  int fd_ = -1;
+  detail::V4l2Device device_;
+  SourceOptions options_;
   bool streaming_ = false;
   std::vector<Buffer> buffers_;
   std::uint32_t format_ = 0;
   int width_ = 0;
   int height_ = 0;
-  std::size_t stride_ = 0;  // bytes from row to row
-  double period_ = 1.0 / 25.0;
+  std::size_t stride_ = 0;      // bytes from row to row
+  double period_ = 1.0 / 25.0;  // as the driver says [s]
+  double seen_period_ = 0.0;    // as the last frames were
   const Media* media_ = nullptr;
   std::int64_t frames_ = 0;
-  int damaged_ = 0;  // frames in a row
+  int damaged_ = 0;       // frames in a row
+  bool fresh_ = true;     // no frame since it was opened
+  double out_for_ = 0.0;  // how long it has not delivered [s]
+  double last_stamp_ = 0.0;
+  mutable std::mutex status_mutex_;
+  SourceStatus status_;
 };
 
 }  // namespace
 
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_v4l2(const std::string& device,
                                                                   const SourceOptions& options, V4l2Kernel& kernel) {
-  auto camera = std::make_unique<V4l2Camera>(device, kernel);
-  if (std::string problem = camera->open(options); !problem.empty()) return tl::unexpected(problem);
+  auto camera = std::make_unique<V4l2Camera>(device, options, kernel);
+  if (std::string problem = camera->open(); !problem.empty()) return tl::unexpected(problem);
   return camera;
 }
 

@@ -2,7 +2,6 @@
 // of the project: SKEIN_REAL_DATA says where they are, by default ../shared/data beside the project's root.
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 #include <sstream>
 
@@ -13,6 +12,7 @@
 #include "vision/frame_source.h"
 #include "vision/media_loader.h"
 #include "vision/track.h"
+#include "vision/tracker.h"
 
 namespace skein::vision {
 namespace {
@@ -32,6 +32,12 @@ struct Seen {
     return corners[0] + a * system.inverse().row(0).dot(corners[1] - corners[0]);
   }
 };
+
+std::array<Eigen::Vector2d, 4> as_points(const Corners& corners) {
+  std::array<Eigen::Vector2d, 4> points;
+  for (std::size_t k = 0; k < 4; ++k) points[k] = {corners[k][0], corners[k][1]};
+  return points;
+}
 
 /// From a tag's own frame (modules) to the picture: the one homography that its four corners agree with.
 Eigen::Matrix3d homography_of(const Corners& corners) {
@@ -56,8 +62,7 @@ Eigen::Matrix3d homography_of(const Corners& corners) {
 class RealData : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* named = std::getenv("SKEIN_REAL_DATA");
-    root_ = named != nullptr ? named : SKEIN_SOURCE_DIR "/../shared/data";
+    root_ = test::real_data();
     if (!std::filesystem::is_directory(root_)) {
       GTEST_SKIP() << "no real pictures at " << root_ << ": set SKEIN_REAL_DATA to their folder";
     }
@@ -228,6 +233,65 @@ TEST_F(RealData, TheFitAgreesWithTheDetectorOnTheFilm) {
       EXPECT_NE(fitter.fit(frame, wrong, off).verdict, detail::FitVerdict::good) << "and it is no other tag";
     }
   }
+}
+
+TEST_F(RealData, TheTrackerFollowsTheFilmAsTheDetectorSeesIt) {
+  // The wall is the floor. The camera is held by hand: where it is, the tracker is told every half second; in between
+  // the tags seem to drive.
+  auto source = open_source("video:" + root_ + "/wpical/field_long.mp4");
+  ASSERT_TRUE(source) << source.error();
+  Frame frame;
+  ASSERT_TRUE((*source)->read(frame).value());
+  TagDetector detector({.decimate = 2.0});
+  std::vector<Detection> seen = detector.detect(frame);
+  ASSERT_EQ(seen.size(), 2U);
+  Calibration camera;
+  camera.width = frame.width;
+  camera.height = frame.height;
+  camera.fx = camera.fy = 2103.9;  // of the film of the board, by the same camera
+  camera.cx = 993.2;
+  camera.cy = 541.9;
+  camera.tag_height = 0.0;
+  camera.tag_size = 0.1651;
+  // Each tag spans a floor of its own: how the two lie to each other is not known.
+  const auto module = boards();
+  ASSERT_TRUE(module) << module.error();
+  constexpr int told_every = 15;
+  std::vector<TagTracker> trackers;
+  const auto tell = [&] {
+    trackers.clear();
+    for (const Detection& tag : seen) {
+      std::vector<Landmark> landmarks;
+      constexpr double model[4][2] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+      for (std::size_t k = 0; k < 4; ++k)
+        landmarks.push_back(
+            {model[k][0] * camera.tag_size, model[k][1] * camera.tag_size, 0.0, tag.corners[k][0], tag.corners[k][1]});
+      ASSERT_EQ((*module)->locate(landmarks, camera), "");
+      trackers.emplace_back(camera, TrackerOptions{.tags = {tag.tag}});
+    }
+  };
+  const int frames = test::sanitized ? 10 : 159;
+  double worst = 0.0;
+  std::int64_t fits = 0;
+  for (int k = 0; k < frames; ++k) {
+    if (k > 0) {
+      ASSERT_TRUE((*source)->read(frame).value());
+      seen = detector.detect(frame);
+    }
+    ASSERT_EQ(seen.size(), 2U);
+    if (k % told_every == 0) tell();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::vector<TagPose>& poses = trackers[i].process(frame);
+      ASSERT_EQ(poses.size(), 1U) << "frame " << k << ", tag " << seen[i].tag;
+      EXPECT_EQ(poses[0].tag, seen[i].tag);
+      fits += poses[0].how == How::tracked ? 1 : 0;
+      const Seen fitted{k, "", poses[0].tag, as_points(poses[0].corners)};
+      const Seen detected{k, "", seen[i].tag, as_points(seen[i].corners)};
+      worst = std::max(worst, (fitted.centre() - detected.centre()).norm());
+    }
+  }
+  EXPECT_LT(worst, 0.5);
+  EXPECT_GE(fits, 2 * frames * 9 / 10) << "followed, not found again";
 }
 
 TEST_F(RealData, FilmOfAChessboard) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -21,6 +22,12 @@ inline constexpr bool sanitized = true;  // 5 to 15 times slower: slow tests tak
 #else
 inline constexpr bool sanitized = false;
 #endif
+
+/// Where real pictures are, if there are any (see real_data_test).
+inline std::string real_data() {
+  const char* named = std::getenv("SKEIN_REAL_DATA");
+  return named != nullptr ? named : SKEIN_SOURCE_DIR "/../shared/data";
+}
 
 /// A folder of its own for a test, gone when the test is over.
 class Folder {

@@ -118,7 +118,7 @@ TEST(TagTracker, FollowsSmallTagsToo) {
 
 TEST(TagTracker, IsRightAtEveryPlaceAndHeading) {
   // Robots that are put somewhere else in every frame: nothing can be predicted, everything is searched.
-  Lab lab({.tags = first_ids(6), .search_every = 1});
+  Lab lab({.tags = first_ids(6), .search_parts = 1});
   detail::Random random(3);
   Errors errors;
   const int frames = test::sanitized ? 10 : 72;
@@ -188,7 +188,25 @@ TEST(TagTracker, ACoveredTagIsNotReported) {
 TEST(TagTracker, ATagThatIsGoneForGoodCostsFewSearches) {
   Lab lab({.tags = {1, 2, 500}});
   for (int k = 0; k < 51; ++k) EXPECT_EQ(lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}}).size(), 2U);
-  EXPECT_EQ(lab.tracker.counters().full_searches, 11) << "every fifth frame";
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1) << "the first one";
+  EXPECT_EQ(lab.tracker.counters().part_searches, 50) << "a twentieth of the frame each";
+}
+
+TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
+  // At the picture's very edge a tag has no room for the square of busy cells that the gate looks for.
+  Lab lab({.tags = {1, 2}});
+  const SyntheticTag one{1, {-0.5, -0.3, 0.3}};
+  for (int k = 0; k < 5; ++k) lab.step({one});
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1);
+  for (const double v : {40.0, 500.0, 920.0}) {
+    const auto corner = world_from_pixel(lab.calibration, {1279.0 - 21.0, v}, lab.calibration.tag_height);
+    ASSERT_TRUE(corner);
+    bool seen = false;
+    for (int k = 0; k < 20 && !seen; ++k) seen = lab.step({one, {2, {corner->x(), corner->y(), 0.0}}}).size() == 2;
+    EXPECT_TRUE(seen) << v;
+    for (int k = 0; k < 30; ++k) EXPECT_EQ(lab.step({one}).size(), 1U);
+  }
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1);
 }
 
 TEST(TagTracker, OfTwoCopiesNoneIsReported) {
@@ -225,6 +243,38 @@ TEST(TagTracker, ACopyBesideATagIsAGhostWithinAnAudit) {
   EXPECT_EQ(last(), 0U);
   EXPECT_EQ(lab.tracker.counters().ghosts, 1);
   EXPECT_EQ(lab.tracker.counters().full_searches, 0) << "the gate did it";
+}
+
+TEST(TagTracker, ARollingShutterSaysWhenEachRowWasRead) {
+  // 25 us a row: 24 ms over the frame, in which a robot at full speed drives 3 mm.
+  const double row_time = 25e-6;
+  Calibration calibration = Lab::make(0.06);
+  calibration.row_time = row_time;
+  EXPECT_EQ(parse_calibration(format_calibration(calibration), "again").value(), calibration);
+  SyntheticCamera camera(calibration, {}, 3);
+  TagTracker tracker(calibration, {.tags = {1, 2}});
+  const auto at = [](int tag, double t) {
+    const double y = tag == 1 ? 0.6 : -0.6;
+    return core::Pose{-0.5 + 0.13 * t, y, 0.0};
+  };
+  Frame frame;
+  for (int k = 0; k < 10; ++k) {
+    const double t = k * frame_time;
+    std::vector<SyntheticTag> tags;
+    for (const int tag : {1, 2}) {
+      const core::Pose start = at(tag, t);
+      const auto pixel = pixel_from_world(calibration, {start.x, start.y, calibration.tag_height});
+      tags.push_back({tag, at(tag, t + row_time * pixel->y())});
+    }
+    camera.render(tags, t, frame);
+    const auto& poses = tracker.process(frame);
+    ASSERT_EQ(poses.size(), 2U);
+    for (const TagPose& pose : poses) {
+      EXPECT_LT(core::distance(pose.pose, at(pose.tag, pose.captured_at)), 0.2e-3);
+      EXPECT_GT(pose.captured_at, t);
+    }
+    EXPECT_GT(core::distance(poses[1].pose, at(2, t)), 2e-3) << "what the lower rows would be off by";
+  }
 }
 
 TEST(TagTracker, TagsOfTheWrongSizeAreRejected) {

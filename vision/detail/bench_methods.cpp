@@ -43,16 +43,16 @@ class AprilTag final : public FromCorners {
 
 class ArucoMarkers final : public FromCorners {
  public:
-  ArucoMarkers(const Calibration& calibration, const Aruco& aruco) : FromCorners(calibration), aruco_(aruco) {
+  ArucoMarkers(const Calibration& calibration, const Boards& boards) : FromCorners(calibration), boards_(boards) {
     name = "OpenCV ArUco";
   }
 
  private:
   const std::vector<Detection>& corners(const Frame& frame) override {
-    aruco_.detect(frame, found_);
+    boards_.detect(frame, found_);
     return found_;
   }
-  const Aruco& aruco_;
+  const Boards& boards_;
   std::vector<Detection> found_;
 };
 
@@ -79,7 +79,7 @@ std::vector<std::unique_ptr<BenchMethod>> bench_methods(const BenchScene& scene)
   // Its defaults: edges at half the resolution, 5 grey levels between ink and paper.
   methods.push_back(std::make_unique<AprilTag>(scene.calibration, "AprilTag", 5));
   methods.push_back(std::make_unique<AprilTag>(scene.calibration, "AprilTag tuned", 40));
-  if (const auto module = aruco()) methods.push_back(std::make_unique<ArucoMarkers>(scene.calibration, **module));
+  if (const auto module = boards()) methods.push_back(std::make_unique<ArucoMarkers>(scene.calibration, **module));
   methods.push_back(std::make_unique<Skein>(scene));
   return methods;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "vision/detail/random.h"
@@ -115,6 +116,19 @@ std::vector<BenchScene> bench_scenes() {
   scenes.push_back({"occluder", large, {}, 16, false, 8, true, [=](int k) { return with_arm(sixteen(k), large, k); }});
   scenes.push_back({"640x480", halved(large), {}, 16, false, 4, true, sixteen});
   scenes.push_back({"first frame", large, {}, 16, true, 1, true, sixteen});
+  const std::map<std::string, BenchTargets> targets{
+      {"n=4", {.median_ms = 0.03, .p99_ms = 0.09, .recall = 100.0}},
+      {"n=16", {.median_ms = 0.1, .p99_ms = 0.3, .times_faster = 200.0, .xy_mm = 0.03, .deg = 0.05, .recall = 100.0}},
+      {"n=64", {.median_ms = 0.3, .p99_ms = 0.9, .recall = 100.0}},
+      {"40 mm tags", {.xy_mm = 0.05, .deg = 0.1, .recall = 100.0}},
+      {"teleports 1 %", {.p99_ms = 3.0, .recall = 99.5}},
+      {"motion blur 5 px", {.recall = 99.5}},
+      {"contrast 43 sigma 6", {.recall = 99.5}},
+      {"occluder", {.p99_ms = 3.0, .recall = 99.5}},
+      {"640x480", {.recall = 100.0}},
+      {"first frame", {.median_ms = 15.0, .recall = 100.0}},
+  };
+  for (BenchScene& scene : scenes) scene.targets = targets.at(scene.name);
   return scenes;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,16 @@ struct BenchMoment {
   std::vector<bool> in_sight;  // of each tag: nothing of it or its white border is hidden
 };
 
+/// What the tracker has to reach in a scene; NaN: nothing is asked. No wrong pose and no wrong id is asked everywhere.
+struct BenchTargets {
+  double median_ms = std::numeric_limits<double>::quiet_NaN();
+  double p99_ms = median_ms;
+  double times_faster = median_ms;  // than AprilTag as it comes
+  double xy_mm = median_ms;         // rms
+  double deg = median_ms;           // rms
+  double recall = median_ms;        // of the tags in sight [%]
+};
+
 struct BenchScene {
   std::string name;
   Calibration calibration;
@@ -26,6 +37,7 @@ struct BenchScene {
   bool periodic = true;     // every round is the same film
   /// Frame k of a 25 Hz film; called in order.
   std::function<BenchMoment(int k)> moment;
+  BenchTargets targets{};
 };
 
 inline constexpr int bench_frames = 125;      // of a round: 5 s

@@ -45,7 +45,8 @@ struct TagTracker::Parts {
   std::vector<WantedTag> wanted;
   std::vector<TagPose> poses;
   TrackerCounters counters;
-  std::int64_t last_search = 0;    // number of the frame last searched as a whole
+  std::int64_t last_search = 0;  // number of the frame last searched as a whole
+  std::vector<Window> search_parts;
   std::optional<double> contrast;  // between ink and paper: the least of the tags last seen [grey levels]
 
   /// A place that the gate thinks much of and AprilTag does not.
@@ -64,14 +65,16 @@ struct TagTracker::Parts {
   void follow(const Frame& frame);        // fits from the predicted poses
   void look_nearby(const Frame& frame);   // AprilTag in windows around them
   void look_at_gate(const Frame& frame);  // the gate, and AprilTag where it points to
-  void search(const Frame& frame);        // AprilTag over the full frame, where it is due
+  void search(const Frame& frame);        // AprilTag over the full frame or a part of it, where it is due
   void audit(const Frame& frame);         // a strip of the gate, for second copies
   void compare_shapes();
   void conclude(const Frame& frame);
 
+  double seen_at(const Frame& frame, const Corners& corners) const;
   core::Pose predict(const WantedTag& tag, double captured_at) const;
   bool missing() const;
   bool search_due() const;
+  void search_part(const Frame& frame);
   int gate_threshold() const;
   int detector_threshold() const;
   void list_known();

@@ -1,7 +1,7 @@
 #include "vision/media/libav.h"
 
 extern "C" {
-#include <libavutil/adler32.h>
+#include <libavutil/crc.h>
 }
 
 #include <fmt/format.h>
@@ -18,8 +18,13 @@ std::string reason(int error) {
 }
 
 Stamp stamp_of(const Frame& frame) {
-  return {frame.index, frame.captured_at,
-          static_cast<std::uint32_t>(av_adler32_update(1, frame.grey.data(), frame.grey.size()))};
+  const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE);
+  const auto add = [&](std::uint32_t sum, const auto& value) {
+    return av_crc(table, sum, reinterpret_cast<const std::uint8_t*>(&value), sizeof value);
+  };
+  std::uint32_t sum = add(add(~0U, frame.index), frame.captured_at);
+  sum = add(add(sum, frame.width), frame.height);
+  return {frame.index, frame.captured_at, av_crc(table, sum, frame.grey.data(), frame.grey.size())};
 }
 
 std::string to_text(const Stamp& stamp) {

@@ -47,7 +47,7 @@ inline constexpr const char* film_version = "1";
 struct Stamp {
   std::int64_t index = 0;
   double captured_at = 0.0;    // [s]
-  std::uint32_t checksum = 0;  // of the pixels: FFV1's own only covers what it has coded
+  std::uint32_t checksum = 0;  // CRC-32 of all this and the pixels: FFV1's own covers only what it has coded
 };
 Stamp stamp_of(const Frame& frame);
 /// "index captured_at checksum"; numbers are the shortest that read back to the same bits.
