@@ -75,7 +75,7 @@ bool read_faults(const std::string& source, comms::EmulateOptions& options) {
   return false;
 }
 
-int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
+int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
   CLI::App program{
       "Skein: real-time lab control for groups of unicycle robots.\n"
       "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
@@ -236,10 +236,12 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
   std::string bench_what;
   bench_command
-      .add_option("what", bench_what, "tick, control, run, vision, links (2 minutes) or loopback (84 s); default: all")
-      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "loopback"}));
+      .add_option(
+          "what", bench_what,
+          "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (5 minutes); default: all but ui")
+      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "loopback", "ui"}));
   double bench_seconds = 60.0;
-  bench_command.add_option("--seconds", bench_seconds, "links: how long each measurement takes")
+  bench_command.add_option("--seconds", bench_seconds, "links, ui: how long each measurement takes")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
   bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
@@ -275,6 +277,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (test_command) return test_robot(robot_to_test);
   if (scan_command) return scan_robots(adapter, scan_seconds);
   if (pair_command) return pair_robots(robots_to_pair, adapter);
+  if (bench_command && bench_what == "ui") {
+    if (bench_window) return bench_window(bench_seconds, argc, argv);
+    fmt::print(stderr, "skein: this program was built without a window\n");
+    return wrong_input;
+  }
   if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
 
   if (!show_window) {
@@ -292,9 +299,9 @@ bool interrupted() noexcept {
   return interrupted_flag.load();
 }
 
-int command_line(int argc, char** argv, const ShowWindow& show_window) {
+int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
   try {
-    return parse_and_do(argc, argv, show_window);
+    return parse_and_do(argc, argv, show_window, bench_window);
   } catch (const std::exception& error) {
     fmt::print(stderr, "skein: {}\n", error.what());
   } catch (...) {

@@ -16,6 +16,9 @@ struct WindowRequest {
 /// Opens the window and returns the program's exit status; empty in a program that was built without one.
 using ShowWindow = std::function<int(const WindowRequest& request, int& argc, char** argv)>;
 
+/// Measures the window, each time for so many seconds; empty in a program that was built without one.
+using BenchWindow = std::function<int(double seconds, int& argc, char** argv)>;
+
 /// Exit statuses that scripts rely on.
 enum ExitStatus {
   done = 0,                ///< and the file's [expect] held
@@ -25,7 +28,7 @@ enum ExitStatus {
 };
 
 /// The program `skein`: reads the command line and does what it says. Never throws.
-int command_line(int argc, char** argv, const ShowWindow& show_window);
+int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window = {});
 
 /// True from the first SIGINT or SIGTERM on; the handler is installed by `command_line`.
 bool interrupted() noexcept;

@@ -9,7 +9,7 @@
 #include "app/certificate.h"
 #include "app/command_line.h"
 #include "app/commands.h"
-#include "app/csv_writer.h"
+#include "app/csv_file.h"
 #include "app/experiment_file.h"
 #include "app/report.h"
 #include "app/session.h"
@@ -17,34 +17,6 @@
 
 namespace skein::app {
 namespace {
-
-/// A CSV on disk that fails loudly: a row that could not be written is an error of the run, not a gap in the data.
-class CsvFile final : public RecordSink {
- public:
-  CsvFile(const std::string& path, const Experiment& experiment) : path_(path), buffer_(1 << 20) {
-    file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    file_.open(path, std::ios::binary | std::ios::trunc);
-    if (file_) writer_.emplace(file_, experiment);
-    check();
-  }
-  void record(const TickRecord& record) override {
-    writer_->record(record);
-    check();
-  }
-  void finish() {
-    file_.flush();
-    check();
-  }
-
- private:
-  void check() const {
-    if (!file_) throw std::runtime_error(fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
-  }
-  std::string path_;
-  std::vector<char> buffer_;
-  std::ofstream file_;
-  std::optional<CsvWriter> writer_;
-};
 
 /// Tells a person at a terminal how far the run is; says nothing into a pipe.
 class Progress final : public RecordSink {

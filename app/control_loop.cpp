@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace skein::app {
 
@@ -47,12 +48,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   const Latency tick_before = latency_;
   new_frame_ = plant_.measure(now, newest_, truth_, frame_);
 
-  std::size_t obeyed = 0;
-  // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
-  for (const Event& event : input.events)
-    if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
-      obeyed_[obeyed++] = {OperatorCommand::Kind::hold, {}, 0.0, static_cast<std::size_t>(event.robot), {}};
-  while (obeyed < obeyed_.size() && commands_.pop(obeyed_[obeyed])) ++obeyed;
+  const std::size_t obeyed = take_commands(input.events);
   input.now = now;
   input.elapsed = elapsed;
   input.stop = stop_.load(std::memory_order_acquire);
@@ -71,7 +67,7 @@ void ControlLoop::cycle(double now, int elapsed) {
 
   out_ = record;
   plant_.fill_links(out_.robots);
-  if (clock_.wall()) {
+  if (clock_.runs()) {
     out_.compute_time = decided_at_ - began;
     out_.latency = tick_before;
     latency_ = {};
@@ -134,6 +130,28 @@ void ControlLoop::perturb(int elapsed, EventList& events) {
   }
 }
 
+/// What the operator asks of this tick. A step is a resume (or the start) now and a pause at the tick that follows: the
+/// record of it can be replayed like any other.
+std::size_t ControlLoop::take_commands(const EventList& events) {
+  std::size_t count = 0;
+  // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
+  for (const Event& event : events)
+    if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
+      obeyed_[count++] = {OperatorCommand::Kind::hold, {}, 0.0, static_cast<std::size_t>(event.robot), {}};
+  const bool ends_step = std::exchange(stepping_, false);
+  if (ends_step) obeyed_[count++] = {OperatorCommand::Kind::pause, {}, 0.0};
+  bool asked_more = false;
+  while (count + 1 < obeyed_.size() && commands_.pop(obeyed_[count])) ++count, asked_more = true;
+  const Phase now = phase();
+  if (!ends_step && !asked_more && steps_.load(std::memory_order_acquire) > 0) {
+    steps_.fetch_sub(1, std::memory_order_acq_rel);
+    stepping_ = now == Phase::ready || now == Phase::paused;
+    if (stepping_)
+      obeyed_[count++] = {now == Phase::ready ? OperatorCommand::Kind::start : OperatorCommand::Kind::resume, {}, 0.0};
+  }
+  return count;
+}
+
 void ControlLoop::cycle_virtual() {
   const double now = static_cast<double>(virtual_ticks_++) / experiment_.rate;
   clock_.set(now);
@@ -166,7 +184,18 @@ void ControlLoop::thread(const std::stop_token& stop) {
   const double period = experiment_.period();
   TickTimer timer(period, clock_.now() + period);
   int elapsed = 1;
+  auto last = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
+    if (speed() != 1.0) {
+      pace(last, stop);
+      const double now = timer.window().latest;
+      clock_.set(now);
+      cycle(now, 1);
+      timer = TickTimer(period, now + period);
+      elapsed = 1;
+      continue;
+    }
+    clock_.run();
     const TickTimer::Window window = timer.window();
     std::this_thread::sleep_until(clock_.at(window.earliest));
     if (window.latest > window.earliest) plant_.wait_for_frame(window.since, window.latest);
@@ -175,6 +204,35 @@ void ControlLoop::thread(const std::stop_token& stop) {
     // Deadlines that have passed by now are missed, and the next tick says how many.
     elapsed = timer.ticked(clock_.now());
   }
+}
+
+/// Waits until a paced simulation's next tick is due, or the operator asks for something: at a tenth of real time
+/// nobody waits for a tick to see a button obeyed. `last`: when the tick before was due.
+void ControlLoop::pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto slice = std::chrono::milliseconds(10);
+  constexpr auto most_behind = std::chrono::milliseconds(100);  // made good; what is more only makes the run slower
+  while (true) {
+    const auto due = last + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(experiment_.period() / speed()));
+    const auto now = Clock::now();
+    if (now >= due) {
+      last = std::max(due, now - most_behind);
+      return;
+    }
+    if (stop.stop_requested() || asked()) {
+      last = now;
+      return;
+    }
+    std::this_thread::sleep_until(std::min(due, now + slice));
+  }
+}
+
+bool ControlLoop::asked() const noexcept {
+  const Phase now = phase();
+  const bool over = now == Phase::stopped || now == Phase::finished;
+  const bool steps = steps_.load(std::memory_order_acquire) > 0 && (now == Phase::ready || now == Phase::paused);
+  return (stop_asked() && !over) || steps || commands_.read_available() > 0 || hand_.read_available() > 0;
 }
 
 }  // namespace skein::app

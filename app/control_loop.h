@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
+#include <chrono>
 #include <functional>
 #include <span>
 #include <string>
@@ -30,8 +31,16 @@ class ControlLoop {
   bool post_kick(std::size_t robot, double vx, double vy) {
     return hand_.push({robot, Event::Kind::kick, {vx, vy, 0.0}});
   }
+  /// From ready or paused: one tick of the experiment, and paused again.
+  void step() noexcept { steps_.fetch_add(1, std::memory_order_acq_rel); }
+  /// Wall clock: how much faster than real time a simulation runs. Other than 1, it is paced: every tick runs at
+  /// exactly its time, none is skipped, and one that cannot be in time delays the rest. Not with anything that lives in
+  /// real time.
+  void set_speed(double speed) noexcept { speed_.store(speed, std::memory_order_release); }
+  double speed() const noexcept { return speed_.load(std::memory_order_acquire); }
   /// Any thread: STOP, latched.
   void stop() noexcept { stop_.store(true, std::memory_order_release); }
+  bool stop_asked() const noexcept { return stop_.load(std::memory_order_acquire); }
 
   /// Wall clock: runs cycles at absolute deadlines until told to end. An exception in it is a stop and a failure.
   void start_thread();
@@ -72,8 +81,11 @@ class ControlLoop {
   std::size_t pair(std::size_t i, std::size_t j) const noexcept { return i * experiment_.robots.size() + j; }
   void publish_couplings() noexcept;
   void thread(const std::stop_token& stop);
+  void pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
+  bool asked() const noexcept;
   void cycle(double now, int elapsed);
   void complete_latency() noexcept;
+  std::size_t take_commands(const EventList& events);
   void perturb(int elapsed, EventList& events);
 
   const Experiment& experiment_;
@@ -97,6 +109,9 @@ class ControlLoop {
   std::int64_t virtual_ticks_ = 0;
 
   std::atomic<bool> stop_{false}, failed_{false}, away_{false};
+  std::atomic<double> speed_{1.0};
+  std::atomic<int> steps_{0};
+  bool stepping_ = false;  // the next tick ends a step
   std::atomic<Phase> phase_{Phase::ready};
   std::atomic<int> unseen_{0};
   std::unique_ptr<PairState[]> pairs_;

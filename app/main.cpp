@@ -7,9 +7,13 @@
 
 int main(int argc, char** argv) {
 #ifdef SKEIN_GUI
-  return skein::app::command_line(argc, argv, [](const skein::app::WindowRequest& request, int& count, char** words) {
+  const auto show = [](const skein::app::WindowRequest& request, int& count, char** words) {
     return skein::ui::show_window(request.experiment, {count, words, request.start_at_once});
-  });
+  };
+  const auto bench = [](double seconds, int& count, char** words) {
+    return skein::ui::bench_window(count, words, seconds);
+  };
+  return skein::app::command_line(argc, argv, show, bench);
 #else
   return skein::app::command_line(argc, argv, {});
 #endif

@@ -32,6 +32,9 @@ class RecordChannel {
     filled_.push(slot);
   }
 
+  /// The control thread's side: the next record would be dropped.
+  bool full() const noexcept { return free_.read_available() == 0; }
+
   /// The reader's side: every record there is, oldest first.
   template <typename Take>
   std::size_t drain(Take&& take) {

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <optional>
 #include <span>
 
@@ -133,9 +136,19 @@ void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& 
   }
 }
 
-}  // namespace
+/// What a row needs to be shown and no file has.
+void complete(TickRecord& row, const TickRecord& again) {
+  row.phase = again.phase;
+  for (std::size_t i = 0; i < row.robots.size(); ++i) {
+    row.robots[i].k_x = again.robots[i].k_x;
+    row.robots[i].k_theta = again.robots[i].k_theta;
+    row.robots[i].margins = again.robots[i].margins;
+  }
+}
 
-tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film) {
+/// `run`, if there is one, gets experiment and rows.
+tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std::string& file, const std::string& film,
+                                                    RecordedRun* run) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
   const auto experiment = parse_experiment(reader->head().source, file + " (experiment)");
@@ -150,6 +163,7 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
   if (reader->head().version != SKEIN_VERSION)
     result.warnings.push_back(fmt::format("recorded by skein {}, replayed by " SKEIN_VERSION, reader->head().version));
 
+  if (run) run->experiment = *experiment;
   std::optional<ReplayFilm> frames;
   if (!film.empty()) {
     auto opened = ReplayFilm::open(film, *experiment);
@@ -182,7 +196,12 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
     input.commands = commands;
     for (const Event& event : row.events)
       if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move) input.events.add(event);
-    compare(row, tick.step(input), result);
+    const TickRecord& again = tick.step(input);
+    compare(row, again, result);
+    if (run) {
+      run->rows.push_back(row);
+      complete(run->rows.back(), again);
+    }
     last_tick = row.tick;
     ++result.ticks;
   }
@@ -194,6 +213,24 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
           fmt::format("the film lacks {} frames that its recorder was too slow for", result.missing_frames));
   }
   return result;
+}
+
+}  // namespace
+
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film) {
+  return replay_into(csv, file, film, nullptr);
+}
+
+tl::expected<RecordedRun, std::string> load_run(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return tl::unexpected(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
+  RecordedRun run;
+  run.file = file;
+  auto check = replay_into(in, file, {}, &run);
+  if (!check) return tl::unexpected(check.error());
+  run.check = std::move(*check);
+  if (run.rows.empty()) return tl::unexpected(fmt::format("{}: it has no rows", file));
+  return run;
 }
 
 }  // namespace skein::app

@@ -8,6 +8,9 @@
 
 #include <tl/expected.hpp>
 
+#include "app/experiment.h"
+#include "app/tick_record.h"
+
 namespace skein::app {
 
 /// A recorded run, put through the same tick once more.
@@ -32,5 +35,16 @@ struct ReplayResult {
 /// are compared with the recorded ones too. Empty: none.
 tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file,
                                                const std::string& film = {});
+
+/// A recorded run with all that the window shows of one.
+struct RecordedRun {
+  std::string file;
+  Experiment experiment;         ///< as the file embeds it
+  std::vector<TickRecord> rows;  ///< as recorded; phase, margins and tracking gains, which no file has, as replayed
+  ReplayResult check;
+};
+
+/// Reads a run and replays it. The error says what cannot be read, and where.
+tl::expected<RecordedRun, std::string> load_run(const std::string& file);
 
 }  // namespace skein::app

@@ -20,6 +20,9 @@ using namespace std::chrono_literals;
 constexpr std::size_t channel_capacity =
     500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
 constexpr auto recorder_period = 20ms;
+constexpr auto longest_hold = 1s;                // a paced simulation waits so long for its sinks and its window
+constexpr double window_silence = 3.0;           // robots with links do not drive on under a window that hangs [s]
+constexpr double slowest = 0.1, fastest = 50.0;  // of a simulation, times real time
 constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
 
 /// The rows of a run: its running ticks, and after the start whatever else something happened in (pause, stop).
@@ -38,11 +41,20 @@ struct Session::Impl {
 
   void publish(const TickRecord& record) {  // on the control thread
     if (clock.wall()) {
+      if (!clock.runs()) hold();
       recorder_channel->push(record);
       window_channel->push(record);
     } else {
       tell_sinks(record);
     }
+  }
+
+  /// A paced simulation has time: it waits for a slow disk or window rather than lose a row. STOP ends the wait.
+  void hold() const {
+    const auto give_up = std::chrono::steady_clock::now() + longest_hold;
+    while ((recorder_channel->full() || (!std::isnan(last_look.load()) && window_channel->full())) &&
+           !loop->stop_asked() && std::chrono::steady_clock::now() < give_up)
+      std::this_thread::sleep_for(1ms);
   }
 
   void tell_sinks(const TickRecord& record) {
@@ -99,6 +111,9 @@ struct Session::Impl {
     if (loop->failed()) fail(loop->reason());
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
+    const bool moves = phase == Phase::running || phase == Phase::staging;
+    if (real_time && moves && clock.now() - last_look.load() > window_silence)
+      fail(fmt::format("the window has not answered for {:g} s: nobody could see or stop the robots", window_silence));
   }
 
   /// Where the couplings are going.
@@ -115,7 +130,9 @@ struct Session::Impl {
   std::unique_ptr<ControlLoop> loop;
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
   std::jthread recorder_thread;
-  bool started = false;  // the sinks' thread's
+  const bool real_time = real_time_reason(experiment).has_value();
+  std::atomic<double> last_look{none};  // when somebody drained last, on the session's clock [s]; none: nobody does
+  bool started = false;                 // the sinks' thread's
   bool closed = false;
   mutable std::mutex failure_mutex;
   std::optional<std::string> failure;
@@ -167,6 +184,32 @@ void Session::pause() {
 void Session::resume() {
   impl_->loop->post({OperatorCommand::Kind::resume});
 }
+tl::expected<void, std::string> Session::step() {
+  if (auto reason = real_time_reason(impl_->experiment)) return tl::unexpected(*reason);
+  impl_->loop->step();
+  return {};
+}
+
+tl::expected<void, std::string> Session::set_speed(double speed) {
+  if (auto reason = real_time_reason(impl_->experiment)) return tl::unexpected(*reason);
+  if (!(speed >= slowest && speed <= fastest))
+    return tl::unexpected(fmt::format("speed: found {}, allowed: {} to {}", speed, slowest, fastest));
+  impl_->loop->set_speed(speed);
+  return {};
+}
+double Session::speed() const noexcept {
+  return impl_->loop->speed();
+}
+
+std::optional<std::string> Session::real_time_reason(const Experiment& experiment) {
+  if (experiment.camera.source != "none")
+    return fmt::format("the camera \"{}\" lives in real time", experiment.camera.source);
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i)
+    if (experiment.robots[i].link != RobotSpec::Link::sim)
+      return fmt::format("robot {} has a link, which lives in real time", i + 1);
+  return {};
+}
+
 void Session::stop() noexcept {
   impl_->stop();
 }
@@ -272,7 +315,9 @@ std::span<const core::Obstacle> Session::obstacles() const noexcept {
 }
 
 std::size_t Session::drain(const std::function<void(const TickRecord&)>& take) {
-  return impl_->window_channel ? impl_->window_channel->drain(take) : 0;
+  if (!impl_->window_channel) return 0;
+  impl_->last_look.store(impl_->clock.now());
+  return impl_->window_channel->drain(take);
 }
 
 std::uint64_t Session::dropped_rows() const noexcept {

@@ -89,6 +89,16 @@ class Session {
   void stage();
   void pause();
   void resume();
+  /// One tick from ready or paused on, and paused again. Refused where anything lives in real time, with the reason.
+  tl::expected<void, std::string> step();
+  /// How much faster than real time the simulation runs, 0.1 to 50. Other than 1, every tick runs at exactly its time
+  /// and none is skipped: what cannot keep up makes the run slower, never different. Refused where anything lives in
+  /// real time, with the reason.
+  tl::expected<void, std::string> set_speed(double speed);
+  double speed() const noexcept;
+  /// Why this experiment can neither be stepped nor go at another speed, if it cannot: a link or a camera has its own
+  /// time.
+  static std::optional<std::string> real_time_reason(const Experiment& experiment);
   /// STOP: latched, straight to every link and every simulated wheel, without waiting for the tick; the run is over.
   void stop() noexcept;
 

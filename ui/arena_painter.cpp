@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "ui/arena_other.h"
 #include "ui/arena_pens.h"
 #include "ui/modes.h"
 
@@ -24,6 +25,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   bounds_and_path();
   obstacles();
   if (scene_.show_trails) trails();
+  if (scene_.compared) paint_other(p_, *scene_.compared, map_, c_);
   if (scene_.record) {
     if (scene_.show_couplings) couplings();
     if (scene_.show_regions) regions();

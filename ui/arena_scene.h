@@ -22,6 +22,12 @@ struct TrailPoint {
   bool jump;  ///< a hand carried it here: no line from the point before
 };
 
+/// A run that this one is compared with, at the same time: where its robots have been; the last pose is where they are.
+struct OtherRun {
+  QString name;
+  std::vector<std::vector<core::Pose>> trails;
+};
+
 /// What the arena shows: the experiment, the newest record, and what the operator is about to do.
 struct ArenaScene {
   static constexpr double trail_seconds = 20.0;
@@ -34,6 +40,8 @@ struct ArenaScene {
   std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
   /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their borders.
   std::vector<double> couplings;
+
+  std::optional<OtherRun> compared;
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;

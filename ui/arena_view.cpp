@@ -60,6 +60,11 @@ void ArenaView::choose_sheet() {
   update();
 }
 
+void ArenaView::set_other(std::optional<OtherRun> other) {
+  scene_.compared = std::move(other);
+  update();
+}
+
 void ArenaView::set_banner(const QString& text, bool alarms) {
   if (scene_.banner == text && scene_.banner_alarms == alarms) return;
   scene_.banner = text;

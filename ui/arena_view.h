@@ -25,6 +25,7 @@ class ArenaView final : public QWidget {
   void set_camera(ArenaMap::Camera camera);
   void take(const app::TickRecord& record) { scene_.take(record); }
   void take(const app::Picture& picture);
+  void set_other(std::optional<OtherRun> other);  ///< drawn pale
   void set_banner(const QString& text, bool alarms);
   void set_hint(const QString& text);
 

@@ -17,7 +17,12 @@ void EventMarkers::add(double t, const QString& text, const QColor& colour) {
     markers_.back().text += QLatin1Char('\n') + text;
     return;
   }
-  Marker marker{t, text, {}};
+  markers_.push_back({t, text, colour, {}});
+  draw(markers_.back());
+  while (markers_.size() > most) remove_first();
+}
+
+void EventMarkers::draw(Marker& marker) {
   for (QCPAxisRect* rect : plot_->axisRects()) {
     auto* line = new QCPItemStraightLine(plot_);
     line->setClipAxisRect(rect);
@@ -28,28 +33,41 @@ void EventMarkers::add(double t, const QString& text, const QColor& colour) {
       position->setTypeX(QCPItemPosition::ptPlotCoords);
       position->setTypeY(QCPItemPosition::ptAxisRectRatio);
     }
-    line->point1->setCoords(t, 0.0);
-    line->point2->setCoords(t, 1.0);
-    line->setPen(QPen(colour, 1, Qt::DashLine));
+    line->point1->setCoords(marker.t, 0.0);
+    line->point2->setCoords(marker.t, 1.0);
+    line->setPen(QPen(marker.colour, 1, Qt::DashLine));
     line->setSelectable(false);
     marker.lines.push_back(line);
   }
-  markers_.push_back(std::move(marker));
-  while (markers_.size() > most) {
-    for (QCPItemStraightLine* line : markers_.front().lines) plot_->removeItem(line);
-    markers_.pop_front();
-  }
+}
+
+void EventMarkers::remove_first() {
+  for (QCPItemStraightLine* line : markers_.front().lines) plot_->removeItem(line);
+  markers_.pop_front();
+}
+
+void EventMarkers::clear() {
+  while (!markers_.empty()) remove_first();
 }
 
 void EventMarkers::remove_before(double t) {
-  while (!markers_.empty() && markers_.front().t < t) {
-    for (QCPItemStraightLine* line : markers_.front().lines) plot_->removeItem(line);
-    markers_.pop_front();
+  while (!markers_.empty() && markers_.front().t < t) remove_first();
+}
+
+void EventMarkers::drop_lines() {
+  for (Marker& marker : markers_) {
+    for (QCPItemStraightLine* line : marker.lines) plot_->removeItem(line);
+    marker.lines.clear();
   }
+}
+
+void EventMarkers::draw_lines() {
+  for (Marker& marker : markers_) draw(marker);
 }
 
 QString EventMarkers::text_at(double pixel) const {
   QStringList texts;
+  if (plot_->axisRectCount() == 0) return {};
   const QCPAxis* time = plot_->axisRect(0)->axis(QCPAxis::atBottom);
   for (const Marker& marker : markers_)
     if (std::abs(time->coordToPixel(marker.t) - pixel) < reach)

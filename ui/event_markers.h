@@ -16,17 +16,24 @@ class EventMarkers {
   explicit EventMarkers(QCustomPlot* plot) : plot_(plot) {}
 
   void add(double t, const QString& text, const QColor& colour);
-  void clear() { remove_before(1e300); }
+  void clear();
   void remove_before(double t);
   /// The texts of the lines within some pixels of this x; empty: none.
   QString text_at(double pixel) const;
+
+  void drop_lines();  ///< the plots are about to change
+  void draw_lines();  ///< they have: through all there are now
 
  private:
   struct Marker {
     double t;
     QString text;
+    QColor colour;
     std::vector<QCPItemStraightLine*> lines;  // the plot's
   };
+  void draw(Marker& marker);
+  void remove_first();
+
   QCustomPlot* plot_;
   std::deque<Marker> markers_;
 };

@@ -20,7 +20,10 @@ QString shortcuts_text() {
   };
   return QStringLiteral("<table>") + section(tr("The run")) +
          row.arg(tr("Space, Esc"), tr("STOP: all robots, at once, wherever the focus is, also while you type")) +
-         row.arg(QStringLiteral("F5"), tr("Start, pause, resume")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
+         row.arg(QStringLiteral("F5"), tr("Start, pause, resume")) +
+         row.arg(QStringLiteral("F6"), tr("A simulation: one tick on, and pause")) +
+         row.arg(tr("Ctrl+Up, Ctrl+Down"), tr("A simulation: faster, slower")) +
+         row.arg(QStringLiteral("Ctrl+R"), tr("Record as CSV")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
          row.arg(QStringLiteral("Ctrl+L"), tr("Check list: what has to hold before a start")) +
          row.arg(tr("Ctrl+Z, Ctrl+Shift+Z"), tr("Undo and redo a change of a gain")) +
          section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Puts it somewhere else; it keeps its heading")) +

@@ -1,6 +1,7 @@
 #include "ui/live_session.h"
 
 #include <chrono>
+#include <cstdio>
 #include <exception>
 #include <utility>
 
@@ -9,6 +10,16 @@ namespace {
 
 constexpr int frame_ms = 33;         // the screen's pace: faster than the eye minds, far slower than the machine can
 constexpr int looks_per_status = 8;  // links change slowly, and asking for them makes strings
+constexpr int rest_ms = 500;         // after the end of a run its last row has reached the recorder
+
+/// A recording whose session is gone. There is nobody left to tell but the terminal.
+void complete(app::CsvRecorder* recorder) {
+  try {
+    if (recorder) recorder->end();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "skein: %s\n", error.what());
+  }
+}
 
 }  // namespace
 
@@ -23,7 +34,7 @@ LiveSession::~LiveSession() {
   if (changing_.valid()) changing_.wait();
 }
 
-void LiveSession::open(const app::Experiment& experiment, bool start_at_once) {
+void LiveSession::open(const app::Experiment& experiment, bool start_at_once, const QString& video) {
   if (is_busy()) return;
   stop();
   experiment_ = experiment;
@@ -37,9 +48,15 @@ void LiveSession::open(const app::Experiment& experiment, bool start_at_once) {
   app::SessionOptions options;
   options.pictures = experiment.camera.source != "none";
   options.guard = true;
+  const auto last_recorder = std::exchange(recorder_, std::make_shared<app::CsvRecorder>());
+  record_file_.clear();
+  options.sinks = {recorder_.get()};
+  options.video = video.toStdString();
   changing_ = std::async(std::launch::async,
-                         [old = std::move(session_), experiment, options]() mutable -> std::optional<Opened> {
+                         [old = std::move(session_), last_recorder, experiment, options,
+                          recorder = recorder_]() mutable -> std::optional<Opened> {
                            if (old) old->close();
+                           complete(last_recorder.get());
                            old.reset();  // before the new one: both want the same camera and robots
                            try {
                              return app::Session::open(experiment, app::Session::Clock::wall, options);
@@ -50,21 +67,41 @@ void LiveSession::open(const app::Experiment& experiment, bool start_at_once) {
 }
 
 void LiveSession::close() {
-  stop();
   close_asked_ = true;
+  end();
+}
+
+void LiveSession::end() {
+  stop();
   if (is_busy()) return;  // `settle` goes on from there
-  changing_ = std::async(std::launch::async, [old = std::move(session_)]() mutable -> std::optional<Opened> {
-    if (old) old->close();
-    old.reset();
-    return std::nullopt;
-  });
+  latest_.reset();
+  robots_.clear();
+  record_file_.clear();
+  history_.clear();
+  changing_ = std::async(std::launch::async,
+                         [old = std::move(session_), recorder = recorder_]() mutable -> std::optional<Opened> {
+                           if (old) old->close();
+                           complete(recorder.get());
+                           old.reset();
+                           return std::nullopt;
+                         });
+}
+
+QString LiveSession::close_now() {
+  stop();
+  if (changing_.valid()) changing_.wait();
+  settle();
+  if (!session_) return {};
+  session_->close();
+  take_robots();
+  return record_file_.isEmpty() ? QString() : record_to({});
 }
 
 void LiveSession::settle() {
   if (!changing_.valid() || changing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   std::optional<Opened> result = changing_.get();
   if (!result) {
-    emit closed();
+    if (close_asked_) emit closed();
     return;
   }
   if (!result->has_value()) {
@@ -81,15 +118,20 @@ void LiveSession::settle() {
     return;
   }
   take_robots();
+  if (wanted_speed_ != 1.0) set_speed(wanted_speed_);
+  emit opened();
   if (stop_asked_) {
     session_->stop();
   } else if (start_at_once_) {
-    session_->start();
+    start();
   }
-  emit opened();
 }
 
 void LiveSession::look() {
+  constexpr double noticed = 1.0;  // the window's thread stood still for longer than this [s]
+  const double away = since_look_.isValid() ? 1e-3 * static_cast<double>(since_look_.restart()) : 0.0;
+  if (!since_look_.isValid()) since_look_.start();
+  if (away > noticed && session_) emit was_away(away);
   settle();
   if (session_) {
     session_->drain([this](const app::TickRecord& record) {
@@ -98,8 +140,18 @@ void LiveSession::look() {
       emit record_taken(record);
     });
     if (++looks_ % looks_per_status == 0) take_robots();
+    finish_recording();
   }
   emit frame();
+}
+
+void LiveSession::finish_recording() {
+  const bool over = phase() == app::Phase::stopped || phase() == app::Phase::finished;
+  if (!over || record_file_.isEmpty()) return since_over_.invalidate();
+  if (!since_over_.isValid()) since_over_.start();
+  if (!since_over_.hasExpired(rest_ms)) return;
+  const QString file = record_file_;
+  emit recorded(file, record_to({}));
 }
 
 void LiveSession::take_robots() {
@@ -108,7 +160,9 @@ void LiveSession::take_robots() {
 }
 
 void LiveSession::start() {
-  if (session_) session_->start();
+  if (!session_) return;
+  emit starting();
+  session_->start();
 }
 
 void LiveSession::stage() {
@@ -127,6 +181,38 @@ void LiveSession::stop() noexcept {
   if (session_) session_->stop();
   if (!stop_asked_) since_stop_.start();
   stop_asked_ = true;
+}
+
+QString LiveSession::step() {
+  if (!session_) return tr("No session is open.");
+  if (phase() == app::Phase::ready) emit starting();
+  const auto done = session_->step();
+  return done ? QString() : QString::fromStdString(done.error());
+}
+
+QString LiveSession::set_speed(double speed) {
+  wanted_speed_ = speed;
+  if (!session_) return {};
+  const auto done = session_->set_speed(speed);
+  return done ? QString() : QString::fromStdString(done.error());
+}
+
+QString LiveSession::real_time_reason() const {
+  return QString::fromStdString(app::Session::real_time_reason(experiment_).value_or(std::string()));
+}
+
+QString LiveSession::record_to(const QString& file) {
+  if (!recorder_) return tr("No session is open.");
+  try {
+    record_file_.clear();
+    recorder_->end();
+    if (file.isEmpty()) return {};
+    recorder_->begin(file.toStdString(), experiment_, history_.rows());
+    record_file_ = file;
+    return {};
+  } catch (const std::exception& error) {
+    return QString::fromStdString(error.what());
+  }
 }
 
 void LiveSession::set_gain(core::GainName name, double value) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/csv_file.h"
 #include "app/experiment.h"
 #include "app/session.h"
 #include "ui/run_history.h"
@@ -22,10 +23,16 @@ class LiveSession final : public QObject {
   explicit LiveSession(QObject* parent = nullptr);
   ~LiveSession() override;  ///< stops the robots, and waits until the session is closed
 
-  /// Ends the session that there is, robots first, and opens one on this experiment.
-  void open(const app::Experiment& experiment, bool start_at_once);
-  /// Ends the session; `closed` follows.
+  /// Ends the session that there is, robots first, and opens one on this experiment. `video`: keep the camera's frames
+  /// in this film; empty: do not.
+  void open(const app::Experiment& experiment, bool start_at_once, const QString& video = {});
+  /// Ends the session; there is none then.
+  void end();
+  /// Ends the session for good; `closed` follows.
   void close();
+
+  /// Ends the session here and now, for the end of the program; says what went wrong with the recording.
+  QString close_now();
 
   bool is_open() const { return session_ != nullptr; }
   bool is_busy() const { return changing_.valid(); }  ///< opening or closing
@@ -45,6 +52,17 @@ class LiveSession final : public QObject {
   void pause();
   void resume();
   void stop() noexcept;  ///< at once, in any state, also while a session is being opened
+  /// Simulations only; empty answer: done, else why not. The speed holds for later sessions too, where they can.
+  QString step();
+  QString set_speed(double speed);
+  double speed() const { return session_ ? session_->speed() : 1.0; }
+  /// Why it lives in real time, if it does.
+  QString real_time_reason() const;
+
+  /// Writes this run, what was before included, to a CSV as it goes; no file: ends that. The answer says what went
+  /// wrong; empty: nothing.
+  QString record_to(const QString& file);
+  QString record_file() const { return record_file_; }  ///< empty: nothing is recorded
   void set_gain(core::GainName name, double value);
   void set_gain(core::GainName name, std::size_t i, std::size_t j, double value);
   void couple(std::size_t i, std::size_t j, bool on);
@@ -70,6 +88,9 @@ class LiveSession final : public QObject {
   void record_taken(const skein::app::TickRecord& record);  ///< every one, in order
   void frame();                                             ///< after each look, thirty times a second
   void closed();
+  void was_away(double seconds);  ///< the window's thread stood still so long; the control thread did not
+  void starting();                ///< the first row of a run is about to come
+  void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
 
  private:
   using Opened = tl::expected<std::unique_ptr<app::Session>, std::string>;
@@ -77,12 +98,16 @@ class LiveSession final : public QObject {
   void look();
   void settle();  // takes what the thread aside has brought
   void take_robots();
+  void finish_recording();
 
   app::Experiment experiment_;
+  std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: it goes after it
   std::unique_ptr<app::Session> session_;
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
   bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false;
-  QElapsedTimer since_stop_;
+  QElapsedTimer since_stop_, since_look_, since_over_;
+  double wanted_speed_ = 1.0;
+  QString record_file_;
   std::optional<app::TickRecord> latest_;
   std::vector<app::RobotStatus> robots_;
   std::optional<QString> failure_;

@@ -79,7 +79,7 @@ void MainWindow::build_panels() {
   setCentralWidget(middle);
 
   gains_dock_ = dock(gains_, tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
-  plots_dock_ = dock(plots_, tr("Errors"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
+  plots_dock_ = dock(plots_, tr("Plots"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
   auto* robots_box = new QWidget;
   auto* robots_layout = new QVBoxLayout(robots_box);
   robots_layout->setContentsMargins(0, 0, 0, 0);
@@ -121,9 +121,8 @@ void MainWindow::default_layout() {
 }
 
 void MainWindow::connect_panels() {
-  connect(run_bar_, &RunBar::go, this, &MainWindow::go);
-  connect(run_bar_, &RunBar::new_run, this, &MainWindow::new_run);
-  connect(run_bar_, &RunBar::stop, this, &MainWindow::stop);
+  connect_run();
+  connect_replay();
   connect(arena_, &ArenaView::move_wanted, this,
           [this](int robot, const core::Pose& pose) { tell(live_.move_robot(static_cast<std::size_t>(robot), pose)); });
   connect(arena_, &ArenaView::kick_wanted, this, [this](int robot, QPointF velocity) {
@@ -156,13 +155,20 @@ void MainWindow::connect_panels() {
 
 void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
   if (live_.is_busy()) return;
+  leave_replay();
   teaches_ = start_at_once;
-  live_.open(experiment, start_at_once);
+  const bool films = records_ && experiment.camera.source != "none";
+  live_.open(experiment, start_at_once, films ? recording_path(experiment, QStringLiteral(".mkv")) : QString());
   show_experiment();
 }
 
 void MainWindow::show_experiment() {
-  const app::Experiment& experiment = live_.experiment();
+  show_experiment_of(live_.experiment());
+  begin_checks();
+  show_state();
+}
+
+void MainWindow::show_experiment_of(const app::Experiment& experiment) {
   setWindowTitle(tr("%1 – Skein").arg(QString::fromStdString(experiment.name)));
   run_bar_->show_experiment(experiment);
   arena_->show_experiment(experiment);
@@ -173,10 +179,10 @@ void MainWindow::show_experiment() {
   rows_missed_ = 0;
   log_->clear();
   alert_->clear_alert();
-  begin_checks();
   picture_->setEnabled(experiment.camera.source != "none");
   regions_->setEnabled(experiment.avoidance.enabled || experiment.shield.enabled);
-  show_state();
+  const bool comparable = other_ && other_->experiment.robots.size() == experiment.robots.size();
+  compare(comparable ? other_ : nullptr);
 }
 
 void MainWindow::on_opened() {
@@ -214,6 +220,8 @@ void MainWindow::on_frame() {
   if (arena_->shows_picture() && live_.picture(picture)) arena_->take(picture);
   arena_->refresh();
   alert_->refresh();
+  take_loaded();
+  if (live_.latest()) show_other(live_.latest()->t);
   if (saving_ && saving_->problem.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     const QString file = saving_->file, problem = saving_->problem.get();
     saving_.reset();
@@ -230,11 +238,12 @@ void MainWindow::on_frame() {
 }
 
 void MainWindow::show_state() {
+  if (player_.is_loaded()) return show_replay();
   const app::TickRecord* record = live_.latest();
   const app::Phase phase = shown_phase_ = live_.phase();
   const bool opening = live_.is_open() ? record == nullptr : live_.is_busy();
   const bool failed = !live_.is_open() && !live_.is_busy();
-  run_bar_->show_phase(phase, record ? record->t : 0.0, opening, failed);
+  run_bar_->show_state(run_state());
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
   go_action_->setEnabled(live_.is_open() && !opening && !over);
   show_checks();
@@ -276,13 +285,19 @@ void MainWindow::show_state() {
                       [this](core::GainName gain) { return live_.gain_border_now(gain); });
   gains_->set_before_start(live_.is_open() && phase == app::Phase::ready);
   show_pairs();
-  const QString closest = std::isfinite(record->min_distance)
-                              ? tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1)
+  show_numbers(*record);
+}
+
+void MainWindow::show_numbers(const app::TickRecord& record) {
+  const QString closest = std::isfinite(record.min_distance)
+                              ? tr("closest pair %1 cm").arg(record.min_distance * 100, 0, 'f', 1)
                               : QString();
   const QString tick =
-      std::isfinite(record->compute_time) ? tr("tick %1 µs").arg(record->compute_time * 1e6, 0, 'f', 0) : QString();
-  const QString rate = tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);
-  pace_->setText(QStringList{closest, rate, tick}.join(QStringLiteral("   ·   ")));
+      std::isfinite(record.compute_time) ? tr("tick %1 µs").arg(record.compute_time * 1e6, 0, 'f', 0) : QString();
+  const QString rate = tr("%1 Hz").arg(1.0 / record.period, 0, 'f', 1);
+  QStringList known{closest, rate, tick};
+  known.removeAll(QString());
+  pace_->setText(known.join(QStringLiteral("   ·   ")));
 }
 
 QString MainWindow::stopped_text() const {
@@ -326,27 +341,6 @@ bool MainWindow::stop_by_key() {
                           live_.phase() != app::Phase::stopped && live_.phase() != app::Phase::finished;
   stop();
   return could_move;
-}
-
-void MainWindow::go() {
-  switch (live_.phase()) {
-    case app::Phase::ready:
-      return start_if_ready(false);
-    case app::Phase::running:
-      return live_.pause();
-    case app::Phase::paused:
-      return live_.resume();
-    case app::Phase::staging:
-    case app::Phase::stopped:
-    case app::Phase::finished:
-      return;
-  }
-}
-
-void MainWindow::new_run() {
-  const bool teaches = teaches_;
-  open(app::Experiment(live_.experiment()), false);
-  teaches_ = teaches;
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {

@@ -9,7 +9,10 @@
 
 #include "app/readiness.h"
 #include "ui/live_session.h"
+#include "ui/modes.h"
 #include "ui/palette.h"
+#include "ui/player.h"
+#include "ui/run_bar.h"
 
 namespace skein::ui {
 
@@ -21,7 +24,6 @@ class GainsPanel;
 class PlotsPanel;
 class RobotButtons;
 class RobotsPanel;
-class RunBar;
 
 /// The operator's window: arena, gains, plots, robots, log, and STOP. It wires the panels to the session; what is
 /// shown is the panels' business, what is true the session's.
@@ -36,14 +38,28 @@ class MainWindow final : public QMainWindow {
   /// Reads an experiment file and opens it, or says what is wrong with it.
   void open_file(const QString& file);
   void save_csv(const QString& file);
-  void save_plot(const QString& file);
+  void save_plot(const QString& file, bool everything = false);
+  /// Records this run to the file as it goes, what was before included, and those that follow to files beside it.
+  void record_to(const QString& file);
   void set_theme(Theme theme);  ///< and keep to it, instead of following the desktop
 
+  /// Reads a recorded run and plays it in place of the experiment, which ends.
+  void open_recording(const QString& file);
+  /// Draws a recorded run pale behind the one that is shown.
+  void compare_with(const QString& file);
+
+  /// Without a display: stops all robots, waits for their answers, completes the recording; says how that went.
+  QString close_session();
+
   const LiveSession& live() const { return live_; }
+  const Player& player() const { return player_; }
 
  public slots:
   void stop();
-  void go();  ///< Start, Pause or Resume
+  void go();    ///< Start, Pause or Resume
+  void step();  ///< a simulation, one tick on
+  void set_speed(double speed);
+  void record(bool on);
   void new_run();
 
  signals:
@@ -60,11 +76,13 @@ class MainWindow final : public QMainWindow {
   void default_layout();
   QDockWidget* dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area);
   void show_experiment();
+  void show_experiment_of(const app::Experiment& experiment);
   void on_opened();
   void on_open_failed(const QString& reason);
   void on_record(const app::TickRecord& record);
   void on_frame();
   void show_state();
+  void show_numbers(const app::TickRecord& record);
   QString stopped_text() const;
   QString acknowledgements() const;
   void tell(const tl::expected<void, std::string>& done);  ///< why it was refused, if it was
@@ -85,6 +103,34 @@ class MainWindow final : public QMainWindow {
   // main_window_pairs.cpp: couplings, pair by pair
   void connect_pairs();
   void show_pairs();
+  // main_window_run.cpp: what the operator does with a run
+  void connect_run();
+  void build_run_menu(QMenu* run);
+  RunState run_state() const;
+  void record_if_wanted();
+  QString recordings_directory() const;
+  QString recording_path(const app::Experiment& experiment, const QString& ending) const;
+  void note(const QString& text, Severity severity);  ///< in the log and the status bar
+
+  // main_window_replay.cpp: a recorded run, and one to compare with
+  void connect_replay();
+  void build_replay_menu(QMenu* file);
+  void load(const QString& file, bool to_compare);
+  void take_loaded();
+  void start_replay(const Player::Run& run);
+  void leave_replay();
+  void seek(double t);
+  void show_replay();
+  void compare(const Player::Run& other);
+  void compare_with_now();
+  void show_other(double t);
+  double recorded_border(core::GainName gain, const app::TickRecord& record) const;
+  const app::Experiment& shown_experiment() const;
+
+  // main_window_editor.cpp: the experiment as a text
+  void build_editor_menu(QMenu* file);
+  void edit(const QString& text, const QString& file);
+  QString present_experiment() const;
 
   // main_window_actions.cpp: menus, dialogs, settings
   void build_menus(QMenuBar* menus);
@@ -92,7 +138,7 @@ class MainWindow final : public QMainWindow {
   void dress_icons();
   void ask_open();
   void ask_save_csv();
-  void ask_save_plot();
+  void ask_save_plot(bool everything);
   void show_problem(const QString& title, const QString& text, const QString& details = {});
   void restore_settings();
   void store_settings();
@@ -116,11 +162,20 @@ class MainWindow final : public QMainWindow {
   std::future<app::Certificate> certifying_;
   std::optional<app::Certificate> certificate_;
 
+  QString experiment_file_;  // empty: none, or nobody knows
+  Player player_;
+  Player::Run other_, waiting_;  // compared with; to be played once the session is closed
+  struct Loading {
+    bool to_compare;
+    std::future<tl::expected<app::RecordedRun, std::string>> run;
+  };
+  std::optional<Loading> loading_;
   struct Saving {
     QString file;
     std::future<QString> problem;
   };
   std::optional<Saving> saving_;
+  bool records_ = false;                            // this run and those that follow
   bool may_close_ = false;                          // all robots are stopped and the session is gone
   const Theme desktop_at_start_ = desktop_theme();  // before any palette of ours
   bool theme_chosen_ = false;                       // else the desktop's

@@ -71,23 +71,19 @@ void MainWindow::build_menus(QMenuBar* menus) {
 
   QMenu* file = menus->addMenu(tr("&File"));
   action(file, tr("&Open experiment …"), QStringLiteral("open"), QKeySequence::Open, [this] { ask_open(); });
+  build_editor_menu(file);
+  file->addSeparator();
+  build_replay_menu(file);
   file->addSeparator();
   save_csv_action_ =
       action(file, tr("&Save CSV …"), QStringLiteral("save_csv"), QKeySequence::Save, [this] { ask_save_csv(); });
   action(file, tr("Save &plot …"), QStringLiteral("save_plot"), QKeySequence(tr("Ctrl+P")),
-         [this] { ask_save_plot(); });
+         [this] { ask_save_plot(false); });
   file->addSeparator();
   action(file, tr("&Quit"), QStringLiteral("quit"), QKeySequence(tr("Ctrl+Q")), [this] { close(); });
 
   QMenu* run = menus->addMenu(tr("&Run"));
-  go_action_ =
-      action(run, tr("Start / &pause / resume"), QStringLiteral("go_action"), QKeySequence(tr("F5")), [this] { go(); });
-  new_run_action_ =
-      action(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
-  run->addSeparator();
-  // The keys stand in the text only: StopGuard takes them before any shortcut could.
-  action(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
-
+  build_run_menu(run);
   run->addSeparator();
   QAction* undo = gains_->undo_stack().createUndoAction(this, tr("&Undo gain:"));
   undo->setShortcut(QKeySequence::Undo);
@@ -199,15 +195,17 @@ void MainWindow::set_theme(Theme theme) {
 
 void MainWindow::ask_open() {
   QFileDialog* dialog = file_dialog(this, tr("Open experiment"), QStringLiteral("open_dialog"),
-                                    tr("Experiments (*.toml);;All files (*)"));
+                                    tr("Experiments (*.toml);;Recorded runs (*.csv);;All files (*)"));
   dialog->setFileMode(QFileDialog::ExistingFile);
   connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::open_file);
   show_beside(dialog);
 }
 
 void MainWindow::open_file(const QString& file) {
+  if (file.endsWith(QStringLiteral(".csv"))) return open_recording(file);
   const auto experiment = app::load_experiment(file.toStdString());
   if (experiment) {
+    experiment_file_ = file;
     open(*experiment, false);
     return;
   }
@@ -235,20 +233,21 @@ void MainWindow::save_csv(const QString& file) {
                                                          file] { return write_csv(rows, experiment, file); })};
 }
 
-void MainWindow::ask_save_plot() {
-  QFileDialog* dialog =
-      file_dialog(this, tr("Save plot"), QStringLiteral("save_plot_dialog"), tr("PDF (*.pdf);;PNG (*.png)"));
+void MainWindow::ask_save_plot(bool everything) {
+  QFileDialog* dialog = file_dialog(this, tr("Save plot"), QStringLiteral("save_plot_dialog"),
+                                    tr("PDF (*.pdf);;PNG (*.png);;CSV (*.csv)"));
   dialog->setAcceptMode(QFileDialog::AcceptSave);
   dialog->setDefaultSuffix(QStringLiteral("pdf"));
   connect(dialog, &QFileDialog::filterSelected, dialog,
           [dialog](const QString& filter) { dialog->setDefaultSuffix(filter.left(3).toLower()); });
   dialog->selectFile(QString::fromStdString(live_.experiment().name) + QStringLiteral("-errors"));
-  connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::save_plot);
+  connect(dialog, &QFileDialog::fileSelected, this,
+          [this, everything](const QString& file) { save_plot(file, everything); });
   show_beside(dialog);
 }
 
-void MainWindow::save_plot(const QString& file) {
-  const QString problem = plots_->save(file);
+void MainWindow::save_plot(const QString& file, bool everything) {
+  const QString problem = plots_->save(file, everything);
   if (problem.isEmpty())
     alert_->say(tr("Saved %1").arg(file), Severity::good);
   else
@@ -271,6 +270,7 @@ void MainWindow::restore_settings() {
     restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
     restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
   }
+  plots_->show_plots(stored.value(QStringLiteral("plots")).toStringList());
   regions_->setChecked(stored.value(QStringLiteral("regions"), true).toBool());
   trails_->setChecked(stored.value(QStringLiteral("trails"), true).toBool());
   couplings_->setChecked(stored.value(QStringLiteral("couplings"), true).toBool());
@@ -285,6 +285,7 @@ void MainWindow::store_settings() {
     stored.remove(QStringLiteral("theme"));
   if (!isFullScreen()) stored.setValue(QStringLiteral("geometry"), saveGeometry());
   stored.setValue(QStringLiteral("layout"), saveState(layout_version));
+  stored.setValue(QStringLiteral("plots"), plots_->shown());
   stored.setValue(QStringLiteral("regions"), regions_->isChecked());
   stored.setValue(QStringLiteral("trails"), trails_->isChecked());
   stored.setValue(QStringLiteral("couplings"), couplings_->isChecked());

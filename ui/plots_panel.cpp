@@ -1,64 +1,75 @@
 #include "ui/plots_panel.h"
 
-#include <qcustomplot.h>
-
-#include <QFileInfo>
+#include <QComboBox>
+#include <QHBoxLayout>
 #include <QMenu>
+#include <QScrollArea>
+#include <QToolButton>
 #include <QToolTip>
 #include <algorithm>
 #include <cmath>
 
-#include "ui/math_title.h"
 #include "ui/modes.h"
+#include "ui/plot_view.h"
 
 namespace skein::ui {
 namespace {
 
-constexpr int replot_ms = 60;  // at most some 16 pictures a second
+constexpr int replot_ms = 60;                   // at most some 16 pictures a second
+constexpr std::size_t most_bytes = 64'000'000;  // of curves, but half an hour at 25 Hz whatever it takes
 
-/// The smallest height of a plot, so that noise does not fill it.
-constexpr double least[] = {0.02, 0.02, 0.1, 0.02, 0.002};
+std::size_t most_samples(std::size_t curves) {
+  constexpr std::size_t least = 49152, most = 131072, sample_bytes = 9;
+  return std::clamp(most_bytes / (sample_bytes * std::max<std::size_t>(1, curves)), least, most);
+}
 
-/// One line, for the right end of a plot's head.
-QCPLegend* compact_legend() {
-  auto* legend = new QCPLegend;
-  legend->setFillOrder(QCPLegend::foColumnsFirst);
-  legend->setWrap(12);
-  legend->setIconSize(12, 8);
-  legend->setIconTextPadding(3);
-  legend->setRowSpacing(0);
-  legend->setColumnSpacing(7);
-  legend->setMargins(QMargins(0, 0, 8, 0));
-  return legend;
+QToolButton* menu_button(const QString& text, const QString& name, const QString& tip, QMenu* menu) {
+  auto* button = new QToolButton;
+  button->setObjectName(name);
+  button->setText(text);
+  button->setAccessibleName(text);
+  button->setToolTip(tip);
+  button->setMenu(menu);
+  button->setPopupMode(QToolButton::InstantPopup);
+  button->setAutoRaise(true);
+  return button;
 }
 
 }  // namespace
 
 PlotsPanel::PlotsPanel(QWidget* parent)
     : QWidget(parent),
-      plot_(new QCustomPlot(this)),
+      view_(new PlotView),
+      scroll_(new QScrollArea(this)),
       live_button_(new QPushButton(tr("Back to live"), this)),
-      robots_legend_(nullptr),
-      pairs_legend_(nullptr),
-      markers_(plot_) {
+      span_box_(new QComboBox(this)),
+      plots_menu_(new QMenu(this)),
+      robots_menu_(new QMenu(this)) {
   setObjectName(QStringLiteral("plots"));
-  plot_->setObjectName(QStringLiteral("plot"));
-  plot_->setAccessibleName(tr("Plots of the errors over time"));
   live_button_->setObjectName(QStringLiteral("live"));
   live_button_->setAccessibleName(live_button_->text());
   live_button_->hide();
+  scroll_->setObjectName(QStringLiteral("plot_scroll"));
+  scroll_->setWidget(view_);
+  scroll_->setWidgetResizable(true);
+  scroll_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scroll_->setFrameShape(QFrame::NoFrame);
+  scroll_->setFocusPolicy(Qt::NoFocus);
+  auto* tools = new QHBoxLayout;
+  tools->setContentsMargins(4, 2, 4, 2);
+  tools->setSpacing(2);
+  build_tools(tools);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(plot_);
+  layout->setSpacing(0);
+  layout->addLayout(tools);
+  layout->addWidget(scroll_, 1);
 
-  make_rows();
-  style(colours(palette()));
-  plot_->setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
-  plot_->setContextMenuPolicy(Qt::CustomContextMenu);
-  plot_->setMouseTracking(true);
-  plot_->installEventFilter(this);
-  connect(plot_, &QWidget::customContextMenuRequested, this, &PlotsPanel::context_menu);
-  connect(plot_, &QCustomPlot::mouseWheel, this, &PlotsPanel::leave_live);
+  view_->set_colours(colours(palette()));
+  view_->setContextMenuPolicy(Qt::CustomContextMenu);
+  view_->installEventFilter(this);
+  connect(view_, &QWidget::customContextMenuRequested, this, &PlotsPanel::context_menu);
+  connect(view_, &QCustomPlot::mouseWheel, this, &PlotsPanel::leave_live);
   connect(live_button_, &QPushButton::clicked, this, &PlotsPanel::go_live);
   connect(&timer_, &QTimer::timeout, this, &PlotsPanel::replot_if_due);
   timer_.start(replot_ms);
@@ -66,166 +77,172 @@ PlotsPanel::PlotsPanel(QWidget* parent)
 
 PlotsPanel::~PlotsPanel() = default;
 
-void PlotsPanel::make_rows() {
-  struct {
-    QString symbol, index, unit;
-  } const names[rows] = {{QStringLiteral("e"), QStringLiteral("x"), tr("[m]")},
-                         {QStringLiteral("e"), QStringLiteral("y"), tr("[m]")},
-                         {QStringLiteral("e"), QStringLiteral("θ"), tr("[rad]")},
-                         {QStringLiteral("δ"), QStringLiteral("i,j"), tr("[m]")},
-                         {QStringLiteral("V"), {}, tr("[–]")}};
-  plot_->plotLayout()->clear();
-  plot_->plotLayout()->setRowSpacing(0);
-  plot_->plotLayout()->setMargins(QMargins(0, 5, 0, 3));
-  auto* sides = new QCPMarginGroup(plot_);
-  for (int row = 0; row < rows; ++row) {
-    auto* rect = new QCPAxisRect(plot_);
-    auto* head = new QCPLayoutGrid;
-    plot_->plotLayout()->addElement(2 * row, 0, head);  // first: what goes into it learns its plot from it
-    auto* title = new MathTitle(plot_, names[row].symbol, names[row].index, names[row].unit);
-    title->setMarginGroup(QCP::msLeft, sides);
-    head->addElement(0, 0, title);
-    head->addElement(0, 1, new QCPLayoutElement(plot_));  // takes up what is left between title and legend
-    if (row == e_x) head->addElement(0, 2, robots_legend_ = compact_legend());
-    if (row == delta) head->addElement(0, 2, pairs_legend_ = compact_legend());
-    head->setColumnStretchFactor(1, 1000);
-    plot_->plotLayout()->addElement(2 * row + 1, 0, rect);
-    plot_->plotLayout()->setRowStretchFactor(2 * row, 0.001);
-    titles_.push_back(title);
-    rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides);
-    rect->setMinimumMargins(QMargins(4, 3, 8, row == rows - 1 ? 0 : 5));
-    rect->setRangeDrag(Qt::Horizontal);
-    rect->setRangeZoom(Qt::Horizontal);
-    QCPAxis* time = rect->axis(QCPAxis::atBottom);
-    QCPAxis* value = rect->axis(QCPAxis::atLeft);
-    time->setTickLabels(row == rows - 1);
-    time->setRange(0, window_seconds);
-    time->ticker()->setTickCount(6);
-    value->ticker()->setTickCount(3);
-    value->setNumberFormat(QStringLiteral("g"));
-    value->setNumberPrecision(4);
-    rects_.push_back(rect);
-  }
-  rects_.back()->axis(QCPAxis::atBottom)->setLabel(tr("t [s]"));
-  rects_.back()->axis(QCPAxis::atBottom)->setLabelPadding(0);
-  for (QCPAxisRect* from : rects_)
-    for (QCPAxisRect* to : rects_)
-      if (from != to)
-        connect(from->axis(QCPAxis::atBottom), qOverload<const QCPRange&>(&QCPAxis::rangeChanged),
-                to->axis(QCPAxis::atBottom), qOverload<const QCPRange&>(&QCPAxis::setRange));
-}
+void PlotsPanel::build_tools(QHBoxLayout* tools) {
+  span_box_->setObjectName(QStringLiteral("plot_span"));
+  span_box_->setAccessibleName(tr("Time seen"));
+  span_box_->setToolTip(tr("How much of the time is seen"));
+  for (const auto& [text, seconds] : {std::pair{tr("10 s"), 10.0},
+                                      {tr("1 min"), 60.0},
+                                      {tr("5 min"), 300.0},
+                                      {tr("30 min"), 1800.0},
+                                      {tr("All"), 0.0}})
+    span_box_->addItem(text, seconds);
+  span_box_->setCurrentIndex(span_box_->findData(span_));
+  connect(span_box_, &QComboBox::activated, this, [this] { set_span(span_box_->currentData().toDouble()); });
 
-QCPGraph* PlotsPanel::add_graph(Row row) {
-  QCPAxisRect* rect = rects_[static_cast<std::size_t>(row)];
-  QCPGraph* graph = plot_->addGraph(rect->axis(QCPAxis::atBottom), rect->axis(QCPAxis::atLeft));
-  graph->removeFromLegend();
-  graphs_[row].push_back(graph);
-  return graph;
+  auto* freeze = new QToolButton;
+  freeze->setObjectName(QStringLiteral("freeze_plots"));
+  freeze->setText(tr("Hold"));
+  freeze->setAccessibleName(tr("Hold the plots"));
+  freeze->setToolTip(tr("The picture stands still to be read; the run goes on, and nothing of it is lost"));
+  freeze->setAutoRaise(true);
+  connect(freeze, &QToolButton::clicked, this, [this] { live_ ? leave_live() : go_live(); });
+
+  connect(plots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_plots_menu);
+  connect(robots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_robots_menu);
+  auto* save = new QMenu(this);
+  save->addAction(tr("What is seen …"), this, [this] { emit save_wanted(false); });
+  save->addAction(tr("Everything …"), this, [this] { emit save_wanted(true); });
+  tools->addWidget(span_box_);
+  tools->addWidget(freeze);
+  tools->addWidget(menu_button(tr("Plots"), QStringLiteral("choose_plots"), tr("Which plots are drawn"), plots_menu_));
+  tools->addWidget(
+      menu_button(tr("Robots"), QStringLiteral("choose_robots"), tr("Whose curves are drawn"), robots_menu_));
+  tools->addWidget(menu_button(tr("Save"), QStringLiteral("save_plots"), tr("As PDF, PNG or CSV"), save));
+  tools->addStretch();
 }
 
 void PlotsPanel::show_experiment(const app::Experiment& experiment) {
-  markers_.clear();
-  robots_legend_->clearItems();
-  pairs_legend_->clearItems();
-  plot_->clearGraphs();
-  for (auto& graphs : graphs_) graphs.clear();
-  const std::size_t n = experiment.robots.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    QCPGraph* first = add_graph(e_x);
-    first->setName(QString::number(i + 1));
-    first->addToLegend(robots_legend_);
-    add_graph(e_y);
-    add_graph(e_theta);
-  }
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    QCPGraph* pair = add_graph(delta);
-    // Of many pairs the legend has room for the first robot's number only.
-    pair->setName(n <= 6 ? QStringLiteral("%1,%2").arg(i + 1).arg(i + 2) : QString::number(i + 1));
-    pair->addToLegend(pairs_legend_);
-  }
-  add_graph(lyapunov);
+  rows_ = plot_rows(experiment);
+  const std::size_t curves = curve_count(rows_);
+  history_ = PlotHistory(curves, most_samples(curves));
+  other_.reset();
+  playhead_.reset();
+  robots_.assign(experiment.robots.size(), true);
   t_ = 0.0;
   selected_ = -1;
-  style_graphs(colours(palette()));
+  view_->markers().clear();
+  view_->select(-1);
+  rebuild();
   go_live();
 }
 
+void PlotsPanel::rebuild() {
+  shown_.assign(rows_.size(), false);
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    shown_[row] = wanted_.isEmpty() ? rows_[row].usual : wanted_.contains(rows_[row].name);
+  view_->set_rows(rows_, shown_, robots_.size());
+  view_->show_robots(robots_);
+  if (playhead_) view_->set_playhead(playhead_);
+  dirty_ = true;
+}
+
+QStringList PlotsPanel::shown() const {
+  QStringList names;
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    if (shown_[row]) names << rows_[row].name;
+  return names;
+}
+
+void PlotsPanel::show_plots(const QStringList& names) {
+  wanted_ = names;
+  rebuild();
+}
+
+void PlotsPanel::show_all_plots() {
+  QStringList names;
+  for (const PlotRow& row : rows_) names << row.name;
+  show_plots(names);
+}
+
 void PlotsPanel::take(const app::TickRecord& record) {
-  const Colours c = colours(palette());
+  note_events(record);
+  const bool new_time = record.t > t_ || history_.empty();
+  dirty_ = dirty_ || new_time || !record.events.empty();
+  if (new_time) store_values(record);
+}
+
+void PlotsPanel::note_events(const app::TickRecord& record) {
   for (const app::Event& event : record.events)
     if (severity(event) != Severity::note)
-      markers_.add(record.t, QString::fromStdString(app::describe(event)), colour(severity(event), c));
-  const bool new_time = record.t > t_ || graphs_[lyapunov][0]->data()->isEmpty();
-  dirty_ = dirty_ || new_time || !record.events.empty();
-  if (!new_time) return;
-  t_ = record.t;
-  for (std::size_t i = 0; i < record.robots.size() && i < graphs_[e_x].size(); ++i) {
-    const app::RobotRecord& robot = record.robots[i];
-    const core::Pose& nominal = robot.nominal.pose;
-    const bool known = !robot.is(app::lost);
-    graphs_[e_x][i]->addData(t_, known ? nominal.x - robot.pose.x : app::none);
-    graphs_[e_y][i]->addData(t_, known ? nominal.y - robot.pose.y : app::none);
-    graphs_[e_theta][i]->addData(t_, known ? core::wrap_angle(nominal.theta - robot.pose.theta) : app::none);
-  }
-  for (std::size_t i = 0; i < record.delta.size() && i < graphs_[delta].size(); ++i)
-    graphs_[delta][i]->addData(t_, record.delta[i]);
-  graphs_[lyapunov][0]->addData(t_, record.V);
+      view_->markers().add(record.t, QString::fromStdString(app::describe(event)),
+                           colour(severity(event), colours(palette())));
+}
 
-  constexpr double slack = 10.0;  // cleared out now and then, not at every tick
-  const auto range = graphs_[lyapunov][0]->data()->constBegin();
-  if (range->key < t_ - history_seconds - slack) {
-    for (auto& graphs : graphs_)
-      for (QCPGraph* graph : graphs) graph->data()->removeBefore(t_ - history_seconds);
-    markers_.remove_before(t_ - history_seconds);
+void PlotsPanel::store_values(const app::TickRecord& record) {
+  t_ = record.t;
+  sample(rows_, record, values_);
+  history_.add(t_, values_);
+}
+
+void PlotsPanel::show_run(const std::vector<app::TickRecord>& rows) {
+  for (const app::TickRecord& row : rows) take(row);
+  set_span(0.0);
+}
+
+void PlotsPanel::set_playhead(double t) {
+  playhead_ = t;
+  view_->set_playhead(t);
+}
+
+void PlotsPanel::compare(const std::vector<app::TickRecord>* rows) {
+  other_.reset();
+  dirty_ = true;
+  if (!rows) return;
+  other_.emplace(history_.curves(), most_samples(history_.curves()));
+  double last = -1.0;
+  for (const app::TickRecord& row : *rows) {
+    if (row.t <= last) continue;
+    last = row.t;
+    sample(rows_, row, values_);
+    other_->add(row.t, values_);
   }
 }
 
 void PlotsPanel::select(int robot) {
   if (selected_ == robot) return;
   selected_ = robot;
-  style_graphs(colours(palette()));
+  view_->select(robot);
   dirty_ = true;
+}
+
+void PlotsPanel::set_span(double seconds) {
+  span_ = seconds;
+  span_box_->setCurrentIndex(span_box_->findData(seconds));
+  go_live();
 }
 
 void PlotsPanel::replot_if_due() {
   if (!dirty_ || !isVisible() || window()->isMinimized()) return;
   dirty_ = false;
   if (live_) follow_time();
-  fit_values();
-  plot_->replot(QCustomPlot::rpQueuedReplot);
+  view_->draw(history_, other_ ? &*other_ : nullptr);
+  view_->replot(QCustomPlot::rpQueuedReplot);
 }
 
 void PlotsPanel::follow_time() {
-  const double end = std::max(t_, window_seconds);
-  rects_[0]->axis(QCPAxis::atBottom)->setRange(end - window_seconds, end);
-}
-
-void PlotsPanel::fit_values() {
-  const QCPRange time = rects_[0]->axis(QCPAxis::atBottom)->range();
-  for (int row = 0; row < rows; ++row) {
-    double low = row == lyapunov ? 0.0 : -least[row], high = least[row];
-    for (const QCPGraph* graph : graphs_[row]) {
-      bool found = false;
-      const QCPRange values = graph->getValueRange(found, QCP::sdBoth, time);
-      if (!found) continue;
-      low = std::min(low, values.lower);
-      high = std::max(high, values.upper);
-    }
-    // In steps of a tenth of the height: a range that moved with every sample would make the curves swim.
-    const double step = std::pow(10.0, std::floor(std::log10(high - low))) / 2;
-    const double room = row == lyapunov ? 0.0 : 0.3 * step;
-    low = std::floor((low - room) / step) * step;
-    high = std::ceil((high + 0.3 * step) / step) * step;
-    rects_[static_cast<std::size_t>(row)]->axis(QCPAxis::atLeft)->setRange(low, high);
+  const double begin = history_.empty() ? 0.0 : std::min(0.0, history_.first_time());
+  if (span_ > 0.0) {
+    const double end = std::max(t_, begin + span_);
+    view_->set_time(end - span_, end);
+  } else {
+    view_->set_time(history_.empty() ? 0.0 : history_.first_time(), std::max(t_, begin + 10.0));
   }
 }
 
 void PlotsPanel::leave_live() {
   live_ = false;
   dirty_ = true;
+  live_button_->setText(playhead_ ? tr("Whole run") : tr("Back to live"));
   place_button();
   live_button_->show();
   live_button_->raise();
+}
+
+void PlotsPanel::show_time(double t) {
+  const double half = view_->time().size() / 2;
+  leave_live();
+  view_->set_time(t - half, t + half);
 }
 
 void PlotsPanel::go_live() {
@@ -234,85 +251,106 @@ void PlotsPanel::go_live() {
   live_button_->hide();
 }
 
-void PlotsPanel::style(const Colours& c) {
-  plot_->setBackground(c.plot);
-  const QFont text = font();
-  plot_->setFont(text);
-  for (QCPAxisRect* rect : rects_)
-    for (QCPAxis* axis : rect->axes()) {
-      axis->setBasePen(QPen(c.axis));
-      axis->setTickPen(QPen(c.axis));
-      axis->setSubTickPen(QPen(c.axis));
-      axis->setSubTicks(false);
-      axis->setTickLabelFont(text);
-      axis->setTickLabelColor(c.text);
-      axis->setLabelFont(text);
-      axis->setLabelColor(c.text);
-      axis->grid()->setPen(QPen(c.plot_grid));
-      axis->grid()->setZeroLinePen(QPen(c.axis, 1));
-    }
-  for (MathTitle* title : titles_) title->set_colour(c.text);
-  for (QCPLegend* legend : {robots_legend_, pairs_legend_}) {
-    legend->setFont(text);
-    legend->setTextColor(c.text);
-    legend->setBrush(Qt::NoBrush);
-    legend->setBorderPen(Qt::NoPen);
+void PlotsPanel::fill_plots_menu() {
+  plots_menu_->clear();
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].name, rows_[row].what));
+    action->setCheckable(true);
+    action->setChecked(shown_[row]);
+    connect(action, &QAction::toggled, this, [this, name = rows_[row].name](bool on) {
+      QStringList names = shown();
+      on ? names.append(name) : static_cast<void>(names.removeAll(name));
+      if (!names.isEmpty()) show_plots(names);
+    });
   }
-  style_graphs(c);
+  plots_menu_->addSeparator();
+  plots_menu_->addAction(tr("All"), this, &PlotsPanel::show_all_plots);
+  plots_menu_->addAction(tr("The usual ones"), this, [this] { show_plots({}); });
 }
 
-void PlotsPanel::style_graphs(const Colours& c) {
-  for (int row = 0; row < rows; ++row)
-    for (std::size_t i = 0; i < graphs_[row].size(); ++i) {
-      QColor colour = row == lyapunov ? c.text : row == delta ? c.pair(i) : c.robot(i);
-      double width = 1.5;
-      if (selected_ >= 0 && row != lyapunov) {
-        const auto chosen = static_cast<std::size_t>(selected_);
-        const bool belongs = row == delta ? i == chosen || i + 1 == chosen : i == chosen;
-        width = belongs ? 2.6 : 1.2;
-        colour.setAlphaF(belongs ? 1.0F : 0.45F);
-      }
-      graphs_[row][i]->setPen(QPen(colour, width));
-      if (row != delta && row != lyapunov && i == static_cast<std::size_t>(selected_))
-        graphs_[row][i]->setLayer(QStringLiteral("axes"));
-      else
-        graphs_[row][i]->setLayer(QStringLiteral("main"));
-    }
-}
-
-QString PlotsPanel::save(const QString& file) {
-  const QString kind = QFileInfo(file).suffix().toLower();
-  style(colours(ui::palette(Theme::light)));
-  const bool done = kind == QStringLiteral("pdf") ? plot_->savePdf(file, 0, 0, QCP::epAllowCosmetic)
-                                                  : plot_->savePng(file, 0, 0, 2.0);
-  style(colours(palette()));
-  dirty_ = true;
-  return done ? QString() : tr("Could not write %1.").arg(file);
+void PlotsPanel::fill_robots_menu() {
+  robots_menu_->clear();
+  const auto choose = [this](const std::vector<bool>& robots) {
+    robots_ = robots;
+    view_->show_robots(robots_);
+    dirty_ = true;
+  };
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    QAction* action = robots_menu_->addAction(tr("Robot %1").arg(i + 1));
+    action->setCheckable(true);
+    action->setChecked(robots_[i]);
+    connect(action, &QAction::toggled, this, [this, i, choose](bool on) {
+      std::vector<bool> robots = robots_;
+      robots[i] = on;
+      choose(robots);
+    });
+  }
+  robots_menu_->addSeparator();
+  robots_menu_->addAction(tr("All"), this, [this, choose] { choose(std::vector<bool>(robots_.size(), true)); });
+  robots_menu_
+      ->addAction(tr("Only the selected one"), this,
+                  [this, choose] {
+                    std::vector<bool> robots(robots_.size(), false);
+                    if (selected_ >= 0) robots[static_cast<std::size_t>(selected_)] = true;
+                    choose(robots);
+                  })
+      ->setEnabled(selected_ >= 0);
 }
 
 void PlotsPanel::context_menu(const QPoint& where) {
   auto* menu = new QMenu(this);
   menu->setAttribute(Qt::WA_DeleteOnClose);
-  menu->addAction(tr("Save plot …"), this, &PlotsPanel::save_wanted);
+  menu->addAction(tr("Save what is seen …"), this, [this] { emit save_wanted(false); });
+  menu->addAction(tr("Save everything …"), this, [this] { emit save_wanted(true); });
   menu->addAction(tr("Back to live"), this, &PlotsPanel::go_live)->setEnabled(!live_);
-  menu->popup(plot_->mapToGlobal(where));
+  menu->popup(view_->mapToGlobal(where));
+}
+
+/// What the cursor reads: the time, the values of the plot under it, and what happened there.
+QString PlotsPanel::values_at(const QPoint& where) const {
+  const int row = view_->row_at(where);
+  if (row < 0) return {};
+  const PlotRow& spec = rows_[static_cast<std::size_t>(row)];
+  const double t = view_->time_at(where);
+  QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
+  for (std::size_t c = 0; c < spec.curves.size(); ++c) {
+    if (spec.of == PlotRow::Of::robot && !robots_[c]) continue;
+    const double value = history_.value(spec.first + c, t);
+    QString text = std::isnan(value) ? tr("–") : QStringLiteral("%1 %2").arg(value, 0, 'g', 4).arg(spec.unit);
+    if (other_ && !std::isnan(other_->value(spec.first + c, t)))
+      text += tr(" (other run: %1)").arg(other_->value(spec.first + c, t), 0, 'g', 4);
+    lines << (spec.curves[c].isEmpty() ? text : QStringLiteral("%1: %2").arg(spec.curves[c], text));
+  }
+  const QString events = view_->markers().text_at(where.x());
+  if (!events.isEmpty()) lines << events.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
+  return lines.join(QStringLiteral("<br>"));
 }
 
 bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
   if (event->type() == QEvent::MouseMove) {
     const auto* move = static_cast<QMouseEvent*>(event);
-    if (move->buttons() & Qt::LeftButton)
+    if (move->buttons() & Qt::LeftButton) {
       leave_live();
-    else
-      QToolTip::showText(move->globalPosition().toPoint(), markers_.text_at(move->position().x()), plot_);
+    } else {
+      const QPoint where = move->position().toPoint();
+      const bool over = view_->row_at(where) >= 0;
+      view_->set_cursor(over ? std::optional(view_->time_at(where)) : std::nullopt);
+      QToolTip::showText(move->globalPosition().toPoint(), values_at(where), view_);
+    }
   }
-  if (event->type() == QEvent::MouseButtonDblClick) go_live();
+  if (event->type() == QEvent::Leave) view_->set_cursor(std::nullopt);
+  if (event->type() == QEvent::MouseButtonDblClick) {
+    if (playhead_)
+      emit time_wanted(view_->time_at(static_cast<QMouseEvent*>(event)->position().toPoint()));
+    else
+      go_live();
+  }
   return QWidget::eventFilter(watched, event);
 }
 
 void PlotsPanel::changeEvent(QEvent* event) {
   if (event->type() == QEvent::PaletteChange) {
-    style(colours(palette()));
+    view_->set_colours(colours(palette()));
     dirty_ = true;
   }
   QWidget::changeEvent(event);
@@ -325,6 +363,7 @@ void PlotsPanel::showEvent(QShowEvent* event) {
 
 void PlotsPanel::resizeEvent(QResizeEvent* event) {
   QWidget::resizeEvent(event);
+  dirty_ = true;
   place_button();
 }
 

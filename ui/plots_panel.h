@@ -1,49 +1,71 @@
 #pragma once
 
 #include <QPushButton>
+#include <QStringList>
 #include <QTimer>
 #include <QWidget>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "app/experiment.h"
 #include "app/tick_record.h"
-#include "ui/event_markers.h"
-#include "ui/palette.h"
+#include "ui/plot_history.h"
+#include "ui/plot_rows.h"
 
-class QCPAxisRect;
-class QCPGraph;
-class QCPLegend;
-class QCustomPlot;
+class QComboBox;
+class QHBoxLayout;
+class QMenu;
+class QScrollArea;
+class QToolButton;
 
 namespace skein::ui {
 
-class MathTitle;
+class PlotView;
 
-/// The errors of Fig. 4 as they come: e_x, e_y, e_theta of every robot in the world frame, delta of every pair of
-/// neighbours, and V, one below the other along one time.
+/// A run's numbers as they come, along one time: errors, V, commands with their limits, period and what a tick costs.
+/// The operator chooses plots, robots and how much time is seen, stops the picture, reads values at the mouse, and
+/// saves what is seen or everything. Half an hour costs no more to draw than a minute.
 class PlotsPanel final : public QWidget {
   Q_OBJECT
 
  public:
-  static constexpr double window_seconds = 60.0;
-  static constexpr double history_seconds = 900.0;
-
   explicit PlotsPanel(QWidget* parent = nullptr);
   ~PlotsPanel() override;
 
   void show_experiment(const app::Experiment& experiment);
   void take(const app::TickRecord& record);
+  /// A whole run at once; a line marks where its replay is.
+  void show_run(const std::vector<app::TickRecord>& rows);
+  void set_playhead(double t);
+  /// Draws another run paler behind this one; null: none.
+  void compare(const std::vector<app::TickRecord>* rows);
+
   void select(int robot);  ///< from 0, drawn bold; -1: all alike
   void go_live();
+  void show_time(double t);  ///< in the middle, and the picture stands still
   bool is_live() const { return live_; }
-  /// As .pdf or .png, dark on white whatever the screen looks like. The answer says what went wrong; empty: nothing.
-  QString save(const QString& file);
+  /// How much of the time is seen; 0: all there is. [s]
+  void set_span(double seconds);
+  double span() const { return span_; }
 
+  QStringList shown() const;  ///< names of the plots that are drawn
+  void show_plots(const QStringList& names);
+  void show_all_plots();
+
+  /// As .pdf or .png, dark on white whatever the screen looks like; as .csv what is seen, or everything. The answer
+  /// says what went wrong; empty: nothing.
+  QString save(const QString& file, bool everything = false);
+
+  const PlotHistory& history() const { return history_; }
+  const std::vector<PlotRow>& rows() const { return rows_; }
+  PlotView& view() { return *view_; }
   QSize sizeHint() const override { return {430, 600}; }
   QSize minimumSizeHint() const override { return {260, 300}; }
 
  signals:
-  void save_wanted();
+  void save_wanted(bool everything);
+  void time_wanted(double t);  ///< a replay is to go there
 
  protected:
   void changeEvent(QEvent*) override;
@@ -52,28 +74,34 @@ class PlotsPanel final : public QWidget {
   bool eventFilter(QObject* watched, QEvent* event) override;
 
  private:
-  enum Row { e_x, e_y, e_theta, delta, lyapunov, rows };
-
-  void make_rows();
-  QCPGraph* add_graph(Row row);
-  void style(const Colours& colours);
-  void style_graphs(const Colours& colours);
+  void build_tools(QHBoxLayout* tools);
+  void rebuild();
+  void store_values(const app::TickRecord& record);
+  void note_events(const app::TickRecord& record);
   void replot_if_due();
   void follow_time();
-  void fit_values();
   void leave_live();
-  void context_menu(const QPoint& where);
   void place_button();
+  void fill_plots_menu();
+  void fill_robots_menu();
+  void context_menu(const QPoint& where);
+  QString values_at(const QPoint& where) const;
+  QString save_csv(const QString& file, double from, double to) const;
 
-  QCustomPlot* plot_;
+  PlotView* view_;
+  QScrollArea* scroll_;
   QPushButton* live_button_;
-  std::vector<QCPAxisRect*> rects_;
-  std::vector<MathTitle*> titles_;
-  QCPLegend *robots_legend_, *pairs_legend_;
-  std::vector<QCPGraph*> graphs_[rows];  // of every robot, of every pair, one
-  EventMarkers markers_;
+  QComboBox* span_box_;
+  QMenu *plots_menu_, *robots_menu_;
+  std::vector<PlotRow> rows_;
+  std::vector<bool> shown_, robots_;
+  QStringList wanted_;  // chosen by the operator; empty: the usual ones
+  PlotHistory history_;
+  std::optional<PlotHistory> other_;
+  std::vector<double> values_;
   QTimer timer_;
-  double t_ = 0.0;
+  std::optional<double> playhead_;
+  double t_ = 0.0, span_ = 60.0;
   int selected_ = -1;
   bool live_ = true, dirty_ = false;
 };

@@ -120,7 +120,8 @@ QString RobotsModel::tip(std::size_t i, int column) const {
 QVariant RobotsModel::ink(std::size_t i, int column) const {
   if (column == robot) return ink_on(colours_.robot(i));
   if (column == link && i < links_.size()) {
-    const bool well = links_[i].link == "up" || links_[i].link == "simulated";
+    const auto& link_state = links_[i].link;
+    const bool well = link_state == "up" || link_state == "simulated" || link_state == "recorded";
     if (!well) return colours_.alarm;
   }
   if (i >= robots_.size()) return {};

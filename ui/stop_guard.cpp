@@ -4,6 +4,7 @@
 #include <QKeyEvent>
 #include <QLineEdit>
 #include <QMouseEvent>
+#include <QPlainTextEdit>
 
 namespace skein::ui {
 
@@ -19,7 +20,9 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
     const bool stopped_something = !key->isAutoRepeat() && stop_();  // a key held down stops once
     if (stopped_something) return true;
     // Space must not press a button: held down for STOP, it would go on to press whichever has the focus.
-    return key->key() == Qt::Key_Space && !qobject_cast<QLineEdit*>(QApplication::focusWidget());
+    const QWidget* focus = QApplication::focusWidget();
+    const bool types = qobject_cast<const QLineEdit*>(focus) || qobject_cast<const QPlainTextEdit*>(focus);
+    return key->key() == Qt::Key_Space && !types;
   }
   if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
     // An open menu would take the press only to close itself.

@@ -3,11 +3,28 @@
 #include <QApplication>
 #include <QSettings>
 #include <QStyleFactory>
+#include <cstdio>
+#include <cstdlib>
 
 #include "ui/icons.h"
 #include "ui/main_window.h"
 
 namespace skein::ui {
+namespace {
+
+MainWindow* open_window = nullptr;
+
+/// Qt ends the program, without coming back to `show_window`, when the connection to the display breaks.
+void stop_robots_at_exit() {
+  if (!open_window) return;
+  std::fprintf(stderr, "skein: the display is gone: stopping all robots\n");
+  const QString result = open_window->close_session();
+  std::fprintf(stderr, "skein: %s\n", qPrintable(result));
+  std::fflush(stderr);
+  std::_Exit(3);  // a device failed; the destructors that are left would ask the display
+}
+
+}  // namespace
 
 void prepare(QApplication& application) {
   QApplication::setOrganizationName(QStringLiteral("skein"));
@@ -28,9 +45,13 @@ int show_window(app::Experiment experiment, const WindowOptions& options) {
   QApplication application(options.argc, options.argv);
   prepare(application);
   MainWindow window;
+  open_window = &window;
+  std::atexit(stop_robots_at_exit);
   window.show();
   window.open(experiment, options.start_at_once);
-  return QApplication::exec();
+  const int status = QApplication::exec();
+  open_window = nullptr;
+  return status;
 }
 
 }  // namespace skein::ui

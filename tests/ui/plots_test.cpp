@@ -1,0 +1,153 @@
+// The plots: what they hold, how they draw much of it, and what they give away.
+#include <QToolButton>
+#include <cmath>
+#include <random>
+
+#include "operator.h"
+#include "ui/plot_history.h"
+#include "ui/plot_view.h"
+#include "ui/plots_panel.h"
+
+namespace skein::ui::test {
+namespace {
+
+/// A curve with gaps and single peaks, and its history.
+struct Curve {
+  std::vector<double> t, value;
+  PlotHistory history{1, std::size_t{1} << 17};
+
+  explicit Curve(std::size_t samples, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    for (std::size_t k = 0; k < samples; ++k) {
+      t.push_back(0.04 * static_cast<double>(k) + (k > samples / 2 ? 7.0 : 0.0));  // a jump in the middle
+      const double u = unit(random);
+      value.push_back(u < 0.02 ? std::nan("") : u > 0.999 ? 100.0 * unit(random) : std::sin(0.01 * t.back()) + 0.1 * u);
+      history.add(t.back(), {value.back()});
+    }
+  }
+};
+
+TEST(PlotHistory, FindsTheSmallestAndTheLargestOfAnyStretch) {
+  for (const std::size_t samples : {1U, 31U, 32U, 33U, 1024U, 5000U}) {
+    const Curve curve(samples, 7);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> time(-1.0, curve.t.back() + 1.0);
+    for (int trial = 0; trial < 200; ++trial) {
+      const auto [from, to] = std::minmax({time(random), time(random)});
+      double low = 1e300, high = -1e300;
+      for (std::size_t k = 0; k < samples; ++k)
+        if (curve.t[k] >= from && curve.t[k] <= to && !std::isnan(curve.value[k])) {
+          low = std::min(low, curve.value[k]);
+          high = std::max(high, curve.value[k]);
+        }
+      const PlotHistory::Range range = curve.history.range(0, from, to);
+      if (low > high) {
+        EXPECT_GT(range.low, range.high);
+      } else {
+        EXPECT_EQ(range.low, low);
+        EXPECT_EQ(range.high, high);
+      }
+    }
+  }
+}
+
+TEST(PlotHistory, DrawsFewPointsAndLeavesNoPeakOut) {
+  const Curve curve(45000, 3);  // half an hour
+  std::vector<PlotHistory::Point> points;
+  for (const std::size_t columns : {100U, 400U, 1000U}) {
+    curve.history.points(0, 0.0, curve.t.back(), columns, points);
+    EXPECT_LE(points.size(), 4 * columns + 4);
+    double low = 1e300, high = -1e300, last = -1.0;
+    for (const PlotHistory::Point& point : points) {
+      EXPECT_GE(point.t, last);
+      last = point.t;
+      if (std::isnan(point.value)) continue;
+      low = std::min(low, point.value);
+      high = std::max(high, point.value);
+    }
+    const PlotHistory::Range range = curve.history.range(0, 0.0, curve.t.back());
+    EXPECT_EQ(low, range.low);
+    EXPECT_EQ(high, range.high);
+  }
+  curve.history.points(0, 100.0, 101.0, 400, points);  // few: every one, and one beyond the end
+  EXPECT_EQ(points.size(), 27u);
+}
+
+TEST(PlotHistory, ForgetsTheOldestAndStaysBounded) {
+  PlotHistory history(2, 4096);
+  for (int k = 0; k < 100000; ++k) history.add(k, {double(k), -double(k)});
+  EXPECT_LE(history.size(), 5120u);
+  EXPECT_GE(history.size(), 4096u - PlotHistory::block_size);
+  EXPECT_EQ(history.last_time(), 99999.0);
+  EXPECT_EQ(history.value(1, 99998.5), -99998.0);
+  EXPECT_TRUE(std::isnan(history.value(0, 10.0)));
+}
+
+class Plots : public Operator {
+ protected:
+  PlotsPanel& plots() { return *find<PlotsPanel>("plots"); }
+  QStringList lines_of(const QString& file) {
+    QFile in(file);
+    EXPECT_TRUE(in.open(QIODevice::ReadOnly));
+    return QString::fromUtf8(in.readAll()).split(QLatin1Char('\n'), Qt::SkipEmptyParts);
+  }
+  QTemporaryDir dir;
+};
+
+TEST_F(Plots, SavesWhatIsSeenAndEverything) {
+  start();
+  window.set_speed(50.0);
+  ASSERT_TRUE(eventually([&] { return record().t > 30.0; }));
+  plots().set_span(10.0);
+  ASSERT_TRUE(eventually([&] { return plots().view().time().size() < 10.5; }));
+  const QString seen = dir.filePath(QStringLiteral("seen.csv")), all = dir.filePath(QStringLiteral("all.csv"));
+  window.save_plot(seen, false);
+  window.save_plot(all, true);
+  const QStringList few = lines_of(seen), many = lines_of(all);
+  EXPECT_EQ(few.first(), many.first());
+  EXPECT_TRUE(few.first().startsWith(QStringLiteral("t,e_x_1,e_x_2"))) << few.first().toStdString();
+  EXPECT_NEAR(static_cast<double>(few.size()), 251.0, 3.0);
+  EXPECT_GT(many.size(), 700);
+  // As the run has it, to the last digit.
+  const auto rows = live().history().rows();
+  const QStringList cells = many[400].split(QLatin1Char(','));
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r->t == cells[0].toDouble(); });
+  ASSERT_NE(row, rows.end());
+  const app::RobotRecord& first = (*row)->robots[0];
+  EXPECT_EQ(cells[1].toDouble(), first.nominal.pose.x - first.pose.x);
+}
+
+TEST_F(Plots, ShowsThePlotsAndRobotsThatWereChosen) {
+  start();
+  EXPECT_EQ(plots().shown().size(), 5);
+  plots().show_all_plots();
+  EXPECT_EQ(plots().shown().size(), static_cast<qsizetype>(plots().rows().size()));
+  for (const char* name : {"v", "omega", "V_dot", "period", "compute_time", "latency"})
+    EXPECT_TRUE(plots().shown().contains(QString::fromLatin1(name))) << name;
+  ASSERT_TRUE(eventually([&] { return plots().view().axisRectCount() == static_cast<int>(plots().rows().size()); }));
+  plots().show_plots({QStringLiteral("V"), QStringLiteral("v")});
+  EXPECT_EQ(plots().view().axisRectCount(), 2);
+  window.close();
+  ASSERT_TRUE(eventually([&] { return !window.isVisible(); }));
+  MainWindow again;
+  again.open(app::paper_experiment(), false);
+  EXPECT_EQ(again.findChild<PlotsPanel*>()->shown(), (QStringList{QStringLiteral("V"), QStringLiteral("v")}));
+  again.findChild<PlotsPanel*>()->show_plots({});
+  again.close();
+  EXPECT_TRUE(eventually([&] { return !again.live().is_busy(); }));
+}
+
+TEST_F(Plots, StandStillToBeRead) {
+  start();
+  QTest::mouseClick(find<QToolButton>("freeze_plots"), Qt::LeftButton);
+  EXPECT_FALSE(plots().is_live());
+  const double t = record().t;
+  const QCPRange before = plots().view().time();
+  ASSERT_TRUE(eventually([&] { return record().t > t + 0.4; }));
+  EXPECT_EQ(plots().view().time().lower, before.lower);
+  EXPECT_GE(plots().history().last_time(), t + 0.4) << "what came meanwhile is lost";
+}
+
+}  // namespace
+}  // namespace skein::ui::test

@@ -1,0 +1,155 @@
+// A recorded run through the same widgets, and a second run to compare with.
+#include <QAbstractItemView>
+#include <fstream>
+
+#include "app/csv_file.h"
+#include "operator.h"
+#include "ui/gains_panel.h"
+#include "ui/plots_panel.h"
+#include "ui/run_bar.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Replay : public Operator {
+ protected:
+  /// The paper's experiment, recorded on the virtual clock.
+  QString recorded(double k_xx = 0.008) {
+    app::Experiment experiment = *app::parse_experiment(app::paper_experiment().source, "platoon.toml",
+                                                        {"controller.gains.k_xx=" + std::to_string(k_xx)});
+    const QString file = dir.filePath(QStringLiteral("run-%1.csv").arg(k_xx));
+    app::CsvFile csv(file.toStdString(), experiment);
+    auto session = app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}});
+    (*session)->run();
+    csv.finish();
+    return file;
+  }
+  void replay(const QString& file) {
+    window.resize(1280, 800);
+    window.show();
+    window.open_recording(file);
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+    ASSERT_TRUE(eventually([&] { return window.player().is_loaded(); }));
+  }
+  TimeLine& time_line() { return *find<TimeLine>("time_line"); }
+  QString alert() { return find<QLabel>("alert")->text(); }
+  QTemporaryDir dir;
+};
+
+TEST_F(Replay, PlaysThroughTheSameWidgets) {
+  replay(recorded());
+  EXPECT_TRUE(eventually([&] { return window.player().t() > 0.3; })) << "it does not play";
+  EXPECT_TRUE(alert().contains(QStringLiteral("bit for bit"))) << alert().toStdString();
+  EXPECT_GE(find<QAbstractItemView>("event_log")->model()->rowCount(), 4) << "start and three kicks";
+  EXPECT_EQ(find<PlotsPanel>("plots")->history().size(), 2100u);
+  EXPECT_EQ(find<QAbstractItemView>("robots")->model()->rowCount(), 4);
+  auto* go = find<QPushButton>("go");
+  QTest::mouseClick(go, Qt::LeftButton);
+  EXPECT_FALSE(window.player().is_playing());
+  const double t = window.player().t();
+  QTest::mouseClick(find<QPushButton>("step"), Qt::LeftButton);
+  EXPECT_NEAR(window.player().t(), t + 0.04, 0.0401);
+  EXPECT_EQ(go->text(), QStringLiteral("Play"));
+}
+
+TEST_F(Replay, GoesWhereTheScrubberIsPut) {
+  replay(recorded());
+  window.go();
+  TimeLine& line = time_line();
+  for (const double share : {0.5, 0.22, 0.9}) {
+    QTest::mouseClick(&line, Qt::LeftButton, {},
+                      {10 + static_cast<int>(share * (line.width() - 20)), line.height() / 2});
+    EXPECT_NEAR(window.player().t(), share * 84.0, 1.5 * 84.0 / (line.width() - 20)) << "a pixel of it";
+    const app::TickRecord& row = window.player().latest();
+    EXPECT_NEAR(row.t, window.player().t(), 0.0401);
+    ASSERT_TRUE(arena().scene().record.has_value());
+    EXPECT_EQ(arena().scene().record->t, row.t);
+    EXPECT_EQ(arena().scene().pose(0)->x, row.robots[0].truth.x);
+  }
+  line.setFocus();
+  const double t = window.player().t();
+  key(Qt::Key_Left);
+  EXPECT_NEAR(window.player().t(), t - 1.0, 0.05);
+  QTest::keyClick(&line, Qt::Key_Home);
+  QTest::keyClick(&line, Qt::Key_Right, Qt::ControlModifier);  // to the next event
+  EXPECT_FALSE(window.player().latest().events.empty());
+}
+
+TEST_F(Replay, TurnsTheLiveControlsOffAndSaysWhy) {
+  replay(recorded());
+  auto* gains = find<GainsPanel>("gains");
+  EXPECT_FALSE(gains->isEnabled());
+  EXPECT_TRUE(gains->toolTip().contains(QStringLiteral("replay"))) << gains->toolTip().toStdString();
+  EXPECT_FALSE(find<QPushButton>("record")->isEnabled());
+  EXPECT_FALSE(live().is_open());
+  auto* leave = find<QPushButton>("new_run");
+  EXPECT_EQ(leave->text(), QStringLiteral("Leave replay"));
+  QTest::mouseClick(leave, Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  EXPECT_FALSE(window.player().is_loaded());
+  EXPECT_TRUE(gains->isEnabled());
+}
+
+TEST_F(Replay, SaysWhereARunComesOutDifferently) {
+  const QString file = recorded();
+  QFile csv(file);
+  ASSERT_TRUE(csv.open(QIODevice::ReadWrite));
+  QByteArray text = csv.readAll();
+  // Another gain than the one that was used.
+  ASSERT_TRUE(text.contains("k_yy = 0.08"));
+  text.replace("k_yy = 0.08", "k_yy = 0.07");
+  csv.resize(0);
+  csv.write(text);
+  csv.close();
+  replay(file);
+  EXPECT_TRUE(alert().contains(QStringLiteral("differently"))) << alert().toStdString();
+  EXPECT_TRUE(alert().contains(QStringLiteral("has been changed"))) << alert().toStdString();
+}
+
+TEST_F(Replay, SaysWhatIsWrongWithAFile) {
+  const QString file = dir.filePath(QStringLiteral("broken.csv"));
+  QFile csv(file);
+  ASSERT_TRUE(csv.open(QIODevice::WriteOnly));
+  csv.write("# skein 0.1.0\nt,tick,r1_x\n0,0,zebra\n");
+  csv.close();
+  start();
+  window.open_recording(file);
+  ASSERT_TRUE(eventually([&] { return window.findChild<QWidget*>(QStringLiteral("problem_dialog")) != nullptr; }));
+  EXPECT_TRUE(running()) << "what ran went on";
+  delete find<QWidget>("problem_dialog");
+}
+
+TEST_F(Replay, ComparesWithASecondRun) {
+  const QString one = recorded(0.008), two = recorded(0.004);
+  replay(one);
+  window.go();
+  window.compare_with(two);
+  ASSERT_TRUE(eventually([&] { return arena().scene().compared.has_value(); }));
+  QTest::mouseClick(&time_line(), Qt::LeftButton, {}, {time_line().width() / 4, time_line().height() / 2});
+  const OtherRun& other = *arena().scene().compared;
+  ASSERT_EQ(other.trails.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_FALSE(other.trails[i].empty());
+    const core::Pose& ghost = other.trails[i].back();
+    const core::Pose here = *arena().scene().pose(i);
+    EXPECT_LT(std::hypot(ghost.x - here.x, ghost.y - here.y), 0.2) << "another time";
+  }
+  find<QAction>("compare_end")->trigger();
+  EXPECT_FALSE(arena().scene().compared.has_value());
+}
+
+TEST_F(Replay, ComparesALiveRunWithTheOneBefore) {
+  start();
+  window.set_speed(20.0);
+  ASSERT_TRUE(eventually([&] { return record().t > 10.0; }));
+  find<QAction>("compare_now")->trigger();
+  ASSERT_TRUE(arena().scene().compared.has_value());
+  window.new_run();
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running() && record().t > 5.0; }));
+  ASSERT_TRUE(arena().scene().compared.has_value()) << "it is gone with the run";
+}
+
+}  // namespace
+}  // namespace skein::ui::test

@@ -1,0 +1,221 @@
+#include "ui/plot_rows.h"
+
+#include <QCoreApplication>
+
+#include "core/geometry/pose.h"
+
+namespace skein::ui {
+namespace {
+
+QString tr(const char* text) {
+  return QCoreApplication::translate("PlotRows", text);
+}
+
+using app::TickRecord;
+constexpr double ms = 1e3;
+
+/// Of robot i, unless it is lost.
+template <typename Value>
+auto known(Value value) {
+  return [value](const TickRecord& record, std::size_t i) {
+    if (i >= record.robots.size() || record.robots[i].is(app::lost)) return app::none;
+    return static_cast<double>(value(record.robots[i]));
+  };
+}
+
+}  // namespace
+
+std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
+  using Of = PlotRow::Of;
+  const app::ControllerSpec& law = experiment.controller;
+  std::vector<PlotRow> rows;
+  const auto add = [&rows](PlotRow row) { rows.push_back(std::move(row)); };
+
+  add({"e_x",
+       "e",
+       "x",
+       tr("[m]"),
+       tr("Tracking error along x, in the world frame"),
+       Of::robot,
+       0.02,
+       false,
+       true,
+       {},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.nominal.pose.x - r.pose.x; })});
+  add({"e_y",
+       "e",
+       "y",
+       tr("[m]"),
+       tr("Tracking error along y, in the world frame"),
+       Of::robot,
+       0.02,
+       false,
+       true,
+       {},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.nominal.pose.y - r.pose.y; })});
+  add({"e_theta",
+       "e",
+       "θ",
+       tr("[rad]"),
+       tr("Tracking error of the heading"),
+       Of::robot,
+       0.1,
+       false,
+       true,
+       {},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return core::wrap_angle(r.nominal.pose.theta - r.pose.theta); })});
+  add({"delta",
+       "δ",
+       "i,j",
+       tr("[m]"),
+       tr("Formation error of neighbours: how much too close"),
+       Of::pair,
+       0.02,
+       false,
+       true,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t i) { return i < record.delta.size() ? record.delta[i] : app::none; }});
+  add({"V",
+       "V",
+       "",
+       tr("[–]"),
+       tr("Lyapunov function"),
+       Of::group,
+       0.002,
+       true,
+       true,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return record.V; }});
+  add({"V_dot",
+       "V̇",
+       "",
+       tr("[1/s]"),
+       tr("dV/dt, if the law's commands were carried out exactly"),
+       Of::group,
+       0.001,
+       false,
+       false,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return record.V_dot; }});
+  add({"v",
+       "v",
+       "",
+       tr("[m/s]"),
+       tr("Commanded speed, and its limits"),
+       Of::robot,
+       0.02,
+       false,
+       false,
+       {-law.v_max, law.v_max},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.command.v; })});
+  add({"omega",
+       "ω",
+       "",
+       tr("[rad/s]"),
+       tr("Commanded turning rate, and its limits"),
+       Of::robot,
+       0.2,
+       false,
+       false,
+       {-law.omega_max, law.omega_max},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.command.omega; })});
+  std::vector<double> shield;
+  if (experiment.shield.enabled) shield.push_back(experiment.shield.distance);
+  add({"min_distance",
+       "d",
+       "min",
+       tr("[m]"),
+       tr("Distance of the closest pair, and the shield's"),
+       Of::group,
+       0.1,
+       true,
+       false,
+       std::move(shield),
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return record.min_distance; }});
+  add({"period",
+       "T",
+       "",
+       tr("[ms]"),
+       tr("Time since the tick before, and what it should be"),
+       Of::group,
+       60.0,
+       true,
+       false,
+       {ms * experiment.period()},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return ms * record.period; }});
+  add({"compute_time",
+       "T",
+       "tick",
+       tr("[ms]"),
+       tr("Time that the tick took"),
+       Of::group,
+       0.01,
+       true,
+       false,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return ms * record.compute_time; }});
+
+  add({"latency",
+       "T",
+       "stage",
+       tr("[ms]"),
+       tr("Time that each stage from frame to answer took"),
+       Of::stage,
+       0.2,
+       true,
+       false,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t stage) { return ms * record.latency.of[stage]; }});
+
+  const std::size_t n = experiment.robots.size();
+  std::size_t next = 0;
+  for (PlotRow& row : rows) {
+    row.first = next;
+    if (row.of == Of::robot)
+      for (std::size_t i = 0; i < n; ++i) row.curves.push_back(QString::number(i + 1));
+    if (row.of == Of::pair)
+      for (std::size_t i = 0; i + 1 < n; ++i) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(i + 2));
+    if (row.of == Of::stage)
+      for (const char* stage : {"capture", "dequeue", "detect", "hand over", "estimate", "law", "write", "answer"})
+        row.curves.push_back(tr(stage));
+    if (row.of == Of::group) row.curves.push_back(QString());
+    next += row.curves.size();
+  }
+  return rows;
+}
+
+std::size_t curve_count(const std::vector<PlotRow>& rows) {
+  return rows.empty() ? 0 : rows.back().first + rows.back().curves.size();
+}
+
+void sample(const std::vector<PlotRow>& rows, const app::TickRecord& record, std::vector<double>& values) {
+  values.clear();
+  for (const PlotRow& row : rows)
+    for (std::size_t i = 0; i < row.curves.size(); ++i) values.push_back(row.value(record, i));
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <QString>
+#include <functional>
+#include <vector>
+
+#include "app/experiment.h"
+#include "app/tick_record.h"
+
+namespace skein::ui {
+
+/// One plot of the panel: what its curves are, and where their values come from.
+struct PlotRow {
+  enum class Of { robot, pair, stage, group };  ///< what there is a curve of
+
+  QString name;                 ///< in menus and in a CSV's head: "e_x"
+  QString symbol, index, unit;  ///< as the paper writes it
+  QString what;                 ///< in a sentence
+  Of of = Of::robot;
+  double least = 0.0;           ///< the smallest height, so that noise does not fill it
+  bool from_zero = false;       ///< else about zero
+  bool usual = false;           ///< shown unless the operator chose otherwise
+  std::vector<double> limits;   ///< dashed lines: what a value must not, or should not, pass
+  std::vector<QString> curves;  ///< names: "1", "1,2", "law"
+  std::size_t first = 0;        ///< its first curve among all of the rows'
+  std::function<double(const app::TickRecord&, std::size_t curve)> value;
+};
+
+/// Every plot there is for an experiment.
+std::vector<PlotRow> plot_rows(const app::Experiment& experiment);
+std::size_t curve_count(const std::vector<PlotRow>& rows);
+/// The values of all curves of all rows at one tick; NaN: none.
+void sample(const std::vector<PlotRow>& rows, const app::TickRecord& record, std::vector<double>& values);
+
+}  // namespace skein::ui
