@@ -113,9 +113,12 @@ void stop_robots_on_crash() {
   std::copy(stop.begin(), stop.end(), asercom_stop.begin());
   static std::array<char, 32 * 1024> stack;  // for an overflow of this thread's own
   stack_t alternative{};
-  alternative.ss_sp = stack.data();
-  alternative.ss_size = stack.size();
-  ::sigaltstack(&alternative, nullptr);
+  if (::sigaltstack(nullptr, &alternative) == 0 && (alternative.ss_flags & SS_DISABLE) != 0) {
+    alternative = {};
+    alternative.ss_sp = stack.data();
+    alternative.ss_size = stack.size();
+    ::sigaltstack(&alternative, nullptr);
+  }
   struct sigaction action {};
   action.sa_handler = on_crash;
   action.sa_flags = SA_ONSTACK;

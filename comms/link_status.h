@@ -48,7 +48,7 @@ struct LinkStatus {
       0;  ///< unwrapped encoder, from the first reading on; a robot's restart adds nothing [steps]
   std::int64_t right_steps = 0;    ///< the same, right wheel [steps]
   Battery battery;                 ///< newest reading; see LinkOptions::battery_period
-  std::string version;             ///< of the firmware, "Version 2.0 January 2018 GCtronic"; empty: not said
+  std::string version{};           ///< of the firmware, "Version 2.0 January 2018 GCtronic"; empty: not said
   bool stop_acknowledged = false;  ///< the robot said "s" and was sent no speed since: it stands
 };
 
