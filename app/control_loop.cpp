@@ -9,6 +9,11 @@
 #include <utility>
 
 namespace skein::app {
+namespace {
+
+constexpr double delay_share = 0.02;  // of a new delay in the mean: two seconds' worth of ticks
+
+}  // namespace
 
 ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
                          std::function<void(const TickRecord&)> report)
@@ -21,6 +26,8 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       newest_(experiment.robots.size()),
       truth_(experiment.robots.size(), core::Pose{none, none, none}),
       wheels_(experiment.robots.size()),
+      command_times_(experiment.robots.size()),
+      delays_(experiment.robots.size()),
       pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]) {
   publish_couplings();
 }
@@ -54,6 +61,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   input.stop = stop_.load(std::memory_order_acquire);
   input.measurements = newest_;
   input.truth = truth_;
+  input.delays = delays_;
   input.commands = {obeyed_.data(), obeyed};
 
   const double began = clock_.now();
@@ -99,8 +107,20 @@ void ControlLoop::cycle(double now, int elapsed) {
 /// The tick before this one: by now its commands are written and answered, or late.
 void ControlLoop::complete_latency() noexcept {
   if (!clock_.wall() || std::isnan(decided_at_)) return;
+  plant_.command_times(decided_at_, command_times_);
   double written_at = none, answered_at = none;
-  plant_.command_times(decided_at_, written_at, answered_at);
+  bool first = true;
+  for (std::size_t i = 0; i < command_times_.size(); ++i) {
+    const auto [written, answered] = command_times_[i];
+    if (written == 0.0) continue;  // no link
+    const auto last = [first](double a, double b) { return first ? b : a >= b || std::isnan(a) ? a : b; };
+    written_at = last(written_at, written);
+    answered_at = last(answered_at, answered);
+    first = false;
+    // Wheels obey when the command arrives: half of the way there and back.
+    const double delay = 0.5 * (written + answered) - decided_at_;
+    if (!std::isnan(delay)) delays_[i] += delays_[i] == 0.0 ? delay : delay_share * (delay - delays_[i]);
+  }
   latency_[Stage::write] = written_at - decided_at_;
   latency_[Stage::acknowledge] = answered_at - written_at;
   if (new_frame_) latency_.total = written_at - frame_.arrived_at;

@@ -110,9 +110,10 @@ void ControlTick::State::estimate(const TickInput& input) noexcept {
     robot.measurement = input.measurements[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
     const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+    robot.actuation_delay =
+        experiment.estimation.actuation_delay.value_or(input.delays.empty() ? 0.0 : input.delays[i]);
     if (seen) look(i);
-    robot.pose = poses[i] =
-        seen ? filters[i].predict(input.now + experiment.estimation.actuation_delay) : core::Pose{none, none, none};
+    robot.pose = poses[i] = seen ? filters[i].predict(input.now + robot.actuation_delay) : core::Pose{none, none, none};
     robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
     doubt[i] = seen ? trusted_deviations *
@@ -220,7 +221,7 @@ void ControlTick::State::drive_wheels() noexcept {
     if (robot.is(stopped)) owed[i] = {};
     choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
     choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
-    filters[i].command(record.now + experiment.estimation.actuation_delay, spec.drive.twist(runs));
+    filters[i].command(record.now + robot.actuation_delay, spec.drive.twist(runs));
     watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
   }
 }

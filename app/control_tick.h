@@ -18,6 +18,7 @@ struct TickInput {
   bool stop = false;  ///< STOP is latched
   std::span<const core::Measurement> measurements;  ///< the newest of each robot
   std::span<const core::Pose> truth;                ///< of each robot, NaN where unknown
+  std::span<const double> delays;  ///< from each robot's command to its wheels, as measured [s]; empty: none
   std::span<const OperatorCommand> commands;
   EventList events;  ///< what the world reports: perturbations, moves, links
 };

@@ -78,7 +78,7 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 25> robot_columns{{
 }};
 // After `mode`. All empty for a robot that was never seen. The newest measurement and `now`, the last column of a row,
 // are what a replay puts in.
-inline constexpr std::array<NumberColumn<RobotRecord>, 7> measurement_columns{{
+inline constexpr std::array<NumberColumn<RobotRecord>, 8> measurement_columns{{
     {"pose_age", [](auto& r) -> decltype(auto) { return (r.pose_age); }},
     {"x_meas", [](auto& r) -> decltype(auto) { return (r.measurement.pose.x); }},
     {"y_meas", [](auto& r) -> decltype(auto) { return (r.measurement.pose.y); }},
@@ -86,6 +86,7 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 7> measurement_columns{{
     {"t_meas", [](auto& r) -> decltype(auto) { return (r.measurement.captured_at); }},
     {"sigma_xy", [](auto& r) -> decltype(auto) { return (r.measurement.sigma_xy); }},
     {"sigma_theta", [](auto& r) -> decltype(auto) { return (r.measurement.sigma_theta); }},
+    {"actuation_delay", [](auto& r) -> decltype(auto) { return (r.actuation_delay); }},
 }};
 
 // After them: r<i>_link, a word, and then

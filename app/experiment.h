@@ -135,8 +135,8 @@ struct LinksSpec {
 };
 
 struct EstimationSpec {
-  double bridge = 0.2;           ///< a pose older than this is no pose: the robot is lost and stops [s]
-  double actuation_delay = 0.0;  ///< from the tick to the moment the wheels obey [s]
+  double bridge = 0.2;                    ///< a pose older than this is no pose: the robot is lost and stops [s]
+  std::optional<double> actuation_delay;  ///< from the tick to the moment the wheels obey [s]; empty: as measured
   core::FilterParameters filter;
 };
 

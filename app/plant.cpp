@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace skein::app {
@@ -109,17 +110,16 @@ void Plant::wait_for_frame(double since, double until) noexcept {
   if (camera_) camera_->wait_for_frame(since, until);
 }
 
-void Plant::command_times(double given_at, double& written_at, double& answered_at) const noexcept {
-  written_at = answered_at = none;
+void Plant::command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept {
+  std::fill(robots.begin(), robots.end(), comms::CommandTimes{});
   if (!links_) return;
-  const auto latest = [&](double monotonic, double& last, bool first) {
+  const auto since = [&](double monotonic) {
     const double at = clock_.from_monotonic(monotonic);
-    last = at < given_at ? none : first ? at : std::isnan(last) ? none : std::max(last, at);
+    return at < given_at ? none : at;
   };
   for (std::size_t k = 0; k < linked_.size(); ++k) {
     const comms::CommandTimes times = links_->times(k);
-    latest(times.written, written_at, k == 0);
-    latest(times.answered, answered_at, k == 0);
+    robots[linked_[k]] = {since(times.written), since(times.answered)};
   }
 }
 

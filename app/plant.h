@@ -33,9 +33,9 @@ class Plant {
   /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all where there
   /// is no camera. Wall clock only; the control thread's.
   void wait_for_frame(double since, double until) noexcept;
-  /// When the last command given to any robot was written and answered: the last of those given since `given_at`, none
-  /// where one of them has not been yet, or where no robot has a link. Session's clock. The control thread's.
-  void command_times(double given_at, double& written_at, double& answered_at) const noexcept;
+  /// When every robot's command that was given since `given_at` was written and answered, on the session's clock; none:
+  /// not yet. Zeros: the robot has no link. The control thread's.
+  void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;
   /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
   /// thread's.
   void act(std::span<const core::WheelSpeeds> wheels);

@@ -174,6 +174,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
 
   ControlTick tick(*experiment);
   std::vector<core::Measurement> measurements(experiment->robots.size());
+  std::vector<double> delays(experiment->robots.size());
   TickRecord row;
   std::int64_t last_tick = 0;
   while (true) {
@@ -188,11 +189,14 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
       for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = row.robots[i].measurement;
     }
     const std::vector<OperatorCommand> commands = commands_of(row);
+    for (std::size_t i = 0; i < delays.size(); ++i)
+      delays[i] = std::isnan(row.robots[i].actuation_delay) ? 0.0 : row.robots[i].actuation_delay;
     TickInput input;
     input.now = row.now;
     input.elapsed = static_cast<int>(std::max<std::int64_t>(1, row.tick - last_tick));
     input.stop = contains(row.events, Event::Kind::stop);
     input.measurements = measurements;
+    input.delays = delays;
     input.commands = commands;
     for (const Event& event : row.events)
       if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move) input.events.add(event);

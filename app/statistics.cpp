@@ -67,7 +67,7 @@ void Statistics::record(const TickRecord& record) {
   if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
   double delay = none;
   for (const RobotRecord& robot : record.robots)
-    if (!robot.is(lost)) delay = std::fmax(delay, robot.pose_age + experiment_.estimation.actuation_delay);
+    if (!robot.is(lost)) delay = std::fmax(delay, robot.pose_age + robot.actuation_delay);
   if (!std::isnan(delay)) loop_delays_.push_back(delay);
   for (std::size_t stage = 0; stage < stages; ++stage) so_far_.latency[stage].add(record.latency.of[stage]);
   so_far_.latency_total.add(record.latency.total);

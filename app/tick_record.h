@@ -47,13 +47,14 @@ enum Limit : std::uint8_t {
 
 /// One robot at one tick. Poses in the world frame.
 struct RobotRecord {
-  core::Measurement measurement;                ///< the newest one at hand
-  double pose_age = none;                       ///< now - captured_at [s]
-  core::Pose pose;                              ///< the pose the law used
-  double sigma_xy = none;                       ///< its standard deviation in the worst direction, when measured [m]
-  core::Pose truth{none, none, none};           ///< simulated robots only
-  core::ReferencePoint nominal;                 ///< of the formation
-  core::ReferencePoint reference;               ///< after avoidance
+  core::Measurement measurement;       ///< the newest one at hand
+  double pose_age = none;              ///< now - captured_at [s]
+  core::Pose pose;                     ///< the pose the law used
+  double sigma_xy = none;              ///< its standard deviation in the worst direction, when measured [m]
+  double actuation_delay = 0.0;        ///< from the tick to the moment the wheels obey: what `pose` is meant for [s]
+  core::Pose truth{none, none, none};  ///< simulated robots only
+  core::ReferencePoint nominal;        ///< of the formation
+  core::ReferencePoint reference;      ///< after avoidance
   core::TrackingError error{none, none, none};  ///< (4), from pose and reference; none while lost
   core::Twist law;                              ///< what (15) gave, before any limit
   core::Twist command;                          ///< after limits and shield
