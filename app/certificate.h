@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/experiment.h"
+#include "core/control/delay_margin.h"
 
 namespace skein::app {
 
@@ -18,6 +19,7 @@ struct Certificate {
     Worst k_x;      ///< smallest k_x of (36) [m/s]; (18a) and (18f) ask for more than 0
     Worst k_theta;  ///< smallest k_theta of (36) [rad/s]; (18a) and (18g) ask for more than 0
     Worst b;        ///< smallest of its coupling parameters (18b)
+    Worst f, g;     ///< smallest margins of (18f) [m/s] and (18g) [rad/s]: 0 where tracking gets all the authority
     Worst v;        ///< largest |v_ref| as a share of v_max
     Worst omega;    ///< largest |omega_ref| as a share of omega_max
     Worst wheel;    ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
@@ -38,11 +40,21 @@ struct Certificate {
     Least v;      ///< smallest |v_ref| [m/s], where it is first so small
     Least omega;  ///< smallest |omega_ref| [rad/s]
     bool continuous_omega = true;
+    double from =
+        0.0;  ///< from when on that case holds; before, references were still setting off or coming to rest [s]
     Case holds = Case::neither;
+  };
+  /// The delay that the loop of the robot and the place bear that bear least, with the gains at the start.
+  struct Delay {
+    core::DelayMargin margin;
+    double t = 0.0;  ///< where along the reference [s]
+    std::size_t robot = 0;
   };
   std::vector<Robot> robots;
   Theorem theorem;
+  Delay delay;
   double v_max = 0.0, omega_max = 0.0;
+  bool fixed = false;  ///< the tracking gains are given
 
   /// (18a-g) hold and the reference is inside the actuators' limits, everywhere.
   bool holds() const noexcept;
@@ -50,6 +62,9 @@ struct Certificate {
 
 /// Goes through the whole reference at the experiment's rate.
 Certificate certify(const Experiment& experiment);
+
+/// The least of all robots beside the straightest, the tightest and the fastest piece of their references.
+Certificate::Delay smallest_delay_margin(const Experiment& experiment);
 
 /// As `key: value` lines.
 std::string as_lines(const Certificate& certificate);

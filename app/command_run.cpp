@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/certificate.h"
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "app/csv_writer.h"
@@ -134,6 +135,7 @@ int run(const RunRequest& request) {
 
   Statistics::Summary summary = statistics.summary();
   summary.stopped = end != Phase::finished;
+  summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
   summary.failure = (*session)->failure().value_or("");
   const VideoStatus video = (*session)->video();
   summary.video_frames = video.frames;

@@ -19,8 +19,24 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       out_(tick_.record()),
       newest_(experiment.robots.size()),
       truth_(experiment.robots.size(), core::Pose{none, none, none}),
-      wheels_(experiment.robots.size()) {
-  for (const core::GainName name : core::gain_names) targets_[static_cast<std::size_t>(name)] = tick_.gain_target(name);
+      wheels_(experiment.robots.size()),
+      pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]) {
+  publish_couplings();
+}
+
+void ControlLoop::publish_couplings() noexcept {
+  const Couplings& couplings = tick_.couplings();
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
+    for (std::size_t j = 0; j < experiment_.robots.size(); ++j) {
+      if (i == j) continue;
+      PairState& state = pairs_[pair(i, j)];
+      for (const core::GainName name : core::gain_names) {
+        const auto k = static_cast<std::size_t>(name);
+        state.now[k].store(core::table(couplings.now(), name)(i, j), std::memory_order_relaxed);
+        state.target[k].store(core::table(couplings.target(), name)(i, j), std::memory_order_relaxed);
+      }
+      state.coupled.store(couplings.coupled(i, j), std::memory_order_relaxed);
+    }
 }
 
 void ControlLoop::cycle(double now, int elapsed) {
@@ -68,8 +84,7 @@ void ControlLoop::cycle(double now, int elapsed) {
       latency_[Stage::hand_over] = began - frame_.ready_at;
     }
   }
-  for (const core::GainName name : core::gain_names)
-    targets_[static_cast<std::size_t>(name)].store(tick_.gain_target(name), std::memory_order_relaxed);
+  publish_couplings();
   const auto unseen =
       std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
   unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),

@@ -42,10 +42,18 @@ class ControlLoop {
   Phase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
   /// The first robot whose pose is not known now, from 0; -1: all are.
   int unseen() const noexcept { return unseen_.load(std::memory_order_acquire); }
+  /// The couplings of the latest tick: their present gains, where these are going, and which pairs are switched off.
+  double gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {
+    return pairs_[pair(i, j)].now[static_cast<std::size_t>(name)].load(std::memory_order_relaxed);
+  }
+  double target(core::GainName name, std::size_t i, std::size_t j) const noexcept {
+    return pairs_[pair(i, j)].target[static_cast<std::size_t>(name)].load(std::memory_order_relaxed);
+  }
+  bool coupled(std::size_t i, std::size_t j) const noexcept {
+    return pairs_[pair(i, j)].coupled.load(std::memory_order_relaxed);
+  }
   /// Whether some robot whose pose is known stands farther from its start than `staging.within`, or looks elsewhere.
   bool away() const noexcept { return away_.load(std::memory_order_acquire); }
-  /// The present targets of the gains (the largest of all pairs), for the window.
-  double target(core::GainName name) const noexcept { return targets_[static_cast<std::size_t>(name)].load(); }
   /// Set when the control thread died; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
@@ -57,6 +65,12 @@ class ControlLoop {
     Event::Kind kind;  // move or kick
     core::Pose value;  // the pose, or in x and y the velocity
   };
+  struct PairState {
+    std::array<std::atomic<double>, 3> now{}, target{};
+    std::atomic<bool> coupled{true};
+  };
+  std::size_t pair(std::size_t i, std::size_t j) const noexcept { return i * experiment_.robots.size() + j; }
+  void publish_couplings() noexcept;
   void thread(const std::stop_token& stop);
   void cycle(double now, int elapsed);
   void complete_latency() noexcept;
@@ -85,7 +99,7 @@ class ControlLoop {
   std::atomic<bool> stop_{false}, failed_{false}, away_{false};
   std::atomic<Phase> phase_{Phase::ready};
   std::atomic<int> unseen_{0};
-  std::array<std::atomic<double>, 3> targets_{};
+  std::unique_ptr<PairState[]> pairs_;
   std::string reason_;
   std::jthread thread_;
 };

@@ -1,16 +1,11 @@
 // Where a run is: what the operator, the clock and the robots' places make of it.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "app/control_tick_state.h"
 
 namespace skein::app {
 namespace {
-
-/// An operator's change of a gain takes at least five seconds from nothing to all of the authority there is: Theorem 1
-/// wants gains that are continuous, and a hand on a slider is not.
-constexpr double operator_ramp = 5.0;
 
 /// Staging is over when everybody has stood so long [s] so near to its start [m, rad].
 constexpr double staged_for = 0.5;
@@ -52,11 +47,7 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
       if (record.phase != Phase::ready) return;
       record.phase = Phase::running;
       for (std::size_t i = 0; i < robots(); ++i) avoidance.reset(i);
-      // What was changed before the run began belongs into its record, or it could not be repeated from it.
-      for (const core::GainName name : core::gain_names)
-        if (changed_before_start[static_cast<std::size_t>(name)])
-          note_gain(Event::Kind::gain, name, core::table(experiment.controller.gains, name).largest(),
-                    core::table(schedule.target(), name).largest());
+      couplings.note_changes_before_start(record.events);
       for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
         const core::Obstacle first = k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{};
         const bool told = record.events.contains(Event::Kind::obstacle, static_cast<int>(k));
@@ -98,25 +89,12 @@ void ControlTick::State::obey(const OperatorCommand& command) noexcept {
       record.events.add({Event::Kind::stage, -1, {}, {}});
       forget_history();
       return;
-    case OperatorCommand::Kind::gain: {
-      const double border = core::gain_border(command.gain, gains, schedule.target(), demand);
-      const double value = std::clamp(command.value, 0.0, border);
-      const double from = core::table(schedule.target(), command.gain).largest();
-      if (command.value > border) note_gain(Event::Kind::gain_held, command.gain, command.value, value);
-      if (value == from) return;
-      if (record.phase == Phase::ready) {  // no motion yet that a jump could disturb
-        schedule.move(command.gain, value, std::numeric_limits<double>::infinity());
-        schedule.step(1.0);
-        changed_before_start[static_cast<std::size_t>(command.gain)] = true;
-        note_gain(Event::Kind::gain, command.gain, from, value);
-        return;
-      }
-      const double authority = command.gain == core::GainName::k_xx ? gains.v_max[0] : gains.omega_max[0];
-      const auto partners = static_cast<double>(std::max<std::size_t>(1, robots() - 1));
-      schedule.move(command.gain, value, authority / partners / operator_ramp);
-      note_gain(Event::Kind::gain, command.gain, from, value);
+    case OperatorCommand::Kind::gain:
+    case OperatorCommand::Kind::pair_gain:
+    case OperatorCommand::Kind::couple:
+    case OperatorCommand::Kind::uncouple:
+      couplings.obey(command, record.phase == Phase::ready, record.events);
       return;
-    }
   }
 }
 

@@ -21,6 +21,15 @@ constexpr double staging_horizon = 3.0;
 /// How many standard deviations a pose is trusted to be off at most.
 constexpr double trusted_deviations = 3.0;
 
+/// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
+/// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
+/// sees.
+double rise_tolerance(const Experiment& e) {
+  const double position = std::max(e.camera.source == "none" ? 0.5e-3 : 1e-3, e.simulation.pose_noise);
+  constexpr double deviations = 8.0, heading_error = 0.3;  // [rad]: its slope by a heading is that heading's error
+  return deviations * (e.controller.k_y * position + heading_error * e.simulation.heading_noise);
+}
+
 }  // namespace
 
 ControlTick::State::State(const Experiment& e)
@@ -28,12 +37,13 @@ ControlTick::State::State(const Experiment& e)
       reference(make_reference(e)),
       demand(reference->demand(e.controller.k_y)),
       gains(make_gains(e)),
-      schedule({gains.k_xx, gains.k_tt, gains.k_yy}),
+      couplings(e, gains, demand),
       obstacles(e.obstacles),
       avoidance(e.robots.size(), obstacles.all().size()),
       shield(e.robots.size(), obstacles.all().size()),
       near(e.robots.size()),
       pairs(e.robots.size()),
+      watch(e.robots.size(), rise_tolerance(e)),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
@@ -68,6 +78,7 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   tick.schedule_gains();
   tick.follow_reference();
   tick.apply_law();
+  tick.watch_descent();
   tick.limit_and_shield();
   tick.drive_wheels();
   tick.account(input);
@@ -116,22 +127,8 @@ void ControlTick::State::estimate(const TickInput& input) noexcept {
 
 /// The coupling gains of this tick: the file's changes and the operator's, ramped.
 void ControlTick::State::schedule_gains() noexcept {
-  for (; next_change < experiment.gain_changes.size(); ++next_change) {
-    const GainChange& change = experiment.gain_changes[next_change];
-    if (!running() || record.t < change.t) break;
-    for (const core::GainName name : core::gain_names) {
-      const std::optional<core::PairTable>& target = name == core::GainName::k_xx   ? change.k_xx
-                                                     : name == core::GainName::k_tt ? change.k_tt
-                                                                                    : change.k_yy;
-      if (!target) continue;
-      note_gain(Event::Kind::schedule, name, core::table(schedule.target(), name).largest(), target->largest());
-      schedule.ramp(name, *target, change.ramp);
-    }
-  }
-  schedule.step(dt);
-  gains.k_xx = schedule.now().k_xx;
-  gains.k_tt = schedule.now().k_tt;
-  gains.k_yy = schedule.now().k_yy;
+  if (running()) couplings.follow_file(record.t, record.events);
+  couplings.step(dt, gains);
 }
 
 /// The formation's reference, and what avoidance (29-34) makes of it; then the tracking gains that these leave (36).
@@ -165,7 +162,7 @@ void ControlTick::State::follow_reference() noexcept {
     std::copy(nominal.begin(), nominal.end(), followed.begin());
   }
   for (std::size_t i = 0; i < robots(); ++i) followed_twists[i] = followed[i].twist;
-  core::use_all_authority(gains, followed_twists);
+  core::use_policy(gains, followed_twists);
 }
 
 /// (4) and (15). The error of a robot that is lost or held counts as zero, which takes it out of the group: nobody is
@@ -181,6 +178,7 @@ void ControlTick::State::apply_law() noexcept {
 void ControlTick::State::limit_and_shield() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
+    robot.limits = 0;
     if (!moving() || is_out(i)) {
       robot.mode |= stopped;
       commands[i] = {};
@@ -188,6 +186,9 @@ void ControlTick::State::limit_and_shield() noexcept {
       continue;
     }
     robot.mode |= !running() ? staging : followed[i] == nominal[i] ? tracking : avoiding;
+    const core::CommandLimits::Biting biting = limits[i].biting(law[i]);
+    robot.limits = static_cast<std::uint8_t>((biting.v ? limit_v : 0) | (biting.omega ? limit_omega : 0) |
+                                             (biting.wheels ? limit_wheels : 0));
     commands[i] = limits[i].limit(law[i]);
     v_limits[i] = limits[i].v_limit(commands[i].omega);
     if (commands[i] != law[i]) robot.mode |= limited;
@@ -220,7 +221,31 @@ void ControlTick::State::drive_wheels() noexcept {
     choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
     choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
     filters[i].command(record.now + experiment.estimation.actuation_delay, spec.drive.twist(runs));
+    watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
   }
+}
+
+/// (20) forbids that V rises. Says where it does and nothing explains it: neither a hand nor a robot that was lost or
+/// found (within the time in which the filter comes to believe the new pose).
+void ControlTick::State::watch_descent() noexcept {
+  constexpr double settles = 0.5;  // [s]
+  for (const Event& event : record.events) switch (event.kind) {
+      case Event::Kind::perturb:
+      case Event::Kind::kidnap:
+      case Event::Kind::move:
+      case Event::Kind::kick:
+      case Event::Kind::hold:
+      case Event::Kind::release:
+      case Event::Kind::lost:
+      case Event::Kind::found:
+        explained_until = record.now + experiment.simulation.latency + settles;
+        break;
+      default:
+        break;
+    }
+  if (!running() || record.now < explained_until) watch.forget();
+  const double rise = watch.step(gains, poses, followed, errors, record.period);
+  if (rise > 0.0) record.events.add({Event::Kind::v_rise, -1, {}, {rise, 0.0, 0.0}});
 }
 
 /// Everything that this tick did, for the log, the plots and the tests.
@@ -259,8 +284,8 @@ double ControlTick::next_time(int elapsed) const noexcept {
   return static_cast<double>(tick.record.tick + (tick.running() ? elapsed : 0)) / tick.experiment.rate;
 }
 
-double ControlTick::gain_target(core::GainName name) const noexcept {
-  return core::table(state_->schedule.target(), name).largest();
+const Couplings& ControlTick::couplings() const noexcept {
+  return state_->couplings;
 }
 
 const TickRecord& ControlTick::record() const noexcept {

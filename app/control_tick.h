@@ -4,20 +4,12 @@
 #include <memory>
 #include <span>
 
+#include "app/couplings.h"
 #include "app/experiment.h"
+#include "app/operator_command.h"
 #include "app/tick_record.h"
 
 namespace skein::app {
-
-/// What the operator, or the program for them, asks of the next tick.
-struct OperatorCommand {
-  enum class Kind : std::uint8_t { start, pause, resume, gain, obstacle, hold, release, stage };
-  Kind kind = Kind::start;
-  core::GainName gain = core::GainName::k_xx;
-  double value = 0.0;         ///< of the gain, for all pairs
-  std::size_t number = 0;     ///< of the obstacle, or of the robot that is held or released
-  core::Obstacle obstacle{};  ///< where it stands from now on; radius 0: nowhere
-};
 
 /// Everything that a tick may know.
 struct TickInput {
@@ -50,8 +42,8 @@ class ControlTick {
   /// The time of the experiment that the next tick will have, if `elapsed` ticks pass until then. [s]
   double next_time(int elapsed) const noexcept;
 
-  /// Where a gain is going (the largest of all pairs).
-  double gain_target(core::GainName name) const noexcept;
+  /// The couplings as they are, and where they are going.
+  const Couplings& couplings() const noexcept;
 
   const TickRecord& record() const noexcept;  ///< of the latest tick
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include "core/avoidance/avoidance.h"
 #include "core/avoidance/near_robots.h"
 #include "core/control/coordination_law.h"
+#include "core/control/descent_watch.h"
 #include "core/estimation/pose_filter.h"
 
 namespace skein::app {
@@ -33,6 +33,7 @@ struct ControlTick::State {
   void account(const TickInput& input) noexcept;
 
   void watch_staging() noexcept;
+  void watch_descent() noexcept;
 
   bool running() const noexcept { return record.phase == Phase::running; }
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
@@ -44,9 +45,6 @@ struct ControlTick::State {
   }
   void note_obstacle(std::size_t k, const core::Obstacle& o) noexcept {
     record.events.add({Event::Kind::obstacle, static_cast<int>(k), {}, {o.x, o.y, o.radius}});
-  }
-  void note_gain(Event::Kind kind, core::GainName gain, double from, double to) noexcept {
-    record.events.add({kind, -1, gain, {from, to, 0.0}});
   }
 
   // What the experiment says.
@@ -61,15 +59,15 @@ struct ControlTick::State {
   double motion_dt = 0.0;  // the same of everything that drives: while staging as well
   Phase after_staging = Phase::ready;
   double stood_for = 0.0;  // at the starts, while staging [s]
-  std::size_t next_change = 0;
   core::Gains gains;
-  core::GainSchedule schedule;
-  std::array<bool, 3> changed_before_start{};
+  Couplings couplings;
   core::ObstacleField obstacles;
   core::Avoidance avoidance;
   core::Shield shield;
   core::NearRobots near;
   core::LawPairs pairs;  // workspace of the law
+  core::DescentWatch watch;
+  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
   std::vector<core::PoseFilter> filters;
   std::vector<bool> seen_before;
   std::vector<bool> held;               // made to stand by the operator

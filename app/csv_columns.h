@@ -108,6 +108,13 @@ inline constexpr std::array<ModeName, 7> mode_names{{{staging, "staging"},
                                                      {stopped, "stopped"},
                                                      {lost, "lost"}}};
 
+struct LimitName {
+  Limit limit;
+  std::string_view name;
+};
+inline constexpr std::array<LimitName, 3> limit_names{
+    {{limit_v, "v"}, {limit_omega, "omega"}, {limit_wheels, "wheels"}}};
+
 /// The lines before the header row.
 inline constexpr std::string_view version_line = "# skein ";
 inline constexpr std::string_view experiment_line = "# experiment: ";

@@ -22,14 +22,17 @@ bool read_cell(std::string_view cell, double& value) {
   return cell.empty() || read_number(cell, value);
 }
 
-bool read_mode(std::string_view cell, std::uint8_t& bits) {
+/// Words joined by +, each of them a bit; `names` is mode_names or limit_names.
+template <typename Names>
+bool read_words(std::string_view cell, const Names& names, std::uint8_t& bits) {
   bits = 0;
   while (!cell.empty()) {
     const std::size_t end = std::min(cell.find('+'), cell.size());
-    const auto found = std::find_if(mode_names.begin(), mode_names.end(),
-                                    [&](const ModeName& mode) { return mode.name == cell.substr(0, end); });
-    if (found == mode_names.end()) return false;
-    bits |= static_cast<std::uint8_t>(found->mode);
+    const auto found =
+        std::find_if(names.begin(), names.end(), [&](const auto& each) { return each.name == cell.substr(0, end); });
+    if (found == names.end()) return false;
+    const auto& [bit, name] = *found;
+    bits |= static_cast<std::uint8_t>(bit);
     cell.remove_prefix(std::min(end + 1, cell.size()));
   }
   return true;
@@ -143,7 +146,12 @@ void CsvReader::find_columns() {
       r.robots[i].link.state = comms::link_state(cell);
       return cell.empty() || r.robots[i].link.state.has_value();
     };
-    known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) { return read_mode(cell, r.robots[i].mode); };
+    known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) {
+      return read_words(cell, mode_names, r.robots[i].mode);
+    };
+    known[prefix + "limit"] = [i](TickRecord& r, std::string_view cell) {
+      return read_words(cell, limit_names, r.robots[i].limits);
+    };
   }
   for (const std::string& column : columns_) {
     const auto found = known.find(column);
@@ -168,6 +176,7 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
     if (stores_[i] && !stores_[i](record, cells_[i]))
       return error(fmt::format("column {}: found \"{}\", allowed: {}", columns_[i], cells_[i],
                                columns_[i].ends_with("mode")    ? "modes joined by +"
+                               : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
                                : columns_[i].ends_with("_link") ? "a link's state"
                                : columns_[i] == "event"         ? "events joined by \"; \""
                                : columns_[i] == "tick"          ? "a whole number"

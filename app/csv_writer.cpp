@@ -27,6 +27,12 @@ struct CsvWriter::Impl {
       if (bits & mode) row.append(joint).append(name), joint = "+";
     row += ',';
   }
+  void limits(std::uint8_t bits) {
+    const char* joint = "";
+    for (const auto& [limit, name] : limit_names)
+      if (bits & limit) row.append(joint).append(name), joint = "+";
+    row += ',';
+  }
   void robot(const RobotRecord& record) {
     for (const auto& column : robot_columns) number(column.get(record));
     mode(record.mode);
@@ -36,6 +42,7 @@ struct CsvWriter::Impl {
     if (record.link.state) row += comms::to_text(*record.link.state);
     row += ',';
     for (const auto& column : link_columns) number(column.get(record));
+    limits(record.limits);
   }
 
   void head(const Experiment& experiment) {
@@ -61,6 +68,7 @@ struct CsvWriter::Impl {
       row += fmt::format("r{}_how,", i);
       row += fmt::format("r{}_link,", i);
       for (const auto& column : link_columns) row += fmt::format("r{}_{},", i, column.name);
+      row += fmt::format("r{}_limit,", i);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     row += "now\n";

@@ -15,19 +15,22 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 23> words{
-    {{Kind::start, "start"},       {Kind::pause, "pause"},
-     {Kind::resume, "resume"},     {Kind::stop, "stop"},
-     {Kind::perturb, "perturb"},   {Kind::kidnap, "kidnap"},
-     {Kind::move, "move"},         {Kind::hold, "hold"},
-     {Kind::release, "release"},   {Kind::kick, "kick"},
-     {Kind::obstacle, "obstacle"}, {Kind::gain, "gain"},
-     {Kind::schedule, "schedule"}, {Kind::gain_held, "gain_held"},
-     {Kind::lost, "lost"},         {Kind::found, "found"},
-     {Kind::avoid, "avoid"},       {Kind::clear, "clear"},
-     {Kind::stage, "stage"},       {Kind::staged, "staged"},
-     {Kind::deadlock, "deadlock"}, {Kind::deadline_missed, "deadline_missed"},
-     {Kind::link, "link"}}};
+constexpr std::array<std::pair<Kind, std::string_view>, 28> words{
+    {{Kind::start, "start"},         {Kind::pause, "pause"},
+     {Kind::resume, "resume"},       {Kind::stop, "stop"},
+     {Kind::perturb, "perturb"},     {Kind::kidnap, "kidnap"},
+     {Kind::move, "move"},           {Kind::hold, "hold"},
+     {Kind::release, "release"},     {Kind::kick, "kick"},
+     {Kind::obstacle, "obstacle"},   {Kind::gain, "gain"},
+     {Kind::schedule, "schedule"},   {Kind::gain_held, "gain_held"},
+     {Kind::pair_gain, "pair_gain"}, {Kind::pair_gain_held, "pair_gain_held"},
+     {Kind::couple, "couple"},       {Kind::uncouple, "uncouple"},
+
+     {Kind::lost, "lost"},           {Kind::found, "found"},
+     {Kind::avoid, "avoid"},         {Kind::clear, "clear"},
+     {Kind::stage, "stage"},         {Kind::staged, "staged"},
+     {Kind::deadlock, "deadlock"},   {Kind::deadline_missed, "deadline_missed"},
+     {Kind::v_rise, "v_rise"},       {Kind::link, "link"}}};
 
 std::string_view link_word(double state) {
   return comms::to_text(static_cast<comms::LinkState>(static_cast<int>(state)));
@@ -51,7 +54,7 @@ std::vector<std::string_view> split(std::string_view text) {
 
 /// What stands behind word and robot: numbers, bare or as name=number; the name of a gain; a link's state.
 bool read_detail(std::string_view text, Event& event, std::size_t& values) {
-  for (const core::GainName gain : core::gain_names)
+  for (const core::GainName gain : core::pair_names)
     if (text == name(gain)) {
       event.gain = gain;
       return true;
@@ -70,14 +73,17 @@ bool read_detail(std::string_view text, Event& event, std::size_t& values) {
 }  // namespace
 
 const char* name(core::GainName gain) noexcept {
-  return gain == core::GainName::k_xx ? "k_xx" : gain == core::GainName::k_tt ? "k_tt" : "k_yy";
+  constexpr std::array names{"k_xx", "k_tt", "k_yy", "c_xx", "c_tt", "c_yy", "l_xx", "l_tt"};
+  return names[static_cast<std::size_t>(gain)];
 }
 
 std::string describe(const Event& event) {
   const auto [a, b, c] = event.values;
   const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == event.kind; });
   std::string text(word->second);
-  if (event.robot >= 0) text += fmt::format(" {}{}", event.kind == Kind::obstacle ? 'o' : 'r', event.robot + 1);
+  const char letter = event.kind == Kind::obstacle ? 'o' : 'r';
+  for (const int number : {event.robot, event.other})
+    if (number >= 0) text += fmt::format(" {}{}", letter, number + 1);
   switch (event.kind) {
     case Kind::perturb:
     case Kind::kidnap:
@@ -91,8 +97,11 @@ std::string describe(const Event& event) {
     case Kind::gain:
     case Kind::schedule:
     case Kind::gain_held:
+    case Kind::pair_gain:
+    case Kind::pair_gain_held:
       return text + fmt::format(" {} {} -> {}", name(event.gain), a, b);
     case Kind::deadline_missed:
+    case Kind::v_rise:
       return text + fmt::format(" {}", a);
     case Kind::link:
       return text + fmt::format(" {}", link_word(a));
@@ -118,8 +127,8 @@ std::optional<Event> parse_event(std::string_view text) {
   std::size_t values = 0;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     int robot = 0;
-    if (i == 1 && parts[i].starts_with(event.kind == Kind::obstacle ? 'o' : 'r') && read(parts[i].substr(1), robot))
-      event.robot = robot - 1;
+    if (i <= 2 && parts[i].starts_with(event.kind == Kind::obstacle ? 'o' : 'r') && read(parts[i].substr(1), robot))
+      (i == 1 ? event.robot : event.other) = robot - 1;
     else if (!read_detail(parts[i], event, values))
       return std::nullopt;
   }

@@ -29,6 +29,10 @@ struct Event {
     gain,             // name; values from, to: the operator's new target for all pairs
     schedule,         // name; values from, to: a [[gain_change]] of the file begins
     gain_held,        // name; values asked for, held at: (18) forbids more
+    pair_gain,        // robot, other, name; values from, to: the operator's new target for one pair
+    pair_gain_held,   // robot, other, name; values asked for, held at
+    couple,           // robot, other: coupled again
+    uncouple,         // robot, other: not coupled any more
     lost,             // robot: no pose within the bridge time, it was stopped
     found,            // robot: its pose is back
     avoid,            // robot: entered a detection region
@@ -37,19 +41,21 @@ struct Event {
     staged,           // everybody stands at its start
     deadlock,         // robot: field or shield held it up and brought it no nearer to its place; it takes a way round
     deadline_missed,  // values[0]: how many ticks were skipped
+    v_rise,           // values[0]: V has risen so much, and nothing that is known explains it
     link,             // robot; values[0]: comms::LinkState: lost for longer than the bridge time, or up again
   };
   Kind kind = Kind::start;
   int robot = -1;  ///< from 0; -1: none (of `obstacle`: the obstacle's number)
   core::GainName gain = core::GainName::k_xx;
   std::array<double, 3> values{};
+  int other = -1;  ///< the second robot of a pair, from 0; -1: none
 };
 
 /// A bounded list that never allocates; what does not fit is counted.
 class EventList {
  public:
-  /// What is changed before a start comes with it, all in one tick: every gain and a crowd of obstacles.
-  static constexpr std::size_t capacity = 48;
+  /// What is changed before a start comes with it, all in one tick: every gain, gains of pairs, a crowd of obstacles.
+  static constexpr std::size_t capacity = 96;
 
   void add(const Event& event) noexcept {
     if (size_ < capacity)

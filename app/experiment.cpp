@@ -28,6 +28,13 @@ std::shared_ptr<const core::Path> centred_path(const PathSpec& path) {
   return std::make_shared<core::RoundedRectangle>(path.width, path.height, path.radius);
 }
 
+std::vector<core::SpacingChange> spacings(const ReferenceSpec& reference) {
+  std::vector<core::SpacingChange> changes;
+  for (const ReferenceChange& change : reference.changes)
+    changes.push_back({change.t, change.duration, change.shape.spacing});
+  return changes;
+}
+
 core::Shape places(const ShapeSpec& spec, std::size_t robots) {
   return spec.offsets.empty() ? core::make_shape(spec.shape, robots, spec.spacing) : spec.offsets;
 }
@@ -45,6 +52,7 @@ std::shared_ptr<const core::Path> make_path(const PathSpec& path) {
 }
 
 std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& t, const ReferenceSpec& defaults) {
+  if (!t.samples.empty()) return std::make_unique<core::Timetable>(t.samples);
   auto path = make_path(t.path);
   const double speed = t.speed.value_or(defaults.speed), most = t.acceleration.value_or(defaults.acceleration);
   if (!t.from_rest_to_rest()) return std::make_unique<core::Rounds>(std::move(path), speed, t.start);
@@ -58,7 +66,7 @@ std::unique_ptr<const core::Reference> make_reference(const Experiment& experime
   const ReferenceSpec& r = experiment.reference;
   const std::size_t n = experiment.robots.size();
   if (r.kind == ReferenceSpec::Kind::platoon)
-    return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start);
+    return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start, spacings(r));
   if (r.kind == ReferenceSpec::Kind::independent) {
     std::vector<std::unique_ptr<const core::Trajectory>> trajectories;
     for (const RobotSpec& robot : experiment.robots)
@@ -84,14 +92,17 @@ core::Gains make_gains(const Experiment& experiment) {
   gains.c_x.assign(n, c.c_x);
   gains.c_theta.assign(n, c.c_theta);
   gains.k_xx = c.gains.k_xx;
-  gains.c_xx.fill(c.c_xx);
-  gains.l_xx.fill(c.l_xx);
+  gains.c_xx = c.gains.c_xx;
+  gains.l_xx = c.gains.l_xx;
   gains.k_tt = c.gains.k_tt;
-  gains.c_tt.fill(c.c_tt);
-  gains.l_tt.fill(c.l_tt);
+  gains.c_tt = c.gains.c_tt;
+  gains.l_tt = c.gains.l_tt;
   gains.k_yy = c.gains.k_yy;
-  gains.c_yy.fill(c.c_yy);
-  core::use_all_authority(gains, std::vector<core::Twist>(n));
+  gains.c_yy = c.gains.c_yy;
+  gains.policy = c.policy;
+  gains.k_x.assign(n, c.k_x);
+  gains.k_theta.assign(n, c.k_theta);
+  core::use_policy(gains, std::vector<core::Twist>(n));
   return gains;
 }
 

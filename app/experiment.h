@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "core/estimation/pose_filter.h"
 #include "core/kinematics/step_rate.h"
 #include "core/reference/formation.h"
+#include "core/reference/timetable.h"
 #include "core/reference/trajectory.h"
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
@@ -42,7 +44,7 @@ struct ShapeSpec {
 
 struct ReferenceChange {
   double t = 0.0, duration = 0.0;  ///< [s]
-  ShapeSpec shape;
+  ShapeSpec shape;                 ///< of a platoon its spacing alone, along the path
 };
 
 struct ReferenceSpec {
@@ -57,7 +59,7 @@ struct ReferenceSpec {
   double start = 1.6;     ///< arc length at which robot 1, or the centre, begins [m]
   PathSpec path;
   ShapeSpec shape;                       ///< of a formation
-  std::vector<ReferenceChange> changes;  ///< of a formation, in the order of t
+  std::vector<ReferenceChange> changes;  ///< in the order of t
   double acceleration = 0.1;             ///< of trajectories that say nothing else [m/s^2]
   bool may_meet = false;                 ///< of trajectories: the shield is to keep robots apart whose references meet
 };
@@ -72,6 +74,8 @@ struct TrajectorySpec {
   std::optional<double> distance;  ///< from rest to rest; empty: to the end of an open path, a closed one for ever [m]
   std::optional<double> duration;  ///< instead of speed: from rest to rest [s]
   double turn_rate = 0.0;          ///< on the spot, after the arrival [rad/s]
+  std::vector<core::TimedPoint> samples;  ///< instead of all this: places and their times
+  std::vector<double> headings;           ///< of the samples, where the file gives them; only to be checked [rad]
 
   bool from_rest_to_rest() const noexcept { return distance || !path.closed; }
 };
@@ -80,17 +84,22 @@ struct ControllerSpec {
   core::Saturation saturation = core::Saturation::tanh;
   core::Coupling coupling = core::Coupling::paper;
   double v_max = 0.1, omega_max = 1.7;
-  double c_x = 20.0, c_xx = 1.5, l_xx = 100.0;
-  double c_theta = 1.0, c_tt = 0.04, l_tt = 100.0;
-  double c_yy = 1.5, k_y = 11.0, k = 200.0;
-  core::CouplingGains gains;  ///< (36): 0.008, 0.025, 0.08
+  double c_x = 20.0, c_theta = 1.0, k_y = 11.0, k = 200.0;
+  core::GainPolicy policy = core::GainPolicy::authority;
+  double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed" [m/s, rad/s]
+  core::CouplingGains gains;        ///< of all pairs; those of (36) unless the file says otherwise
 };
 
-/// From time t on, the given gains move to new values at a constant rate within `ramp` seconds.
+/// From time t on, the given parameters of the couplings move to new values at a constant rate within `ramp` seconds.
 struct GainChange {
   double t = 0.0;
   double ramp = 1.0;
-  std::optional<core::PairTable> k_xx, k_tt, k_yy;
+  std::array<std::optional<core::PairTable>, core::pair_names.size()> tables;  ///< in the order of core::pair_names
+
+  std::optional<core::PairTable>& operator[](core::GainName name) { return tables[static_cast<std::size_t>(name)]; }
+  const std::optional<core::PairTable>& operator[](core::GainName name) const {
+    return tables[static_cast<std::size_t>(name)];
+  }
 };
 
 struct RobotSpec {

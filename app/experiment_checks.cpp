@@ -101,6 +101,16 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
   const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
   if (e.reference.kind == ReferenceSpec::Kind::independent) return check_trajectory_speeds(e, problems);
   const double curvature = make_path(e.reference.path)->largest_curvature();
+  if (const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
+      platoon && demand.v > e.reference.speed &&
+      (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)) {
+    problems.add(
+        "reference.change",
+        fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for which {} fails whatever "
+                    "the couplings, allowed: changes that take longer",
+                    demand.v, demand.v >= e.controller.v_max ? "(18f)" : "(18g)"));
+    return;
+  }
   const double share = std::max(demand.v / e.controller.v_max, demand.turning / e.controller.omega_max);
   const double fastest = e.reference.speed / share;  // all velocities grow with it
   if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)
@@ -110,6 +120,32 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
                     "omega_max {}, k_y {} and bends of {:.4g} m",
                     e.reference.speed, demand.v >= e.controller.v_max ? "(18f)" : "(18g)", fastest, e.controller.v_max,
                     e.controller.omega_max, e.controller.k_y, 1.0 / curvature));
+}
+
+/// (18f, g) with tracking gains that are given, at the key of the file that fails first.
+void check_fixed(const ControllerSpec& c, const core::ReferenceDemand& demand, const core::CouplingGains& gains,
+                 const std::string& place, std::size_t robots, Problems& problems) {
+  constexpr double rounding = 1e-12;
+  const auto check = [&](const char* equation, const char* name, double given, double whole, double reference,
+                         const std::vector<double>& couplings) {
+    const auto most = std::max_element(couplings.begin(), couplings.end());
+    const double left = whole - reference - *most;
+    if (given <= left + rounding) return;
+    const std::string said = fmt::format(
+        "{} fails for robot {} by {:.4g}: {:.6g} - reference {:.6g} - couplings {:.6g} "
+        "leaves {:.6g} for {} = {}",
+        equation, most - couplings.begin() + 1, given - left, whole, reference, *most, left, name, given);
+    problems.add(place == "controller" ? fmt::format("controller.{}", name) : place,
+                 left > 0.0 ? fmt::format("{}, allowed: up to {:.6g}", said, left)
+                            : fmt::format("{}, allowed: less of the reference or the couplings", said));
+  };
+  std::vector<double> forward, turning;
+  for (std::size_t i = 0; i < robots; ++i) {
+    forward.push_back(gains.k_xx.row_sum(i));
+    turning.push_back(gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i));
+  }
+  check("(18f)", "k_x", c.k_x, c.v_max, demand.v, forward);
+  check("(18g)", "k_theta", c.k_theta, c.omega_max, demand.turning, turning);
 }
 
 void check_gains(const Experiment& e, const core::Reference& reference, Problems& problems) {
@@ -145,6 +181,7 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                 e.robots.size(), problems);
   };
   core::CouplingGains gains = c.gains;
+  if (c.policy == core::GainPolicy::fixed) check_fixed(c, demand, gains, "controller", e.robots.size(), problems);
   check_xx(gains, "controller.gains");
   check_tt_yy(gains, "controller.gains");
 
@@ -155,11 +192,12 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
   for (const std::size_t i : order) {
     const GainChange& change = e.gain_changes[i];
     const std::string place = fmt::format("gain_change.{}", i + 1);
-    if (change.k_xx) gains.k_xx = *change.k_xx;
-    if (change.k_tt) gains.k_tt = *change.k_tt;
-    if (change.k_yy) gains.k_yy = *change.k_yy;
-    if (change.k_xx) check_xx(gains, place);
-    if (change.k_tt || change.k_yy) check_tt_yy(gains, place);
+    if (change[core::GainName::k_xx]) gains.k_xx = *change[core::GainName::k_xx];
+    if (change[core::GainName::k_tt]) gains.k_tt = *change[core::GainName::k_tt];
+    if (change[core::GainName::k_yy]) gains.k_yy = *change[core::GainName::k_yy];
+    if (change[core::GainName::k_xx]) check_xx(gains, place);
+    if (change[core::GainName::k_tt] || change[core::GainName::k_yy]) check_tt_yy(gains, place);
+    if (c.policy == core::GainPolicy::fixed) check_fixed(c, demand, gains, place, e.robots.size(), problems);
   }
 }
 

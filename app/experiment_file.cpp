@@ -12,6 +12,7 @@
 #include "app/experiment_checks.h"
 #include "app/experiment_sets.h"
 #include "app/experiment_tables.h"
+#include "app/sample_file.h"
 #include "app/toml_table.h"
 
 namespace skein::app {
@@ -36,23 +37,25 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   auto parsed = parse_toml(text, file);
   if (!parsed) return tl::unexpected(parsed.error());
   toml::table& document = *parsed;
-  std::vector<Problem> refused_sets;
-  apply_sets(document, sets, refused_sets);
+  std::vector<Problem> refused;
+  apply_sets(document, sets, refused);
+  const std::string directory = std::filesystem::path(file).parent_path().string();
+  const bool embedded = embed_samples(document, directory, refused);
 
   Experiment experiment;
   Problems problems(document, file);
   read_tables(document, experiment, problems);
   check_together(experiment, problems);
-  if (!problems.empty() || !refused_sets.empty()) {
+  if (!problems.empty() || !refused.empty()) {
     std::vector<Problem> all = std::move(problems).sorted();
-    all.insert(all.end(), refused_sets.begin(), refused_sets.end());
+    all.insert(all.end(), refused.begin(), refused.end());
     return tl::unexpected(std::move(all));
   }
   sort_by_time(experiment.gain_changes);  // only now: places in the file are found by number
   sort_by_time(experiment.perturbations);
-  experiment.source = sets.empty() ? std::string(text) : written(document);
+  experiment.source = sets.empty() && !embedded ? std::string(text) : written(document);
   if (!experiment.source.empty() && !experiment.source.ends_with('\n')) experiment.source += '\n';
-  experiment.directory = std::filesystem::path(file).parent_path().string();
+  experiment.directory = directory;
   return experiment;
 }
 

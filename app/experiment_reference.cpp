@@ -45,7 +45,12 @@ void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
     c.number("t", change.t, between(0.0, longest_run, "s"));
     c.require("duration", "how long the change takes in s");
     c.number("duration", change.duration, above(0.0, longest_run, "s"));
-    read_shape(c, change.shape, e.robots.size());
+    if (e.reference.kind == Kind::platoon) {
+      c.require("spacing", "the new spacing in m, along the path");
+      c.number("spacing", change.shape.spacing, above(0.0, longest, "m"));
+    } else {
+      read_shape(c, change.shape, e.robots.size());
+    }
     c.finish();
     if (++k > 1 && change.t < free_from)
       problems.add(
@@ -86,7 +91,8 @@ void for_each_moment(const Experiment& e, const core::Reference& reference, Visi
 struct Offset {
   double dx, dy;  ///< [m]
   std::size_t i, j;
-  double t;  ///< of a platoon, which is looked at along its path, 0 [s]
+  double t;              ///< of a platoon, which is looked at along its path, 0 [s]
+  double spacing = 0.0;  ///< of a platoon [m]
 };
 
 /// Calls `visit` with the offset between two references: every pair, all along the path.
@@ -95,14 +101,20 @@ void for_each_offset(const Experiment& e, const core::Reference& reference, Visi
   if (e.reference.kind == Kind::platoon) {
     constexpr int samples = 2000;  // 2 mm on the paper's path
     const auto path = make_path(e.reference.path);
-    for (int k = 0; k < samples; ++k) {
-      const double s = path->length() * k / samples;
-      const core::Pose ahead = path->at(s).pose;
-      for (std::size_t j = 1; j < e.robots.size(); ++j) {
-        const core::Pose behind = path->at(s - static_cast<double>(j) * e.reference.spacing).pose;
-        visit(Offset{ahead.x - behind.x, ahead.y - behind.y, 0, j, 0.0});
+    std::vector<double> spacings{e.reference.spacing};
+    constexpr int between = 8;  // the spacings on the way to another one
+    for (const ReferenceChange& change : e.reference.changes)
+      for (int k = 1; k <= between; ++k)
+        spacings.push_back(spacings.back() + (change.shape.spacing - spacings.back()) / (between + 1 - k));
+    for (const double spacing : spacings)
+      for (int k = 0; k < samples; ++k) {
+        const double s = path->length() * k / samples;
+        const core::Pose ahead = path->at(s).pose;
+        for (std::size_t j = 1; j < e.robots.size(); ++j) {
+          const core::Pose behind = path->at(s - static_cast<double>(j) * spacing).pose;
+          visit(Offset{ahead.x - behind.x, ahead.y - behind.y, 0, j, 0.0, spacing});
+        }
       }
-    }
     return;
   }
   std::vector<core::ReferencePoint> points(e.robots.size());
@@ -160,10 +172,10 @@ void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
   const double wide = 2.0 * core::robot_radius, nearest = std::hypot(at.dx, at.dy);
   if (e.reference.kind == Kind::platoon)
     problems.add(
-        "reference.spacing",
+        at.spacing == e.reference.spacing ? "reference.spacing" : "reference.change",
         fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
                     "room on a path of {:.4g} m for {} robots",
-                    e.reference.spacing, wide, nearest, make_path(e.reference.path)->length(), e.robots.size()));
+                    at.spacing, wide, nearest, make_path(e.reference.path)->length(), e.robots.size()));
   else if (e.reference.kind == Kind::formation)
     problems.add(e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
                  fmt::format("found places, or a change of them, with which robots of {} m width come within {:.4g} m "
@@ -224,8 +236,8 @@ void read_reference(TomlTable t, Experiment& e, Problems& problems) {
       t.number("spacing", r.spacing, above(0.0, longest, "m"));
     } else {
       read_shape(t, r.shape, e.robots.size());
-      read_changes(t, e, problems);
     }
+    read_changes(t, e, problems);
     read_path(t.table("path"), r.path, true);
   }
   t.finish();

@@ -39,8 +39,7 @@ void read_arena(TomlTable t, Experiment& e) {
 }
 
 /// One number for all pairs, or [[i, j, value], ...] with 0 for the pairs not listed.
-void read_gain(TomlTable& t, const char* key, core::PairTable& gain, Problems& problems) {
-  constexpr Range range = between(0.0, 100.0);
+void read_gain(TomlTable& t, const char* key, core::PairTable& gain, const Range& range, Problems& problems) {
   const toml::node* const found = t.node(key);
   if (!found) return;
   if (!found->is_array()) {
@@ -83,24 +82,46 @@ void read_gain(TomlTable& t, const char* key, core::PairTable& gain, Problems& p
   }
 }
 
+/// A parameter of the couplings: its key, and the numbers that it may have (18b).
+struct PairKey {
+  core::GainName name;
+  const char* key;
+  Range range;
+};
+constexpr PairKey pair_keys[] = {{core::GainName::k_xx, "k_xx", between(0.0, 100.0)},
+                                 {core::GainName::k_tt, "k_tt", between(0.0, 100.0)},
+                                 {core::GainName::k_yy, "k_yy", between(0.0, 100.0)},
+                                 {core::GainName::c_xx, "c_xx", between(0.0, 1e4, "1/m")},
+                                 {core::GainName::c_tt, "c_tt", between(0.0, 1e4, "1/rad")},
+                                 {core::GainName::c_yy, "c_yy", between(0.0, 1e4, "1/m")},
+                                 {core::GainName::l_xx, "l_xx", between(0.0, 1e6, "1/m^2")},
+                                 {core::GainName::l_tt, "l_tt", between(0.0, 1e6, "1/rad^2")}};
+
+/// The tracking gains, where they are not what (18f, g) leaves.
+void read_policy(TomlTable& t, ControllerSpec& c) {
+  t.choice("policy", c.policy, {{"authority", core::GainPolicy::authority}, {"fixed", core::GainPolicy::fixed}});
+  const bool fixed = c.policy == core::GainPolicy::fixed;
+  for (const auto& [key, target] : {std::pair{"k_x", &c.k_x}, std::pair{"k_theta", &c.k_theta}}) {
+    if (fixed) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
+    if (!fixed && t.has(key))
+      t.refuse(key, *t.node(key), "with policy = \"fixed\"; else it is what (18f, g) leave, as in (36)");
+    t.number(key, *target, above(0.0, 100.0));  // (18a)
+  }
+}
+
 void read_controller(TomlTable t, ControllerSpec& c, Problems& problems) {
   t.choice("saturation", c.saturation, {{"tanh", core::Saturation::tanh}, {"algebraic", core::Saturation::algebraic}});
   t.choice("coupling", c.coupling, {{"paper", core::Coupling::paper}, {"bounded", core::Coupling::bounded}});
   t.number("v_max", c.v_max, above(0.0, 10.0, "m/s"));
   t.number("omega_max", c.omega_max, above(0.0, 100.0, "rad/s"));
-  t.number("c_x", c.c_x, above(0.0, 1e4, "1/m"));      // (18a)
-  t.number("c_xx", c.c_xx, between(0.0, 1e4, "1/m"));  // (18b), and so on
-  t.number("l_xx", c.l_xx, between(0.0, 1e6, "1/m^2"));
+  t.number("c_x", c.c_x, above(0.0, 1e4, "1/m"));  // (18a)
   t.number("c_theta", c.c_theta, above(0.0, 1e4, "1/rad"));
-  t.number("c_tt", c.c_tt, between(0.0, 1e4, "1/rad"));
-  t.number("l_tt", c.l_tt, between(0.0, 1e6, "1/rad^2"));
-  t.number("c_yy", c.c_yy, between(0.0, 1e4, "1/m"));
   t.number("k_y", c.k_y, above(0.0, 1e4, "rad/m"));
   t.number("k", c.k, above(0.0, 1e6, "1/m"));
+  read_policy(t, c);
   TomlTable gains = t.table("gains");
-  read_gain(gains, "k_xx", c.gains.k_xx, problems);
-  read_gain(gains, "k_tt", c.gains.k_tt, problems);
-  read_gain(gains, "k_yy", c.gains.k_yy, problems);
+  for (const auto& [name, key, range] : pair_keys)
+    read_gain(name <= core::gain_names.back() ? gains : t, key, core::table(c.gains, name), range, problems);
   gains.finish();
   t.finish();
 }
@@ -111,15 +132,13 @@ void read_gain_changes(TomlTable& document, Experiment& e, Problems& problems) {
     t.require("t", "the time in s at which the gains begin to move");
     t.number("t", change.t, between(0.0, longest_run, "s"));
     t.number("ramp", change.ramp, above(0.0, longest_run, "s"));  // Theorem 1 wants gains that are continuous
-    const auto optional_gain = [&](const char* key, std::optional<core::PairTable>& gain) {
+    bool any = false;
+    for (const auto& [name, key, range] : pair_keys) {
       core::PairTable value(e.robots.size());
-      read_gain(t, key, value, problems);
-      if (t.has(key)) gain = value;
-    };
-    optional_gain("k_xx", change.k_xx);
-    optional_gain("k_tt", change.k_tt);
-    optional_gain("k_yy", change.k_yy);
-    if (!change.k_xx && !change.k_tt && !change.k_yy) t.require("k_xx", "at least one of k_xx, k_tt, k_yy");
+      read_gain(t, key, value, range, problems);
+      if (t.has(key)) change[name] = value, any = true;
+    }
+    if (!any) t.require("k_xx", "at least one of k_xx, k_tt, k_yy, c_xx, c_tt, c_yy, l_xx, l_tt");
     t.finish();
     e.gain_changes.push_back(std::move(change));
   }
@@ -336,7 +355,8 @@ void read_expectations(TomlTable t, Expectations& expect) {
 }  // namespace
 
 core::CouplingGains paper_couplings(std::size_t robots) {
-  return {core::PairTable(robots, 0.008), core::PairTable(robots, 0.025), core::PairTable(robots, 0.08)};
+  const core::Gains paper = core::paper_gains(robots);
+  return {paper.k_xx, paper.k_tt, paper.k_yy, paper.c_xx, paper.c_tt, paper.c_yy, paper.l_xx, paper.l_tt};
 }
 
 void read_tables(const toml::table& document, Experiment& e, Problems& problems) {

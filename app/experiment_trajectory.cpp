@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/experiment_path.h"
 
@@ -27,9 +28,37 @@ void refuse_endless(const TrajectorySpec& t, const std::string& key, Problems& p
     problems.add(key + ".path", "missing, allowed: the path that the robot drives");
 }
 
+/// That places and times can be driven through, and headings, where they are given, are those of the motion.
+bool check_samples(const TrajectorySpec& t, const std::string& key, Problems& problems) {
+  constexpr double agrees = 0.2;    // [rad]: what numbers that were rounded, or measured, are off
+  constexpr double crawls = 0.005;  // [m/s]: a direction that means nothing
+  const auto refuse = [&](std::size_t k, const std::string& text) {
+    problems.add(key + ".samples", fmt::format("{} at t = {:g} s", text, t.samples[k].t));
+    return false;
+  };
+  for (std::size_t k = 1; k < t.samples.size(); ++k) {
+    if (!(t.samples[k].t > t.samples[k - 1].t)) return refuse(k, "found a time that does not increase");
+    if (t.samples[k].place == t.samples[k - 1].place)
+      return refuse(k, "found the same place again, allowed: places that differ, since a place has no direction,");
+  }
+  const core::Timetable motion(t.samples);
+  for (std::size_t k = 0; k < t.headings.size(); ++k) {
+    const core::ReferencePoint point = motion.at(t.samples[k].t);
+    const bool end = k == 0 || k + 1 == t.headings.size();
+    if (!end && point.twist.v < crawls) continue;
+    if (std::abs(core::wrap_angle(t.headings[k] - point.pose.theta)) > agrees)
+      return refuse(
+          k, fmt::format("found theta = {:.4g}, allowed: {:.4g} within {} rad, the direction in which a unicycle "
+                         "drives through these places",
+                         t.headings[k], point.pose.theta, agrees));
+  }
+  return true;
+}
+
 bool check_trajectory(const Experiment& e, std::size_t i, Problems& problems) {
   const TrajectorySpec& t = *e.robots[i].trajectory;
   const std::string key = fmt::format("robot.{}.trajectory", i + 1);
+  if (!t.samples.empty()) return check_samples(t, key, problems);
   if (!check_path(t.path, key + ".path", problems)) return false;
   if (!t.from_rest_to_rest()) {
     refuse_endless(t, key, problems);
@@ -64,9 +93,41 @@ bool check_trajectory(const Experiment& e, std::size_t i, Problems& problems) {
   return true;
 }
 
+/// [[t, x, y], ...] or [[t, x, y, theta], ...].
+void read_samples(TomlTable& t, TrajectorySpec& trajectory) {
+  const toml::node& found = *t.node("samples");
+  const toml::array* const rows = found.as_array();
+  for (std::size_t k = 0; rows && k < rows->size(); ++k) {
+    const toml::array* const row = (*rows)[k].as_array();
+    std::vector<double> cells;
+    for (std::size_t c = 0; row && c < row->size(); ++c)
+      if (const auto value = (*row)[c].is_number() ? (*row)[c].value<double>() : std::nullopt;
+          value && std::abs(*value) <= longest_run)
+        cells.push_back(*value);
+    const std::size_t columns = trajectory.samples.empty() || !trajectory.headings.empty() ? 4 : 3;
+    if (!row || cells.size() != row->size() || (cells.size() != columns && !(k == 0 && cells.size() == 3))) {
+      trajectory.samples.clear();
+      break;
+    }
+    trajectory.samples.push_back({cells[0], {cells[1], cells[2]}});
+    if (cells.size() == 4) trajectory.headings.push_back(cells[3]);
+  }
+  if (trajectory.samples.size() >= 2 && trajectory.samples.front().t >= 0.0) return;
+  trajectory.samples.clear();
+  t.refuse("samples", found, "at least two [t, x, y] or [t, x, y, theta] in s, m and rad, from t = 0 on");
+}
+
 }  // namespace
 
 void read_trajectory(TomlTable t, TrajectorySpec& trajectory) {
+  if (t.has("samples")) {
+    read_samples(t, trajectory);
+    return t.finish();
+  }
+  if (const toml::node* const csv = t.node("csv")) {  // what could be read of it stands in `samples`
+    if (!csv->is_string()) t.refuse("csv", *csv, "the name of a file, from the experiment's folder on");
+    return t.finish();
+  }
   t.require("path", "the path that the robot drives, { shape = ... }");
   read_path(t.table("path"), trajectory.path, false);
   t.number("t", trajectory.t, between(0.0, longest_run, "s"));
@@ -115,8 +176,11 @@ void check_trajectory_speeds(const Experiment& e, Problems& problems) {
       continue;
     }
     const double share = std::max(demand.v / c.v_max, demand.turning / c.omega_max);
+    const bool by_samples = !e.robots[i].trajectory->samples.empty();
     problems.add(
-        key + (problems.has(key + ".duration") ? ".duration" : ".speed"),
+        key + (by_samples                        ? ".samples"
+               : problems.has(key + ".duration") ? ".duration"
+                                                 : ".speed"),
         fmt::format("found a reference of up to {:.6g} m/s, for which {} fails whatever the couplings; allowed: "
                     "below {:.6g} m/s with v_max {}, omega_max {}, k_y {} and the bends of its path",
                     demand.v, demand.v >= c.v_max ? "(18f)" : "(18g)", demand.v / share, c.v_max, c.omega_max, c.k_y));

@@ -15,24 +15,39 @@
 namespace skein::app {
 namespace {
 
+OperatorCommand pair_command(OperatorCommand::Kind kind, const Event& event) {
+  return {
+      kind, event.gain, event.values[1], static_cast<std::size_t>(event.robot), static_cast<std::size_t>(event.other),
+      true};
+}
+
 /// What the operator did at a recorded tick.
 std::vector<OperatorCommand> commands_of(const TickRecord& row) {
   std::vector<OperatorCommand> commands;
   for (const Event& event : row.events) switch (event.kind) {
       case Event::Kind::gain:
-        commands.push_back({OperatorCommand::Kind::gain, event.gain, event.values[1]});
+        commands.push_back({OperatorCommand::Kind::gain, event.gain, event.values[1], 0, 0, true});
+        break;
+      case Event::Kind::pair_gain:
+        commands.push_back(pair_command(OperatorCommand::Kind::pair_gain, event));
+        break;
+      case Event::Kind::couple:
+        commands.push_back(pair_command(OperatorCommand::Kind::couple, event));
+        break;
+      case Event::Kind::uncouple:
+        commands.push_back(pair_command(OperatorCommand::Kind::uncouple, event));
         break;
       case Event::Kind::start:
-        commands.push_back({OperatorCommand::Kind::start, {}, 0.0});
+        commands.push_back({OperatorCommand::Kind::start});
         break;
       case Event::Kind::stage:
         commands.push_back({OperatorCommand::Kind::stage, {}, 0.0});
         break;
       case Event::Kind::pause:
-        commands.push_back({OperatorCommand::Kind::pause, {}, 0.0});
+        commands.push_back({OperatorCommand::Kind::pause});
         break;
       case Event::Kind::resume:
-        commands.push_back({OperatorCommand::Kind::resume, {}, 0.0});
+        commands.push_back({OperatorCommand::Kind::resume});
         break;
       case Event::Kind::hold:
       case Event::Kind::release: {

@@ -60,11 +60,7 @@ struct Session::Impl {
   }
 
   double gain_border(core::GainName name, const core::ReferenceDemand& of) const {
-    const std::size_t n = experiment.robots.size();
-    const auto all_pairs = [&](core::GainName gain) { return core::PairTable(n, loop->target(gain)); };
-    const core::CouplingGains targets{all_pairs(core::GainName::k_xx), all_pairs(core::GainName::k_tt),
-                                      all_pairs(core::GainName::k_yy)};
-    return core::gain_border(name, gains, targets, of);
+    return core::gain_border(name, gains, targets(), of);
   }
 
   tl::expected<void, std::string> put(std::size_t number, const core::Obstacle& obstacle) {
@@ -104,6 +100,9 @@ struct Session::Impl {
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
   }
+
+  /// Where the couplings are going.
+  core::CouplingGains targets() const;
 
   const Experiment experiment;
   SessionOptions options;
@@ -157,16 +156,16 @@ const Experiment& Session::experiment() const noexcept {
 }
 
 void Session::start() {
-  impl_->loop->post({OperatorCommand::Kind::start, {}, 0.0});
+  impl_->loop->post({OperatorCommand::Kind::start});
 }
 void Session::stage() {
   impl_->loop->post({OperatorCommand::Kind::stage, {}, 0.0});
 }
 void Session::pause() {
-  impl_->loop->post({OperatorCommand::Kind::pause, {}, 0.0});
+  impl_->loop->post({OperatorCommand::Kind::pause});
 }
 void Session::resume() {
-  impl_->loop->post({OperatorCommand::Kind::resume, {}, 0.0});
+  impl_->loop->post({OperatorCommand::Kind::resume});
 }
 void Session::stop() noexcept {
   impl_->stop();
@@ -174,6 +173,32 @@ void Session::stop() noexcept {
 
 void Session::set_gain(core::GainName name, double value) {
   impl_->loop->post({OperatorCommand::Kind::gain, name, value});
+}
+
+void Session::set_gain(core::GainName name, std::size_t i, std::size_t j, double value) {
+  impl_->loop->post({OperatorCommand::Kind::pair_gain, name, value, i, j});
+}
+void Session::couple(std::size_t i, std::size_t j, bool on) {
+  impl_->loop->post({on ? OperatorCommand::Kind::couple : OperatorCommand::Kind::uncouple, {}, 0.0, i, j});
+}
+
+double Session::gain(core::GainName name, std::size_t i, std::size_t j) const {
+  return impl_->loop->gain(name, i, j);
+}
+double Session::gain_target(core::GainName name, std::size_t i, std::size_t j) const {
+  return impl_->loop->target(name, i, j);
+}
+bool Session::coupled(std::size_t i, std::size_t j) const {
+  return impl_->loop->coupled(i, j);
+}
+
+core::CouplingGains Session::Impl::targets() const {
+  const std::size_t n = experiment.robots.size();
+  core::CouplingGains all{core::PairTable(n), core::PairTable(n), core::PairTable(n)};
+  for (const core::GainName name : core::gain_names)
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j) core::table(all, name).set(i, j, loop->target(name, i, j));
+  return all;
 }
 
 double Session::gain_border(core::GainName name) const {
@@ -188,6 +213,9 @@ double Session::gain_border(core::GainName name, const TickRecord& now) const {
     demand.turning = std::max(demand.turning, omega + impl_->gains.k_y * v);
   }
   return impl_->gain_border(name, demand);
+}
+double Session::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
+  return core::gain_border(name, i, j, impl_->gains, impl_->targets(), impl_->demand);
 }
 
 tl::expected<void, std::string> Session::move_robot(std::size_t robot, const core::Pose& pose) {

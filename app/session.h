@@ -84,11 +84,24 @@ class Session {
 
   /// A new value for all pairs. It is approached at a bounded rate, and held at `gain_border` where (18) ends.
   void set_gain(core::GainName name, double value);
-  /// The largest value that (18f, g) leave to this gain over the whole reference, with the others as they are.
+  /// The same for robots i and j alone, from 0.
+  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value);
+  /// Switches the coupling of two robots off or on: their gains go to zero and come back at the same rate, held where
+  /// (18f, g) end by then.
+  void couple(std::size_t i, std::size_t j, bool on);
+
+  /// The largest value that (18f, g) leave to this gain over the whole reference, with the others as they are: for all
+  /// pairs, or for one.
   double gain_border(core::GainName name) const;
   /// The same at this tick alone, for what the formation asks of the robots now: never less than over the whole
   /// reference.
   double gain_border(core::GainName name, const TickRecord& now) const;
+  double gain_border(core::GainName name, std::size_t i, std::size_t j) const;
+  /// Of two different robots, at the latest tick: the gain, where it is going (0 while they are switched off), and
+  /// whether they are coupled. `name` is one of core::gain_names.
+  double gain(core::GainName name, std::size_t i, std::size_t j) const;
+  double gain_target(core::GainName name, std::size_t i, std::size_t j) const;
+  bool coupled(std::size_t i, std::size_t j) const;
 
   /// Puts a simulated robot somewhere, as a hand does. Refused for a real one, with the reason.
   tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);

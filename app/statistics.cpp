@@ -21,6 +21,13 @@ core::Pose place(const RobotRecord& robot) noexcept {
   return seen ? robot.pose : core::Pose{none, none, none};
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return none;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 double tracking_error(const TickRecord& record) noexcept {
   double largest = 0.0;
   for (const RobotRecord& robot : record.robots)
@@ -58,6 +65,10 @@ void Statistics::record(const TickRecord& record) {
   so_far_.final_formation_error = sample.formation;
   if (so_far_.ticks > 1) so_far_.largest_period = std::fmax(so_far_.largest_period, record.period);
   if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
+  double delay = none;
+  for (const RobotRecord& robot : record.robots)
+    if (!robot.is(lost)) delay = std::fmax(delay, robot.pose_age + experiment_.estimation.actuation_delay);
+  if (!std::isnan(delay)) loop_delays_.push_back(delay);
   for (std::size_t stage = 0; stage < stages; ++stage) so_far_.latency[stage].add(record.latency.of[stage]);
   so_far_.latency_total.add(record.latency.total);
   if (record.phase == Phase::stopped) so_far_.stopped = true;
@@ -131,13 +142,10 @@ Statistics::Summary Statistics::summary() const {
     const double end = is_last ? std::numeric_limits<double>::infinity() : disturbances_[i + 1].t;
     summary.perturbations.push_back({d.t, d.robot, d.what, settling(d.t, end)});
   }
-  if (!compute_times_.empty()) {
-    std::vector<double> times = compute_times_;
-    const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-    std::nth_element(times.begin(), middle, times.end());
-    summary.median_compute = *middle;
-    summary.largest_compute = *std::max_element(middle, times.end());
-  }
+  summary.median_compute = median(compute_times_);
+  if (!compute_times_.empty())
+    summary.largest_compute = *std::max_element(compute_times_.begin(), compute_times_.end());
+  summary.loop_delay = median(loop_delays_);
   return summary;
 }
 

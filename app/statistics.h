@@ -56,13 +56,16 @@ class Statistics final : public RecordSink {
     std::string video_problem;                             ///< why the film ends early
     double largest_period = none;                          ///< [s]
     double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
-    std::array<Histogram, stages> latency;                 ///< of each stage; empty on the virtual clock
-    Histogram latency_total;                               ///< a frame's arrival to its command written
-    bool stopped = false;                                  ///< by the operator or a failure
-    std::string failure;                                   ///< why it was stopped, where a camera or a robot failed
-    std::vector<std::pair<int, RobotStatus>> links;        ///< of the robots that have one, from 0, at the end
-    std::vector<int> not_stopped;                   ///< robots that did not acknowledge their stop at the end, from 0
-    std::vector<PerturbationResult> perturbations;  ///< of the file and of the operator's moves
+    /// From a pose to the moment at which its command acts, the median; and the most that the law bears, were none of
+    /// it predicted: see core/control/delay_margin.h [s]
+    double loop_delay = none, delay_margin = none;
+    std::array<Histogram, stages> latency;           ///< of each stage; empty on the virtual clock
+    Histogram latency_total;                         ///< a frame's arrival to its command written
+    bool stopped = false;                            ///< by the operator or a failure
+    std::string failure;                             ///< why it was stopped, where a camera or a robot failed
+    std::vector<std::pair<int, RobotStatus>> links;  ///< of the robots that have one, from 0, at the end
+    std::vector<int> not_stopped;                    ///< robots that did not acknowledge their stop at the end, from 0
+    std::vector<PerturbationResult> perturbations;   ///< of the file and of the operator's moves
     std::vector<std::pair<double, std::string>> events;  ///< all, with their t
   };
   Summary summary() const;
@@ -85,7 +88,7 @@ class Statistics final : public RecordSink {
   Summary so_far_;
   std::vector<Sample> samples_;
   std::vector<Disturbance> disturbances_;
-  std::vector<double> compute_times_;
+  std::vector<double> compute_times_, loop_delays_;
   std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick, then robots with obstacles
 };
 

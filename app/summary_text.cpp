@@ -89,6 +89,8 @@ Json json(const Statistics::Summary& s) {
               {"median_compute", json(s.median_compute)},
               {"largest_compute", json(s.largest_compute)},
               {"latency", latency(s)},
+              {"loop_delay", json(s.loop_delay)},
+              {"delay_margin", json(s.delay_margin)},
               {"stopped", s.stopped},
               {"failure", s.failure},
               {"not_stopped", from_one(s.not_stopped)},

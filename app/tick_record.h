@@ -30,6 +30,13 @@ enum Mode : std::uint8_t {
   lost = 64,     ///< no pose within the bridge time
 };
 
+/// What took something from what the law asked for; those that did are added up (bits).
+enum Limit : std::uint8_t {
+  limit_v = 1,       ///< |v| <= v_max (14)
+  limit_omega = 2,   ///< |omega| <= omega_max (14)
+  limit_wheels = 4,  ///< what a wheel can do
+};
+
 /// What is known of a robot's link at a tick; nothing of one that has none.
 struct LinkRecord {
   std::optional<comms::LinkState> state;
@@ -54,7 +61,8 @@ struct RobotRecord {
   double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
   core::Margins margins{};                      ///< of (18), now
   std::uint8_t mode = stopped;
-  LinkRecord link;  ///< as it was last looked at: within 20 ms, on the virtual clock after the tick before
+  std::uint8_t limits = 0;  ///< of `Limit`
+  LinkRecord link;          ///< as it was last looked at: within 20 ms, on the virtual clock after the tick before
 
   bool is(Mode m) const noexcept { return (mode & m) != 0; }
 };

@@ -21,6 +21,9 @@ QString words(const app::Event& event, double t) {
       return when + AlertStrip::tr("%1 is held at %2, its border: (18) allows no more")
                         .arg(QLatin1String(app::name(event.gain)))
                         .arg(event.values[1], 0, 'g', 4);
+    case Kind::v_rise:
+      return when +
+             AlertStrip::tr("V has risen, and nothing that is known explains it: a robot does not do as it is told");
     case Kind::link:
       return when + QString::fromStdString(app::describe(event));
     case Kind::perturb:

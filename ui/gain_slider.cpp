@@ -32,6 +32,8 @@ Words words(core::GainName gain) {
     case core::GainName::k_yy:
       return {"<i>k</i><sub>yy</sub>", "rad/s", QT_TRANSLATE_NOOP("GainSlider", "sideways"),
               QT_TRANSLATE_NOOP("GainSlider", "Coupling of the sideways errors y_e")};
+    default:  // slopes and weights have no slider
+      break;
   }
   return {"", "", "", ""};
 }

@@ -62,6 +62,8 @@ Severity severity(const app::Event& event) {
     case Kind::kidnap:
     case Kind::hold:
     case Kind::gain_held:
+    case Kind::pair_gain_held:
+    case Kind::v_rise:
     case Kind::link:
       return Severity::warning;
     case Kind::found:
@@ -73,6 +75,9 @@ Severity severity(const app::Event& event) {
     case Kind::release:
     case Kind::obstacle:
     case Kind::gain:
+    case Kind::pair_gain:
+    case Kind::couple:
+    case Kind::uncouple:
     case Kind::schedule:
     case Kind::pause:
     case Kind::resume:

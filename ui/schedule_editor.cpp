@@ -21,11 +21,12 @@ void ScheduleModel::show(const std::vector<app::GainChange>& changes) {
     std::array<std::optional<double>, columns> row;
     row[t] = change.t;
     row[ramp] = change.ramp;
-    for (const auto& [column, table] :
-         {std::pair{k_xx, &change.k_xx}, std::pair{k_tt, &change.k_tt}, std::pair{k_yy, &change.k_yy}}) {
-      if (!*table) continue;
-      row[static_cast<std::size_t>(column)] = (*table)->largest();
-      per_pair_ = per_pair_ || !(*table)->uniform();
+    for (const core::GainName name : core::pair_names) {
+      const std::optional<core::PairTable>& table = change[name];
+      if (!table) continue;
+      const bool has_column = name <= core::gain_names.back();
+      if (has_column) row[k_xx + static_cast<std::size_t>(name)] = table->largest();
+      per_pair_ = per_pair_ || !has_column || !table->uniform();  // what no column can hold
     }
     rows_.push_back(row);
   }

@@ -35,9 +35,8 @@ double ReferenceBounds::v_limit(double omega_ref) const noexcept {
 }
 
 ReferenceBounds reference_bounds(const Gains& gains, std::size_t i) noexcept {
-  const double authority = 1.0 - tracking_share;
-  return {std::max(0.0, authority * gains.v_max[i] - gains.k_xx.row_sum(i)),
-          std::max(0.0, authority * gains.omega_max[i] - gains.k_tt.row_sum(i) - gains.k_yy.row_sum(i)), gains.k_y};
+  return {std::max(0.0, free_v(gains, i) - gains.k_xx.row_sum(i)),
+          std::max(0.0, free_omega(gains, i) - gains.k_tt.row_sum(i) - gains.k_yy.row_sum(i)), gains.k_y};
 }
 
 Steering::Steering(std::size_t robots, std::size_t obstacles) {

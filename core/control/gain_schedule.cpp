@@ -21,7 +21,25 @@ void for_each_pair(PairTable& result, const PairTable& a, const PairTable& b, co
 }  // namespace
 
 const PairTable& table(const CouplingGains& gains, GainName name) noexcept {
-  return name == GainName::k_xx ? gains.k_xx : name == GainName::k_tt ? gains.k_tt : gains.k_yy;
+  switch (name) {
+    case GainName::k_xx:
+      return gains.k_xx;
+    case GainName::k_tt:
+      return gains.k_tt;
+    case GainName::k_yy:
+      return gains.k_yy;
+    case GainName::c_xx:
+      return gains.c_xx;
+    case GainName::c_tt:
+      return gains.c_tt;
+    case GainName::c_yy:
+      return gains.c_yy;
+    case GainName::l_xx:
+      return gains.l_xx;
+    case GainName::l_tt:
+      break;
+  }
+  return gains.l_tt;
 }
 
 PairTable& table(CouplingGains& gains, GainName name) noexcept {
@@ -35,10 +53,24 @@ double gain_border(GainName name, const Gains& gains, const CouplingGains& other
   double border = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < gains.robots(); ++i) {
     const double left = name == GainName::k_xx
-                            ? (1.0 - tracking_share) * gains.v_max[i] - demand.v
-                            : (1.0 - tracking_share) * gains.omega_max[i] - demand.turning -
+                            ? free_v(gains, i) - demand.v
+                            : free_omega(gains, i) - demand.turning -
                                   table(others, name == GainName::k_tt ? GainName::k_yy : GainName::k_tt).row_sum(i);
     border = std::min(border, left / partners);
+  }
+  return std::max(0.0, border);
+}
+
+double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
+                   const ReferenceDemand& demand) noexcept {
+  const double own = table(others, name)(i, j);
+  double border = std::numeric_limits<double>::infinity();
+  for (const std::size_t robot : {i, j}) {
+    const double taken =
+        name == GainName::k_xx ? others.k_xx.row_sum(robot) : others.k_tt.row_sum(robot) + others.k_yy.row_sum(robot);
+    const double free =
+        name == GainName::k_xx ? free_v(gains, robot) - demand.v : free_omega(gains, robot) - demand.turning;
+    border = std::min(border, free - (taken - own));
   }
   return std::max(0.0, border);
 }
@@ -57,9 +89,14 @@ void GainSchedule::move(GainName name, double value, double rate) noexcept {
   table(rate_, name).fill(rate);
 }
 
+void GainSchedule::move(GainName name, std::size_t i, std::size_t j, double value, double rate) noexcept {
+  table(target_, name).set(i, j, value);
+  table(rate_, name).set(i, j, rate);
+}
+
 void GainSchedule::step(double dt) noexcept {
   if (!(dt > 0.0)) return;  // an instant rate times no time is not a number
-  for (const GainName name : gain_names) {
+  for (const GainName name : pair_names) {
     PairTable& now = table(now_, name);
     for_each_pair(now, now, table(target_, name), table(rate_, name), [dt](double value, double target, double rate) {
       const double change = target - value;

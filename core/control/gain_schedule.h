@@ -7,14 +7,19 @@
 
 namespace skein::core {
 
-/// The coupling gains of all pairs.
+/// The parameters of the couplings of all pairs: their bounds, slopes and weights, as in `Gains`.
 struct CouplingGains {
   PairTable k_xx, k_tt, k_yy;
+  PairTable c_xx{}, c_tt{}, c_yy{}, l_xx{}, l_tt{};
   friend bool operator==(const CouplingGains&, const CouplingGains&) = default;
 };
 
-enum class GainName { k_xx, k_tt, k_yy };
+enum class GainName { k_xx, k_tt, k_yy, c_xx, c_tt, c_yy, l_xx, l_tt };
+/// Those that say how strong a coupling is, which (18f, g) bound and the operator may change.
 inline constexpr std::array gain_names{GainName::k_xx, GainName::k_tt, GainName::k_yy};
+/// All that a pair has.
+inline constexpr std::array pair_names{GainName::k_xx, GainName::k_tt, GainName::k_yy, GainName::c_xx,
+                                       GainName::c_tt, GainName::c_yy, GainName::l_xx, GainName::l_tt};
 
 /// The most that a reference asks for over its whole course; what couplings may take is what it leaves.
 struct ReferenceDemand {
@@ -26,6 +31,10 @@ struct ReferenceDemand {
 /// omega_max is left to tracking at every point of the reference. Never negative. `others` holds the gains that share
 /// the bound (18g).
 double gain_border(GainName name, const Gains& gains, const CouplingGains& others,
+                   const ReferenceDemand& demand) noexcept;
+
+/// The same for one pair, all the others as they are in `others`.
+double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
                    const ReferenceDemand& demand) noexcept;
 
 /// Coupling gains that change with time, never by a jump: Theorem 1 wants them continuous.
@@ -40,6 +49,8 @@ class GainSchedule {
   void ramp(GainName name, const PairTable& target, double seconds) noexcept;
   /// All pairs move to `value` at most `rate` per second.
   void move(GainName name, double value, double rate) noexcept;
+  /// One pair does.
+  void move(GainName name, std::size_t i, std::size_t j, double value, double rate) noexcept;
   void step(double dt) noexcept;
 
  private:

@@ -56,6 +56,19 @@ void use_all_authority(Gains& gains, std::span<const Twist> reference) noexcept 
   }
 }
 
+void use_policy(Gains& gains, std::span<const Twist> reference) noexcept {
+  if (gains.policy == GainPolicy::authority) use_all_authority(gains, reference);
+}
+
+double free_v(const Gains& gains, std::size_t i) noexcept {
+  return gains.policy == GainPolicy::fixed ? gains.v_max[i] - gains.k_x[i] : (1.0 - tracking_share) * gains.v_max[i];
+}
+
+double free_omega(const Gains& gains, std::size_t i) noexcept {
+  return gains.policy == GainPolicy::fixed ? gains.omega_max[i] - gains.k_theta[i]
+                                           : (1.0 - tracking_share) * gains.omega_max[i];
+}
+
 Margins margins(const Gains& gains, std::size_t i, const Twist& reference) noexcept {
   const Row k_xx = row(gains.k_xx, i), k_tt = row(gains.k_tt, i), k_yy = row(gains.k_yy, i);
   const Row c_xx = row(gains.c_xx, i), c_tt = row(gains.c_tt, i), c_yy = row(gains.c_yy, i);

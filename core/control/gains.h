@@ -20,10 +20,17 @@ enum class Coupling {
   bounded,
 };
 
+/// Where the tracking gains k_x, k_theta come from.
+enum class GainPolicy {
+  authority,  ///< all that (18f, g) leaves, as in (36): see `use_all_authority`
+  fixed,      ///< numbers that were given, the same all along the reference
+};
+
 /// The design parameters of the law (15), as they are at one time. Robots counted from 0.
 struct Gains {
   Saturation saturation = Saturation::tanh;
   Coupling coupling = Coupling::paper;
+  GainPolicy policy = GainPolicy::authority;
   double k_y = 11.0;  ///< [rad/m]
   double k = 200.0;   ///< [1/m]
 
@@ -54,6 +61,14 @@ Gains paper_gains(std::size_t robots);
 ///   sum_j (k_tt,i,j + k_yy,i,j).
 /// Can turn out negative, where (18a) fails: see `margins`.
 void use_all_authority(Gains& gains, std::span<const Twist> reference) noexcept;
+
+/// The tracking gains of the policy beside these references: `use_all_authority`, or as they are.
+void use_policy(Gains& gains, std::span<const Twist> reference) noexcept;
+
+/// What reference and couplings together may take of robot i's v_max [m/s] and omega_max [rad/s]: what is not reserved
+/// to tracking, by `tracking_share` or by fixed gains.
+double free_v(const Gains& gains, std::size_t i) noexcept;
+double free_omega(const Gains& gains, std::size_t i) noexcept;
 
 /// How far one robot is inside each inequality of (18); negative: violated. (a) asks for more than 0, the others for at
 /// least 0.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/reference/blend.h"
+
 namespace skein::core {
 
 Shape make_shape(ShapeName name, std::size_t robots, double spacing) {
@@ -49,11 +51,7 @@ Formation::Place Formation::place(std::size_t i, double t) const noexcept {
   for (const ShapeChange& change : changes_) {
     if (t <= change.t) break;
     if (t < change.t + change.duration) {
-      // 10 w^3 - 15 w^4 + 6 w^5: from 0 to 1 with no velocity and no acceleration at both ends.
-      const double w = (t - change.t) / change.duration, rest = 1.0 - w;
-      const double share = w * w * w * (10.0 + w * (6.0 * w - 15.0));
-      const double rate = 30.0 * w * w * rest * rest / change.duration;
-      const double rate_rate = 60.0 * w * rest * (1.0 - 2.0 * w) / (change.duration * change.duration);
+      const auto [share, rate, rate_rate] = blend(t - change.t, change.duration);
       const Point &a = (*from)[i], &b = change.shape[i];
       const double x = b.x - a.x, y = b.y - a.y;
       return {{a.x + share * x, a.y + share * y}, {rate * x, rate * y}, {rate_rate * x, rate_rate * y}};

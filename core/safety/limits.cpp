@@ -13,6 +13,12 @@ double CommandLimits::v_limit(double omega) const noexcept {
   return std::clamp(drive.max_wheel_speed() - 0.5 * drive.track * std::abs(omega), 0.0, v_max);
 }
 
+CommandLimits::Biting CommandLimits::biting(const Twist& wanted) const noexcept {
+  const double v = std::abs(wanted.v), omega = std::abs(wanted.omega);
+  const double left = drive.max_wheel_speed() - 0.5 * drive.track * std::min(omega, omega_limit());
+  return {v > v_max, omega > omega_max, v > std::max(0.0, left) || 0.5 * drive.track * omega > drive.max_wheel_speed()};
+}
+
 Twist CommandLimits::limit(const Twist& wanted) const noexcept {
   const double omega = std::clamp(wanted.omega, -omega_limit(), omega_limit());
   const double v = v_limit(omega);

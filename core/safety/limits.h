@@ -14,6 +14,11 @@ struct CommandLimits {
   double omega_limit() const noexcept;
   /// The largest forward speed that box and wheels allow beside this turning rate. [m/s]
   double v_limit(double omega) const noexcept;
+  /// Which of them take something from a wanted twist: the box for v, the box for omega, the wheels.
+  struct Biting {
+    bool v = false, omega = false, wheels = false;
+  };
+  Biting biting(const Twist& wanted) const noexcept;
   /// The twist held inside box and diamond, signs kept. The turning rate is served first: it keeps the robot on its
   /// path, and what the wheels have left goes to the forward speed.
   Twist limit(const Twist& wanted) const noexcept;

@@ -37,7 +37,8 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   experiment.obstacles = {{0.3, -0.45, 0.05}};
   GainChange change;
   change.t = 1.0;
-  change.k_xx = core::PairTable(4, 0.002);
+  change[core::GainName::k_xx] = core::PairTable(4, 0.002);
+  change[core::GainName::l_xx] = core::PairTable(4, 150.0);
   experiment.gain_changes = {change};
   ControlTick tick(experiment);
   RecordChannel channel(8, tick.record());
@@ -47,6 +48,9 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   std::vector<core::Pose> truth(4);
   const OperatorCommand start{};
   const OperatorCommand gain{OperatorCommand::Kind::gain, core::GainName::k_yy, 1.0};
+  const OperatorCommand pairs[] = {{OperatorCommand::Kind::pair_gain, core::GainName::k_tt, 0.01, 2, 0},
+                                   {OperatorCommand::Kind::uncouple, {}, 0.0, 1, 2},
+                                   {OperatorCommand::Kind::couple, {}, 0.0, 2, 1}};
 
   const long before = allocations.load();
   int avoided = 0, shielded_ticks = 0, limited_ticks = 0, lost_ticks = 0;
@@ -65,6 +69,7 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
     input.truth = truth;
     if (k == 0) input.commands = {&start, 1};
     if (k == 500) input.commands = {&gain, 1};
+    if (k >= 501 && k < 504) input.commands = {&pairs[k - 501], 1};
     const TickRecord& record = tick.step(input);
     channel.push(record);
     channel.drain([](const TickRecord&) {});

@@ -151,6 +151,16 @@ TEST(CommandLine, TheExamplesDoWhatTheyExpect) {
   }
 }
 
+TEST(CommandLine, ParkedRobotsAreCase2OfTheTheorem) {
+  const Result r = skein({"run", experiments + "parking.toml"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_GT(value(r.out, "delay_margin"), value(r.out, "loop_delay")) << r.out;
+  const Result certificate = skein({"check", experiments + "parking.toml"});
+  EXPECT_EQ(certificate.status, 0) << certificate.err;
+  EXPECT_TRUE(has(certificate.out, "theorem_1: case 2 from t = ")) << certificate.out;
+  EXPECT_TRUE(has(certificate.out, "delay_margin: 0.")) << certificate.out;
+}
+
 TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
   Folder folder;
   std::ofstream(folder / "bad.toml") << "name = \"bad\"\n[controller]\nv_max = -1\nwhatever = 3\n";
@@ -199,7 +209,7 @@ TEST(CommandLine, ARecordedRunReplaysBitForBit) {
   Folder folder;
   ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--csv", folder / "run.csv", "--quiet", "--set",
                    "simulation.pose_noise=0.002", "--set", "simulation.latency=0.1", "--set", "simulation.dropout=0.1",
-                   "--set", "expect.final_error=0.02", "--set", "expect.formation_first=false", "--set",
+                   "--set", "expect.final_error=0.02", "--set", "expect.formation_first=true", "--set",
                    "robot_defaults.model=epuck1"})
                 .status,
             0);

@@ -236,7 +236,7 @@ TEST(ControlTick, FileGainChangesAreRamped) {
   GainChange change;
   change.t = 1.0;
   change.ramp = 2.0;
-  change.k_tt = core::PairTable(4, 0.065);
+  change[core::GainName::k_tt] = core::PairTable(4, 0.065);
   experiment.gain_changes = {change};
   Bench bench(experiment);
   bench.start();

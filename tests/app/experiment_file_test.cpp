@@ -59,7 +59,7 @@ TEST(ExperimentFile, ThePaperIsBuiltInAndSaysTheDefaults) {
 
 TEST(ExperimentFile, EveryShippedExperimentLoads) {
   for (const char* name : {"platoon", "platoon-loopback", "uncoupled", "lemniscate", "diamond-to-line", "corner-blends",
-                           "unequal-speeds"}) {
+                           "unequal-speeds", "parking"}) {
     const auto e = load_experiment(experiments + name + ".toml");
     ASSERT_TRUE(e) << e.error().front().message();
     EXPECT_EQ(e->name, name);
@@ -162,9 +162,9 @@ TEST(ExperimentFile, ReadsEveryKey) {
   EXPECT_EQ(e.estimation.actuation_delay, 0.06);
   EXPECT_EQ(e.simulation.slip, 0.02);
   EXPECT_EQ(e.gain_changes.at(0).t, 5.0);  // in the order of time
-  EXPECT_EQ(e.gain_changes[0].k_xx, core::PairTable(2, 0.02));
-  EXPECT_FALSE(e.gain_changes[0].k_yy);
-  EXPECT_EQ(e.gain_changes[1].k_yy, core::PairTable(2, 0.0));
+  EXPECT_EQ(e.gain_changes[0][core::GainName::k_xx], core::PairTable(2, 0.02));
+  EXPECT_FALSE(e.gain_changes[0][core::GainName::k_yy]);
+  EXPECT_EQ(e.gain_changes[1][core::GainName::k_yy], core::PairTable(2, 0.0));
   EXPECT_EQ(e.perturbations.at(0).dy, -0.1);
   EXPECT_EQ(e.perturbations[1].dtheta, 1.5);
   EXPECT_EQ(e.expect.formation_first, false);

@@ -176,6 +176,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "path = { shape = 'circle', radius = 0.4 }\n"
                 "change = [{ t = 1, duration = 5, shape = 'v' }, { t = 4, duration = 1, shape = 'v' }]",
                 "e.toml:7:55: reference.change.2.t: found 4, allowed: 6 and later, when the change before is over"},
+        Refused{"[[reference.change]]\nt = 5\nduration = 8", "e.toml:1:1: reference.change.1.spacing: missing"},
+        Refused{"[reference]\nchange = [{ t = 5, duration = 8, spacing = 0.07 }]",
+                "e.toml:2:10: reference.change: found 0.07, with which robots of 0.07 m width come within"},
+        Refused{"[reference]\nspacing = 0.2\nchange = [{ t = 1, duration = 2, spacing = 0.15 }]",
+                "e.toml:3:10: reference.change: found changes of spacing in which robots drive up to 0.190625 m/s"},
         Refused{"[reference]\nspeed = 0.08", "e.toml:2:9: reference.speed: (18f) fails for robot 1 by 0.004 m/s"},
         Refused{"[reference]\nspeed = 0.2",
                 "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails whatever the"},

@@ -8,11 +8,12 @@
 namespace skein::test {
 
 /// The rows of a whole run: simulated robots around the tick on a clock of its own, without session, threads or files.
-inline std::vector<app::TickRecord> simulate(const app::Experiment& e) {
+/// `plant` says what the robots are really made of.
+inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app::Experiment& plant) {
   const auto reference = app::make_reference(e);
   std::vector<core::SimulatedRobot> robots;
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
-    robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
+    robots.emplace_back(plant.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
     robots.back().place(e.robots[i].start.value_or(reference->at(i, 0.0).pose));
   }
   const app::OperatorCommand start;
@@ -45,6 +46,9 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e) {
     }
   }
   return rows;
+}
+inline std::vector<app::TickRecord> simulate(const app::Experiment& e) {
+  return simulate(e, e);
 }
 
 }  // namespace skein::test

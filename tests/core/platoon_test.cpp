@@ -139,5 +139,29 @@ TEST(FormationError, IsPositiveWhereRobotsAreTooClose) {
   EXPECT_NEAR(core::formation_error(a, b, {1.0, 1.0, 0.0}, {1.0, 1.12, 0.0}), 0.0, 1e-15);
 }
 
+TEST(Platoon, ChangesItsSpacingSmoothly) {
+  const auto path = std::make_shared<core::Circle>(0.5);
+  const core::Platoon platoon(path, 3, 0.12, 0.05, 0.0, {{10.0, 8.0, 0.2}, {30.0, 10.0, 0.1}});
+  const auto gap = [&](double t) {  // of arc, from robot 1 to robot 3
+    const core::ReferencePoint a = platoon.at(0, t), c = platoon.at(2, t);
+    return 0.5 * core::wrap_angle(a.pose.theta - c.pose.theta);
+  };
+  EXPECT_NEAR(gap(10.0), 0.24, 1e-12);
+  EXPECT_NEAR(gap(14.0), 0.32, 1e-12);
+  EXPECT_NEAR(gap(18.0), 0.4, 1e-12);
+  EXPECT_NEAR(gap(25.0), 0.4, 1e-12);
+  EXPECT_NEAR(gap(50.0), 0.2, 1e-12);
+  const core::ReferenceDemand demand = platoon.demand(11.0);
+  const double h = 1e-5;
+  for (double t = 9.0; t < 42.0; t += 0.037) {
+    const core::ReferencePoint b = platoon.at(2, t);
+    EXPECT_NEAR(b.twist.v, 0.05 - (gap(t + h) - gap(t - h)) / (2.0 * h), 1e-7);
+    EXPECT_NEAR(b.twist.omega, b.twist.v / 0.5, 1e-12);
+    EXPECT_NEAR(platoon.at(2, t + 1e-6).twist.v, b.twist.v, 1e-7) << "no jump";
+    EXPECT_LE(std::abs(b.twist.v), demand.v + 1e-12);
+  }
+  EXPECT_NEAR(demand.v, 0.05 + 2.0 * 1.875 * 0.1 / 10.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace skein::test
