@@ -176,6 +176,7 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
     if (stores_[i] && !stores_[i](record, cells_[i]))
       return error(fmt::format("column {}: found \"{}\", allowed: {}", columns_[i], cells_[i],
                                columns_[i].ends_with("mode")    ? "modes joined by +"
+                               : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
                                : columns_[i].ends_with("_link") ? "a link's state"
                                : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
                                : columns_[i] == "event"         ? "events joined by \"; \""

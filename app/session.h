@@ -33,7 +33,7 @@ struct RobotStatus {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
   double battery = none;           ///< [V]; none: not known, or an old e-puck1, which says only whether it is low
   bool battery_low = false;        ///< charge it
-  std::string version;             ///< of its firmware, as it says it; empty: it did not
+  std::string version{};           ///< of its firmware, as it says it; empty: it did not
   bool stop_acknowledged = false;  ///< after close()
 };
 
