@@ -14,7 +14,7 @@ struct TrackerOptions {
   std::vector<int> tags{};  // ids wanted, each once; others are not reported
   int search_every = 5;     // frames between AprilTag searches of the full frame (10 ms and more) while no tag was ever
                             // seen, or while one was seen twice
-  int search_parts = 20;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
+  int search_parts = 30;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
                             // every frame: a tag that is hidden or gone for good must not hold the others up
   int audit_every = 25;     // frames in which the gate, strip by strip, goes over the whole picture for second copies
   int search_anyway = 1500;  // frames in which all parts are searched when none is missing: for copies that the gate

@@ -189,7 +189,7 @@ TEST(TagTracker, ATagThatIsGoneForGoodCostsFewSearches) {
   Lab lab({.tags = {1, 2, 500}});
   for (int k = 0; k < 51; ++k) EXPECT_EQ(lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}}).size(), 2U);
   EXPECT_EQ(lab.tracker.counters().full_searches, 1) << "the first one";
-  EXPECT_EQ(lab.tracker.counters().part_searches, 50) << "a twentieth of the frame each";
+  EXPECT_EQ(lab.tracker.counters().part_searches, 50) << "a thirtieth of the frame each";
 }
 
 TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
@@ -202,7 +202,7 @@ TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
     const auto corner = world_from_pixel(lab.calibration, {1279.0 - 21.0, v}, lab.calibration.tag_height);
     ASSERT_TRUE(corner);
     bool seen = false;
-    for (int k = 0; k < 20 && !seen; ++k) seen = lab.step({one, {2, {corner->x(), corner->y(), 0.0}}}).size() == 2;
+    for (int k = 0; k < 30 && !seen; ++k) seen = lab.step({one, {2, {corner->x(), corner->y(), 0.0}}}).size() == 2;
     EXPECT_TRUE(seen) << v;
     for (int k = 0; k < 30; ++k) EXPECT_EQ(lab.step({one}).size(), 1U);
   }
