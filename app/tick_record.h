@@ -30,13 +30,6 @@ enum Mode : std::uint8_t {
   lost = 64,     ///< no pose within the bridge time
 };
 
-/// What took something from what the law asked for; those that did are added up (bits).
-enum Limit : std::uint8_t {
-  limit_v = 1,       ///< |v| <= v_max (14)
-  limit_omega = 2,   ///< |omega| <= omega_max (14)
-  limit_wheels = 4,  ///< what a wheel can do
-};
-
 /// What is known of a robot's link at a tick; nothing of one that has none.
 struct LinkRecord {
   std::optional<comms::LinkState> state;

@@ -1,0 +1,155 @@
+// What the operator, or the program for them, asks of a session.
+#include "app/session_impl.h"
+
+#include <algorithm>
+
+namespace skein::app {
+namespace {
+
+constexpr double slowest = 0.1, fastest = 50.0;  // of a simulation, times real time
+
+}  // namespace
+
+void Session::start() {
+  impl_->loop->post({OperatorCommand::Kind::start});
+}
+void Session::stage() {
+  impl_->loop->post({OperatorCommand::Kind::stage, {}, 0.0});
+}
+void Session::pause() {
+  impl_->loop->post({OperatorCommand::Kind::pause});
+}
+void Session::resume() {
+  impl_->loop->post({OperatorCommand::Kind::resume});
+}
+tl::expected<void, std::string> Session::step() {
+  if (auto reason = real_time_reason(impl_->experiment)) return tl::unexpected(*reason);
+  impl_->loop->step();
+  return {};
+}
+
+tl::expected<void, std::string> Session::set_speed(double speed) {
+  if (auto reason = real_time_reason(impl_->experiment)) return tl::unexpected(*reason);
+  if (!(speed >= slowest && speed <= fastest))
+    return tl::unexpected(fmt::format("speed: found {}, allowed: {} to {}", speed, slowest, fastest));
+  impl_->loop->set_speed(speed);
+  return {};
+}
+double Session::speed() const noexcept {
+  return impl_->loop->speed();
+}
+
+std::optional<std::string> Session::real_time_reason(const Experiment& experiment) {
+  if (experiment.camera.source != "none")
+    return fmt::format("the camera \"{}\" lives in real time", experiment.camera.source);
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i)
+    if (experiment.robots[i].link != RobotSpec::Link::sim)
+      return fmt::format("robot {} has a link, which lives in real time", i + 1);
+  return {};
+}
+
+void Session::stop() noexcept {
+  impl_->stop();
+}
+
+void Session::set_gain(core::GainName name, double value) {
+  impl_->loop->post({OperatorCommand::Kind::gain, name, value});
+}
+
+void Session::set_gain(core::GainName name, std::size_t i, std::size_t j, double value) {
+  impl_->loop->post({OperatorCommand::Kind::pair_gain, name, value, i, j});
+}
+void Session::couple(std::size_t i, std::size_t j, bool on) {
+  impl_->loop->post({on ? OperatorCommand::Kind::couple : OperatorCommand::Kind::uncouple, {}, 0.0, i, j});
+}
+
+double Session::gain(core::GainName name, std::size_t i, std::size_t j) const {
+  return impl_->loop->gain(name, i, j);
+}
+double Session::gain_target(core::GainName name, std::size_t i, std::size_t j) const {
+  return impl_->loop->target(name, i, j);
+}
+bool Session::coupled(std::size_t i, std::size_t j) const {
+  return impl_->loop->coupled(i, j);
+}
+
+core::CouplingGains Session::Impl::targets() const {
+  const std::size_t n = experiment.robots.size();
+  core::CouplingGains all{core::PairTable(n), core::PairTable(n), core::PairTable(n)};
+  for (const core::GainName name : core::gain_names)
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j) core::table(all, name).set(i, j, loop->target(name, i, j));
+  return all;
+}
+
+double Session::gain_border(core::GainName name) const {
+  return impl_->gain_border(name, impl_->demand);
+}
+
+double Session::gain_border(core::GainName name, const TickRecord& now) const {
+  core::ReferenceDemand demand;
+  for (const RobotRecord& robot : now.robots) {
+    const double v = std::abs(robot.nominal.twist.v), omega = std::abs(robot.nominal.twist.omega);
+    demand.v = std::max(demand.v, v);
+    demand.turning = std::max(demand.turning, omega + impl_->gains.k_y * v);
+  }
+  return impl_->gain_border(name, demand);
+}
+double Session::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
+  return core::gain_border(name, i, j, impl_->gains, impl_->targets(), impl_->demand);
+}
+
+tl::expected<void, std::string> Session::move_robot(std::size_t robot, const core::Pose& pose) {
+  if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  if (!impl_->plant->simulated(robot))
+    return tl::unexpected(fmt::format("robot {} is real: put it there by hand", robot + 1));
+  if (!impl_->loop->post_move(robot, pose)) return tl::unexpected(std::string("too many moves at once"));
+  return {};
+}
+
+tl::expected<void, std::string> Session::kick_robot(std::size_t robot, double vx, double vy) {
+  if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  if (!impl_->plant->simulated(robot))
+    return tl::unexpected(fmt::format("robot {} is real: only simulated ones are kicked", robot + 1));
+  if (!std::isfinite(vx) || !std::isfinite(vy)) return tl::unexpected(std::string("a kick needs a velocity"));
+  if (!impl_->loop->post_kick(robot, vx, vy)) return tl::unexpected(std::string("too many kicks at once"));
+  return {};
+}
+
+tl::expected<void, std::string> Session::hold_robot(std::size_t robot, bool hold) {
+  if (robot >= impl_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  if (!hold)
+    if (const RobotStatus status = robots()[robot]; status.link != "up" && status.link != "simulated")
+      return tl::unexpected(fmt::format("robot {}: its link is {}", robot + 1, status.link));
+  OperatorCommand command{hold ? OperatorCommand::Kind::hold : OperatorCommand::Kind::release};
+  command.number = robot;
+  if (!impl_->loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
+  return {};
+}
+
+tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacle& obstacle) {
+  const std::size_t number = impl_->obstacles.free();
+  if (number == impl_->obstacles.all().size())
+    return tl::unexpected(fmt::format("there are {} obstacles, no more can be added", number));
+  if (auto put = move_obstacle(number, obstacle); !put) return tl::unexpected(put.error());
+  return number;
+}
+
+tl::expected<void, std::string> Session::move_obstacle(std::size_t number, const core::Obstacle& obstacle) {
+  const Experiment& e = impl_->experiment;
+  const bool on_floor = std::abs(obstacle.x) <= e.arena_width / 2 && std::abs(obstacle.y) <= e.arena_height / 2;
+  if (!on_floor) return tl::unexpected(std::string("an obstacle stands inside the arena"));
+  if (!(obstacle.radius > 0.0 && obstacle.radius <= std::max(e.arena_width, e.arena_height)))
+    return tl::unexpected(fmt::format("an obstacle cannot have a radius of {} m", obstacle.radius));
+  return impl_->put(number, obstacle);
+}
+
+tl::expected<void, std::string> Session::remove_obstacle(std::size_t number) {
+  return impl_->put(number, {});
+}
+
+std::span<const core::Obstacle> Session::obstacles() const noexcept {
+  return impl_->obstacles.all();
+}
+
+}  // namespace skein::app
