@@ -54,6 +54,22 @@ Check links(const Experiment& e, std::span<const RobotStatus> robots) {
   return {What::links, State::fails, fmt::format("{}: {}", numbers(down), why), true};
 }
 
+/// A low battery turns wheels too slowly, and dies in the middle of a run; but the operator may know better.
+Check batteries(std::span<const RobotStatus> robots) {
+  std::vector<std::size_t> low;
+  double lowest = none;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (robots[i].battery_low) low.push_back(i);
+    lowest = std::fmin(lowest, robots[i].battery);
+  }
+  if (!low.empty())
+    return {What::batteries, State::fails,
+            fmt::format("{} {} low: charge", numbers(low), low.size() == 1 ? "is" : "are"), false};
+  return {What::batteries, State::holds,
+          std::isnan(lowest) ? std::string("nobody says that one is low") : fmt::format("{:.2f} V and more", lowest),
+          false};
+}
+
 Check gains(const Certificate* certificate) {
   if (!certificate) return {What::gains, State::waits, "being worked out", true};
   double forward = 1.0, turning = 1.0;
@@ -106,7 +122,8 @@ Check places(const TickRecord* record) {
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots) {
   return {camera(experiment), tags(experiment, record), links(experiment, robots),
-          gains(certificate), reference(certificate),   places(record)};
+          batteries(robots),  gains(certificate),       reference(certificate),
+          places(record)};
 }
 
 bool may_start(std::span<const Check> checks) noexcept {

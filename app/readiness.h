@@ -11,7 +11,7 @@ namespace skein::app {
 
 /// One of the things that are looked at before a start.
 struct Check {
-  enum class What { camera, tags, links, gains, reference, places };
+  enum class What { camera, tags, links, batteries, gains, reference, places };
   enum class State {
     holds,
     waits,  ///< not yet known

@@ -23,6 +23,7 @@ constexpr std::array words{
           QT_TRANSLATE_NOOP("CheckList", "Shows the camera's picture, to find the robot that is missing in it")},
     Words{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),
           QT_TRANSLATE_NOOP("CheckList", "Sets the experiment up again, and connects to every robot anew")},
+    Words{"batteries", QT_TRANSLATE_NOOP("CheckList", "Batteries"), nullptr, nullptr},
     Words{"gains", QT_TRANSLATE_NOOP("CheckList", "Gains certified"), QT_TRANSLATE_NOOP("CheckList", "Show gains"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the gains and what they leave to tracking")},
     Words{"reference", QT_TRANSLATE_NOOP("CheckList", "Reference feasible"), nullptr, nullptr},

@@ -72,6 +72,7 @@ void MainWindow::mend(app::Check::What what) {
       gains_dock_->show();
       gains_dock_->raise();
       return;
+    case What::batteries:
     case What::reference:
       return;
     case What::places:
@@ -86,8 +87,7 @@ void MainWindow::bring_to_places() {
   const auto& robots = live_.experiment().robots;
   if (!std::all_of(robots.begin(), robots.end(), [](const auto& robot) { return robot.simulated(); }))
     return live_.stage();
-  for (std::size_t i = 0; i < record->robots.size(); ++i)
-    tell(live_.move_robot(i, record->robots[i].nominal.pose));
+  for (std::size_t i = 0; i < record->robots.size(); ++i) tell(live_.move_robot(i, record->robots[i].nominal.pose));
 }
 
 /// The same experiment with one key of its file changed ("key=value"), before its start.

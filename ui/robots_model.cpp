@@ -80,9 +80,14 @@ QString RobotsModel::text(std::size_t i, int column) const {
   const QString nothing = QStringLiteral("–");
   if (column == robot) return QString::number(i + 1);
   if (column == tag) return QString::number(specs_[i].tag);
-  if (column == link || column == round_trip) {
+  if (column == link || column == round_trip || column == battery) {
     if (i >= links_.size()) return nothing;
     const app::RobotStatus& status = links_[i];
+    if (column == battery) {
+      const QString volts = std::isfinite(status.battery) ? tr("%1 V").arg(status.battery, 0, 'f', 2) : QString();
+      if (status.battery_low) return volts.isEmpty() ? tr("low!") : tr("%1, low!").arg(volts);
+      return volts.isEmpty() ? nothing : volts;
+    }
     if (column == link) {
       const QString state = QString::fromStdString(status.link);
       const bool told = stop_asked_ && specs_[i].link != app::RobotSpec::Link::sim;
@@ -107,6 +112,7 @@ QString RobotsModel::tip(std::size_t i, int column) const {
     QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');
     if (specs_[i].link == app::RobotSpec::Link::device)
       tip += QString::fromStdString(specs_[i].address) + QLatin1Char('\n');
+    if (!status.version.empty()) tip += QString::fromStdString(status.version) + QLatin1Char('\n');
     if (status.exchanges > 0)
       tip += tr("%1 exchanges, %2 timeouts, %3 reconnects")
                  .arg(status.exchanges)
@@ -119,6 +125,7 @@ QString RobotsModel::tip(std::size_t i, int column) const {
 
 QVariant RobotsModel::ink(std::size_t i, int column) const {
   if (column == robot) return ink_on(colours_.robot(i));
+  if (column == battery && i < links_.size() && links_[i].battery_low) return colours_.alarm;
   if (column == link && i < links_.size()) {
     const auto& link_state = links_[i].link;
     const bool well = link_state == "up" || link_state == "simulated" || link_state == "recorded";
@@ -146,6 +153,8 @@ QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int r
         return tr("Link");
       case round_trip:
         return tr("Round trip");
+      case battery:
+        return tr("Battery");
       case mode:
         return tr("Mode");
       case tag_age:
@@ -160,6 +169,8 @@ QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int r
         return tr("Robot");
       case round_trip:
         return tr("From a command to the robot's answer, median");
+      case battery:
+        return tr("As the robot says it, about every 10 s");
       case mode:
         return tr("What governs the robot now");
       case tag_age:

@@ -16,7 +16,7 @@ class RobotsModel final : public QAbstractTableModel {
   Q_OBJECT
 
  public:
-  enum Column { robot, tag, link, round_trip, mode, tag_age, wheels, columns };
+  enum Column { robot, tag, link, round_trip, battery, mode, tag_age, wheels, columns };
 
   using QAbstractTableModel::QAbstractTableModel;
 

@@ -48,6 +48,7 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   setColumnWidth(RobotsModel::tag, width(tr("Tag")));
   setColumnWidth(RobotsModel::link, width(tr("up, stopped")));
   setColumnWidth(RobotsModel::round_trip, width(tr("Round trip")));
+  setColumnWidth(RobotsModel::battery, width(tr("0.00 V, low!")));
   setColumnWidth(RobotsModel::tag_age, width(tr("not seen")));
   setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−0000 / −0000")));
   horizontalHeader()->setSectionResizeMode(RobotsModel::mode, QHeaderView::Stretch);

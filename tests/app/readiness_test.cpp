@@ -71,6 +71,15 @@ TEST_F(Readiness, ALinkThatIsDownSaysWhy) {
   EXPECT_FALSE(may_start(all()));
 }
 
+TEST_F(Readiness, ALowBatteryIsSaidAndMayBeOverruled) {
+  robots[2].battery = 3.31;
+  EXPECT_NE(check(Check::What::batteries).reason.find("3.31 V"), std::string::npos);
+  robots[2].battery_low = true;
+  EXPECT_EQ(check(Check::What::batteries).state, Check::State::fails);
+  EXPECT_FALSE(all_hold(all()));
+  EXPECT_TRUE(may_start(all()));
+}
+
 TEST_F(Readiness, GainsThatBreak18AndAReferenceThatIsTooFastStopTheStart) {
   certificate.robots[3].k_x.value = -0.01;
   EXPECT_EQ(check(Check::What::gains).state, Check::State::fails);

@@ -32,7 +32,7 @@ TEST_F(Checks, CanBeLookedAtAnyTime) {
   find<QAction>("view_checks")->trigger();
   EXPECT_TRUE(seen());
   EXPECT_TRUE(eventually([&] { return find<QLabel>("check_gains")->text().contains(QStringLiteral("(18)")); }));
-  for (const char* name : {"camera", "tags", "links", "gains", "reference", "places"})
+  for (const char* name : {"camera", "tags", "links", "batteries", "gains", "reference", "places"})
     EXPECT_TRUE(eventually([&] {
       return find<QLabel>((std::string("check_mark_") + name).c_str())->text().contains(QStringLiteral("✓"));
     })) << name;
