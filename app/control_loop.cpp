@@ -157,9 +157,9 @@ std::size_t ControlLoop::take_commands(const EventList& events) {
   // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
   for (const Event& event : events)
     if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
-      obeyed_[count++] = {OperatorCommand::Kind::hold, {}, 0.0, static_cast<std::size_t>(event.robot), {}};
+      obeyed_[count++] = {.kind = OperatorCommand::Kind::hold, .number = static_cast<std::size_t>(event.robot)};
   const bool ends_step = std::exchange(stepping_, false);
-  if (ends_step) obeyed_[count++] = {OperatorCommand::Kind::pause, {}, 0.0};
+  if (ends_step) obeyed_[count++] = {.kind = OperatorCommand::Kind::pause};
   bool asked_more = false;
   while (count + 1 < obeyed_.size() && commands_.pop(obeyed_[count])) ++count, asked_more = true;
   const Phase now = phase();

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace skein::app {
 namespace {
@@ -46,17 +46,17 @@ void CsvRecorder::begin(const std::string& path, const Experiment& experiment, R
   file_ = std::move(file);
   last_known_ = before.empty() ? -std::numeric_limits<double>::infinity() : before.back()->now;
   before_ = std::move(before);
+  owes_before_ = true;
   flushed_ = 0.0;
 }
 
 /// Once: the rows from before the beginning, those that the caller knew of and the newest ones.
 void CsvRecorder::write_before() {
-  if (std::isinf(last_known_) && last_known_ > 0) return;
+  if (!std::exchange(owes_before_, false)) return;
   for (const auto& row : before_) file_->record(*row);
   before_.clear();
   for (const TickRecord& row : recent_)
     if (row.now > last_known_) file_->record(row);
-  last_known_ = std::numeric_limits<double>::infinity();
 }
 
 void CsvRecorder::end() {
@@ -79,7 +79,7 @@ void CsvRecorder::record(const TickRecord& record) {
   const std::lock_guard lock(mutex_);
   if (file_) {
     write_before();
-    file_->record(record);
+    if (record.now > last_known_) file_->record(record);  // else the caller was told of it before this sink was
     if (record.now - flushed_ >= flush_period) {
       file_->finish();
       flushed_ = record.now;

@@ -50,7 +50,8 @@ class CsvRecorder final : public RecordSink {
   mutable std::mutex mutex_;
   std::unique_ptr<CsvFile> file_;
   Rows before_;
-  double last_known_ = 0.0, flushed_ = 0.0;  // `now` of rows [s]
+  bool owes_before_ = false;                 // `before_` is not written yet
+  double last_known_ = 0.0, flushed_ = 0.0;  // `now` of rows: the last that the caller knew of at the beginning [s]
   std::deque<TickRecord> recent_;            // longer than a window's channel: what it may not have seen yet
 };
 

@@ -63,7 +63,7 @@ TEST(Held, TheOthersKeepClearOfTheOneThatStands) {
   Group group(others_go_on({"avoidance.enabled=true", "shield.enabled=true"}));
   group.start();
   group.steps(50);
-  group.step({{OperatorCommand::Kind::hold, {}, 0.0, 1, {}}});
+  group.step({{.kind = OperatorCommand::Kind::hold, .number = 1}});
   group.steps(1500);  // a minute: the leader comes round and meets it as well
   const core::Pose stood = group.robots[1].pose();
   for (std::size_t k = 60; k < group.rows.size(); ++k) {

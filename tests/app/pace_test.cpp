@@ -22,8 +22,11 @@ class Rows final : public RecordSink {
 
 bool eventually(const std::function<bool()>& holds) {
   const auto give_up = std::chrono::steady_clock::now() + 20s;
-  while (!holds() && std::chrono::steady_clock::now() < give_up) std::this_thread::sleep_for(2ms);
-  return holds();
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(2ms);
+  }
+  return true;
 }
 
 /// The phase and the tick of the newest record that `drain` brings.
