@@ -11,6 +11,7 @@
 
 #include "app/replay.h"
 #include "operator.h"
+#include "ui/event_log.h"
 
 namespace skein::ui::test {
 namespace {
@@ -164,7 +165,7 @@ TEST_F(Run, GoesOnUnderAWindowThatHangs) {
   auto* log = find<QAbstractItemView>("event_log");
   QStringList lines;
   for (int row = 0; row < log->model()->rowCount(); ++row)
-    lines << log->model()->index(row, 1).data(Qt::ToolTipRole).toString();
+    lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
   EXPECT_TRUE(lines.join(QLatin1Char('\n')).contains(QStringLiteral("the window stood still")));
 }
 
