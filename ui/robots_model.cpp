@@ -77,25 +77,24 @@ QVariant RobotsModel::data(const QModelIndex& index, int role) const {
 }
 
 QString RobotsModel::text(std::size_t i, int column) const {
-  const QString nothing = QStringLiteral("–");
   if (column == robot) return QString::number(i + 1);
   if (column == tag) return QString::number(specs_[i].tag);
   if (column == link || column == round_trip || column == battery) {
-    if (i >= links_.size()) return nothing;
+    if (i >= links_.size()) return nothing();
     const app::RobotStatus& status = links_[i];
     if (column == battery) {
       const QString volts = std::isfinite(status.battery) ? tr("%1 V").arg(status.battery, 0, 'f', 2) : QString();
-      if (status.battery_low) return volts.isEmpty() ? tr("low!") : tr("%1, low!").arg(volts);
-      return volts.isEmpty() ? nothing : volts;
+      if (status.battery_low) return volts.isEmpty() ? tr("low!") : tr("%1 !").arg(volts);
+      return volts.isEmpty() ? nothing() : volts;
     }
     if (column == link) {
       const QString state = QString::fromStdString(status.link);
       const bool told = stop_asked_ && specs_[i].link != app::RobotSpec::Link::sim;
       return told && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
     }
-    return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing;
+    return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing();
   }
-  if (i >= robots_.size()) return nothing;
+  if (i >= robots_.size()) return nothing();
   const app::RobotRecord& record = robots_[i];
   if (column == mode) return held_.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
   if (column == tag_age) {

@@ -20,6 +20,8 @@ class RobotsModel final : public QAbstractTableModel {
 
   using QAbstractTableModel::QAbstractTableModel;
 
+  static QString nothing() { return QStringLiteral("–"); }  ///< stands where there is no value
+
   void show_experiment(const app::Experiment& experiment);
   void take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked,
             const std::set<int>& held = {});

@@ -48,12 +48,24 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   setColumnWidth(RobotsModel::tag, width(tr("Tag")));
   setColumnWidth(RobotsModel::link, width(tr("up, stopped")));
   setColumnWidth(RobotsModel::round_trip, width(tr("Round trip")));
-  setColumnWidth(RobotsModel::battery, width(tr("0.00 V, low!")));
+  setColumnWidth(RobotsModel::battery, width(tr("Battery")));
   setColumnWidth(RobotsModel::tag_age, width(tr("not seen")));
   setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−0000 / −0000")));
   horizontalHeader()->setSectionResizeMode(RobotsModel::mode, QHeaderView::Stretch);
+  connect(&model_, &QAbstractItemModel::modelReset, this, &RobotsPanel::hide_empty_columns);
+  connect(&model_, &QAbstractItemModel::dataChanged, this, &RobotsPanel::hide_empty_columns);
   connect(selectionModel(), &QItemSelectionModel::currentRowChanged, this,
           [this](const QModelIndex& now) { emit picked(now.isValid() ? now.row() : -1); });
+}
+
+/// What only robots with a link have takes no room where there are none.
+void RobotsPanel::hide_empty_columns() {
+  for (const int column : {RobotsModel::round_trip, RobotsModel::battery}) {
+    bool empty = true;
+    for (int row = 0; row < model_.rowCount(); ++row)
+      empty = empty && model_.index(row, column).data().toString() == RobotsModel::nothing();
+    if (isColumnHidden(column) != empty) setColumnHidden(column, empty);
+  }
 }
 
 void RobotsPanel::select_robot(int robot) {

@@ -24,6 +24,7 @@ class RobotsPanel final : public QTableView {
   void changeEvent(QEvent*) override;
 
  private:
+  void hide_empty_columns();
   RobotsModel model_;
 };
 
