@@ -59,18 +59,18 @@ void Recorder::add(const Frame& frame) {
 }
 
 void Recorder::put(const Frame& frame) {
-  waiting_[next_in_] = frame;
-  next_in_ = (next_in_ + 1) % waiting_.size();
+  const std::int64_t number = put_.load(std::memory_order_relaxed);
+  waiting_[static_cast<std::size_t>(number) % waiting_.size()] = frame;
+  put_.store(number + 1, std::memory_order_release);
   sem_post(&ready_);
 }
 
 void Recorder::work() {
-  for (std::size_t next = 0;; next = (next + 1) % waiting_.size()) {
+  for (std::int64_t done = 0;; ++done) {
     take(ready_);
-    // The end is posted behind the last frame: whoever is woken up and finds no frame has written all of them.
-    int left = 0;
-    sem_getvalue(&ready_, &left);
-    if (ending_.load(std::memory_order_acquire) && left == 0) break;
+    // One post a frame, and one behind the last: whoever is woken up and finds no frame has written all of them.
+    if (done == put_.load(std::memory_order_acquire)) break;
+    const std::size_t next = static_cast<std::size_t>(done) % waiting_.size();
     if (!broken_.load(std::memory_order_relaxed)) {
       try {
         fail(film_->write(waiting_[next]));
@@ -96,7 +96,6 @@ void Recorder::fail(std::string problem) {
 
 RecorderStatus Recorder::finish() {
   if (thread_.joinable()) {
-    ending_.store(true, std::memory_order_release);
     sem_post(&ready_);
     thread_.join();
   }

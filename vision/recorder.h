@@ -54,10 +54,10 @@ class Recorder {
   void fail(std::string problem);
 
   std::unique_ptr<FilmWriter> film_;
-  std::vector<Frame> waiting_;  // a ring: its buffers grow once
-  std::size_t next_in_ = 0;     // the offering thread's
-  sem_t room_, ready_;          // std::counting_semaphore can miss a wake-up in GCC 12
-  std::atomic<bool> ending_{false}, broken_{false};
+  std::vector<Frame> waiting_;        // a ring: its buffers grow once
+  std::atomic<std::int64_t> put_{0};  // frames that were put there; the offering thread's
+  sem_t room_, ready_;                // std::counting_semaphore can miss a wake-up in GCC 12
+  std::atomic<bool> broken_{false};
   std::atomic<std::int64_t> written_{0}, dropped_{0};
   mutable std::mutex problem_mutex_;
   std::string problem_;
