@@ -65,7 +65,7 @@ struct SourceOptions {
   double rate = 0.0;           // asked of a camera [frames/s]; 0: as the camera is set
   ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again
   double reopen_for = 10.0;    // a camera that stops delivering is opened again for so long before that is an error [s]
-  std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the wait with an error
+  std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the stream
 };
 
 /// "images:DIR" or "images:FILE"  png, jpg, pgm, ppm, bmp, tif, sorted by name; captured_at as if 25 were taken a

@@ -64,10 +64,12 @@ class V4l2Camera final : public FrameSource {
       std::string problem;
       const bool whole = take(frame, problem);
       if (whole) return true;
-      if (options_.keep_waiting && !options_.keep_waiting())
-        return tl::unexpected(device_.path() + ": nobody waits for it any more");
+      if (nobody_waits()) return false;
       if (!problem.empty())
-        if (std::string given_up = reopen(problem); !given_up.empty()) return tl::unexpected(given_up);
+        if (std::string given_up = reopen(problem); !given_up.empty()) {
+          if (left_) return false;
+          return tl::unexpected(given_up);
+        }
       // A damaged frame (a bad cable, a full bus): the next one may be well, but not for ever.
       if (damaged_ > max_damaged) return tl::unexpected(device_.path() + ": sends only damaged frames");
     }
@@ -157,6 +159,12 @@ class V4l2Camera final : public FrameSource {
     return whole;
   }
 
+  /// Asked while no frame comes; once they have left, they have left.
+  bool nobody_waits() {
+    left_ = left_ || (options_.keep_waiting && !options_.keep_waiting());
+    return left_;
+  }
+
   /// The camera has gone: unplugged, or stuck until it is started anew. Empty once it runs again.
   std::string reopen(const std::string& problem) {
     {
@@ -172,7 +180,7 @@ class V4l2Camera final : public FrameSource {
     const int height = height_;
     close();
     while (frames_ > 0 && out_for_ < options_.reopen_for) {
-      if (options_.keep_waiting && !options_.keep_waiting()) return problem;
+      if (nobody_waits()) return problem;
       const std::string again = open();
       if (again.empty()) {
         if (width_ == width && height_ == height) return {};
@@ -328,6 +336,7 @@ class V4l2Camera final : public FrameSource {
   const Media* media_ = nullptr;
   std::int64_t frames_ = 0;
   int damaged_ = 0;       // frames in a row
+  bool left_ = false;     // whoever waited for a frame does not any more
   bool fresh_ = true;     // no frame since it was opened
   double out_for_ = 0.0;  // how long it has not delivered [s]
   double last_stamp_ = 0.0;
