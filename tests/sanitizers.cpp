@@ -1,5 +1,6 @@
-// What the ThreadSanitizer must not report: libraries that are not built for it, whose own synchronisation it cannot see. Our code
-// between them stays checked. An object library, since the sanitizer's runtime looks the function up when the program starts.
+// What the ThreadSanitizer must not report: libraries that are not built for it, whose own synchronisation it cannot
+// see. Our code between them stays checked. An object library, since the sanitizer's runtime looks the function up when
+// the program starts.
 #if defined(__SANITIZE_THREAD__)
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
@@ -18,5 +19,13 @@ extern "C" const char* __tsan_default_suppressions() {
          "mutex:libQt6Core.so\n"
          "race:libfontconfig.so\n"
          "race:libglib-2.0.so\n";
+}
+#endif
+
+// What fontconfig keeps to the end of the program, behind cairo and Qt.
+#if defined(__SANITIZE_ADDRESS__)
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libfontconfig.so\n";
 }
 #endif

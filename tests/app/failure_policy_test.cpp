@@ -118,6 +118,7 @@ struct Watched {
     SessionOptions options;
     options.faults = std::move(faults);
     session = Session::open(experiment, Session::Clock::wall, options).value();
+    newest.robots.resize(experiment.robots.size());  // until the first record comes
   }
   const TickRecord& look() {
     session->drain([this](const TickRecord& record) {

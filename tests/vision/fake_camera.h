@@ -10,6 +10,7 @@
 #include <cstring>
 #include <deque>
 #include <map>
+#include <string_view>
 #include <vector>
 
 #include "vision/v4l2_kernel.h"
@@ -168,7 +169,8 @@ class FakeCamera final : public V4l2Kernel {
       case VIDIOC_QUERYMENU: {
         auto& item = *static_cast<v4l2_querymenu*>(argument);
         if (item.index == 2) return fail(EINVAL);  // a gap
-        std::memcpy(item.name, item.index == 1 ? "Manual Mode" : "Auto Mode", 12);
+        const std::string_view name = item.index == 1 ? "Manual Mode" : "Auto Mode";
+        std::memcpy(item.name, name.data(), name.size());  // zeros follow: the caller's struct is empty
         return 0;
       }
       case VIDIOC_G_CTRL:
