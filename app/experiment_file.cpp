@@ -59,8 +59,7 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   return experiment;
 }
 
-tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,
-                                                               const std::vector<std::string>& sets) {
+tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path) {
   const auto unreadable = [&](const std::string& why) {
     return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
   };
@@ -68,8 +67,16 @@ tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string
   if (std::filesystem::is_directory(path, ignored)) return unreadable("it is a directory");
   std::ifstream in(path, std::ios::binary);
   if (!in) return unreadable(std::strerror(errno));
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   if (in.bad()) return unreadable(std::strerror(errno));
+  return text;
+}
+
+tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,
+                                                               const std::vector<std::string>& sets) {
+  const auto read = read_text(path);
+  if (!read) return tl::unexpected(read.error());
+  const std::string& text = *read;
   return parse_experiment(text, path, sets);
 }
 

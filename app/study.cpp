@@ -101,17 +101,6 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
   t.finish();
 }
 
-tl::expected<std::string, std::vector<Problem>> text_of(const std::string& path) {
-  const auto unreadable = [&](const std::string& why) {
-    return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
-  };
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return unreadable("it is a directory");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return unreadable(std::strerror(errno));
-  return std::string{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 struct Dice {
   core::Random random;
   double between(const Span& span) { return span[0] + (span[1] - span[0]) * random.uniform(); }
@@ -211,7 +200,7 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
 }  // namespace
 
 tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
-  const auto text = text_of(path);
+  const auto text = read_text(path);
   if (!text) return tl::unexpected(text.error());
   auto document = parse_toml(*text, path);
   if (!document) return tl::unexpected(document.error());
@@ -222,7 +211,7 @@ tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   if (!problems.empty()) return tl::unexpected(std::move(problems).sorted());
 
   study.experiment = (std::filesystem::path(path).parent_path() / study.experiment).lexically_normal().string();
-  auto experiment_text = text_of(study.experiment);
+  auto experiment_text = read_text(study.experiment);
   if (!experiment_text) return tl::unexpected(experiment_text.error());
   study.text = std::move(*experiment_text);
   const auto experiment = parse_experiment(study.text, study.experiment, study.sets);
