@@ -1,6 +1,6 @@
 # The program: the one target that sees both app and ui.
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
-add_executable(skein app/main.cpp)
+add_executable(skein app/main.cpp $<TARGET_OBJECTS:skein_sanitizers>)
 target_link_libraries(skein PRIVATE skein_app)
 if(SKEIN_GUI)
   target_link_libraries(skein PRIVATE skein_ui)

@@ -25,6 +25,9 @@ if(SKEIN_SANITIZE)
   target_compile_options(skein_options INTERFACE -fsanitize=${SKEIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(skein_options INTERFACE -fsanitize=${SKEIN_SANITIZE})
 endif()
+# What goes into every executable, the program and the tests alike: the sanitizers' runtime looks it up when a program starts.
+add_library(skein_sanitizers OBJECT ${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp)
+target_link_libraries(skein_sanitizers PRIVATE skein_options)
 
 # skein_room(core SOURCES ... PUBLIC ... PRIVATE ...): a room is a static library named after its folder.
 function(skein_room name)
