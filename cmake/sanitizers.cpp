@@ -14,9 +14,11 @@ extern "C" const char* __tsan_default_suppressions() {
          "called_from_lib:libQt6Core.so\n"
          "called_from_lib:libQt6Gui.so\n"
          "called_from_lib:libQt6Widgets.so\n"
-         "race:libQt6Core.so\n"
-         "race:libQt6Gui.so\n"
-         "mutex:libQt6Core.so\n"
+         "race:libQt6\n"
+         "mutex:libQt6\n"
+         "race:libxcb.so\n"
+         "race:libX11.so\n"
+         "race:libdbus-1.so\n"
          "race:libfontconfig.so\n"
          "race:libglib-2.0.so\n";
 }
