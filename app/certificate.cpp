@@ -105,6 +105,28 @@ std::array<std::pair<core::PairTable*, core::GainName>, core::pair_names.size()>
            {&g.l_tt, Name::l_tt}}};
 }
 
+void put(core::CouplingGains now, core::Gains& gains) {
+  for (const auto& [target, name] : parts_of(gains)) *target = core::table(now, name);
+}
+
+void begin(const GainChange& change, core::GainSchedule& schedule, double ramp) {
+  for (const core::GainName name : core::pair_names)
+    if (change[name]) schedule.ramp(name, *change[name], ramp);
+}
+
+/// The gains at the start, and those that each change leads to.
+std::vector<core::Gains> all_gains(const Experiment& experiment) {
+  std::vector<core::Gains> all{make_gains(experiment)};
+  core::GainSchedule schedule(experiment.controller.gains);
+  for (const GainChange& change : experiment.gain_changes) {
+    begin(change, schedule, 0.0);
+    schedule.step(experiment.period());
+    all.push_back(all.front());
+    put(schedule.now(), all.back());
+  }
+  return all;
+}
+
 }  // namespace
 
 bool Certificate::holds() const noexcept {
@@ -137,13 +159,10 @@ Certificate certify(const Experiment& experiment) {
   std::size_t next_change = 0;
   for (std::int64_t k = 0; k < experiment.ticks(); ++k) {
     const double t = static_cast<double>(k) / experiment.rate;
-    for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change) {
-      const GainChange& change = experiment.gain_changes[next_change];
-      for (const core::GainName name : core::pair_names)
-        if (change[name]) schedule.ramp(name, *change[name], change.ramp);
-    }
+    for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change)
+      begin(experiment.gain_changes[next_change], schedule, experiment.gain_changes[next_change].ramp);
     if (k > 0) schedule.step(experiment.period());
-    for (const auto& [target, name] : parts_of(gains)) *target = core::table(schedule.now(), name);
+    put(schedule.now(), gains);
     reference->at(t, points);
     for (std::size_t i = 0; i < n; ++i) twists[i] = points[i].twist;
     core::use_policy(gains, twists);
@@ -171,7 +190,6 @@ Certificate certify(const Experiment& experiment) {
 Certificate::Delay smallest_delay_margin(const Experiment& experiment) {
   constexpr int samples = 500;
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
-  core::Gains gains = make_gains(experiment);
   const std::size_t n = experiment.robots.size();
 
   // Of every robot the straightest, the tightest and the fastest piece, once each: they are mostly the same for all.
@@ -202,11 +220,12 @@ Certificate::Delay smallest_delay_margin(const Experiment& experiment) {
   }
   Certificate::Delay least;
   least.margin = {infinite, true};
-  for (const Place& place : places) {
-    core::use_policy(gains, std::vector<core::Twist>(n, place.twist));
-    const core::DelayMargin margin = core::delay_margin(gains, place.robot, place.twist, experiment.period());
-    if (margin.delay < least.margin.delay) least = {margin, place.t, place.robot};
-  }
+  for (core::Gains& gains : all_gains(experiment))
+    for (const Place& place : places) {
+      core::use_policy(gains, std::vector<core::Twist>(n, place.twist));
+      const core::DelayMargin margin = core::delay_margin(gains, place.robot, place.twist, experiment.period());
+      if (margin.delay < least.margin.delay) least = {margin, place.t, place.robot};
+    }
   return least;
 }
 

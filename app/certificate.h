@@ -44,7 +44,8 @@ struct Certificate {
         0.0;  ///< from when on that case holds; before, references were still setting off or coming to rest [s]
     Case holds = Case::neither;
   };
-  /// The delay that the loop of the robot and the place bear that bear least, with the gains at the start.
+  /// The delay that the loop of the robot and the place bear that bear least, with the gains of the start
+  /// or of any of their changes.
   struct Delay {
     core::DelayMargin margin;
     double t = 0.0;  ///< where along the reference [s]

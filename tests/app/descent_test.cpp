@@ -30,7 +30,8 @@ TEST_P(Healthy, RobotsRaiseNoAlarm) {
 }
 INSTANTIATE_TEST_SUITE_P(Examples, Healthy,
                          testing::Values("platoon", "uncoupled", "lemniscate", "diamond-to-line", "corner-blends",
-                                         "unequal-speeds", "parking"));
+                                         "unequal-speeds", "parking", "obstacles", "crossing", "kidnap",
+                                         "antipodal-swap-4", "antipodal-swap-6"));
 
 TEST(Broken, RobotsAreNoticed) {
   Experiment e = paper_experiment();
