@@ -36,24 +36,27 @@ tl::expected<vision::Calibration, std::string> find_calibration(const Experiment
 
 }  // namespace
 
-vision::TrackerOptions tracker_options(const Experiment& experiment) {
-  vision::TrackerOptions options;
-  for (const RobotSpec& robot : experiment.robots) options.tags.push_back(robot.tag);
-  return options;
+std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
+  constexpr int tags = 587;  // of the family 36h11
+  std::vector<int> wanted;
+  for (const RobotSpec& robot : experiment.robots) wanted.push_back(robot.tag);
+  for (int tag = 0; every && tag < tags; ++tag)
+    if (std::find(wanted.begin(), wanted.end(), tag) == wanted.end()) wanted.push_back(tag);
+  return wanted;
 }
 
-void take(std::span<const vision::TagPose> tags, const Experiment& experiment, std::span<core::Measurement> newest) {
-  for (const vision::TagPose& tag : tags)
+void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest) {
+  for (const vision::TagPose& tag : seen)
     for (std::size_t i = 0; i < newest.size(); ++i)
-      if (experiment.robots[i].tag == tag.tag)
-        newest[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
+      if (wanted[i] == tag.tag) newest[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
 }
 
 tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
-                                                                      SimulatedWorld& world, bool pictures) {
+                                                                      SimulatedWorld& world, bool pictures,
+                                                                      std::vector<int> wanted) {
   auto calibration = find_calibration(experiment);
   if (!calibration) return tl::unexpected(calibration.error());
-  std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures));
+  std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
   if (experiment.camera.source == "synthetic") {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
   } else {
@@ -72,15 +75,16 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
 }
 
 CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world,
-                     vision::Calibration calibration, bool pictures)
+                     vision::Calibration calibration, bool pictures, std::vector<int> wanted)
     : experiment_(experiment),
       clock_(clock),
       world_(world),
       calibration_(std::move(calibration)),
-      tracker_(calibration_, tracker_options(experiment)),
+      wanted_(std::move(wanted)),
+      tracker_(calibration_, {.tags = wanted_}),
       pictures_(pictures),
       poses_(experiment.robots.size()),
-      seen_{std::vector<core::Measurement>(experiment.robots.size()), {}},
+      seen_{std::vector<core::Measurement>(wanted_.size()), {}},
       sights_(seen_),
       ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
 
@@ -175,7 +179,7 @@ bool CameraRig::capture() {
 }
 
 void CameraRig::work_off() {
-  take(tracker_.process(frame_), experiment_, seen_.robots);
+  take(tracker_.process(frame_), wanted_, seen_.tags);
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();
@@ -195,7 +199,7 @@ void CameraRig::work_off() {
 
 bool CameraRig::newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept {
   if (!sights_.take()) return false;
-  std::copy(sights_.value().robots.begin(), sights_.value().robots.end(), measurements.begin());
+  std::copy_n(sights_.value().tags.begin(), std::min(measurements.size(), wanted_.size()), measurements.begin());
   times = sights_.value().times;
   return true;
 }

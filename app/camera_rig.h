@@ -23,10 +23,11 @@
 
 namespace skein::app {
 
-/// The tracker of an experiment looks for its robots' tags.
-vision::TrackerOptions tracker_options(const Experiment& experiment);
-/// What a frame showed becomes the newest measurement of each robot that was seen in it.
-void take(std::span<const vision::TagPose> tags, const Experiment& experiment, std::span<core::Measurement> newest);
+/// The tags that an experiment looks for, those of its robots, in their order; `every`: and behind them all others that
+/// there are.
+std::vector<int> wanted_tags(const Experiment& experiment, bool every = false);
+/// What a frame showed becomes the newest measurement of each wanted tag that was seen in it.
+void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest);
 
 /// When a frame went through its stations. Session's clock; none: not known. [s]
 struct FrameTimes {
@@ -40,8 +41,10 @@ struct FrameTimes {
 /// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
 class CameraRig {
  public:
+  /// `wanted`: the tags to look for.
   static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
-                                                                    SimulatedWorld& world, bool pictures);
+                                                                    SimulatedWorld& world, bool pictures,
+                                                                    std::vector<int> wanted);
   ~CameraRig();
 
   /// Keeps every frame, as the tracker got it, in a film. Before the first frame.
@@ -56,8 +59,8 @@ class CameraRig {
   /// Virtual clock: takes and works off one frame now.
   void look();
 
-  /// Overwrites the measurement of every robot that was seen since, and says when; false: nothing new. The control
-  /// thread's.
+  /// Overwrites the measurement of every wanted tag that was seen since, as far as there is room, and says when; false:
+  /// nothing new. The control thread's.
   bool newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept;
   /// Waits until the newest frame was ready at `since` or later, at most until `until`. Wall clock only; the control
   /// thread's. [s, session's clock]
@@ -72,7 +75,7 @@ class CameraRig {
 
  private:
   CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world, vision::Calibration calibration,
-            bool pictures);
+            bool pictures, std::vector<int> wanted);
   void thread(const std::stop_token& stop);
   bool capture();  // false: the stream is over or broken, reason_ says which
   void work_off();
@@ -81,6 +84,7 @@ class CameraRig {
   SessionClock& clock_;
   SimulatedWorld& world_;
   vision::Calibration calibration_;
+  std::vector<int> wanted_;
   vision::TagTracker tracker_;
   std::unique_ptr<vision::SyntheticCamera> synthetic_;
   std::unique_ptr<vision::FrameSource> source_;
@@ -92,7 +96,7 @@ class CameraRig {
   std::vector<core::Pose> poses_;
   std::vector<vision::SyntheticTag> tags_;
   struct Sight {
-    std::vector<core::Measurement> robots;
+    std::vector<core::Measurement> tags;
     FrameTimes times;
   };
   Sight seen_;  // by the camera's side

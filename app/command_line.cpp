@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/command_line_robots.h"
 #include "app/command_line_vision.h"
 #include "app/commands.h"
 #include "app/fault_file.h"
@@ -200,33 +201,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   emulate_command.add_option("--seed", emulate_options.seed, "seed of what is random in the faults")
       ->capture_default_str();
 
-  CLI::App& robots_command = *program.add_subcommand("robots", "Looks after real robots");
-  robots_command.require_subcommand(1);
-  CLI::App& stop_command = *robots_command.add_subcommand(
-      "stop", "Stops robots, whatever state they were left in; exit status 3 when one does not acknowledge");
-  std::vector<std::string> robots_to_stop;
-  stop_command.add_option(
-      "robots", robots_to_stop,
-      "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST for one robot, an experiment file for all of its; "
-      "default: the robots of every run that was killed");
-  CLI::App& test_command = *robots_command.add_subcommand(
-      "test", "Asks a robot for version and battery, turns each wheel 10 mm, and says what is wrong with them");
-  std::string robot_to_test;
-  test_command.add_option("robot", robot_to_test, "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST")->required();
-
-  CLI::App& scan_command = *robots_command.add_subcommand(
-      "scan", "Looks for e-pucks by Bluetooth and prints them as tables of an experiment file");
-  std::string adapter;
-  double scan_seconds = 12.0;
-  scan_command.add_option("--adapter", adapter, "hci1, or its address; default: all")->type_name("ADAPTER");
-  scan_command.add_option("--seconds", scan_seconds, "how long; a whole inquiry takes 10.24 s")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
-  CLI::App& pair_command = *robots_command.add_subcommand(
-      "pair", "Pairs with e-pucks: an e-puck1 is told its number as PIN, an e-puck2 pairs by itself");
-  std::vector<std::string> robots_to_pair;
-  pair_command.add_option("robots", robots_to_pair, "names (e-puck_1234) or Bluetooth addresses")->required();
-  pair_command.add_option("--adapter", adapter, "as for scan")->type_name("ADAPTER");
+  RobotCommands robot_commands;
+  robot_commands.add_to(program);
 
   CLI::App& guard_command =
       *program.add_subcommand("guard", "Started by a run with real robots: stops them when the run is killed");
@@ -272,11 +248,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   if (sweep_command) return sweep(sweep_request);
   if (track_command) return track(track_request);
   if (const auto status = vision_commands.run()) return *status;
+  if (const auto status = robot_commands.run()) return *status;
   if (list_command) return list_cameras(camera_device);
-  if (stop_command) return stop_robots(robots_to_stop);
-  if (test_command) return test_robot(robot_to_test);
-  if (scan_command) return scan_robots(adapter, scan_seconds);
-  if (pair_command) return pair_robots(robots_to_pair, adapter);
   if (bench_command && bench_what == "ui") {
     if (bench_window) return bench_window(bench_seconds, argc, argv);
     fmt::print(stderr, "skein: this program was built without a window\n");

@@ -41,17 +41,17 @@ class Progress final : public RecordSink {
   std::chrono::steady_clock::time_point last_{};
 };
 
-bool anything_real(const Experiment& experiment) {
-  const bool real_robot = std::any_of(experiment.robots.begin(), experiment.robots.end(),
-                                      [](const RobotSpec& robot) { return !robot.simulated(); });
-  return real_robot || (experiment.camera.source != "none" && experiment.camera.source != "synthetic");
-}
-
 void complain(const std::string& text) {
   fmt::print(stderr, "skein: {}\n", text);
 }
 
 }  // namespace
+
+bool anything_real(const Experiment& experiment) {
+  const bool real_robot = std::any_of(experiment.robots.begin(), experiment.robots.end(),
+                                      [](const RobotSpec& robot) { return !robot.simulated(); });
+  return real_robot || (experiment.camera.source != "none" && experiment.camera.source != "synthetic");
+}
 
 std::optional<Experiment> load(const ExperimentRequest& request) {
   if (request.file.empty()) return paper_experiment();

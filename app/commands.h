@@ -55,23 +55,45 @@ int list_cameras(const std::string& device);
 /// Further words go to Google Benchmark.
 int bench(const std::string& what, double seconds, std::vector<std::string> arguments);
 
-/// Stops robots, named by link addresses or by experiment files, whatever state they were left in; without words those
-/// of every run that was killed. `device_failed` when one has not acknowledged.
-int stop_robots(const std::vector<std::string>& words);
+/// Whether a robot or the camera of an experiment is no simulation, so that it runs in real time.
+bool anything_real(const Experiment& experiment);
 
-/// Looks for robots by Bluetooth for so long [s], with one adapter ("hci1", or its address) or all (empty), and prints
-/// them as tables of an experiment file; `device_failed` if there is none.
-int scan_robots(const std::string& adapter, double seconds);
+struct RobotsRequest {
+  std::vector<std::string> words;   ///< which robots, see named_robots()
+  std::string file;                 ///< of robots; empty: known_robots_file() says which
+  std::string camera, calibration;  ///< source and calibration file; empty: that of the experiment, if there is one
+  std::string adapter;              ///< "hci1", or its address; empty: all
+  double seconds = 12.0;            ///< how long to look for robots
+  bool save = false;                ///< into the file of robots
+};
+
+/// Robots by words of the command line, with what is wrong on stderr: link addresses, names of the file of robots,
+/// files of robots, experiment files.
+struct NamedRobots {
+  std::vector<RobotSpec> robots;
+  std::optional<Experiment> experiment;  ///< where an experiment file is the only word
+};
+std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, const std::string& file);
+
+/// The robots of the file of robots, as a table.
+int list_robots(const std::string& file);
+
+/// Stops robots, whatever state they were left in; without words all known ones and those of every run that was killed.
+/// `device_failed` when one has not acknowledged.
+int stop_robots(const std::vector<std::string>& words, const std::string& file = {});
+
+/// Looks for robots by Bluetooth and prints them as tables of a file of robots; `device_failed` if there is none.
+int scan_robots(const RobotsRequest& request);
 
 /// Pairs with robots, named by name or address; prints them likewise; `device_failed` if one was not paired.
-int pair_robots(const std::vector<std::string>& robots, const std::string& adapter);
+int pair_robots(const RobotsRequest& request);
+
+/// Asks robots who they are, turns their wheels a little, and names what is wrong with them; `device_failed` if
+/// something is. See robot_test.h.
+int test_robots(const RobotsRequest& request);
 
 /// Says on stderr which runs ended without stopping their robots, if any did, and offers to stop them where somebody
 /// sits at a terminal.
 void look_after_bad_ends();
-
-/// Asks one robot who it is, turns each wheel a little, and names what is wrong with them; `device_failed` if something
-/// is.
-int test_robot(const std::string& address);
 
 }  // namespace skein::app

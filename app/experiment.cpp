@@ -1,5 +1,7 @@
 #include "app/experiment.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/reference/platoon.h"
@@ -43,6 +45,11 @@ core::Shape places(const ShapeSpec& spec, std::size_t robots) {
 
 std::int64_t Experiment::ticks() const noexcept {
   return std::llround(duration * rate);
+}
+
+std::string robot_name(const Experiment& experiment, std::size_t robot) {
+  const std::string& name = experiment.robots[robot].name;
+  return fmt::format("robot {}{}", robot + 1, name.empty() ? "" : " (" + name + ")");
 }
 
 std::shared_ptr<const core::Path> make_path(const PathSpec& path) {

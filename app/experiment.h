@@ -109,6 +109,7 @@ struct RobotSpec {
     loopback,  ///< simulated behind an emulated e-puck on a pseudo-terminal
     device,    ///< a real robot: `address` is "rfcomm:ADDR/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT"
   };
+  std::string name;  ///< as in the file of robots; empty: it has none
   int tag = 0;
   Link link = Link::sim;
   std::string address;  ///< as written in the file
@@ -204,6 +205,9 @@ struct Experiment {
   double period() const noexcept { return 1.0 / rate; }
   std::int64_t ticks() const noexcept;  ///< rows that a run of the whole duration has
 };
+
+/// What messages call a robot: "robot 2", or "robot 2 (anna)".
+std::string robot_name(const Experiment& experiment, std::size_t robot);
 
 /// What the tick's parts are made of.
 std::shared_ptr<const core::Path> make_path(const PathSpec& path);

@@ -28,17 +28,26 @@ void check_duration(const Experiment& e, Problems& problems) {
 void check_robots(const Experiment& e, Problems& problems) {
   const bool real_camera = e.camera.source.find(':') != std::string::npos;  // "v4l2:DEVICE" and its like
   std::map<int, std::size_t> tags;
-  std::map<std::string, std::size_t> addresses;
+  std::map<std::string, std::size_t> addresses, names, adapters;  // adapters: robots that each holds
+  constexpr std::size_t most_on_an_adapter = 7;                   // connections of a Bluetooth piconet
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
     const RobotSpec& robot = e.robots[i];
     if (const auto [other, unique] = tags.emplace(robot.tag, i); !unique)
       problems.add(robot_key(i, "tag"), fmt::format("found {}, which robot {} has already, allowed: a tag of its own",
                                                     robot.tag, other->second + 1));
+    if (const auto [other, unique] = names.emplace(robot.name, i); !unique && !robot.name.empty())
+      problems.add(robot_key(i, "name"), fmt::format("found \"{}\", as robot {} is called, allowed: a name of its own",
+                                                     robot.name, other->second + 1));
     if (robot.simulated()) continue;
     if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
       problems.add(robot_key(i, "link"),
                    fmt::format("found \"{}\", which robot {} has already, allowed: a link of its own", robot.address,
                                other->second + 1));
+    if (robot.address.starts_with("rfcomm:") && ++adapters[robot.adapter] == most_on_an_adapter + 1)
+      problems.add(robot_key(i, "adapter"),
+                   fmt::format("found \"{}\" for more than {} robots, allowed: {} an adapter; give others another one, "
+                               "as in adapter = \"hci1\"",
+                               robot.adapter, most_on_an_adapter, most_on_an_adapter));
     if (!real_camera)
       problems.add(
           "camera.source",

@@ -12,6 +12,7 @@
 #include "app/experiment_checks.h"
 #include "app/experiment_sets.h"
 #include "app/experiment_tables.h"
+#include "app/known_robots.h"
 #include "app/sample_file.h"
 #include "app/toml_table.h"
 
@@ -40,7 +41,8 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   std::vector<Problem> refused;
   apply_sets(document, sets, refused);
   const std::string directory = std::filesystem::path(file).parent_path().string();
-  const bool embedded = embed_samples(document, directory, refused);
+  bool embedded = embed_known_robots(document, directory, refused);
+  embedded = embed_samples(document, directory, refused) || embedded;
 
   Experiment experiment;
   Problems problems(document, file);

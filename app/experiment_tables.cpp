@@ -6,8 +6,7 @@
 #include <limits>
 
 #include "app/experiment_reference.h"
-#include "app/experiment_trajectory.h"
-#include "comms/link_address.h"
+#include "app/experiment_robots.h"
 
 namespace skein::app {
 namespace {
@@ -15,21 +14,15 @@ namespace {
 // Limits that only a slip of the keyboard exceeds.
 constexpr double longest = 100.0;      // [m]
 constexpr double longest_run = 86400;  // a day [s]
-constexpr std::size_t most_robots = 64;
-constexpr std::size_t longest_name = 100;
-
-bool one_line(const std::string& text) {
-  return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-}
 
 void read_run(TomlTable& t, Experiment& e) {
-  t.text("name", e.name);
-  if (const toml::node* const found = t.node("name");
-      found && (e.name.empty() || e.name.size() > longest_name || !one_line(e.name)))
-    t.refuse("name", *found, fmt::format("1 to {} characters in one line", longest_name));
+  constexpr std::size_t longest_name = 100;
+  t.line("name", e.name, longest_name);
   t.number("duration", e.duration, above(0.0, longest_run, "s"));
   t.number("rate", e.rate, between(1.0, 1000.0, "Hz"));
   t.integer("seed", e.seed, 0, std::numeric_limits<std::int64_t>::max());
+  std::string robots_file;  // embed_known_robots() has put its robots in; what is still there is no text
+  t.text("robots_file", robots_file);
 }
 
 void read_arena(TomlTable t, Experiment& e) {
@@ -171,101 +164,6 @@ void read_obstacles(TomlTable& document, Experiment& e) {
     t.number("radius", obstacle.radius, above(0.0, longest, "m"));
     t.finish();
     e.obstacles.push_back(obstacle);
-  }
-}
-
-/// A robot as [robot_defaults] or [[robot]] have it so far.
-struct RobotKeys {
-  RobotSpec spec;
-  std::optional<core::MotorModel> model;
-  std::string model_key;  // where it came from
-};
-
-void read_link(TomlTable& t, RobotSpec& robot) {
-  const toml::node* const found = t.node("link");
-  if (!found) return;
-  const std::string_view text = found->value_exact<std::string_view>().value_or("");
-  const bool address = text.starts_with("rfcomm:") || text.starts_with("serial:") || text.starts_with("tcp:");
-  const auto parsed = comms::parse_link_address(text);
-  if (text == "sim")
-    robot.link = RobotSpec::Link::sim;
-  else if (text == "loopback")
-    robot.link = RobotSpec::Link::loopback;
-  else if (parsed)
-    robot.link = RobotSpec::Link::device;
-  else
-    t.refuse("link", *found,
-             R"("sim", "loopback", "rfcomm:ADDRESS/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT")" +
-                 (address ? fmt::format(" ({})", parsed.error()) : ""));
-  robot.address = parsed ? std::string(text) : "";
-}
-
-void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
-  using Model = core::MotorModel;
-  read_link(t, robot.spec);
-  t.text("adapter", robot.spec.adapter);
-  if (const auto known = comms::check_adapter(robot.spec.adapter); !known && t.has("adapter"))
-    problems.add(t.full("adapter"), known.error());
-  t.number("wheel_diameter", robot.spec.drive.wheel_diameter, between(0.01, 0.2, "m"));
-  t.number("track", robot.spec.drive.track, between(0.01, 0.5, "m"));
-  Model model = Model::ideal;
-  t.choice("model", model, {{"ideal", Model::ideal}, {"epuck1", Model::epuck1}, {"epuck2", Model::epuck2}});
-  if (t.has("model")) robot.model = model, robot.model_key = t.full("model");
-}
-
-/// Where a simulated robot stands at first: [x, y, theta].
-void read_start(TomlTable& t, RobotSpec& robot, const Experiment& e) {
-  const toml::node* const found = t.node("start");
-  if (!found) return;
-  const toml::array* const pose = found->as_array();
-  const auto number = [&](std::size_t k, double most) {
-    const auto value = pose && pose->size() == 3 && (*pose)[k].is_number() ? (*pose)[k].value<double>() : std::nullopt;
-    return value && std::abs(*value) <= most ? value : std::nullopt;
-  };
-  const double x_most = 0.5 * e.arena_width, y_most = 0.5 * e.arena_height;
-  const auto x = number(0, x_most), y = number(1, y_most), theta = number(2, core::pi);
-  if (x && y && theta)
-    robot.start = {*x, *y, *theta};
-  else
-    t.refuse("start", *found,
-             fmt::format("[x, y, theta] inside the arena: x from -{0:.6g} to {0:.6g} m, y from -{1:.6g} to {1:.6g} m, "
-                         "theta from -pi to pi",
-                         x_most, y_most));
-}
-
-/// What is left to say once both tables are read.
-RobotSpec finished(const RobotKeys& keys, Problems& problems) {
-  RobotSpec robot = keys.spec;
-  const bool steps = robot.link != RobotSpec::Link::sim;  // an e-puck's firmware is asked for whole steps
-  robot.motor = keys.model.value_or(steps ? core::MotorModel::epuck2 : core::MotorModel::ideal);
-  if (steps && robot.motor == core::MotorModel::ideal)
-    problems.add(keys.model_key,
-                 R"(found "ideal", allowed: "epuck1", "epuck2"; only a robot of link "sim" can be ideal)");
-  robot.drive.max_step_rate = core::max_step_rate(robot.motor);
-  return robot;
-}
-
-void read_robots(TomlTable& document, Experiment& e, Problems& problems) {
-  RobotKeys defaults;
-  TomlTable defaults_table = document.table("robot_defaults");
-  read_robot(defaults_table, defaults, problems);
-  defaults_table.finish();
-
-  std::vector<TomlTable> tables = document.tables("robot");
-  if (document.has("robot") && (tables.empty() || tables.size() > most_robots))
-    problems.add("robot", fmt::format("found {} robots, allowed: 1 to {}", tables.size(), most_robots));
-  if (tables.empty()) tables.assign(4, TomlTable(nullptr, "robot", problems));  // the paper's four
-  tables.erase(tables.begin() + static_cast<std::ptrdiff_t>(std::min(tables.size(), most_robots)), tables.end());
-  for (TomlTable& t : tables) {
-    RobotKeys robot = defaults;
-    robot.spec.tag = static_cast<int>(e.robots.size()) + 1;
-    t.integer("tag", robot.spec.tag, 0, 586);  // the ids of the family 36h11
-    read_start(t, robot.spec, e);
-    read_robot(t, robot, problems);
-    if (TomlTable trajectory = t.table("trajectory"); t.has("trajectory"))
-      read_trajectory(trajectory, robot.spec.trajectory.emplace());
-    t.finish();
-    e.robots.push_back(finished(robot, problems));
   }
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/safety_net.h"
+
 namespace skein::app {
 namespace {
 
@@ -13,16 +15,10 @@ constexpr double close_timeout = 1.0;      // for the stops to be acknowledged [
 constexpr double lock_step_timeout = 2.0;  // an emulated robot answers in well under a millisecond [s]
 constexpr double battery_period = 10.0;    // [s]
 
-tl::expected<comms::LinkAddress, std::string> address_of(const RobotSpec& robot) {
-  auto address = comms::parse_link_address(robot.address);
-  if (address && !robot.adapter.empty()) address->adapter = robot.adapter;
-  return address;
-}
-
 }  // namespace
 
-Plant::Plant(const Experiment& experiment, SessionClock& clock)
-    : experiment_(experiment), clock_(clock), world_(experiment) {}
+Plant::Plant(const Experiment& experiment, SessionClock& clock, bool every_tag)
+    : experiment_(experiment), clock_(clock), world_(experiment), tags_(wanted_tags(experiment, every_tag)) {}
 
 Plant::~Plant() {
   close();
@@ -30,7 +26,7 @@ Plant::~Plant() {
 
 tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& experiment, SessionClock& clock,
                                                               const SessionOptions& options) {
-  std::unique_ptr<Plant> plant(new Plant(experiment, clock));
+  std::unique_ptr<Plant> plant(new Plant(experiment, clock, options.every_tag));
 
   std::vector<core::MotorModel> emulated;
   std::vector<std::size_t> emulated_robots;
@@ -54,14 +50,13 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     std::vector<comms::LinkAddress> addresses;
     std::size_t next_emulated = 0;
     for (const std::size_t i : plant->linked_) {
-      const std::string name = fmt::format("robot {}", i + 1);
+      const std::string name = robot_name(experiment, i);
       if (experiment.robots[i].link == RobotSpec::Link::loopback) {
         addresses.push_back({comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name});
         continue;
       }
-      auto address = address_of(experiment.robots[i]);
-      if (!address) return tl::unexpected(fmt::format("{}: {}", name, address.error()));
-      address->name = name;
+      auto address = link_of(experiment, i);
+      if (!address) return tl::unexpected(address.error());
       addresses.push_back(*address);
     }
     comms::LinkOptions link_options;
@@ -79,7 +74,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
   }
   if (experiment.camera.source != "none") {
-    auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures);
+    auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_);
     if (!camera) return tl::unexpected(camera.error());
     if (!options.video.empty())
       if (auto begun = (*camera)->keep(options.video); !begun) return tl::unexpected(begun.error());
@@ -99,7 +94,7 @@ bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<c
     if (!clock_.wall()) camera_->look();
     looked = camera_->newest(newest, frame);
   } else {
-    for (std::size_t i = 0; i < newest.size(); ++i)
+    for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
       if (simulated(i)) newest[i] = world_.measure(i, now);
   }
   world_.poses(truth);
@@ -168,6 +163,7 @@ std::vector<RobotStatus> Plant::robots() const {
     robot.bytes_received = link.bytes_received;
     robot.battery = link.battery.volts;
     robot.battery_low = link.battery.low;
+    robot.battery_text = comms::to_text(link.battery);
     robot.version = link.version;
     robot.stop_acknowledged = link.stop_acknowledged;
   }

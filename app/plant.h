@@ -27,8 +27,9 @@ class Plant {
                                                                 const SessionOptions& options);
   ~Plant();
 
-  /// The newest pose of each robot at time `now`, and the true ones of those that are simulated. The control thread's.
-  /// True when a camera's frame has been worked off since the last call; `frame` says when it went where.
+  /// The newest pose of each robot at time `now` (and, where `newest` has room, of the other tags), and the true ones
+  /// of those that are simulated. The control thread's. True when a camera's frame has been worked off since the last
+  /// call; `frame` says when it went where.
   bool measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame);
   /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all where there
   /// is no camera. Wall clock only; the control thread's.
@@ -56,6 +57,8 @@ class Plant {
   void kick(std::size_t robot, double vx, double vy) { world_.kick(robot, vx, vy); }
   core::Pose pose(std::size_t robot) const { return world_.pose(robot); }
 
+  /// The tags that the camera looks for, and of which measure() gives the newest measurements: the robots' first.
+  const std::vector<int>& tags() const noexcept { return tags_; }
   CameraRig* camera() noexcept { return camera_.get(); }
   const CameraRig* camera() const noexcept { return camera_.get(); }
 
@@ -66,11 +69,12 @@ class Plant {
   void close();
 
  private:
-  Plant(const Experiment& experiment, SessionClock& clock);
+  Plant(const Experiment& experiment, SessionClock& clock, bool every_tag);
 
   const Experiment& experiment_;
   SessionClock& clock_;
   SimulatedWorld world_;
+  std::vector<int> tags_;
   std::vector<std::size_t> linked_;  // robot of each link
   std::unique_ptr<comms::PtyEmulator> emulator_;
   std::unique_ptr<comms::LinkSupervisor> links_;

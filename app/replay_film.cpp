@@ -19,7 +19,8 @@ tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, 
   if (!calibration) return tl::unexpected(calibration.error());
   if (!calibration->world_from_camera)
     return tl::unexpected(fmt::format("{}: its calibration has no world frame", path));
-  return ReplayFilm(std::move(*source), vision::TagTracker(*calibration, tracker_options(experiment)), experiment);
+  std::vector<int> wanted = wanted_tags(experiment);
+  return ReplayFilm(std::move(*source), vision::TagTracker(*calibration, {.tags = wanted}), std::move(wanted));
 }
 
 tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core::Measurement> newest) {
@@ -34,7 +35,7 @@ tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core:
     if (next_.captured_at > time) break;
     missing_ += next_.index - last_index_ - 1;
     last_index_ = next_.index;
-    take(tracker_.process(next_), *experiment_, newest);
+    take(tracker_.process(next_), wanted_, newest);
     ++frames_;
     has_next_ = false;
   }

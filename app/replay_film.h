@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -28,12 +29,12 @@ class ReplayFilm {
   std::int64_t missing() const noexcept { return missing_; }  ///< that the recorder had dropped before those
 
  private:
-  ReplayFilm(std::unique_ptr<vision::FrameSource> source, vision::TagTracker tracker, const Experiment& experiment)
-      : source_(std::move(source)), tracker_(std::move(tracker)), experiment_(&experiment) {}
+  ReplayFilm(std::unique_ptr<vision::FrameSource> source, vision::TagTracker tracker, std::vector<int> wanted)
+      : source_(std::move(source)), tracker_(std::move(tracker)), wanted_(std::move(wanted)) {}
 
   std::unique_ptr<vision::FrameSource> source_;
   vision::TagTracker tracker_;
-  const Experiment* experiment_;
+  std::vector<int> wanted_;
   vision::Frame next_;
   bool has_next_ = false, ended_ = false;
   std::int64_t frames_ = 0, missing_ = 0, last_index_ = -1;

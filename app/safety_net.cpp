@@ -206,15 +206,21 @@ int guard(const std::string& marker, int descriptor) {
   return done;
 }
 
+tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experiment, std::size_t robot) {
+  const RobotSpec& spec = experiment.robots[robot];
+  auto address = comms::parse_link_address(spec.address);
+  if (!address) return tl::unexpected(fmt::format("{}: {}", robot_name(experiment, robot), address.error()));
+  address->adapter = spec.adapter;
+  address->name = robot_name(experiment, robot);
+  return address;
+}
+
 tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Experiment& experiment) {
   std::vector<comms::LinkAddress> addresses;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    const RobotSpec& robot = experiment.robots[i];
-    if (robot.simulated()) continue;
-    auto address = comms::parse_link_address(robot.address);
-    if (!address) return tl::unexpected(fmt::format("robot {}: {}", i + 1, address.error()));
-    address->adapter = robot.adapter;
-    address->name = fmt::format("robot {}", i + 1);
+    if (experiment.robots[i].simulated()) continue;
+    auto address = link_of(experiment, i);
+    if (!address) return tl::unexpected(address.error());
     addresses.push_back(std::move(*address));
   }
   return addresses;

@@ -56,7 +56,10 @@ class SafetyNet {
 /// and removes the marker. An exit status.
 int guard(const std::string& marker, int descriptor);
 
-/// The real robots of an experiment, named "robot 2". The error names the robot.
+/// How a real robot of an experiment is reached, named as robot_name() says.
+tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experiment, std::size_t robot);
+
+/// The real robots of an experiment, named likewise. The error names the robot.
 tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Experiment& experiment);
 
 /// Connects to each, at the same time, stops it, and says on stdout and stderr how that went. True: all are known to

@@ -33,6 +33,7 @@ struct RobotStatus {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
   double battery = none;           ///< [V]; none: not known, or an old e-puck1, which says only whether it is low
   bool battery_low = false;        ///< charge it
+  std::string battery_text{};      ///< the same in words: "3.90 V", "good", "unknown"
   std::string version{};           ///< of its firmware, as it says it; empty: it did not
   bool stop_acknowledged = false;  ///< after close()
 };
@@ -61,6 +62,7 @@ struct SessionOptions {
   /// Real robots get a guard, a process of its own that stops them should this one be killed (safety_net.h).
   bool guard = false;
   std::vector<comms::Fault> faults{};  ///< of the robots with link "loopback", counted among themselves, for practice
+  bool every_tag = false;              ///< look for all tags that there are, see CameraRig::newest
 };
 
 /// An experiment with everything that runs it: plant, camera, links, control thread, recorder. The facade that the

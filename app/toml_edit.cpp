@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <charconv>
 #include <vector>
 
 namespace skein::app {
@@ -37,14 +38,21 @@ std::size_t offset_of(std::string_view text, const toml::source_position& place)
   return at;
 }
 
+/// What is called so in a table, or which element of an array it is, counted from 1; null: there is none.
+const toml::node* child(const toml::node& within, const std::string& part) {
+  if (const toml::table* const table = within.as_table()) return table->get(part);
+  const toml::array* const array = within.as_array();
+  std::size_t index = 0;
+  const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  const bool number = error == std::errc{} && stop == part.data() + part.size() && index > 0;
+  return array && number ? array->get(index - 1) : nullptr;
+}
+
 /// The node of a key, null where there is none.
 const toml::node* find(const toml::table& table, const std::vector<std::string>& parts) {
   const toml::node* node = &table;
-  for (const std::string& part : parts) {
-    const toml::table* const within = node->as_table();
-    node = within ? within->get(part) : nullptr;
-    if (!node) return nullptr;
-  }
+  for (const std::string& part : parts)
+    if (node) node = child(*node, part);
   return node;
 }
 

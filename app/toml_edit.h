@@ -9,7 +9,7 @@
 namespace skein::app {
 
 /// The value of a key of a TOML text, as it is written there; none: the key is not there, or the text is no TOML.
-/// `key` is dotted: "controller.gains.k_xx".
+/// `key` is dotted, elements of arrays counted from 1: "controller.gains.k_xx", "robot.2.tag".
 std::optional<std::string> toml_value(std::string_view text, std::string_view key);
 
 /// The text with another value for one key, everything else, comments and order included, as it was. A key that was not

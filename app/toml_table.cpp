@@ -84,7 +84,9 @@ void Problems::add(const toml::source_region& place, const std::string& text) {
 }
 
 std::vector<Problem> Problems::sorted() && {
-  const auto order = [](const Problem& p) { return std::tuple(p.file.starts_with(set_prefix), p.line, p.column); };
+  const auto order = [this](const Problem& p) {
+    return std::tuple(p.file.starts_with(set_prefix), p.file != file_, p.line, p.column);
+  };
   std::stable_sort(found_.begin(), found_.end(),
                    [&](const Problem& a, const Problem& b) { return order(a) < order(b); });
   return std::move(found_);
@@ -143,6 +145,17 @@ void TomlTable::text(const char* key, std::string& target) {
     target = *std::move(value);
   else
     refuse(key, *found, "a text in quotes");
+}
+
+void TomlTable::line(const char* key, std::string& target, std::size_t longest) {
+  const toml::node* const found = node(key);
+  if (!found || !found->is_string()) return text(key, target);
+  const std::string value = *found->value<std::string>();
+  const auto printable = [](unsigned char c) { return c >= 0x20 && c != 0x7f; };
+  if (!value.empty() && value.size() <= longest && std::all_of(value.begin(), value.end(), printable))
+    target = value;
+  else
+    refuse(key, *found, fmt::format("1 to {} characters in one line", longest));
 }
 
 TomlTable TomlTable::table(const char* key) {

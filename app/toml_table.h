@@ -48,7 +48,7 @@ class Problems {
 
   bool has(const std::string& key) const { return find(key).whole; }
   bool empty() const noexcept { return found_.empty(); }
-  /// In the order of the file; what --set brought comes last.
+  /// In the order of the file; then what comes from other files, and last what --set brought.
   std::vector<Problem> sorted() &&;
 
  private:
@@ -86,6 +86,7 @@ class TomlTable {
   void integer(const char* key, std::int64_t& target, std::int64_t low, std::int64_t high);
   void flag(const char* key, bool& target);
   void text(const char* key, std::string& target);
+  void line(const char* key, std::string& target, std::size_t longest);  ///< a text of 1 to so many bytes in one line
 
   /// Any integer type, and the same into an optional that stays empty where there is no key.
   template <typename Int>

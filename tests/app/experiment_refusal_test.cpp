@@ -33,7 +33,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"\n  name = 3", "e.toml:2:10: name: found 3, allowed: a text in quotes"},
         Refused{"name = ''", "e.toml:1:8: name: found \"\", allowed: 1 to 100 characters in one line"},
         Refused{"name = 'a\\nb'\nname2 = 1",
-                "e.toml:2:1: name2: unknown key; did you mean name? allowed: name, duration, rate, seed, arena"},
+                "e.toml:2:1: name2: unknown key; did you mean name? allowed: name, duration, rate, seed, robots_file, "
+                "arena"},
         Refused{"duration = -1", "e.toml:1:12: duration: found -1, allowed: a number above 0 and up to 86400 s"},
         Refused{"duration = inf", "e.toml:1:12: duration: found inf, allowed: a number above 0"},
         Refused{"duration = nan", "e.toml:1:12: duration: found nan, allowed: a number above 0"},
