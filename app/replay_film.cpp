@@ -20,7 +20,8 @@ tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, 
   if (!calibration->world_from_camera)
     return tl::unexpected(fmt::format("{}: its calibration has no world frame", path));
   std::vector<int> wanted = wanted_tags(experiment);
-  return ReplayFilm(std::move(*source), vision::TagTracker(*calibration, {.tags = wanted}), std::move(wanted));
+  vision::TagTracker tracker(*calibration, {.tags = wanted});
+  return ReplayFilm(std::move(*source), std::move(tracker), std::move(wanted));
 }
 
 tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core::Measurement> newest) {
