@@ -96,9 +96,12 @@ TEST_F(Run, SaysWhyARealTimeRunHasNoOtherSpeed) {
     ASSERT_TRUE(eventually([&] { return !find(name)->isEnabled(); })) << name;
     EXPECT_TRUE(find(name)->toolTip().contains(QStringLiteral("real time"))) << find(name)->toolTip().toStdString();
   }
-  window.set_speed(10.0);
+  // On a loaded machine a missed deadline may be the greater alert at first.
+  EXPECT_TRUE(eventually([&] {
+    window.set_speed(10.0);
+    return find<QLabel>("alert")->text().contains(QStringLiteral("real time"));
+  }));
   EXPECT_EQ(live().speed(), 1.0);
-  EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("real time")));
 }
 
 TEST_F(Run, RecordsARunThatCanBeReplayed) {
