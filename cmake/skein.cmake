@@ -42,5 +42,5 @@ function(skein_test name)
   add_executable(skein_${name}_tests ${TEST_SOURCES})
   target_link_libraries(skein_${name}_tests PRIVATE skein_${name} ${TEST_LINK} skein_test_main)
   gtest_discover_tests(skein_${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 120
-    PROPERTIES LABELS ${name} TIMEOUT 300)
+    PROPERTIES LABELS ${name} TIMEOUT 600)
 endfunction()
