@@ -7,6 +7,8 @@
 #include <cstring>
 #include <tuple>
 
+#include "vision/detail/likeness.h"
+
 namespace skein::vision {
 namespace {
 
@@ -24,9 +26,11 @@ struct TagDetector::Parts {
   std::unique_ptr<apriltag_family_t, DestroyFamily> family{tag36h11_create()};
   std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
   std::vector<std::uint8_t> cut;  // a window's pixels, without the gaps between its rows
+  std::vector<detail::TagPattern> patterns = detail::tag_patterns();
+  double least_likeness = 0.0;
   std::vector<Detection> found;
 
-  void search(image_u8_t image, int left, int top) {
+  void search(const Frame& frame, image_u8_t image, int left, int top) {
     found.clear();
     zarray_t* detections = apriltag_detector_detect(detector.get(), &image);
     for (int i = 0; i < zarray_size(detections); ++i) {
@@ -39,7 +43,10 @@ struct TagDetector::Parts {
         // AprilTag puts (0, 0) at the top-left pixel's outer corner, we at its centre.
         detection.corners[corner] = {seen->p[corner][0] - 0.5 + left, seen->p[corner][1] - 0.5 + top};
       }
-      found.push_back(detection);
+      if (least_likeness > -1.0)
+        detection.likeness =
+            detail::likeness(frame, detection.corners, patterns[static_cast<std::size_t>(detection.tag)]);
+      if (detection.likeness >= least_likeness) found.push_back(detection);
     }
     apriltag_detections_destroy(detections);
     std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
@@ -52,6 +59,7 @@ TagDetector::TagDetector(const DetectorOptions& options) : parts_(std::make_uniq
   apriltag_detector_add_family_bits(parts_->detector.get(), parts_->family.get(),
                                     std::clamp(options.bits_corrected, 0, 2));
   parts_->detector->nthreads = std::max(1, options.threads);
+  parts_->least_likeness = options.least_likeness;
   set_decimate(options.decimate);
   set_min_white_black_diff(options.min_white_black_diff);
 }
@@ -86,7 +94,7 @@ const std::vector<Detection>& TagDetector::detect(const Frame& frame, Window win
 
   // AprilTag only reads the pixels: it would write to them if asked to blur before the search, which nobody asks here.
   if (width == frame.width) {
-    parts_->search({width, height, width, const_cast<std::uint8_t*>(frame.row(top))}, left, top);
+    parts_->search(frame, {width, height, width, const_cast<std::uint8_t*>(frame.row(top))}, left, top);
     return parts_->found;
   }
   // Its buffers take over the rows' distance, so the few rows of a window would cost as much as rows of the whole
@@ -97,7 +105,7 @@ const std::vector<Detection>& TagDetector::detect(const Frame& frame, Window win
     std::memcpy(cut.data() + static_cast<std::ptrdiff_t>(row) * width, frame.row(top + row) + left,
                 static_cast<std::size_t>(width));
   }
-  parts_->search({width, height, width, cut.data()}, left, top);
+  parts_->search(frame, {width, height, width, cut.data()}, left, top);
   return parts_->found;
 }
 

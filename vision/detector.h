@@ -18,14 +18,17 @@ struct Detection {
   int tag = 0;                   // id in the family 36h11, 0..586
   Corners corners{};             // (0, 0) is the centre of the frame's top-left pixel [px]
   double decision_margin = 0.0;  // how far its bits were from the threshold [grey levels]; good tags have 40 and more
+  double likeness = 0.0;         // correlation of the picture with this tag's pattern; good tags have 0.85 and
+                                 // more (0 where least_likeness is -1)
 };
 
 struct DetectorOptions {
   double decimate = 1.0;  // edges are searched at 1 / decimate of the resolution; 2 needs 3 px and more a module
   int min_white_black_diff =
-      5;                   // grey levels between ink and paper; 40 is 3 times faster on a textured, well-lit floor
-  int threads = 1;         // of a search; more gain little below a few megapixels
-  int bits_corrected = 2;  // of a tag's 36; 3 would take a second and a gigabyte to prepare, and find ghosts
+      5;                        // grey levels between ink and paper; 40 is 3 times faster on a textured, well-lit floor
+  int threads = 1;              // of a search; more gain little below a few megapixels
+  int bits_corrected = 2;       // of a tag's 36; 3 would take a second and a gigabyte to prepare, and find ghosts
+  double least_likeness = 0.7;  // texture that happens to decode reaches a half; -1: AprilTag's own answer
 };
 
 /// A rectangle of a frame: columns [left, left + width), rows [top, top + height). [px]
@@ -36,8 +39,8 @@ struct Window {
   int height = 0;
 };
 
-/// Finds the tags of the family 36h11. Takes ~80 ms and ~30 MB to build: once, never per frame. Not for two threads at
-/// once.
+/// Finds the tags of the family 36h11: AprilTag's answer, less what does not look like the tag that it decodes to.
+/// Takes ~80 ms and ~30 MB to build: once, never per frame. Not for two threads at once.
 class TagDetector {
  public:
   explicit TagDetector(const DetectorOptions& options = {});

@@ -14,11 +14,10 @@ struct TrackerOptions {
   std::vector<int> tags{};  // ids wanted, each once; others are not reported
   int search_every = 5;     // frames between AprilTag searches of the full frame (10 ms and more) while no tag was ever
                             // seen, or while one was seen twice
-  int search_parts = 30;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
+  int search_parts = 48;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
                             // every frame: a tag that is hidden or gone for good must not hold the others up
   int audit_every = 25;     // frames in which the gate, strip by strip, goes over the whole picture for second copies
-  int search_anyway = 1500;  // frames in which all parts are searched when none is missing: for copies that the gate
-                             // cannot see
+  int search_anyway = 250;   // frames from part to part when none is missing: for copies in deep shadow
   double window = 2.2;       // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
   double max_speed = 0.3;    // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
   double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]

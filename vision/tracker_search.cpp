@@ -25,7 +25,7 @@ constexpr int recheck_every = 10;
 // So that the list of such places stays short where robots drive about that nobody wants. [frames]
 constexpr std::int64_t forget_after = 500;
 
-constexpr int dim_every = 3;  // [times round all parts]
+constexpr int dim_every = 2;  // [times round all parts]
 
 // A detector's small corner errors must not pass for a tag out of shape; the fit is the one to say so.
 constexpr double detector_tolerance = 0.25;
@@ -118,8 +118,10 @@ void TagTracker::Parts::consider(WantedTag& tag, const Frame& frame, const Detec
     return;
   }
   ++counters.failed_fits;
-  // Out of the picture with its white border, or too blurred for the fit: AprilTag's own word, if it is a clear one.
-  if (off > options.shape_tolerance || place->misfit > 0.5 * options.shape_tolerance * place->edge) {
+  // Out of the picture with its white border, so that it cannot be fitted: AprilTag's own word, if it is a clear one.
+  const bool clear = detection.likeness >= fitter.least_likeness(seen_edge_px / 8.0) &&
+                     off <= options.shape_tolerance && place->misfit <= 0.5 * options.shape_tolerance * place->edge;
+  if (fit.verdict != detail::FitVerdict::outside || !clear) {
     ++counters.rejected;
     return;
   }
@@ -217,7 +219,7 @@ void TagTracker::Parts::search(const Frame& frame) {
 void TagTracker::Parts::search_part(const Frame& frame) {
   if (wanted.empty() || !contrast) return;
   const auto parts = static_cast<std::int64_t>(search_parts.size());
-  if (!missing() && counters.frames % std::max<std::int64_t>(1, options.search_anyway / parts) != 0) return;
+  if (!missing() && counters.frames % std::max(1, options.search_anyway) != 0) return;
   // Every so many times round it is for a tag that lies in a deep shadow.
   const bool dim_turn = counters.part_searches / parts % dim_every == dim_every - 1;
   detector.set_decimate(decimate);

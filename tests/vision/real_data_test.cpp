@@ -294,6 +294,37 @@ TEST_F(RealData, TheTrackerFollowsTheFilmAsTheDetectorSeesIt) {
   EXPECT_EQ(fits, 2 * (frames - (frames + told_every - 1) / told_every)) << "followed, not found again";
 }
 
+TEST_F(RealData, TheTrackerReportsNothingWhereNothingIs) {
+  // Whoever's tags are asked for, under a camera that might have taken the pictures.
+  std::vector<int> every_tag;
+  for (int id = 0; id < (test::sanitized ? 30 : 587); ++id) every_tag.push_back(id);
+  int frames = 0;
+  for (const char* pictures : {"images:opencv_left", "images:moms_handheld_board", "images:arenaxr/no_tag.jpg",
+                               "video:wpical/testcalibration.mp4"}) {
+    const std::string name(pictures);
+    const std::size_t colon = name.find(':');
+    auto source = open_source(name.substr(0, colon + 1) + root_ + "/" + name.substr(colon + 1));
+    ASSERT_TRUE(source) << source.error();
+    std::unique_ptr<TagTracker> tracker;
+    Frame frame;
+    for (int k = 0; k < (test::sanitized ? 3 : 20) && (*source)->read(frame).value(); ++k) {
+      if (!tracker) {
+        Calibration camera = overhead_calibration(2.0, 1.5);
+        const double scale = static_cast<double>(frame.width) / camera.width;
+        camera.width = frame.width;
+        camera.height = frame.height;
+        camera.fx = camera.fy = camera.fx * scale;
+        camera.cx = 0.5 * (frame.width - 1);
+        camera.cy = 0.5 * (frame.height - 1);
+        tracker = std::make_unique<TagTracker>(camera, TrackerOptions{.tags = every_tag});
+      }
+      EXPECT_EQ(tracker->process(frame).size(), 0U) << name << ", frame " << k;
+      ++frames;
+    }
+  }
+  EXPECT_GE(frames, test::sanitized ? 10 : 42);
+}
+
 TEST_F(RealData, FilmOfAChessboard) {
   EXPECT_TRUE(look("video:", "wpical/testcalibration.mp4", 20, 20).empty()) << "ArUco markers are no 36h11 tags";
 }

@@ -32,7 +32,8 @@ class FromCorners : public BenchMethod {
 class AprilTag final : public FromCorners {
  public:
   AprilTag(const Calibration& calibration, const char* title, int min_white_black_diff)
-      : FromCorners(calibration), detector_({.decimate = 2.0, .min_white_black_diff = min_white_black_diff}) {
+      : FromCorners(calibration),
+        detector_({.decimate = 2.0, .min_white_black_diff = min_white_black_diff, .least_likeness = -1.0}) {
     name = title;
   }
 

@@ -31,15 +31,15 @@ bool near(const Gate::Place& a, const Gate::Place& b, double distance) {
 Gate::Gate(int width, int height, double edge_px)
     : step_(std::max(2, static_cast<int>(std::lround(edge_px / 8.0)))),
       row_step_(edge_px >= 28.0 ? 2 : 1),
-      columns_(std::max(0, width - step_) / cell),
-      rows_(std::max(0, height - step_) / cell),
+      columns_(width >= 2 * step_ + cell ? width / cell : 0),
+      rows_(height >= 2 * step_ + cell ? height / cell : 0),
       // What the paper covers whichever way it is turned and wherever the cells happen to lie.
       square_(std::max(2, static_cast<int>(1.2 * edge_px / std::numbers::sqrt2 / cell) - 1)),
       busy_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
       across_(busy_.size()) {}
 
-/// How many of a pixel's two comparisons, with its neighbour a step to the right and with the one a step below, find
-/// more than the threshold: 16 pixels at once, added to `count`.
+/// How many of a pixel's two comparisons, with its neighbour a step to the right and with the one a step below (to the
+/// left and above where the picture ends), find more than the threshold: 16 pixels at once, added to `count`.
 #if defined(__x86_64__)
 __m128i add_busy(__m128i count, const std::uint8_t* pixel, const std::uint8_t* below, int step, __m128i threshold) {
   const auto load = [](const std::uint8_t* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); };
@@ -59,14 +59,15 @@ void Gate::count_busy(const Frame& frame, int first, int last, int threshold) {
   const int need = cell * rows * 2 * busy_per_cent / 100;
   for (int r = first; r < last; ++r) {
     std::uint8_t* busy = busy_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
+    const int down = (r + 1) * cell + step_ <= frame.height ? step_ : -step_;
     int column = 0;
 #if defined(__x86_64__)
     const __m128i limit = _mm_set1_epi8(static_cast<char>(threshold));
     const __m128i even = _mm_set1_epi64x(0xffffffffLL);  // of the cells
-    for (; column + 4 <= columns_; column += 4) {
+    for (; (column + 4) * cell + step_ <= frame.width; column += 4) {
       __m128i count = _mm_setzero_si128();
       for (int v = r * cell; v < (r + 1) * cell; v += row_step_) {
-        count = add_busy(count, frame.row(v) + column * cell, frame.row(v + step_) + column * cell, step_, limit);
+        count = add_busy(count, frame.row(v) + column * cell, frame.row(v + down) + column * cell, step_, limit);
       }
       const __m128i zero = _mm_setzero_si128();
       alignas(16) std::uint64_t sums[4];
@@ -79,12 +80,13 @@ void Gate::count_busy(const Frame& frame, int first, int last, int threshold) {
     }
 #endif
     for (; column < columns_; ++column) {
+      const int across = (column + 1) * cell + step_ <= frame.width ? step_ : -step_;
       int sum = 0;
       for (int v = r * cell; v < (r + 1) * cell; v += row_step_) {
         const std::uint8_t* pixel = frame.row(v) + column * cell;
-        const std::uint8_t* below = frame.row(v + step_) + column * cell;
+        const std::uint8_t* below = frame.row(v + down) + column * cell;
         for (int i = 0; i < cell; ++i) {
-          sum += std::abs(pixel[i] - pixel[i + step_]) > threshold ? 1 : 0;
+          sum += std::abs(pixel[i] - pixel[i + across]) > threshold ? 1 : 0;
           sum += std::abs(pixel[i] - below[i]) > threshold ? 1 : 0;
         }
       }
@@ -100,10 +102,10 @@ void Gate::look(const Frame& frame, int first, int last, int threshold) {
   for (int r = first; r < last; ++r) {
     const std::uint8_t* busy = busy_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
     std::uint8_t* across = across_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
-    for (int c = 0; c + square_ <= columns_; ++c) {
-      int sum = 0;
-      for (int k = 0; k < square_; ++k) sum += busy[c + k];
-      across[c] = static_cast<std::uint8_t>(sum);
+    int sum = 0;
+    for (int c = 0; c < columns_; ++c) {
+      sum += busy[c] - (c >= square_ ? busy[c - square_] : 0);
+      if (c + 1 >= square_) across[c + 1 - square_] = static_cast<std::uint8_t>(sum);
     }
   }
 }
@@ -112,10 +114,12 @@ const std::vector<Gate::Place>& Gate::places(int first, int last, const std::vec
   marks_.clear();
   places_.clear();
   const int need = static_cast<int>(std::ceil(filled * square_ * square_ - 1e-9));
+  const int least_across = square_ - (square_ * square_ - need);  // or too much is missing in one row already
   const double middle = 0.5 * square_ * cell - 0.5;
   for (int r = std::max(0, first); r < std::min(last, rows_ - square_ + 1); ++r) {
     const std::uint8_t* across = across_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
     for (int c = 0; c + square_ <= columns_; ++c) {
+      if (across[c] < least_across) continue;
       int sum = 0;
       for (int k = 0; k < square_; ++k) sum += across[c + k * columns_];
       if (sum < need) continue;

@@ -7,10 +7,6 @@
 namespace skein::vision::detail {
 namespace {
 
-// A lens in focus blurs by 0.7 px, the pixel's own area by 1/12 px^2 more, reading between pixels by 1/6 on average.
-// [px]
-constexpr double sharp_sigma_px = 0.86;
-
 // Of the smooth template: with less it converges from less far; with more the bits melt into one grey. [modules]
 constexpr double smooth_sigma = 1.2;
 
@@ -44,12 +40,6 @@ double shared_noise(double pitch_px) {
   return sum * sum;
 }
 
-/// How much two tags of 36h11, or one and the same turned by a quarter, correlate at most when they are blurred by
-/// sigma modules: 0.83 at 0.18 and 0.90 at 0.4, over all pairs.
-double likeness_of_others(double sigma) {
-  return 0.83 + 0.33 * (sigma - 0.18);
-}
-
 double tukey(double residual, double scale) {
   const double z = residual / (4.685 * scale);
   return std::abs(z) < 1.0 ? (1.0 - z * z) * (1.0 - z * z) : 0.0;
@@ -77,6 +67,7 @@ struct PhotometricFit::Look {
   Eigen::Matrix<double, TagTemplate::rigid_columns, 1> solution;  // gain * (-dx, -dy, -dtheta), gain, offset
   double correlation = 0.0;
   double residual = 0.0;  // sum of squares that the solution leaves
+  bool outside = false;   // not all of the tag is in the picture
   double gain() const { return solution[TagTemplate::paper]; }
   Eigen::Vector3d change() const { return -solution.head<3>() / gain(); }  // (dx, dy) in modules, dtheta
 };
@@ -99,7 +90,8 @@ bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, const core
     }
   }
   // One pixel to spare for sides that the lens bends, and four bytes are read from every place on.
-  if (!(least.minCoeff() >= 1.0 && most.x() + 5.0 < frame.width && most.y() + 3.0 < frame.height)) return false;
+  look.outside = !(least.minCoeff() >= 1.0 && most.x() + 5.0 < frame.width && most.y() + 3.0 < frame.height);
+  if (look.outside) return false;
   const int left = static_cast<int>(least.x()) - 1;
   const int top = static_cast<int>(least.y()) - 1;
 
@@ -218,13 +210,17 @@ Eigen::Matrix3d PhotometricFit::in_world(const Eigen::Matrix3d& of_step, const c
   return shared_noise(static_cast<double>(SampleGrid::pitch) * px_per_module_) * turned * of_step * turned.transpose();
 }
 
+double PhotometricFit::least_likeness(double px_per_module) const {
+  return std::max(options_.least_correlation, likeness_of_others(sharp_sigma_px / px_per_module) + 0.02);
+}
+
 Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& from) {
   map_ = plane_.around(from.x, from.y, map_radius * module_);
   px_per_module_ = map_.px_per_metre() * module_;
   Fit result;
   if (!(px_per_module_ > 0.5 && px_per_module_ < 1e3)) return result;
   const TagTemplate& tag = model.sharp(px_per_module_);
-  const double least = std::max(options_.least_correlation, likeness_of_others(sharp_sigma_px / px_per_module_) + 0.02);
+  const double least = least_likeness(px_per_module_);
 
   // As a rule the prediction is good to a pixel. Where it is not, the smooth template leads the sharp one there.
   Look seen;
@@ -239,6 +235,7 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   const bool strayed = way > std::max(longest_way, longest_way_px / px_per_module_) ||
                        std::abs(core::wrap_angle(result.pose.theta - from.theta)) > longest_turn;
   result.correlation = seen.correlation;
+  if (seen.outside) result.verdict = FitVerdict::outside;
   if (!arrived || strayed || seen.correlation < least) return result;
 
   Eigen::Matrix3d of_step = tag.rigid_inverse.topLeftCorner<3, 3>() *

@@ -69,6 +69,10 @@ class PhotometricFit {
 
   Fit fit(const Frame& frame, TagModel& tag, const core::Pose& from);
 
+  /// What must correlate for a tag to be this one and no other: more where modules have so few pixels that blur makes
+  /// tags alike.
+  double least_likeness(double px_per_module) const;
+
  private:
   struct Look;
   bool look(const Frame& frame, const TagTemplate& tag, const core::Pose& pose, Look& look);

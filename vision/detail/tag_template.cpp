@@ -34,12 +34,37 @@ Profile profile_at(double place, double sigma) {
   return profile;
 }
 
-}  // namespace
+using Profiles = std::array<Profile, SampleGrid::side>;
 
-TagTemplate::TagTemplate(const TagPattern& pattern, double sigma) {
-  std::array<Profile, SampleGrid::side> profiles;
+Profiles profiles_at(double sigma) {
+  Profiles profiles;
   for (std::size_t i = 0; i < SampleGrid::side; ++i)
     profiles[i] = profile_at(static_cast<double>(sample_grid.x[i]), sigma);
+  return profiles;
+}
+
+}  // namespace
+
+std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern, double sigma) {
+  const Profiles profiles = profiles_at(sigma);
+  std::array<std::array<double, pattern_cells>, SampleGrid::side> across{};  // per column of points, row of cells
+  for (std::size_t i = 0; i < SampleGrid::side; ++i)
+    for (std::size_t row = 0; row < pattern_cells; ++row)
+      for (std::size_t column = 0; column < pattern_cells; ++column)
+        if (pattern[row * pattern_cells + column]) across[i][row] += profiles[i].share[column];
+  std::array<float, SampleGrid::points> blurred{};
+  for (std::size_t point = 0; point < SampleGrid::points; ++point) {
+    double value = 0.0;
+    for (std::size_t row = 0; row < pattern_cells; ++row)  // counted downwards, y upwards
+      value +=
+          profiles[point / SampleGrid::side].share[pattern_cells - 1 - row] * across[point % SampleGrid::side][row];
+    blurred[point] = static_cast<float>(value);
+  }
+  return blurred;
+}
+
+TagTemplate::TagTemplate(const TagPattern& pattern, double sigma) {
+  const Profiles profiles = profiles_at(sigma);
   for (std::size_t point = 0; point < SampleGrid::points; ++point) {
     const Profile& across = profiles[point % SampleGrid::side];
     const Profile& up = profiles[point / SampleGrid::side];
