@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "app/board_views.h"
 #include "app/command_line.h"
 #include "vision/floor_calibration.h"
 #include "vision/frame_source.h"
@@ -92,37 +93,26 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (!source) return complain(source.error(), device_failed);
   const bool stills = (*source)->stills();
   const bool live = request.source.starts_with("v4l2:");
-  std::vector<vision::BoardView> views;
+  BoardViews seen(request.board, **source, live);
   vision::Frame frame;
-  std::optional<vision::Coverage> coverage;
-  std::int64_t frames = 0;
   // A camera is watched until it has seen enough; of a film, which is over when it is over, the best views are taken.
-  constexpr double live_step = 0.03, film_step = 0.0025;  // from one view to the next, in picture widths
-  while (!interrupted() && (!live || static_cast<int>(views.size()) < request.views)) {
+  while (!interrupted() && (!live || static_cast<int>(seen.views().size()) < request.views)) {
     const auto more = (*source)->read(frame);
     if (!more) return complain(more.error(), device_failed);
     if (!*more) break;
-    ++frames;
-    if (!coverage) coverage.emplace(frame.width, frame.height);
-    if (frame.width != coverage->width || frame.height != coverage->height) {
+    const auto look = seen.look(frame);
+    if (!look) return complain(look.error(), device_failed);
+    const vision::Coverage& first = *seen.coverage();
+    if (*look == BoardViews::Look::other_size)
       fmt::print(stderr, "skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
-                 frame.height, coverage->width, coverage->height);
-      continue;
-    }
-    auto corners = vision::find_board(frame, request.board);
-    if (!corners) return complain(corners.error(), device_failed);
-    vision::BoardView view{frame.source, std::move(*corners)};
-    if (view.corners.empty()) {
-      if (stills) fmt::print(stderr, "skein: {}: no board\n", frame.source);
-      continue;
-    }
-    if (!stills && !vision::is_new_view(views, view, (live ? live_step : film_step) * frame.width)) continue;
-    coverage->add(view);
-    views.push_back(std::move(view));
-    if (at_terminal(request.quiet) || (live && !request.quiet))
-      fmt::print(stderr, "{} views, {:.0f} % of the picture covered\n{}", views.size(), 100.0 * coverage->share(),
-                 coverage->text());
+                 frame.height, first.width, first.height);
+    if (*look == BoardViews::Look::no_board && stills) fmt::print(stderr, "skein: {}: no board\n", frame.source);
+    if (*look == BoardViews::Look::view && (at_terminal(request.quiet) || (live && !request.quiet)))
+      fmt::print(stderr, "{} views, {:.0f} % of the picture covered\n{}", seen.views().size(), 100.0 * first.share(),
+                 first.text());
   }
+  const std::optional<vision::Coverage>& coverage = seen.coverage();
+  std::vector<vision::BoardView> views = std::move(seen.views());
   name_skipped(**source);
   if (!coverage) return complain((*source)->describe() + ": no picture", device_failed);
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
@@ -148,9 +138,9 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
       "frames: {}\nviews: {}\nviews_left_out: {}\ncorners: {}\ncorners_left_out: {}\ncoverage: {:.2f}\nrms_px: {:.4f}\n"
       "fx: {:.3f}\nfy: {:.3f}\nfocal_sigma: {:.3f}\ncx: {:.3f}\ncy: {:.3f}\ncentre_sigma: {:.3f}\n"
       "distortion: {:.5f}\ncalibration: {}\n",
-      frames, result->views.size() - static_cast<std::size_t>(rejected), rejected, corners, outliers, coverage->share(),
-      result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma, fmt::join(c.distortion, " "),
-      request.out);
+      seen.frames(), result->views.size() - static_cast<std::size_t>(rejected), rejected, corners, outliers,
+      coverage->share(), result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma,
+      fmt::join(c.distortion, " "), request.out);
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,

@@ -1,6 +1,7 @@
 #include "app/couplings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace skein::app {
@@ -24,8 +25,8 @@ void for_each_pair(std::size_t robots, Visit&& visit) noexcept {
 }
 
 Event of_pair(Event::Kind kind, std::size_t i, std::size_t j, GainName gain = GainName::k_xx, double from = 0.0,
-              double to = 0.0) noexcept {
-  return {kind, static_cast<int>(i), gain, {from, to, 0.0}, static_cast<int>(j)};
+              double to = 0.0, double seconds = 0.0) noexcept {
+  return {kind, static_cast<int>(i), gain, {from, to, seconds}, static_cast<int>(j)};
 }
 
 }  // namespace
@@ -47,6 +48,7 @@ Couplings::Couplings(const Experiment& experiment, const core::Gains& gains, con
 void Couplings::obey(const OperatorCommand& command, bool ready, EventList& events) noexcept {
   using Kind = OperatorCommand::Kind;
   if (command.gain > gain_names.back()) return;  // slopes and weights are the file's
+  asked_ = true;
   if (command.kind == Kind::gain) return set_all(command, ready, events);
   const std::size_t n = off_.robots();
   if (command.i == command.j || command.i >= n || command.j >= n) return;
@@ -61,8 +63,9 @@ double Couplings::rate(GainName name, bool ready) const noexcept {
   return authority / static_cast<double>(std::max<std::size_t>(1, off_.robots() - 1)) / operator_ramp;
 }
 
-void Couplings::go(GainName name, std::size_t i, std::size_t j, double value, bool ready) noexcept {
-  schedule_.move(name, i, j, value, rate(name, ready));
+void Couplings::go(GainName name, std::size_t i, std::size_t j, double value, bool ready, double seconds) noexcept {
+  const double way = std::abs(value - table(schedule_.now(), name)(i, j)), fastest = rate(name, ready);
+  schedule_.move(name, i, j, value, seconds > 0.0 ? std::min(fastest, way / seconds) : fastest);
   if (ready) schedule_.step(1.0);
 }
 
@@ -82,11 +85,15 @@ void Couplings::set_all(const OperatorCommand& command, bool ready, EventList& e
   for_each_pair(any_off_ ? off_.robots() : 0, [&](std::size_t i, std::size_t j) {
     if (!coupled(i, j)) schedule_.move(name, i, j, 0.0, rate(name, ready));
   });
+  const double seconds = ready ? 0.0 : command.seconds;
+  for_each_pair(seconds > 0.0 ? off_.robots() : 0, [&](std::size_t i, std::size_t j) {
+    if (coupled(i, j)) go(name, i, j, value, ready, seconds);
+  });
   if (ready) {
     schedule_.step(1.0);
     all_before_start_[static_cast<std::size_t>(name)] = value;
   }
-  events.add({Event::Kind::gain, -1, name, {from, value, 0.0}});
+  events.add({Event::Kind::gain, -1, name, {from, value, seconds}});
 }
 
 double Couplings::held(const OperatorCommand& command, GainName name, double value, EventList& events) const noexcept {
@@ -106,8 +113,9 @@ void Couplings::set_pair(const OperatorCommand& command, bool ready, EventList& 
   const double value = held(command, command.gain, std::max(0.0, command.value), events);
   if (value == from) return;
   table(wanted_, command.gain).set(i, j, value);
-  if (coupled(i, j)) go(command.gain, i, j, value, ready);
-  events.add(of_pair(Event::Kind::pair_gain, i, j, command.gain, from, value));
+  const double seconds = ready ? 0.0 : command.seconds;
+  if (coupled(i, j)) go(command.gain, i, j, value, ready, seconds);
+  events.add(of_pair(Event::Kind::pair_gain, i, j, command.gain, from, value, seconds));
 }
 
 void Couplings::couple(const OperatorCommand& command, bool ready, EventList& events) noexcept {
@@ -179,6 +187,23 @@ void Couplings::follow_file(double t, EventList& events) noexcept {
       });
       schedule_.ramp(name, scratch_, change.ramp);
     }
+    if (asked_) hold_file(change, events);
+  }
+}
+
+void Couplings::hold_file(const GainChange& change, EventList& events) noexcept {
+  for (const GainName name : gain_names) {
+    if (!change[name]) continue;
+    const double share = core::held_share(name, limits_, schedule_.target(), demand_);
+    if (share == 1.0) continue;
+    const double asked = table(schedule_.target(), name).largest();
+    scratch_ = table(schedule_.target(), name);
+    for_each_pair(off_.robots(), [&](std::size_t i, std::size_t j) {
+      scratch_.set(i, j, share * scratch_(i, j));
+      if (coupled(i, j)) table(wanted_, name).set(i, j, scratch_(i, j));
+    });
+    schedule_.ramp(name, scratch_, change.ramp);
+    events.add({Event::Kind::gain_held, -1, name, {asked, share * asked, 0.0}});
   }
 }
 
@@ -188,6 +213,10 @@ void Couplings::step(double dt, core::Gains& gains) noexcept {
   gains.k_xx = now.k_xx;
   gains.k_tt = now.k_tt;
   gains.k_yy = now.k_yy;
+  // Two ramps of different length may ask for more on the way than at either end.
+  const double share = asked_ ? core::held_share(GainName::k_yy, limits_, now, demand_) : 1.0;
+  for_each_pair(share < 1.0 ? off_.robots() : 0,
+                [&](std::size_t i, std::size_t j) { gains.k_yy.set(i, j, share * now.k_yy(i, j)); });
   if (!shapes_change_) return;
   gains.c_xx = now.c_xx;
   gains.c_tt = now.c_tt;

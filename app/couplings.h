@@ -22,7 +22,7 @@ class Couplings {
   void note_changes_before_start(EventList& events) const noexcept;
   /// The file's changes that are due at time t. [s]
   void follow_file(double t, EventList& events) noexcept;
-  /// Goes on by dt [s] and puts the present values into `gains`.
+  /// Goes on by dt [s] and puts the present values into `gains`: (18f, g) hold with them at every step.
   void step(double dt, core::Gains& gains) noexcept;
 
   const core::CouplingGains& now() const noexcept { return schedule_.now(); }
@@ -36,8 +36,11 @@ class Couplings {
   void uncouple(const OperatorCommand& command, bool ready, EventList& events) noexcept;
   /// The value that the pair may have; notes where that is less than was asked for.
   double held(const OperatorCommand& command, core::GainName name, double value, EventList& events) const noexcept;
-  void go(core::GainName name, std::size_t i, std::size_t j, double value, bool ready) noexcept;
+  void go(core::GainName name, std::size_t i, std::size_t j, double value, bool ready, double seconds = 0.0) noexcept;
   double rate(core::GainName name, bool ready) const noexcept;
+  /// A change of the file was checked with the file's other gains, not with the operator's: it is held where (18f, g)
+  /// end beside these.
+  void hold_file(const GainChange& change, EventList& events) noexcept;
   double base(core::GainName name, std::size_t i, std::size_t j) const noexcept;
   std::size_t changed_pairs() const noexcept;
 
@@ -50,6 +53,7 @@ class Couplings {
   core::CouplingGains wanted_;  // where the pairs would be going, were none switched off
   core::PairTable off_;         // 1: the pair is switched off
   bool any_off_ = false, shapes_change_ = false;
+  bool asked_ = false;  // the operator has changed something
   std::array<std::optional<double>, 3> all_before_start_;
   core::PairTable scratch_;
 };

@@ -95,9 +95,10 @@ std::string describe(const Event& event) {
     case Kind::obstacle:
       return text + fmt::format(" x={} y={} radius={}", a, b, c);
     case Kind::gain:
+    case Kind::pair_gain:
+      return text + fmt::format(" {} {} -> {}", name(event.gain), a, b) + (c > 0.0 ? fmt::format(" ramp={}", c) : "");
     case Kind::schedule:
     case Kind::gain_held:
-    case Kind::pair_gain:
     case Kind::pair_gain_held:
       return text + fmt::format(" {} {} -> {}", name(event.gain), a, b);
     case Kind::deadline_missed:

@@ -26,10 +26,10 @@ struct Event {
     release,          // robot: it may drive again
     kick,             // robot; values vx, vy: the operator sent it sliding
     obstacle,         // its number in `robot`; values x, y, radius: put there by the operator, radius 0: taken away
-    gain,             // name; values from, to: the operator's new target for all pairs
+    gain,             // name; values from, to, ramp: the operator's new target for all pairs; 0 or [s]
     schedule,         // name; values from, to: a [[gain_change]] of the file begins
     gain_held,        // name; values asked for, held at: (18) forbids more
-    pair_gain,        // robot, other, name; values from, to: the operator's new target for one pair
+    pair_gain,        // robot, other, name; values from, to, ramp: the operator's new target for one pair
     pair_gain_held,   // robot, other, name; values asked for, held at
     couple,           // robot, other: coupled again
     uncouple,         // robot, other: not coupled any more

@@ -28,6 +28,7 @@ struct OperatorCommand {
   std::size_t i = 0, j = 0;   ///< from 0
   bool recorded = false;      ///< of a run that is repeated: the value has been held at its border already
   std::size_t number = 0;     ///< of the obstacle, or of the robot that is held or released
+  double seconds = 0.0;       ///< gain, pair_gain: the ramp shall take so long; 0: as fast as it may [s]
   core::Obstacle obstacle{};  ///< where it stands from now on; radius 0: nowhere
 };
 

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
+
+#include "app/wheel_check.h"
 
 #include "app/safety_net.h"
 
@@ -124,12 +128,33 @@ void Plant::act(std::span<const core::WheelSpeeds> wheels) {
     if (experiment_.robots[i].link == RobotSpec::Link::sim)
       world_.command(i, stopped ? core::WheelSpeeds{} : wheels[i]);
   if (!links_ || stopped) return;
+  const std::size_t tested = tested_.load(std::memory_order_acquire);
   for (std::size_t k = 0; k < linked_.size(); ++k) {
+    if (linked_[k] == tested) continue;
     const core::WheelSpeeds& w = wheels[linked_[k]];
     links_->command(k, static_cast<int>(w.left), static_cast<int>(w.right));
   }
+  acts_.fetch_add(1, std::memory_order_release);
   if (!clock_.wall() && !links_->wait_acknowledged(lock_step_timeout))
     unacknowledged_.store(true, std::memory_order_release);
+}
+
+tl::expected<WheelCheck, std::string> Plant::check_wheels(std::size_t robot,
+                                                          const std::function<std::string()>& keep_on) {
+  const auto link = std::find(linked_.begin(), linked_.end(), robot);
+  if (!links_ || link == linked_.end()) return tl::unexpected(std::string("it has no link"));
+  tested_.store(robot, std::memory_order_release);
+  // A tick that is under way has not seen that yet: the one after it has.
+  for (const std::uint64_t acts = acts_.load(std::memory_order_acquire); acts_.load() < acts + 2;) {
+    if (std::string reason = keep_on(); !reason.empty()) {
+      tested_.store(nobody, std::memory_order_release);
+      return tl::unexpected(std::move(reason));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  auto check = app::check_wheels(*links_, static_cast<std::size_t>(link - linked_.begin()), keep_on);
+  tested_.store(nobody, std::memory_order_release);
+  return check;
 }
 
 void Plant::stop() noexcept {

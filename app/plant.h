@@ -1,6 +1,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -63,6 +65,9 @@ class Plant {
   const CameraRig* camera() const noexcept { return camera_.get(); }
 
   std::vector<RobotStatus> robots() const;
+  /// app::check_wheels of a robot that has a link and stands; `act` passes it over meanwhile. Blocks for some
+  /// seconds; one at a time, on a thread of its own, and only while the control thread runs.
+  tl::expected<WheelCheck, std::string> check_wheels(std::size_t robot, const std::function<std::string()>& keep_on);
   /// Looks after links and camera: why the run cannot go on, if it cannot. Not the control thread's.
   std::optional<std::string> failure();
   /// Stops every robot and waits, at most a second, until each has acknowledged.
@@ -82,6 +87,9 @@ class Plant {
   std::unique_ptr<CameraRig> camera_;            // last: its thread uses the world
   std::atomic<bool> stopped_{false}, unacknowledged_{false};
   std::optional<LinkWatch> watch_;
+  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  std::atomic<std::size_t> tested_{nobody};  // the robot that `act` passes over
+  std::atomic<std::uint64_t> acts_{0};       // finished ones
 };
 
 }  // namespace skein::app

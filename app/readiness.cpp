@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace skein::app {
 namespace {
@@ -23,6 +24,9 @@ Check camera(const Experiment& e) {
   if (e.camera.source == "none") return {What::camera, State::holds, "none: poses come from the simulation", real};
   if (e.camera.calibration.empty() && e.camera.source != "synthetic")
     return {What::camera, State::fails, "camera.calibration names no file", real};
+  if (const auto file = std::filesystem::path(e.directory) / e.camera.calibration;
+      !e.camera.calibration.empty() && !std::filesystem::exists(file))
+    return {What::camera, State::fails, fmt::format("there is no {}", file.string()), real};
   return {What::camera, State::holds,
           e.camera.calibration.empty() ? "the synthetic camera's own" : e.camera.calibration, real};
 }

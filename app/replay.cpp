@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -18,10 +19,14 @@
 namespace skein::app {
 namespace {
 
-OperatorCommand pair_command(OperatorCommand::Kind kind, const Event& event) {
-  return {
-      kind, event.gain, event.values[1], static_cast<std::size_t>(event.robot), static_cast<std::size_t>(event.other),
-      true};
+/// A change of couplings: of a pair, or, where the event names no robots, of all.
+OperatorCommand coupling_command(OperatorCommand::Kind kind, const Event& event) {
+  OperatorCommand command{kind, event.gain, event.values[1]};
+  command.i = static_cast<std::size_t>(std::max(0, event.robot));
+  command.j = static_cast<std::size_t>(std::max(0, event.other));
+  command.recorded = true;
+  command.seconds = event.values[2];
+  return command;
 }
 
 /// What the operator did at a recorded tick.
@@ -29,16 +34,16 @@ std::vector<OperatorCommand> commands_of(const TickRecord& row) {
   std::vector<OperatorCommand> commands;
   for (const Event& event : row.events) switch (event.kind) {
       case Event::Kind::gain:
-        commands.push_back({OperatorCommand::Kind::gain, event.gain, event.values[1], 0, 0, true});
+        commands.push_back(coupling_command(OperatorCommand::Kind::gain, event));
         break;
       case Event::Kind::pair_gain:
-        commands.push_back(pair_command(OperatorCommand::Kind::pair_gain, event));
+        commands.push_back(coupling_command(OperatorCommand::Kind::pair_gain, event));
         break;
       case Event::Kind::couple:
-        commands.push_back(pair_command(OperatorCommand::Kind::couple, event));
+        commands.push_back(coupling_command(OperatorCommand::Kind::couple, event));
         break;
       case Event::Kind::uncouple:
-        commands.push_back(pair_command(OperatorCommand::Kind::uncouple, event));
+        commands.push_back(coupling_command(OperatorCommand::Kind::uncouple, event));
         break;
       case Event::Kind::start:
         commands.push_back({OperatorCommand::Kind::start});

@@ -152,6 +152,8 @@ void Session::close() {
   if (i.closed) return;
   i.closed = true;
   i.stop();
+  i.ends_test = true;
+  if (i.test.valid()) i.test.wait();
   i.loop->end_thread();
   i.plant->close();
   if (i.net) i.net->done(i.plant->robots());

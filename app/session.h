@@ -38,6 +38,16 @@ struct RobotStatus {
   bool stop_acknowledged = false;  ///< after close()
 };
 
+/// What a check of one robot's wheels has found.
+struct WheelCheck {
+  std::size_t robot = 0;
+  std::string version{};  ///< of its firmware; empty: it did not say
+  double battery = none;  ///< [V]; none: not known
+  bool battery_low = false;
+  int left_steps = 0, right_steps = 0;  ///< that each wheel's counter said when it alone was told to turn
+  std::vector<std::string> faults{};    ///< a sentence each; empty: the robot does as it is told
+};
+
 /// How a real camera has been doing.
 struct CameraStatus {
   bool up = true;                    ///< false: it does not deliver, and is opened again and again
@@ -104,10 +114,11 @@ class Session {
   /// STOP: latched, straight to every link and every simulated wheel, without waiting for the tick; the run is over.
   void stop() noexcept;
 
-  /// A new value for all pairs. It is approached at a bounded rate, and held at `gain_border` where (18) ends.
-  void set_gain(core::GainName name, double value);
+  /// A new value for all pairs, held at `gain_border` where (18) ends. It is approached at a bounded rate, and slower
+  /// where `seconds` asks for a ramp that takes longer.
+  void set_gain(core::GainName name, double value, double seconds = 0.0);
   /// The same for robots i and j alone, from 0.
-  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value);
+  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0);
   /// Switches the coupling of two robots off or on: their gains go to zero and come back at the same rate, held where
   /// (18f, g) end by then.
   void couple(std::size_t i, std::size_t j, bool on);
@@ -134,6 +145,13 @@ class Session {
   /// Makes one robot stand, real or not, and takes it out of the group until it is let go again; the others drive on.
   /// This goes through the tick: in danger, stop().
   tl::expected<void, std::string> hold_robot(std::size_t robot, bool hold);
+
+  /// Turns each wheel of a robot with a link about 10 mm forward and compares its counters with that. Only while the
+  /// session is ready; it takes some seconds, and STOP, a start and the end of the session end it. Refused with the
+  /// reason.
+  tl::expected<void, std::string> check_wheels(std::size_t robot);
+  /// What it found, once, as soon as that is known. The error names the robot and says why it could not be tested.
+  std::optional<tl::expected<WheelCheck, std::string>> wheel_check();
 
   /// Puts an obstacle onto the floor that avoidance and shield keep clear of from the next tick on; the answer is its
   /// number, from 0. The file's obstacles come first, and can be moved and taken away as well.

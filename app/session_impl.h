@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -112,6 +113,12 @@ struct Session::Impl {
       fail(fmt::format("the window has not answered for {:g} s: nobody could see or stop the robots", window_silence));
   }
 
+  /// Why a robot can be tested no more; empty: it can.
+  std::string test_ends() const {
+    if (loop->stop_asked()) return "STOP was pressed";
+    return ends_test.load() || loop->phase() != Phase::ready ? "the robots no longer stand ready" : "";
+  }
+
   /// Where the couplings are going.
   core::CouplingGains targets() const;
 
@@ -127,6 +134,8 @@ struct Session::Impl {
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
   std::jthread recorder_thread;
   const bool real_time = real_time_reason(experiment).has_value();
+  std::atomic<bool> ends_test{false};
+  std::future<tl::expected<WheelCheck, std::string>> test;  // under way, or not yet asked for
   std::atomic<double> last_look{none};  // when somebody drained last, on the session's clock [s]; none: nobody does
   bool started = false;                 // the sinks' thread's
   bool closed = false;

@@ -52,12 +52,16 @@ void Session::stop() noexcept {
   impl_->stop();
 }
 
-void Session::set_gain(core::GainName name, double value) {
-  impl_->loop->post({OperatorCommand::Kind::gain, name, value});
+void Session::set_gain(core::GainName name, double value, double seconds) {
+  OperatorCommand command{OperatorCommand::Kind::gain, name, value};
+  command.seconds = seconds;
+  impl_->loop->post(command);
 }
 
-void Session::set_gain(core::GainName name, std::size_t i, std::size_t j, double value) {
-  impl_->loop->post({OperatorCommand::Kind::pair_gain, name, value, i, j});
+void Session::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
+  OperatorCommand command{OperatorCommand::Kind::pair_gain, name, value, i, j};
+  command.seconds = seconds;
+  impl_->loop->post(command);
 }
 void Session::couple(std::size_t i, std::size_t j, bool on) {
   impl_->loop->post({on ? OperatorCommand::Kind::couple : OperatorCommand::Kind::uncouple, {}, 0.0, i, j});
@@ -125,6 +129,33 @@ tl::expected<void, std::string> Session::hold_robot(std::size_t robot, bool hold
   command.number = robot;
   if (!impl_->loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
   return {};
+}
+
+tl::expected<void, std::string> Session::check_wheels(std::size_t robot) {
+  Impl& impl = *impl_;
+  if (robot >= impl.experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
+  const std::string name = fmt::format("robot {}", robot + 1);
+  if (impl.experiment.robots[robot].link == RobotSpec::Link::sim)
+    return tl::unexpected(name + " is simulated: it has neither a link nor a battery to test");
+  if (!impl.clock.wall()) return tl::unexpected(std::string("robots are tested in real time"));
+  if (impl.test.valid()) return tl::unexpected(std::string("one test at a time"));
+  if (impl.loop->phase() != Phase::ready || impl.loop->stop_asked())
+    return tl::unexpected(name + ": robots are tested before a start, while they stand ready");
+  if (const RobotStatus status = robots()[robot]; status.link != "up")
+    return tl::unexpected(fmt::format("{}: its link is {}", name, status.link));
+  impl.test = std::async(std::launch::async, [&impl, robot, name]() -> tl::expected<WheelCheck, std::string> {
+    auto check = impl.plant->check_wheels(robot, [&impl] { return impl.test_ends(); });
+    if (!check) return tl::unexpected(fmt::format("{} could not be tested: {}", name, check.error()));
+    check->robot = robot;
+    return check;
+  });
+  return {};
+}
+
+std::optional<tl::expected<WheelCheck, std::string>> Session::wheel_check() {
+  auto& test = impl_->test;
+  if (!test.valid() || test.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+  return test.get();
 }
 
 tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacle& obstacle) {

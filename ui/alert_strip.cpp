@@ -1,12 +1,15 @@
 #include "ui/alert_strip.h"
 
 #include <QPainter>
+#include <algorithm>
 #include <cmath>
 
 namespace skein::ui {
 namespace {
 
 constexpr qint64 fade_ms = 12000;
+constexpr qint64 read_ms =
+    3000;  // so long a warning stays before lesser news may take its place, or a state comes back
 
 /// The events that the strip shows, in words for people; the log has all of them in those of the CSV.
 QString words(const app::Event& event, double t) {
@@ -15,15 +18,14 @@ QString words(const app::Event& event, double t) {
   const QString robot = QString::number(event.robot + 1);
   switch (event.kind) {
     case Kind::deadline_missed:
-      return when +
-             AlertStrip::tr("%n tick(s) too late: the machine was busy", nullptr, static_cast<int>(event.values[0]));
+      return when + AlertStrip::tr(
+                        "%n tick(s) too late: the machine was busy; they were skipped, and the robots drove on with "
+                        "their last commands",
+                        nullptr, static_cast<int>(event.values[0]));
     case Kind::gain_held:
       return when + AlertStrip::tr("%1 is held at %2, its border: (18) allows no more")
                         .arg(QLatin1String(app::name(event.gain)))
                         .arg(event.values[1], 0, 'g', 4);
-    case Kind::v_rise:
-      return when +
-             AlertStrip::tr("V has risen, and nothing that is known explains it: a robot does not do as it is told");
     case Kind::pair_gain_held:
       return when + AlertStrip::tr("%1 of robots %2 and %3 is held at %4, its border: (18) allows no more")
                         .arg(QLatin1String(app::name(event.gain)))
@@ -36,7 +38,9 @@ QString words(const app::Event& event, double t) {
       return when +
              AlertStrip::tr("Robots %1 and %2 are not coupled any more").arg(event.robot + 1).arg(event.other + 1);
     case Kind::link:
-      return when + QString::fromStdString(app::describe(event));
+      return when + (static_cast<comms::LinkState>(static_cast<int>(event.values[0])) == comms::LinkState::up
+                         ? AlertStrip::tr("The link of robot %1 is up again; let it go when it may drive").arg(robot)
+                         : AlertStrip::tr("The link of robot %1 is lost: it was told to stop").arg(robot));
     case Kind::perturb:
       return when + AlertStrip::tr("Robot %1 was moved by the experiment").arg(robot);
     case Kind::move:
@@ -78,45 +82,57 @@ void AlertStrip::take(const app::TickRecord& record) {
   for (const app::Event& event : record.events) {
     if (event.kind == app::Event::Kind::lost) lost_.insert(event.robot + 1);
     if (event.kind == app::Event::Kind::found) lost_.erase(event.robot + 1);
+    if (event.kind == app::Event::Kind::v_rise) v_rose_at_ = record.t;
     const QString text = words(event, record.t);
-    if (!text.isEmpty()) say(text, severity(event));
+    if (!text.isEmpty()) say(text, ui::severity(event));
   }
   watch(record);
-  if (held_ || lost_ == before) return;
-  since_.invalidate();
-  if (lost_.empty())
+  if (lost_ == before) return;
+  if (lost_.empty()) {
+    stand(State::lost, {}, Severity::note);
     say(tr("All robots are seen"), Severity::good);
-  else if (record.phase == app::Phase::ready)
-    say(tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
-  else
-    say(tr("LOST: robot %1 – no tag seen, it stands").arg(lost_robots()), Severity::alarm);
+  } else if (record.phase == app::Phase::ready) {
+    stand(State::lost, tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
+  } else {
+    stand(State::lost, tr("LOST: robot %1 – no tag seen, it stands").arg(lost_robots()), Severity::alarm);
+  }
 }
 
-/// Limits that bite are said when that lasts, and unsaid when it is over.
+/// What is said as long as it lasts. Limits that bite for less than a second are the everyday of a push.
 void AlertStrip::watch(const app::TickRecord& record) {
-  constexpr double lasts = 1.0;  // [s]: shorter ones are the everyday of a push
+  constexpr double lasts = 1.0, v_rise_is_old = 5.0;  // [s]
   const bool running = record.phase == app::Phase::running;
-  const auto since = [&](double& begin, bool holds) {
-    if (!holds || !running)
-      begin = app::none;
-    else if (std::isnan(begin))
-      begin = record.t;
-    return record.t - begin >= lasts;  // of NaN: no
-  };
   limited_since_.resize(record.robots.size(), app::none);
-  QStringList limited;
-  for (std::size_t i = 0; i < record.robots.size(); ++i)
-    if (since(limited_since_[i], record.robots[i].is(app::limited))) limited << QString::number(i + 1);
-
-  const QString before = condition_;
-  condition_ = !limited.isEmpty() ? tr("Limits bite: robot %1 is asked for more than (14) or its wheels allow")
-                                        .arg(limited.join(QStringLiteral(", ")))
-                                  : QString();
-  if (condition_ == before || held_ || !lost_.empty()) return;
-  if (!condition_.isEmpty())
-    say(condition_, Severity::warning);
-  else if (text_ == before)
-    clear_text();
+  QStringList limited, out;
+  for (std::size_t i = 0; i < record.robots.size(); ++i) {
+    const app::RobotRecord& robot = record.robots[i];
+    double& since = limited_since_[i];
+    if (!running || !robot.is(app::limited))
+      since = app::none;
+    else if (std::isnan(since))
+      since = record.t;
+    if (record.t - since >= lasts) limited << QString::number(i + 1);  // of NaN: no
+    const bool over = record.phase == app::Phase::stopped || record.phase == app::Phase::finished;
+    if (!over && robot.link.state && *robot.link.state != comms::LinkState::up)
+      out << tr("%1 (%2)").arg(i + 1).arg(QLatin1String(comms::to_text(*robot.link.state).data()));
+  }
+  const auto join = [](const QStringList& robots) { return robots.join(QStringLiteral(", ")); };
+  stand(State::limited,
+        limited.isEmpty() ? QString()
+                          : tr("Limits bite: robot %1 is asked for more than (14) or its wheels allow, and drives as "
+                               "fast as they let it")
+                                .arg(join(limited)),
+        Severity::warning);
+  stand(State::link,
+        out.isEmpty() ? QString() : tr("LINK DOWN: robot %1 – it is told to stop until it answers").arg(join(out)),
+        Severity::alarm);
+  if (!running || record.t < v_rose_at_ || record.t - v_rose_at_ > v_rise_is_old) v_rose_at_ = app::none;
+  stand(State::v_rises,
+        std::isnan(v_rose_at_)
+            ? QString()
+            : tr("V RISES, and nothing that is known explains it: a robot does not do as it is told. "
+                 "The run goes on: look at who strays, and STOP if in doubt"),
+        Severity::warning);
 }
 
 QString AlertStrip::lost_robots() const {
@@ -125,13 +141,23 @@ QString AlertStrip::lost_robots() const {
   return numbers.join(QStringLiteral(", "));
 }
 
+void AlertStrip::stand(State state, const QString& text, Severity severity) {
+  const auto known = states_.find(state);
+  if (known == states_.end() ? text.isEmpty() : known->second.text == text) return;
+  if (text.isEmpty())
+    states_.erase(state);
+  else
+    states_[state] = {text, severity};
+  if (!text.isEmpty() && news_.severity < severity) since_.invalidate();  // "all are seen" is no longer so
+  choose();
+}
+
 void AlertStrip::say(const QString& text, Severity severity) {
-  const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < 3000 && severity_ > severity;
-  if (held_ || graver_one_is_fresh || (!lost_.empty() && severity_ > severity)) return;
-  text_ = text;
-  severity_ = severity;
+  const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < read_ms && news_.severity > severity;
+  if (held_ || graver_one_is_fresh) return;
+  news_ = {text, severity};
   since_.start();
-  show_text();
+  choose();
 }
 
 void AlertStrip::hold(const QString& text, Severity severity) {
@@ -146,20 +172,34 @@ void AlertStrip::clear_alert() {
   held_ = false;
   lost_.clear();
   limited_since_.clear();
-  condition_.clear();
-  clear_text();
+  v_rose_at_ = app::none;
+  states_.clear();
+  since_.invalidate();
+  choose();
 }
 
-void AlertStrip::clear_text() {
-  text_.clear();
-  severity_ = Severity::note;
-  since_.invalidate();
+/// News are read for a moment, unless an alarm lasts; then the states are back, the gravest first.
+void AlertStrip::choose() {
+  if (held_) return;
+  Said shown;
+  for (const Severity grave : {Severity::alarm, Severity::warning})
+    for (const auto& [state, said] : states_) {
+      if (said.severity != grave) continue;
+      shown.text += (shown.text.isEmpty() ? QString() : QStringLiteral("   ·   ")) + said.text;
+      shown.severity = std::max(shown.severity, grave);
+    }
+  const qint64 age = since_.isValid() ? since_.elapsed() : fade_ms + 1;
+  const bool fresh = age <= (shown.text.isEmpty() ? fade_ms : read_ms);
+  const bool outranked = shown.severity == Severity::alarm && news_.severity < Severity::alarm;
+  if (fresh && !outranked) shown = news_;
+  if (shown.text == text_ && shown.severity == severity_) return;
+  text_ = shown.text;
+  severity_ = shown.severity;
   show_text();
 }
 
 void AlertStrip::refresh() {
-  const bool lasts = held_ || !lost_.empty() || (!condition_.isEmpty() && text_ == condition_);
-  if (!lasts && since_.isValid() && since_.elapsed() > fade_ms) clear_text();
+  choose();
 }
 
 void AlertStrip::show_text() {

@@ -146,6 +146,10 @@ void ArenaPainter::banner_and_hint(const QRectF& widget) {
     chip(QRectF(widget.left() + 20, widget.top() + 44, widget.width() - 40, 0), scene_.banner,
          scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
          scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
+  const double below = scene_.banner.isEmpty() ? 44 : 88;
+  if (!scene_.alert.isEmpty())
+    chip(QRectF(widget.left() + 20, widget.top() + below, widget.width() - 40, 0), scene_.alert, scene_.alert_colour,
+         ink_on(scene_.alert_colour), false);
   if (!scene_.hint.isEmpty())
     chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 64, widget.width() - 40, 0), scene_.hint,
          faded(c_.notice, 0.92), ink_on(c_.notice), false);

@@ -71,6 +71,8 @@ struct ArenaScene {
   std::optional<std::array<int, 2>> hovered_coupling;
   QString banner;  ///< across the top: "STOPPED by operator"
   bool banner_alarms = false;
+  QString alert;  ///< a warning or an alarm that lasts, below the banner
+  QColor alert_colour;
   QString hint;  ///< at the bottom: what can be done here
 
   void reset(const app::Experiment& of);

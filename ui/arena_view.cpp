@@ -72,6 +72,13 @@ void ArenaView::set_banner(const QString& text, bool alarms) {
   update();
 }
 
+void ArenaView::set_alert(const QString& text, const QColor& colour) {
+  if (scene_.alert == text && scene_.alert_colour == colour) return;
+  scene_.alert = text;
+  scene_.alert_colour = colour;
+  update();
+}
+
 void ArenaView::set_hint(const QString& text) {
   if (scene_.hint == text) return;
   scene_.hint = text;

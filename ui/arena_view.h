@@ -27,6 +27,7 @@ class ArenaView final : public QWidget {
   void take(const app::Picture& picture);
   void set_other(std::optional<OtherRun> other);  ///< drawn pale
   void set_banner(const QString& text, bool alarms);
+  void set_alert(const QString& text, const QColor& colour);
   void set_hint(const QString& text);
 
   bool shows_picture() const { return scene_.show_picture; }

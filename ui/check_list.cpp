@@ -17,16 +17,18 @@ struct Words {
 
 /// In the order of `Check::What`.
 constexpr std::array words{
-    Words{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "How …"),
-          QT_TRANSLATE_NOOP("CheckList", "Says how to calibrate the camera")},
+    Words{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "Calibrate …"),
+          QT_TRANSLATE_NOOP("CheckList", "Looks at a board with the camera, and writes the calibration file")},
     Words{"tags", QT_TRANSLATE_NOOP("CheckList", "All tags seen"), QT_TRANSLATE_NOOP("CheckList", "Show picture"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the camera's picture, to find the robot that is missing in it")},
     Words{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),
           QT_TRANSLATE_NOOP("CheckList", "Sets the experiment up again, and connects to every robot anew")},
-    Words{"batteries", QT_TRANSLATE_NOOP("CheckList", "Batteries"), nullptr, nullptr},
+    Words{"batteries", QT_TRANSLATE_NOOP("CheckList", "Batteries"), QT_TRANSLATE_NOOP("CheckList", "Show robot"),
+          QT_TRANSLATE_NOOP("CheckList", "Selects the robot whose battery is low: change it, and connect again")},
     Words{"gains", QT_TRANSLATE_NOOP("CheckList", "Gains certified"), QT_TRANSLATE_NOOP("CheckList", "Show gains"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the gains and what they leave to tracking")},
-    Words{"reference", QT_TRANSLATE_NOOP("CheckList", "Reference feasible"), nullptr, nullptr},
+    Words{"reference", QT_TRANSLATE_NOOP("CheckList", "Reference feasible"), QT_TRANSLATE_NOOP("CheckList", "Edit …"),
+          QT_TRANSLATE_NOOP("CheckList", "Opens the experiment: a slower reference, or a larger path")},
     Words{"places", QT_TRANSLATE_NOOP("CheckList", "Robots in their places"), QT_TRANSLATE_NOOP("CheckList", "Place"),
           QT_TRANSLATE_NOOP("CheckList", "Brings every robot to its start")},
 };
@@ -51,6 +53,7 @@ CheckList::CheckList(QWidget* parent) : QWidget(parent), anyway_(new QPushButton
     row.reason->setObjectName(QStringLiteral("check_") + name);
     row.reason->setAccessibleName(tr(w.title));
     row.reason->setTextFormat(Qt::PlainText);
+    row.reason->setWordWrap(true);
     row.reason->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     const int line = static_cast<int>(k);
     layout->addWidget(row.mark, line, 0);

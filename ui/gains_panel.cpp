@@ -36,6 +36,7 @@ GainsPanel::GainsPanel(QWidget* parent)
       presets_(new QToolButton(this)),
       reset_(new QPushButton(tr("File's values"), this)),
       coupling_(new QComboBox(this)),
+      ramp_(new QDoubleSpinBox(this)),
       tabs_(new QTabWidget(this)),
       margins_(new MarginBars),
       delay_(new QLabel),
@@ -79,6 +80,20 @@ GainsPanel::GainsPanel(QWidget* parent)
   row->addWidget(reset_, 1);
   layout->addLayout(row);
 
+  auto* over = new QHBoxLayout;
+  ramp_->setObjectName(QStringLiteral("gain_ramp"));
+  ramp_->setAccessibleName(tr("How long a change of a gain takes, in seconds"));
+  ramp_->setRange(0.0, 600.0);
+  ramp_->setDecimals(1);
+  ramp_->setSuffix(tr(" s"));
+  ramp_->setSpecialValueText(tr("as fast as is safe"));
+  ramp_->setToolTip(
+      tr("During a run a gain goes to its new value along a ramp of this length. Never faster than from nothing to all "
+         "authority in 5 s: Theorem 1 wants gains that are continuous. Before a start it changes at once."));
+  over->addWidget(new QLabel(tr("Change within"), this));
+  over->addWidget(ramp_, 1);
+  layout->addLayout(over);
+
   auto* form = new QHBoxLayout;
   auto* label = new QLabel(tr("Coupling"), this);
   coupling_->setObjectName(QStringLiteral("coupling"));
@@ -107,7 +122,9 @@ GainsPanel::GainsPanel(QWidget* parent)
   tabs_->setDocumentMode(true);
   delay_->setObjectName(QStringLiteral("delay_margin"));
   delay_->setToolTip(
-      tr("The delay from a pose to the wheels' answer that the robots' loops bear beside this reference"));
+      tr("The delay from a pose to the wheels' answer that the loop of the robot that bears least bears beside this "
+         "reference, and the delay now. Prediction makes up for what is known of it: the loop bears more than this."));
+  delay_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   auto* margins = new QWidget;
   auto* margins_layout = new QVBoxLayout(margins);
   margins_layout->setContentsMargins(0, 2, 0, 0);
@@ -160,8 +177,11 @@ void GainsPanel::set_borders(const Border& over_all, const Border& now) {
   for (const core::GainName gain : core::gain_names) slider(gain)->set_border(over_all(gain), now(gain));
 }
 
-void GainsPanel::show_delay_margin(const QString& text) {
-  delay_->setText(text);
+void GainsPanel::show_delay_margin(const QString& text, bool short_) {
+  const Colours c = colours(palette());
+  const QString shown =
+      short_ ? QStringLiteral("<b style=\"color:%1\">%2</b>").arg(c.alarm.name(), text.toHtmlEscaped()) : text;
+  if (delay_->text() != shown) delay_->setText(shown);
 }
 
 void GainsPanel::set_before_start(bool before) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QComboBox>
+#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPushButton>
 #include <QTabWidget>
@@ -31,8 +32,8 @@ class GainsPanel final : public QWidget {
   void show_experiment(const app::Experiment& experiment, const Border& border);
   void take(const app::TickRecord& record);
   void set_borders(const Border& over_all, const Border& now);
-  /// How much delay from camera to wheels the loops bear, in words.
-  void show_delay_margin(const QString& text);
+  /// How much delay from camera to wheels the loops bear, in words, beside what was measured; `short_`: not enough.
+  void show_delay_margin(const QString& text, bool short_ = false);
   /// How the pairs are asked for: now and whenever one of them is changed.
   void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
   void refresh_pairs();
@@ -41,6 +42,8 @@ class GainsPanel final : public QWidget {
   /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
   void set_before_start(bool before);
   QUndoStack& undo_stack() { return undo_; }
+  /// How long a change of a gain shall take during a run; 0: as fast as it may. [s]
+  double ramp() const { return ramp_->value(); }
 
  signals:
   void wanted(skein::core::GainName gain, double value);
@@ -65,6 +68,7 @@ class GainsPanel final : public QWidget {
   QToolButton *undo_button_, *redo_button_, *presets_;
   QPushButton* reset_;
   QComboBox* coupling_;
+  QDoubleSpinBox* ramp_;
   QTabWidget* tabs_;
   MarginBars* margins_;
   QLabel* delay_;

@@ -26,13 +26,14 @@ QString shortcuts_text() {
          row.arg(QStringLiteral("Ctrl+R"), tr("Record as CSV")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
          row.arg(QStringLiteral("Ctrl+L"), tr("Check list: what has to hold before a start")) +
          row.arg(tr("Ctrl+Z, Ctrl+Shift+Z"), tr("Undo and redo a change of a gain")) +
+         row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
          section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Puts it somewhere else; it keeps its heading")) +
          row.arg(tr("Wheel"), tr("Turns it by 15° a notch, with Shift by 1°")) +
          row.arg(tr("Shift+drag, K"), tr("Kicks it: it slides along the arrow")) +
          row.arg(tr("Click, 1 … 9"), tr("Selects it: bold in the plots, marked in the table")) +
          row.arg(tr("Arrows, Page Up, Page Down"), tr("Move and turn the selected one, with Shift finely")) +
          section(tr("The arena")) + row.arg(tr("H, K, M, O"), tr("Hand, kick, measure, obstacle")) +
-         row.arg(tr("Click on a coupling"), tr("Switches it off and on")) +
+         row.arg(tr("Click on a coupling"), tr("Switches it off and on; X does in the table of pairs")) +
          row.arg(tr("Wheel, Delete on an obstacle"), tr("Another size; takes it away")) +
          row.arg(tr("Ctrl+wheel, Ctrl++, Ctrl+−"), tr("Zoom")) + row.arg(tr("Middle or right drag"), tr("Pan")) +
          row.arg(tr("Ctrl+0, double click"), tr("All of it")) + section(tr("The plots")) +
@@ -42,13 +43,6 @@ QString shortcuts_text() {
          row.arg(QStringLiteral("Ctrl+S"), tr("Save the run as CSV")) +
          row.arg(QStringLiteral("F11"), tr("Full screen")) +
          row.arg(QStringLiteral("Ctrl+Q"), tr("Stop all robots and quit")) + QStringLiteral("</table>");
-}
-
-QString calibration_text() {
-  return tr(
-      "A camera needs a calibration file: what its lens does, where it hangs, and how high the tags are. \"skein "
-      "calibrate "
-      "--help\" says how to make one. Its name goes into the experiment file, as camera.calibration.");
 }
 
 QString about_text() {

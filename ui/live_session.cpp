@@ -140,6 +140,12 @@ void LiveSession::look() {
       emit record_taken(record);
     });
     if (++looks_ % looks_per_status == 0) take_robots();
+    if (const auto tested = session_->wheel_check()) {
+      if (*tested)
+        emit robot_tested(**tested);
+      else
+        emit test_failed(QString::fromStdString(tested->error()));
+    }
     finish_recording();
   }
   emit frame();
@@ -215,16 +221,16 @@ QString LiveSession::record_to(const QString& file) {
   }
 }
 
-void LiveSession::set_gain(core::GainName name, double value) {
-  if (session_) session_->set_gain(name, value);
+void LiveSession::set_gain(core::GainName name, double value, double seconds) {
+  if (session_) session_->set_gain(name, value, seconds);
 }
 
 double LiveSession::gain_border(core::GainName name) const {
   return session_ ? session_->gain_border(name) : 0.0;
 }
 
-void LiveSession::set_gain(core::GainName name, std::size_t i, std::size_t j, double value) {
-  if (session_) session_->set_gain(name, i, j, value);
+void LiveSession::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
+  if (session_) session_->set_gain(name, i, j, value, seconds);
 }
 
 void LiveSession::couple(std::size_t i, std::size_t j, bool on) {
@@ -260,6 +266,16 @@ tl::expected<void, std::string> LiveSession::kick_robot(std::size_t robot, doubl
 tl::expected<void, std::string> LiveSession::hold_robot(std::size_t robot, bool hold) {
   if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
   return session_->hold_robot(robot, hold);
+}
+
+tl::expected<void, std::string> LiveSession::test_robot(std::size_t robot) {
+  if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
+  return session_->check_wheels(robot);
+}
+
+std::optional<QString> LiveSession::unguarded() const {
+  const auto why = session_ ? session_->unguarded() : std::nullopt;
+  return why ? std::optional(QString::fromStdString(*why)) : std::nullopt;
 }
 
 tl::expected<void, std::string> LiveSession::put_obstacle(int number, const core::Obstacle& obstacle) {

@@ -63,8 +63,9 @@ class LiveSession final : public QObject {
   /// wrong; empty: nothing.
   QString record_to(const QString& file);
   QString record_file() const { return record_file_; }  ///< empty: nothing is recorded
-  void set_gain(core::GainName name, double value);
-  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value);
+  /// `seconds`: of the ramp; 0: as fast as it may.
+  void set_gain(core::GainName name, double value, double seconds = 0.0);
+  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0);
   void couple(std::size_t i, std::size_t j, bool on);
   bool coupled(std::size_t i, std::size_t j) const { return !session_ || session_->coupled(i, j); }
   double gain(core::GainName name, std::size_t i, std::size_t j) const;
@@ -75,6 +76,10 @@ class LiveSession final : public QObject {
   tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);
   tl::expected<void, std::string> kick_robot(std::size_t robot, double vx, double vy);
   tl::expected<void, std::string> hold_robot(std::size_t robot, bool hold);
+  /// `robot_tested` follows.
+  tl::expected<void, std::string> test_robot(std::size_t robot);
+  /// Why nothing would stop the robots should this program be killed; nothing: something would, or need not.
+  std::optional<QString> unguarded() const;
   std::uint64_t undrained_rows() const { return session_ ? session_->undrained_rows() : 0; }
   /// Number -1: a new one; radius 0: away with it.
   tl::expected<void, std::string> put_obstacle(int number, const core::Obstacle& obstacle);
@@ -89,7 +94,9 @@ class LiveSession final : public QObject {
   void frame();                                             ///< after each look, thirty times a second
   void closed();
   void was_away(double seconds);  ///< the window's thread stood still so long; the control thread did not
-  void starting();                ///< the first row of a run is about to come
+  void robot_tested(const skein::app::WheelCheck& result);
+  void test_failed(const QString& reason);
+  void starting();                                             ///< the first row of a run is about to come
   void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
 
  private:

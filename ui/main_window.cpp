@@ -7,10 +7,12 @@
 #include <QVBoxLayout>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "app/command_line.h"
 #include "ui/alert_strip.h"
 #include "ui/arena_view.h"
+#include "ui/calibration_dialog.h"
 #include "ui/check_list.h"
 #include "ui/event_log.h"
 #include "ui/gains_panel.h"
@@ -116,7 +118,7 @@ void MainWindow::default_layout() {
   splitDockWidget(robots_dock_, log_dock_, Qt::Horizontal);
   resize(1280, 800);
   resizeDocks({gains_dock_, plots_dock_}, {250, 400}, Qt::Horizontal);
-  resizeDocks({robots_dock_, log_dock_}, {530, 350}, Qt::Horizontal);
+  resizeDocks({robots_dock_, log_dock_}, {610, 270}, Qt::Horizontal);
   resizeDocks({robots_dock_}, {176}, Qt::Vertical);
 }
 
@@ -132,12 +134,9 @@ void MainWindow::connect_panels() {
           [this](int number, const core::Obstacle& obstacle) { tell(live_.put_obstacle(number, obstacle)); });
   connect(arena_, &ArenaView::selected, this, &MainWindow::select_robot);
   connect(arena_, &ArenaView::refused, this, [this](const QString& why) { alert_->say(why, Severity::notice); });
-  connect(robots_, &RobotsPanel::picked, arena_, &ArenaView::select);
-  connect(robot_buttons_, &RobotButtons::hold, this,
-          [this](int robot, bool hold) { tell(live_.hold_robot(static_cast<std::size_t>(robot), hold)); });
-  connect(robot_buttons_, &RobotButtons::connect_again, this, &MainWindow::new_run);
+  connect_robots();
   connect(gains_, &GainsPanel::wanted, this,
-          [this](core::GainName gain, double value) { live_.set_gain(gain, value); });
+          [this](core::GainName gain, double value) { live_.set_gain(gain, value, gains_->ramp()); });
   connect_pairs();
   connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
   connect(plots_, &PlotsPanel::save_wanted, this, &MainWindow::ask_save_plot);
@@ -188,6 +187,7 @@ void MainWindow::show_experiment_of(const app::Experiment& experiment) {
 void MainWindow::on_opened() {
   const auto border = [this](core::GainName gain) { return live_.gain_border(gain); };
   gains_->show_experiment(live_.experiment(), border);
+  warn_unguarded();
   if (live_.has_camera())
     arena_->set_camera([this](QPointF floor) {
       const auto [u, v] = live_.pixel(floor.x(), floor.y());
@@ -216,10 +216,17 @@ void MainWindow::on_record(const app::TickRecord& record) {
 
 void MainWindow::on_frame() {
   if (app::interrupted() && !may_close_) close();
+  if (calibrating_ && !live_.is_busy()) std::exchange(calibrating_, nullptr)->look();
   app::Picture picture;
   if (arena_->shows_picture() && live_.picture(picture)) arena_->take(picture);
   arena_->refresh();
   alert_->refresh();
+  const Colours c = colours(palette());
+  // Where the eye is; what the banner says already needs no second line.
+  const bool said = shown_phase_ == app::Phase::stopped || shown_phase_ == app::Phase::finished ||
+                    (shown_phase_ == app::Phase::ready && !alert_->lost_robots().isEmpty());
+  arena_->set_alert(said ? QString() : alert_->loud(),
+                    alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
   take_loaded();
   if (live_.latest()) show_other(live_.latest()->t);
   if (saving_ && saving_->problem.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
@@ -254,7 +261,7 @@ void MainWindow::show_state() {
   if (opening)
     banner = tr("Opening …");
   else if (failed)
-    banner = live_.failure().value_or(tr("No experiment is open"));
+    banner = live_.failure() ? tr("The experiment could not be opened") : tr("No experiment is open");
   else if (phase == app::Phase::ready && !alert_->lost_robots().isEmpty())
     banner = tr("Waiting: no tag seen of robot %1").arg(alert_->lost_robots());
   else if (phase == app::Phase::ready)
@@ -271,7 +278,8 @@ void MainWindow::show_state() {
   arena_->set_hint(can_drag ? tr("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it")
                             : QString());
 
-  robot_buttons_->show_state(live_.robots(), phase, live_.is_open());
+  if (failed) gains_->setEnabled(false);  // until an experiment is shown again
+  robot_buttons_->show_state(live_.robots(), phase, live_.is_open(), live_.is_busy());
   if (!record) return;
   robots_->robots().take(*record, live_.robots(), live_.stop_asked(), robot_buttons_->held());
   if (const std::uint64_t missed = live_.undrained_rows(); missed > rows_missed_) {

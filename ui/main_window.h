@@ -18,6 +18,7 @@ namespace skein::ui {
 
 class AlertStrip;
 class ArenaView;
+class CalibrationDialog;
 class CheckList;
 class EventPanel;
 class GainsPanel;
@@ -94,12 +95,19 @@ class MainWindow final : public QMainWindow {
   void begin_checks();
   std::vector<app::Check> judge();
   void show_checks();
+  void show_delay();
   void start_if_ready(bool overrule);
   void mend(app::Check::What what);
   void bring_to_places();
+  void calibrate_camera();
 
   void reopen_with(const QString& set);
 
+  // main_window_robots.cpp: one robot at a time, and what robots with links need
+  void connect_robots();
+  void test_robot(int robot);
+  void show_test(const app::WheelCheck& test);
+  void warn_unguarded();
   // main_window_pairs.cpp: couplings, pair by pair
   void connect_pairs();
   void show_pairs();
@@ -175,10 +183,12 @@ class MainWindow final : public QMainWindow {
     std::future<QString> problem;
   };
   std::optional<Saving> saving_;
+  QPointer<CalibrationDialog> calibrating_;         // waits until the session has let the camera go
   bool records_ = false;                            // this run and those that follow
   bool may_close_ = false;                          // all robots are stopped and the session is gone
   const Theme desktop_at_start_ = desktop_theme();  // before any palette of ours
   bool theme_chosen_ = false;                       // else the desktop's
+  bool testing_ = false;                            // a robot turns its wheels
   bool teaches_ = false;                            // the hint stands until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
   int frames_ = 0;

@@ -93,6 +93,7 @@ void MainWindow::build_menus(QMenuBar* menus) {
   run->addSeparator();
   checks_action_ = toggle(run, tr("&Check list"), QStringLiteral("view_checks"), false, [this] { show_checks(); });
   checks_action_->setShortcut(QKeySequence(tr("Ctrl+L")));
+  action(run, tr("Calibrate ca&mera …"), QStringLiteral("calibrate_camera"), {}, [this] { calibrate_camera(); });
 
   QMenu* view = menus->addMenu(tr("&View"));
   picture_ = toggle(view, tr("&Camera picture"), QStringLiteral("view_picture"), false,

@@ -10,7 +10,7 @@ void MainWindow::connect_pairs() {
     return PairModel::Pair{live_.gain_target(gain, i, j), live_.gain_border(gain, i, j), live_.coupled(i, j)};
   });
   connect(gains_, &GainsPanel::pair_wanted, this, [this](core::GainName gain, int i, int j, double value) {
-    live_.set_gain(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j), value);
+    live_.set_gain(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j), value, gains_->ramp());
   });
   connect(gains_, &GainsPanel::couple_wanted, this, [this](int i, int j, bool on) {
     live_.couple(static_cast<std::size_t>(i), static_cast<std::size_t>(j), on);

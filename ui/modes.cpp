@@ -34,6 +34,23 @@ QString mode_text(std::uint8_t mode) {
   return names.join(QStringLiteral("+"));
 }
 
+QString found_text(const app::RobotRecord& robot) {
+  if (!(robot.pose_age < 1e6)) return tr("not seen");
+  if (robot.is(app::lost)) return tr("lost");
+  if (robot.pose_age > old_pose) return tr("bridged");
+  switch (robot.measurement.how) {
+    case core::How::none:
+      return tr("simulated");
+    case core::How::detected:
+      return tr("acquired");
+    case core::How::tracked:
+      return tr("tracked");
+    case core::How::recovered:
+      return tr("recovered");
+  }
+  return {};
+}
+
 QString phase_text(app::Phase phase) {
   switch (phase) {
     case app::Phase::ready:

@@ -23,6 +23,12 @@ ModeLook look(std::uint8_t mode, const Colours& colours);
 /// All that apply, joined by "+".
 QString mode_text(std::uint8_t mode);
 
+/// A pose that is older than this is carried on from the last sight rather than measured. [s]: half the time after
+/// which a robot counts as lost
+inline constexpr double old_pose = 0.1;
+/// Where a robot's pose comes from: "tracked", "bridged" ...
+QString found_text(const app::RobotRecord& robot);
+
 QString phase_text(app::Phase phase);
 
 /// How much of the operator's attention an event asks for.

@@ -2,12 +2,33 @@
 
 #include <QHeaderView>
 #include <QKeyEvent>
+#include <QStyledItemDelegate>
 #include <QVBoxLayout>
 #include <algorithm>
 
 #include "app/event.h"
 
 namespace skein::ui {
+namespace {
+
+/// Both halves are the same pairs: the upper one shows the values, the lower one the ticks, so that both find room.
+class HalfAndHalf final : public QStyledItemDelegate {
+ public:
+  using QStyledItemDelegate::QStyledItemDelegate;
+
+ protected:
+  void initStyleOption(QStyleOptionViewItem* option, const QModelIndex& index) const override {
+    QStyledItemDelegate::initStyleOption(option, index);
+    if (index.row() < index.column())
+      option->features &= ~QStyleOptionViewItem::HasCheckIndicator;
+    else
+      option->text.clear();
+    option->displayAlignment = Qt::AlignCenter;
+    option->decorationAlignment = Qt::AlignCenter;
+  }
+};
+
+}  // namespace
 
 void PairModel::show_robots(std::size_t robots) {
   beginResetModel();
@@ -57,9 +78,9 @@ QVariant PairModel::data(const QModelIndex& index, int role) const {
     case Qt::ForegroundRole:
       return pair.coupled ? QVariant() : QVariant(colours_.faint_text);
     case Qt::ToolTipRole:
-      return tr("%1 of robots %2 and %3: %4, at most %5 beside the others.\nThe tick, or X, switches the whole "
-                "coupling "
-                "off and on; double-click, or F2, changes the value.")
+      return tr("%1 of robots %2 and %3: %4, at most %5 beside the others.\nAbove the diagonal the values: "
+                "double-click, "
+                "or F2, changes one. Below it the ticks: a click, or X, switches the whole coupling off and on.")
           .arg(QLatin1String(app::name(gain_)))
           .arg(i + 1)
           .arg(j + 1)
@@ -112,11 +133,12 @@ PairTable::PairTable(QWidget* parent) : QWidget(parent), gain_(new QComboBox(thi
   table_->setObjectName(QStringLiteral("pair_table"));
   table_->setAccessibleName(tr("Gains of every pair of robots"));
   table_->setModel(&model_);
+  table_->setItemDelegate(new HalfAndHalf(table_));
   table_->setTabKeyNavigation(false);
   table_->setFrameShape(QFrame::NoFrame);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
   table_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
-  table_->horizontalHeader()->setMinimumSectionSize(fontMetrics().horizontalAdvance(QStringLiteral("0.000")) + 26);
+  table_->horizontalHeader()->setMinimumSectionSize(fontMetrics().horizontalAdvance(QStringLiteral("0.0000")) + 8);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
   table_->installEventFilter(this);

@@ -1,6 +1,7 @@
 #include "ui/robots_model.h"
 
 #include <QFont>
+#include <QRegularExpression>
 #include <cmath>
 
 #include "ui/modes.h"
@@ -11,11 +12,10 @@ namespace {
 /// Words to the left, numbers to the right, names in the middle; the header stands over them.
 int alignment(int column) {
   if (column <= RobotsModel::tag) return Qt::AlignCenter;
-  const bool words = column == RobotsModel::link || column == RobotsModel::mode;
+  const bool words = column == RobotsModel::link || column == RobotsModel::mode || column == RobotsModel::found ||
+                     column == RobotsModel::firmware;
   return static_cast<int>(Qt::AlignVCenter | (words ? Qt::AlignLeft : Qt::AlignRight));
 }
-
-constexpr double old_tag = 0.1;  // [s]: half the time after which a robot counts as lost
 
 }  // namespace
 
@@ -79,9 +79,15 @@ QVariant RobotsModel::data(const QModelIndex& index, int role) const {
 QString RobotsModel::text(std::size_t i, int column) const {
   if (column == robot) return QString::number(i + 1);
   if (column == tag) return QString::number(specs_[i].tag);
-  if (column == link || column == round_trip || column == battery) {
+  if (column == link || column == round_trip || column == battery || column == firmware) {
     if (i >= links_.size()) return nothing();
     const app::RobotStatus& status = links_[i];
+    if (column == firmware) {
+      static const QRegularExpression number(QStringLiteral("\\d+(\\.\\d+)*"));  // the tip has all of it
+      const QString version = QString::fromStdString(status.version);
+      const QRegularExpressionMatch match = number.match(version);
+      return version.isEmpty() ? nothing() : match.hasMatch() ? match.captured() : version;
+    }
     if (column == battery) {
       const QString volts = std::isfinite(status.battery) ? tr("%1 V").arg(status.battery, 0, 'f', 2) : QString();
       if (status.battery_low) return volts.isEmpty() ? tr("low!") : tr("%1 !").arg(volts);
@@ -97,8 +103,9 @@ QString RobotsModel::text(std::size_t i, int column) const {
   if (i >= robots_.size()) return nothing();
   const app::RobotRecord& record = robots_[i];
   if (column == mode) return held_.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
+  if (column == found) return found_text(record);
   if (column == tag_age) {
-    if (!(record.pose_age < 1e6)) return tr("not seen");
+    if (!(record.pose_age < 1e6)) return nothing();
     return record.pose_age < 10 ? tr("%1 ms").arg(record.pose_age * 1000, 0, 'f', 0)
                                 : tr("%1 s").arg(record.pose_age, 0, 'f', 0);
   }
@@ -106,7 +113,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
 }
 
 QString RobotsModel::tip(std::size_t i, int column) const {
-  if ((column == link || column == round_trip) && i < links_.size()) {
+  if ((column == link || column == round_trip || column == firmware) && i < links_.size()) {
     const app::RobotStatus& status = links_[i];
     QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');
     if (specs_[i].link == app::RobotSpec::Link::device)
@@ -136,7 +143,7 @@ QVariant RobotsModel::ink(std::size_t i, int column) const {
     if (robots_[i].is(app::lost)) return colours_.alarm;
     if (robots_[i].is(app::avoiding) || robots_[i].is(app::shielded)) return colours_.warning;
   }
-  if (column == tag_age && robots_[i].pose_age > old_tag) return colours_.alarm;
+  if ((column == tag_age || column == found) && !(robots_[i].pose_age <= old_pose)) return colours_.alarm;
   return {};
 }
 
@@ -151,15 +158,19 @@ QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int r
       case link:
         return tr("Link");
       case round_trip:
-        return tr("Round trip");
+        return tr("Reply");
       case battery:
         return tr("Battery");
       case mode:
         return tr("Mode");
+      case found:
+        return tr("Found");
       case tag_age:
-        return tr("Tag age");
+        return tr("Age");
       case wheels:
         return tr("Wheels");
+      case firmware:
+        return tr("Firmware");
       default:
         return {};
     }
@@ -167,13 +178,19 @@ QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int r
       case robot:
         return tr("Robot");
       case round_trip:
-        return tr("From a command to the robot's answer, median");
+        return tr("Round trip: from a command to the robot's answer, median");
       case battery:
         return tr("As the robot says it, about every 10 s");
       case mode:
         return tr("What governs the robot now");
+      case found:
+        return tr(
+            "Where its pose comes from: acquired (seen for the first time), tracked (where it was expected),\n"
+            "recovered (found again), bridged (not seen for a moment, and carried on), lost, or a simulation");
       case tag_age:
-        return tr("Since the pose that is in use was captured");
+        return tr("Tag age: since the pose that is in use was captured");
+      case firmware:
+        return tr("As the robot says it");
       case wheels:
         return tr("Left / right wheel, motor steps per second");
       default:

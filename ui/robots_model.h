@@ -11,12 +11,12 @@
 
 namespace skein::ui {
 
-/// The robots, one a row: link, mode, tag, wheels.
+/// The robots, one a row: link, mode, tag, how it was found, wheels, firmware.
 class RobotsModel final : public QAbstractTableModel {
   Q_OBJECT
 
  public:
-  enum Column { robot, tag, link, round_trip, battery, mode, tag_age, wheels, columns };
+  enum Column { robot, tag, link, round_trip, battery, mode, found, tag_age, wheels, firmware, columns };
 
   using QAbstractTableModel::QAbstractTableModel;
 

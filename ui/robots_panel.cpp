@@ -43,14 +43,16 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
   horizontalHeader()->setHighlightSections(false);
   // Wide enough for what usually stands there; fixed, so that numbers do not make columns dance.
-  const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 16; };
+  const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 12; };
   setColumnWidth(RobotsModel::robot, width(QStringLiteral("00")));
   setColumnWidth(RobotsModel::tag, width(tr("Tag")));
-  setColumnWidth(RobotsModel::link, width(tr("up, stopped")));
-  setColumnWidth(RobotsModel::round_trip, width(tr("Round trip")));
+  setColumnWidth(RobotsModel::link, width(tr("connecting")));
+  setColumnWidth(RobotsModel::round_trip, width(QStringLiteral("000.0 ms")));
   setColumnWidth(RobotsModel::battery, width(tr("Battery")));
-  setColumnWidth(RobotsModel::tag_age, width(tr("not seen")));
-  setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−0000 / −0000")));
+  setColumnWidth(RobotsModel::found, width(tr("simulated")));
+  setColumnWidth(RobotsModel::firmware, width(tr("Firmware")));
+  setColumnWidth(RobotsModel::tag_age, width(QStringLiteral("0000 ms")));
+  setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−000 / −000")));
   horizontalHeader()->setSectionResizeMode(RobotsModel::mode, QHeaderView::Stretch);
   connect(&model_, &QAbstractItemModel::modelReset, this, &RobotsPanel::hide_empty_columns);
   connect(&model_, &QAbstractItemModel::dataChanged, this, &RobotsPanel::hide_empty_columns);
@@ -60,7 +62,7 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
 
 /// What only robots with a link have takes no room where there are none.
 void RobotsPanel::hide_empty_columns() {
-  for (const int column : {RobotsModel::round_trip, RobotsModel::battery}) {
+  for (const int column : {RobotsModel::round_trip, RobotsModel::battery, RobotsModel::firmware}) {
     bool empty = true;
     for (int row = 0; row < model_.rowCount(); ++row)
       empty = empty && model_.index(row, column).data().toString() == RobotsModel::nothing();

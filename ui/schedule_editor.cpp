@@ -2,6 +2,7 @@
 
 #include <QHBoxLayout>
 #include <QHeaderView>
+#include <QLabel>
 #include <QLocale>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -128,6 +129,8 @@ ScheduleEditor::ScheduleEditor(QWidget* parent)
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
   table_->horizontalHeader()->setMinimumSectionSize(20);
+  for (const int column : {ScheduleModel::t, ScheduleModel::ramp})
+    table_->horizontalHeader()->setSectionResizeMode(column, QHeaderView::ResizeToContents);
   const auto button = [](QPushButton* b, const QString& name, const QString& tip) {
     b->setObjectName(name);
     b->setAccessibleName(QString(b->text()));
@@ -146,7 +149,10 @@ ScheduleEditor::ScheduleEditor(QWidget* parent)
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 4, 0, 0);
   layout->setSpacing(4);
+  auto* what = new QLabel(tr("From t on, each gain goes to its new value within the ramp; empty: it stays."), this);
+  what->setWordWrap(true);
   layout->addWidget(table_, 1);
+  layout->addWidget(what);
   layout->addLayout(row);
 
   connect(&model_, &ScheduleModel::edited, this, [this] {

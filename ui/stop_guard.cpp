@@ -1,12 +1,30 @@
 #include "ui/stop_guard.h"
 
+#include <QAbstractButton>
 #include <QApplication>
 #include <QKeyEvent>
 #include <QLineEdit>
 #include <QMouseEvent>
 #include <QPlainTextEdit>
+#include <QToolButton>
 
 namespace skein::ui {
+
+namespace {
+
+/// Return presses the button that has the focus: Space, which would elsewhere, is STOP here.
+bool press_focused_button() {
+  auto* button = qobject_cast<QAbstractButton*>(QApplication::focusWidget());
+  if (!button || !button->isEnabled()) return false;
+  auto* tool = qobject_cast<QToolButton*>(button);
+  if (tool && tool->menu() && tool->popupMode() == QToolButton::InstantPopup)
+    tool->showMenu();
+  else
+    button->click();
+  return true;
+}
+
+}  // namespace
 
 StopGuard::StopGuard(std::function<bool()> stop, QWidget* button, QObject* parent)
     : QObject(parent), stop_(std::move(stop)), button_(button) {
@@ -16,6 +34,9 @@ StopGuard::StopGuard(std::function<bool()> stop, QWidget* button, QObject* paren
 bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
   if (event->type() == QEvent::KeyPress && (watched->isWidgetType() || watched->isWindowType())) {
     const auto* key = static_cast<const QKeyEvent*>(event);
+    if (key->key() == Qt::Key_Return || key->key() == Qt::Key_Enter)
+      return watched->isWidgetType() && !QApplication::activePopupWidget() && !key->isAutoRepeat() &&
+             key->modifiers() == Qt::NoModifier && press_focused_button();
     if (key->key() != Qt::Key_Space && key->key() != Qt::Key_Escape) return false;
     const bool stopped_something = !key->isAutoRepeat() && stop_();  // a key held down stops once
     if (stopped_something) return true;

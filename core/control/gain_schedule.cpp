@@ -75,6 +75,21 @@ double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gai
   return std::max(0.0, border);
 }
 
+double held_share(GainName name, const Gains& gains, const CouplingGains& couplings,
+                  const ReferenceDemand& demand) noexcept {
+  constexpr double rounding = 1e-12;
+  double share = 1.0;
+  for (std::size_t i = 0; i < gains.robots(); ++i) {
+    const double taken = table(couplings, name).row_sum(i);
+    const double left = name == GainName::k_xx
+                            ? free_v(gains, i) - demand.v
+                            : free_omega(gains, i) - demand.turning -
+                                  table(couplings, name == GainName::k_tt ? GainName::k_yy : GainName::k_tt).row_sum(i);
+    if (taken > left + rounding) share = std::min(share, std::max(0.0, left) / taken);
+  }
+  return share;
+}
+
 void GainSchedule::ramp(GainName name, const PairTable& target, double seconds) noexcept {
   const PairTable& from = table(now_, name);
   PairTable& rate = table(rate_, name);

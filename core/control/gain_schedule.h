@@ -37,6 +37,10 @@ double gain_border(GainName name, const Gains& gains, const CouplingGains& other
 double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
                    const ReferenceDemand& demand) noexcept;
 
+/// The share of one gain's table that (18f, g) leave to it, with the others as they are: 1 where all of it may stand.
+double held_share(GainName name, const Gains& gains, const CouplingGains& couplings,
+                  const ReferenceDemand& demand) noexcept;
+
 /// Coupling gains that change with time, never by a jump: Theorem 1 wants them continuous.
 class GainSchedule {
  public:

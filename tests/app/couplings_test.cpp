@@ -120,6 +120,51 @@ TEST(Couplings, ChangeInTheFileEveryParameterOfEveryPair) {
   EXPECT_NEAR(desk.gains.c_tt(0, 1), 0.02, 1e-12);
 }
 
+TEST(Couplings, TakeARampAsLongAsItIsAskedForAndNeverShorterThanIsSafe) {
+  Desk desk;
+  OperatorCommand command{Kind::gain, GainName::k_xx, 0.002};
+  command.seconds = 30.0;
+  EXPECT_EQ(desk.obey(command), "gain k_xx 0.008 -> 0.002 ramp=30");
+  for (int k = 0; k < 375; ++k) desk.couplings.step(0.04, desk.gains);
+  EXPECT_NEAR(desk.gains.k_xx(0, 1), 0.005, 1e-9) << "half of the way in half of the time";
+  desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_xx(2, 3), 0.002);
+  command = {Kind::pair_gain, GainName::k_yy, 0.1, 0, 1};
+  command.seconds = 0.01;
+  EXPECT_EQ(desk.obey(command), "pair_gain r1 r2 k_yy 0.08 -> 0.1 ramp=0.01");
+  desk.settle();  // at the bounded rate
+  EXPECT_DOUBLE_EQ(desk.gains.k_yy(0, 1), 0.1);
+}
+
+TEST(Couplings, OnTheWayTakeNoMoreThanThereIs) {
+  Desk desk;
+  OperatorCommand slow{Kind::gain, GainName::k_tt, 0.0};
+  slow.seconds = 60.0;
+  desk.obey({Kind::gain, GainName::k_tt, 1.0});
+  desk.settle();
+  desk.obey(slow);
+  desk.obey({Kind::gain, GainName::k_yy, 1.0});
+  EXPECT_GT(desk.couplings.target().k_yy.largest(), 0.2);
+  desk.settle();  // checks (18) all the way
+  EXPECT_LT(desk.gains.k_yy.largest(), 0.9 * desk.couplings.target().k_yy.largest()) << "k_tt still takes its share";
+  for (int k = 0; k < 3; ++k) desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_yy.largest(), desk.couplings.target().k_yy.largest());
+}
+
+TEST(Couplings, OfTheFileAreHeldBesideTheOperators) {
+  const Experiment e = good("[[gain_change]]\nt = 1\nramp = 2\nk_yy = 0.2");
+  Desk desk(e);
+  EventList events;
+  desk.obey({Kind::gain, GainName::k_tt, 1.0});
+  desk.couplings.follow_file(1.0, events);
+  EXPECT_THAT(describe(events), HasSubstr("schedule k_yy 0.08 -> 0.2; gain_held k_yy 0.2 -> 0.0"));
+  desk.settle();
+  Desk alone(e);
+  events.clear();
+  alone.couplings.follow_file(1.0, events);
+  EXPECT_EQ(describe(events), "schedule k_yy 0.08 -> 0.2");
+}
+
 TEST(Couplings, FixedTrackingGainsAreRefusedWhere18FailsAndKeptOtherwise) {
   const std::string fixed = "[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3\n";
   EXPECT_THAT(
@@ -159,6 +204,7 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
     if (++asked == 10) s.couple(1, 2, false);
     if (asked == 20) s.set_gain(GainName::k_xx, 2, 1, 0.02), s.set_gain(GainName::k_tt, 0.01);
     if (asked == 25) s.couple(1, 2, true), s.couple(0, 2, true);
+    if (asked == 28) s.set_gain(GainName::k_yy, 0.02, 7.5), s.set_gain(GainName::k_tt, 0, 1, 0.02, 3.0);
     if (asked == 30) s.set_gain(GainName::k_xx, 0, 3, 0.0);
     return true;
   });

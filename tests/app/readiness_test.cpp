@@ -1,7 +1,7 @@
 // What is looked at before a start.
 #include "app/readiness.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 
@@ -107,7 +107,11 @@ TEST_F(Readiness, ARealCameraNeedsItsCalibration) {
   experiment.camera.source = "v4l2:/dev/video0";
   EXPECT_EQ(check(Check::What::camera).state, Check::State::fails);
   EXPECT_FALSE(may_start(all()));
-  experiment.camera.calibration = "cal.toml";
+  experiment.camera.calibration = "no-such-file.toml";
+  EXPECT_EQ(check(Check::What::camera).state, Check::State::fails);
+  EXPECT_THAT(check(Check::What::camera).reason, testing::HasSubstr("there is no no-such-file.toml"));
+  experiment.directory = SKEIN_SOURCE_DIR "/resources/experiments";
+  experiment.camera.calibration = "platoon.toml";  // that it is one is found when it is opened
   EXPECT_EQ(check(Check::What::camera).state, Check::State::holds);
 }
 

@@ -155,7 +155,7 @@ TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
 TEST_F(Operator, HoldsOneRobotAndLetsItGo) {
   start();
   QTest::mouseClick(&arena(), Qt::LeftButton, {}, robot(2));
-  auto* hold = find<QPushButton>("hold_robot");
+  auto* hold = find<QAbstractButton>("hold_robot");
   ASSERT_TRUE(eventually([&] { return hold->isEnabled(); }));
   EXPECT_TRUE(hold->text().contains(QLatin1Char('3')));
   QTest::mouseClick(hold, Qt::LeftButton);

@@ -174,5 +174,39 @@ TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
   EXPECT_FALSE(drive(2.0, 2.1, app::tracking).contains(QStringLiteral("Limits"))) << "it is over";
 }
 
+TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
+  AlertStrip strip;
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(3);
+  const auto take = [&](double t, std::optional<app::Event> event = {}) {
+    record.t = t;
+    record.events.clear();
+    if (event) record.events.add(*event);
+    strip.take(record);
+    return strip.text();
+  };
+  strip.warn_unguarded(QStringLiteral("NO GUARD"));
+  EXPECT_EQ(strip.text(), QStringLiteral("NO GUARD"));
+  EXPECT_TRUE(take(1.0, app::Event{app::Event::Kind::v_rise}).startsWith(QStringLiteral("V RISES")));
+  record.robots[2].link.state = comms::LinkState::stale;
+  const QString all = take(1.1, app::Event{app::Event::Kind::lost, 0});
+  EXPECT_TRUE(all.startsWith(QStringLiteral("LOST: robot 1"))) << all.toStdString();
+  EXPECT_TRUE(all.contains(QStringLiteral("LINK DOWN: robot 3 (stale)"))) << all.toStdString();
+  EXPECT_TRUE(all.contains(QStringLiteral("NO GUARD"))) << all.toStdString();
+  EXPECT_EQ(strip.severity(), Severity::alarm);
+  EXPECT_EQ(strip.loud(), all);
+  strip.say(QStringLiteral("Saved"), Severity::good);
+  EXPECT_EQ(strip.text(), all) << "an alarm is not talked over";
+  record.robots[2].link.state = comms::LinkState::up;
+  take(8.0, app::Event{app::Event::Kind::found, 0});
+  EXPECT_EQ(strip.text(), QStringLiteral("All robots are seen")) << "for a moment";
+  EXPECT_FALSE(strip.loud().contains(QStringLiteral("LINK")));
+  strip.hold(QStringLiteral("STOPPED"), Severity::alarm);
+  EXPECT_EQ(take(8.1, app::Event{app::Event::Kind::lost, 1}), QStringLiteral("STOPPED"));
+  strip.clear_alert();
+  EXPECT_EQ(strip.loud(), QString());
+}
+
 }  // namespace
 }  // namespace skein::ui::test

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "vision/board.h"
+#include "vision/frame_source.h"
+#include "vision/intrinsics.h"
+
+namespace skein::app {
+
+/// Views of a calibration board, collected frame by frame: of single pictures every one, of a film or a camera those
+/// that show the board elsewhere or otherwise than the views before.
+class BoardViews {
+ public:
+  /// `live`: a camera, watched until it has seen enough; of a film, which is over when it is over, more is kept.
+  BoardViews(const vision::Board& board, const vision::FrameSource& source, bool live);
+
+  enum class Look {
+    view,        ///< kept
+    known,       ///< the board as it was seen before
+    no_board,    ///< none is seen
+    other_size,  ///< not of the first frame's size: passed over
+  };
+  /// The error: the board detector's module is not there.
+  tl::expected<Look, std::string> look(const vision::Frame& frame);
+
+  const std::vector<vision::BoardCorner>& newest() const noexcept { return newest_; }  ///< corners of the last frame
+  std::vector<vision::BoardView>& views() noexcept { return views_; }
+  const std::optional<vision::Coverage>& coverage() const noexcept { return coverage_; }  ///< none before any frame
+  std::int64_t frames() const noexcept { return frames_; }
+
+ private:
+  vision::Board board_;
+  double step_;  // from one view to the next, in picture widths; 0: keep all
+  std::vector<vision::BoardCorner> newest_;
+  std::vector<vision::BoardView> views_;
+  std::optional<vision::Coverage> coverage_;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace skein::app

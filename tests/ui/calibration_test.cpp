@@ -1,0 +1,172 @@
+// The calibration of a camera in the window: a board is shown, views come with their errors, a file is written.
+#include <QAbstractItemView>
+#include <QAction>
+#include <QComboBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPainter>
+#include <QRegularExpression>
+#include <QSpinBox>
+#include <QTabWidget>
+#include <QTransform>
+#include <array>
+#include <cmath>
+
+#include "operator.h"
+#include "ui/calibration_dialog.h"
+#include "ui/floor_page.h"
+
+namespace skein::ui::test {
+namespace {
+
+constexpr int width = 640, height = 480, columns = 10, rows = 7;
+constexpr double focal = 600.0, square = 0.025;
+constexpr double tag_height = 0.06, camera_height = 2.4115;  // of resources/cameras/overhead.toml
+
+/// A chessboard as a camera without distortion sees it: tilted about its two axes, and shifted.
+QImage board_seen(double tilt_x, double tilt_y, double x, double y, double z) {
+  const double w = columns * square, h = rows * square;
+  QPolygonF corners;
+  for (const auto& [u, v] : {std::array{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
+    const double px = u * w, py = v * h * std::cos(tilt_x), pz = v * h * std::sin(tilt_x);
+    const double qx = px * std::cos(tilt_y) + pz * std::sin(tilt_y), qz = pz * std::cos(tilt_y) - px * std::sin(tilt_y);
+    corners << QPointF(width / 2.0 + focal * (qx + x) / (qz + z), height / 2.0 + focal * (py + y) / (qz + z));
+  }
+  QTransform onto;
+  const QPolygonF board{{QPointF(0, 0), QPointF(columns, 0), QPointF(columns, rows), QPointF(0, rows)}};
+  EXPECT_TRUE(QTransform::quadToQuad(board, corners, onto));
+  QImage picture(2 * width, 2 * height, QImage::Format_Grayscale8);  // drawn finer, for soft edges
+  picture.fill(230);
+  QPainter p(&picture);
+  p.scale(2, 2);
+  p.setTransform(onto, true);
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      p.fillRect(QRectF(column, row, 1, 1), (row + column) % 2 ? Qt::white : Qt::black);
+  p.end();
+  return picture.scaled(width, height, Qt::IgnoreAspectRatio, Qt::SmoothTransformation);
+}
+
+class Calibration : public Operator {
+ protected:
+  CalibrationDialog* open_dialog() {
+    find<QAction>("calibrate_camera")->trigger();
+    auto* dialog = find<CalibrationDialog>("calibration_dialog");
+    EXPECT_TRUE(QTest::qWaitForWindowExposed(dialog));
+    return dialog;
+  }
+};
+
+TEST_F(Calibration, ShowsViewsWithTheirErrorsAndWritesTheFile) {
+  const QTemporaryDir dir;
+  const std::array<std::array<double, 5>, 7> poses{{{0.0, 0.0, 0.0, 0.0, 0.5},
+                                                    {0.5, 0.0, -0.08, 0.05, 0.55},
+                                                    {-0.5, 0.1, 0.08, -0.05, 0.6},
+                                                    {0.1, 0.6, 0.05, 0.05, 0.5},
+                                                    {-0.1, -0.6, -0.05, -0.05, 0.55},
+                                                    {0.4, 0.4, 0.0, 0.0, 0.6},
+                                                    {-0.4, 0.5, 0.1, 0.04, 0.7}}};
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const auto [tilt_x, tilt_y, x, y, z] = poses[k];
+    ASSERT_TRUE(board_seen(tilt_x, tilt_y, x, y, z).save(dir.filePath(QStringLiteral("view%1.png").arg(k))));
+  }
+  start();
+  CalibrationDialog* dialog = open_dialog();
+  find<QLineEdit>("calibration_source")->setText(QStringLiteral("images:") + dir.path());
+  find<QComboBox>("calibration_board")->setCurrentIndex(1);
+  find<QSpinBox>("calibration_columns")->setValue(columns);
+  find<QSpinBox>("calibration_rows")->setValue(rows);
+  const QString file = dir.filePath(QStringLiteral("camera.toml"));
+  find<QLineEdit>("calibration_file")->setText(file);
+  auto* save = find<QPushButton>("calibration_save");
+  EXPECT_FALSE(save->isEnabled());
+  QTest::mouseClick(find<QPushButton>("calibration_look"), Qt::LeftButton);
+  auto* views = find<QAbstractItemView>("calibration_views")->model();
+  ASSERT_TRUE(eventually([&] { return views->rowCount() == 7; })) << views->rowCount();
+  EXPECT_EQ(views->index(0, ViewModel::corners).data().toString(), QString::number((columns - 1) * (rows - 1)));
+  ASSERT_TRUE(eventually([&] {
+    for (int row = 0; row < 7; ++row)
+      if (!views->index(row, ViewModel::error).data().toString().endsWith(QStringLiteral("px"))) return false;
+    return save->isEnabled();
+  })) << find<QLabel>("calibration_result")->text().toStdString();
+  EXPECT_TRUE(running()) << "pictures from a directory take no camera away";
+  QTest::mouseClick(save, Qt::LeftButton);
+  QFile written(file);
+  ASSERT_TRUE(written.open(QIODevice::ReadOnly)) << find<QLabel>("calibration_result")->text().toStdString();
+  const QString text = QString::fromUtf8(written.readAll());
+  const QRegularExpressionMatch fx = QRegularExpression(QStringLiteral("fx = ([0-9.]+)")).match(text);
+  ASSERT_TRUE(fx.hasMatch()) << text.toStdString();
+  EXPECT_NEAR(fx.captured(1).toDouble(), focal, 0.02 * focal);
+  // A view that is taken out is solved without.
+  find<QAbstractItemView>("calibration_views")->setCurrentIndex(views->index(6, 0));
+  QTest::mouseClick(find<QPushButton>("calibration_remove"), Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return views->rowCount() == 6; }));
+  key(Qt::Key_Space, dialog);
+  EXPECT_TRUE(eventually([&] { return stopped(); })) << "STOP while it is open";
+  delete dialog;
+}
+
+TEST_F(Calibration, SaysWhyACameraCannotBeLookedAt) {
+  start();
+  CalibrationDialog* dialog = open_dialog();
+  dialog->findChild<QLineEdit*>(QStringLiteral("calibration_source"))->setText(QStringLiteral("v4l2:/dev/nowhere"));
+  QTest::mouseClick(dialog->findChild<QPushButton*>(QStringLiteral("calibration_look")), Qt::LeftButton);
+  auto* advice = dialog->findChild<QLabel*>(QStringLiteral("calibration_advice"));
+  EXPECT_TRUE(eventually([&] { return advice->text().contains(QStringLiteral("nowhere")); }))
+      << advice->text().toStdString();
+  EXPECT_TRUE(running());
+  delete dialog;
+}
+
+TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
+  // The tags of four robots that stand about, in the picture of a synthetic camera, serve as the floor's.
+  auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  ASSERT_TRUE(experiment.has_value());
+  experiment->camera.calibration = "overhead.toml";
+  experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
+  window.resize(1280, 800);
+  window.show();
+  window.open(*experiment, false);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  find<QAction>("view_picture")->trigger();
+  ASSERT_TRUE(eventually([&] { return arena().map().shows_picture() && arena().scene().pose(3).has_value(); }));
+  drag(robot(0), floor(-0.5, 0.35));
+  drag(robot(1), floor(-0.5, -0.35));
+  drag(robot(2), floor(0.4, 0.4));
+  ASSERT_TRUE(eventually([&] { return arena().scene().pose(2)->x < 0.5 && arena().scene().pose(0)->x < -0.4; }));
+  QTest::qWait(300);  // filter and picture have come to rest
+  const QTemporaryDir dir;
+  for (const char* name : {"a.png", "b.png"})
+    ASSERT_TRUE(arena().scene().picture.save(dir.filePath(QString::fromLatin1(name))));
+  const QString file = dir.filePath(QStringLiteral("camera.toml"));
+  ASSERT_TRUE(QFile::copy(QStringLiteral(SKEIN_SOURCE_DIR "/resources/cameras/overhead.toml"), file));
+  QFile::setPermissions(file, QFile::ReadOwner | QFile::WriteOwner);
+
+  CalibrationDialog* dialog = open_dialog();
+  find<QLineEdit>("calibration_source")->setText(QStringLiteral("images:") + dir.path());
+  find<QLineEdit>("calibration_file")->setText(file);
+  find<QTabWidget>("calibration_tabs")->setCurrentIndex(1);
+  auto* tags = find<QAbstractItemView>("floor_tags")->model();
+  EXPECT_FALSE(tags->setData(tags->index(0, FloorModel::id), QStringLiteral("1.5"), Qt::EditRole));
+  for (int i = 0; i < 4; ++i) {
+    const core::Pose pose = *arena().scene().pose(static_cast<std::size_t>(i));
+    const std::array<double, 4> row{i + 1.0, pose.x, pose.y, tag_height};
+    for (int column = 0; column < 4; ++column)
+      ASSERT_TRUE(tags->setData(tags->index(i, column), QString::number(row[static_cast<std::size_t>(column)], 'f', 6),
+                                Qt::EditRole));
+  }
+  QTest::mouseClick(find<QPushButton>("floor_look"), Qt::LeftButton);
+  auto* result = find<QLabel>("floor_result");
+  ASSERT_TRUE(eventually([&] { return result->text().startsWith(QStringLiteral("Written")); }))
+      << result->text().toStdString();
+  const QRegularExpressionMatch z = QRegularExpression(QStringLiteral("z ([0-9.]+) m")).match(result->text());
+  EXPECT_NEAR(z.captured(1).toDouble(), camera_height, 0.02) << result->text().toStdString();
+  EXPECT_TRUE(tags->index(3, FloorModel::off).data().toString().endsWith(QStringLiteral("mm")));
+  QFile written(file);
+  ASSERT_TRUE(written.open(QIODevice::ReadOnly));
+  EXPECT_TRUE(written.readAll().contains("[world]"));
+  delete dialog;
+}
+
+}  // namespace
+}  // namespace skein::ui::test
