@@ -9,6 +9,7 @@
 #include <QTabWidget>
 #include <QToolButton>
 #include <cmath>
+#include <string_view>
 
 #include "operator.h"
 #include "ui/gain_presets.h"
@@ -24,6 +25,7 @@ class Gains : public Operator {
   double spin(const char* name) { return find<QDoubleSpinBox>(name)->value(); }
   void set(const char* name, double value) {
     find<QDoubleSpinBox>(name)->setValue(value);
+    if (std::string_view(name) == "gain_ramp") return;
     ASSERT_TRUE(eventually([&] { return find<QToolButton>("undo_gain")->isEnabled(); }));
   }
   void use_preset(const QString& name) {
@@ -52,6 +54,23 @@ TEST_F(Gains, AreUndoneAndRedone) {
   QTest::mouseClick(find<QToolButton>("redo_gain"), Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return std::abs(record().k_xx - 0.012) < 1e-6; }));
   EXPECT_FALSE(find<QToolButton>("redo_gain")->isEnabled());
+}
+
+TEST_F(Gains, ChangeWithinTheTimeThatIsAskedFor) {
+  start();
+  set("gain_ramp", 20.0);
+  set("spin_k_yy", 0.04);
+  ASSERT_TRUE(eventually([&] { return record().k_yy < 0.0795; }));
+  EXPECT_GT(record().k_yy, 0.05) << "at the bounded rate it would be there in a third of a second";
+  EXPECT_TRUE(find<QLabel>("delay_margin")->text().contains(QStringLiteral("margin 55 ms")))
+      << find<QLabel>("delay_margin")->text().toStdString();
+  set("gain_ramp", 0.0);
+  EXPECT_EQ(find<QDoubleSpinBox>("gain_ramp")->text(), QStringLiteral("as fast as is safe"));
+  set("spin_k_yy", 0.03);
+  ASSERT_TRUE(eventually([&] { return record().k_yy == 0.03; }));
+  const QStringList events = saved_events();
+  EXPECT_EQ(count(events, "gain k_yy 0.08 -> 0.04 ramp=20"), 1) << events.join(QLatin1Char('|')).toStdString();
+  EXPECT_EQ(count(events, "gain k_yy 0.04 -> 0.03"), 1);
 }
 
 TEST_F(Gains, ComeAsPresetsWhichAreOneStepToUndo) {
