@@ -60,6 +60,7 @@ Check links(const Experiment& e, std::span<const RobotStatus> robots) {
 
 /// A low battery turns wheels too slowly, and dies in the middle of a run; but the operator may know better.
 Check batteries(std::span<const RobotStatus> robots) {
+  if (robots.empty()) return {What::batteries, State::waits, "not known yet", false};
   std::vector<std::size_t> low;
   double lowest = none;
   for (std::size_t i = 0; i < robots.size(); ++i) {

@@ -221,5 +221,27 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
   EXPECT_EQ(result->different, 0) << result->first;
 }
 
+TEST(Couplings, OfTheFileThatWereHeldAreRepeatedFromTheRecord) {
+  const Experiment e = good("duration = 16\n[[gain_change]]\nt = 10\nramp = 2\nk_yy = 0.18");
+  std::ostringstream text;
+  CsvWriter writer(text, e);
+  SessionOptions options;
+  options.sinks = {&writer};
+  auto session = Session::open(e, Session::Clock::virtual_, options);
+  ASSERT_TRUE(session) << session.error();
+  int asked = 0;
+  (*session)->run([&] {
+    if (++asked == 5) (*session)->set_gain(GainName::k_tt, 1.0, 4.0);
+    return true;
+  });
+  (*session)->close();
+  EXPECT_THAT(text.str(), HasSubstr("schedule k_yy 0.08 -> 0.18; gain_held k_yy 0.18 -> "));
+  std::istringstream recorded(text.str());
+  const auto result = replay(recorded, "run.csv");
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->ticks, 400);
+  EXPECT_EQ(result->different, 0) << result->first;
+}
+
 }  // namespace
 }  // namespace skein::app
