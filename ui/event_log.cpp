@@ -1,5 +1,6 @@
 #include "ui/event_log.h"
 
+#include <QAbstractItemView>
 #include <QApplication>
 #include <QClipboard>
 #include <QHBoxLayout>
@@ -132,6 +133,9 @@ EventPanel::EventPanel(QWidget* parent)
   level_->addItem(tr("Notices and graver"), static_cast<int>(Severity::notice));
   level_->addItem(tr("Warnings and graver"), static_cast<int>(Severity::warning));
   level_->addItem(tr("Alarms"), static_cast<int>(Severity::alarm));
+  level_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  level_->setMinimumContentsLength(8);  // the list itself is as wide as its words
+  level_->view()->setMinimumWidth(level_->fontMetrics().horizontalAdvance(tr("Warnings and graver")) + 40);
   words_->setObjectName(QStringLiteral("event_words"));
   words_->setAccessibleName(tr("Words that an event has to have"));
   words_->setPlaceholderText(tr("Filter: r2, gain …"));

@@ -118,7 +118,7 @@ void MainWindow::default_layout() {
   splitDockWidget(robots_dock_, log_dock_, Qt::Horizontal);
   resize(1280, 800);
   resizeDocks({gains_dock_, plots_dock_}, {250, 400}, Qt::Horizontal);
-  resizeDocks({robots_dock_, log_dock_}, {635, 245}, Qt::Horizontal);
+  resizeDocks({robots_dock_, log_dock_}, {600, 280}, Qt::Horizontal);
   resizeDocks({robots_dock_}, {176}, Qt::Vertical);
 }
 

@@ -126,6 +126,7 @@ QString RobotsModel::tip(std::size_t i, int column) const {
                  .arg(status.reconnects);
     return tip.trimmed();
   }
+  if (column == robot) return tr("Robot %1, tag %2").arg(i + 1).arg(specs_[i].tag);
   return text(i, column);
 }
 

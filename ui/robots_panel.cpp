@@ -60,8 +60,12 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
           [this](const QModelIndex& now) { emit picked(now.isValid() ? now.row() : -1); });
 }
 
-/// What only robots with a link have takes no room where there are none.
+/// What only robots with a link have takes no room where there are none, nor do tags that say the robots' numbers.
 void RobotsPanel::hide_empty_columns() {
+  bool same = true;
+  for (int row = 0; row < model_.rowCount(); ++row)
+    same = same && model_.index(row, RobotsModel::tag).data() == model_.index(row, RobotsModel::robot).data();
+  if (isColumnHidden(RobotsModel::tag) != same) setColumnHidden(RobotsModel::tag, same);
   for (const int column : {RobotsModel::round_trip, RobotsModel::battery, RobotsModel::firmware}) {
     bool empty = true;
     for (int row = 0; row < model_.rowCount(); ++row)

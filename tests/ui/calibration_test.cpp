@@ -4,48 +4,21 @@
 #include <QComboBox>
 #include <QLabel>
 #include <QLineEdit>
-#include <QPainter>
 #include <QRegularExpression>
 #include <QSpinBox>
 #include <QTabWidget>
-#include <QTransform>
 #include <array>
 #include <cmath>
 
 #include "operator.h"
+#include "shown_board.h"
 #include "ui/calibration_dialog.h"
 #include "ui/floor_page.h"
 
 namespace skein::ui::test {
 namespace {
 
-constexpr int width = 640, height = 480, columns = 10, rows = 7;
-constexpr double focal = 600.0, square = 0.025;
 constexpr double tag_height = 0.06, camera_height = 2.4115;  // of resources/cameras/overhead.toml
-
-/// A chessboard as a camera without distortion sees it: tilted about its two axes, and shifted.
-QImage board_seen(double tilt_x, double tilt_y, double x, double y, double z) {
-  const double w = columns * square, h = rows * square;
-  QPolygonF corners;
-  for (const auto& [u, v] : {std::array{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
-    const double px = u * w, py = v * h * std::cos(tilt_x), pz = v * h * std::sin(tilt_x);
-    const double qx = px * std::cos(tilt_y) + pz * std::sin(tilt_y), qz = pz * std::cos(tilt_y) - px * std::sin(tilt_y);
-    corners << QPointF(width / 2.0 + focal * (qx + x) / (qz + z), height / 2.0 + focal * (py + y) / (qz + z));
-  }
-  QTransform onto;
-  const QPolygonF board{{QPointF(0, 0), QPointF(columns, 0), QPointF(columns, rows), QPointF(0, rows)}};
-  EXPECT_TRUE(QTransform::quadToQuad(board, corners, onto));
-  QImage picture(2 * width, 2 * height, QImage::Format_Grayscale8);  // drawn finer, for soft edges
-  picture.fill(230);
-  QPainter p(&picture);
-  p.scale(2, 2);
-  p.setTransform(onto, true);
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column)
-      p.fillRect(QRectF(column, row, 1, 1), (row + column) % 2 ? Qt::white : Qt::black);
-  p.end();
-  return picture.scaled(width, height, Qt::IgnoreAspectRatio, Qt::SmoothTransformation);
-}
 
 class Calibration : public Operator {
  protected:
@@ -59,23 +32,13 @@ class Calibration : public Operator {
 
 TEST_F(Calibration, ShowsViewsWithTheirErrorsAndWritesTheFile) {
   const QTemporaryDir dir;
-  const std::array<std::array<double, 5>, 7> poses{{{0.0, 0.0, 0.0, 0.0, 0.5},
-                                                    {0.5, 0.0, -0.08, 0.05, 0.55},
-                                                    {-0.5, 0.1, 0.08, -0.05, 0.6},
-                                                    {0.1, 0.6, 0.05, 0.05, 0.5},
-                                                    {-0.1, -0.6, -0.05, -0.05, 0.55},
-                                                    {0.4, 0.4, 0.0, 0.0, 0.6},
-                                                    {-0.4, 0.5, 0.1, 0.04, 0.7}}};
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    const auto [tilt_x, tilt_y, x, y, z] = poses[k];
-    ASSERT_TRUE(board_seen(tilt_x, tilt_y, x, y, z).save(dir.filePath(QStringLiteral("view%1.png").arg(k))));
-  }
+  ASSERT_TRUE(board::save_views(QDir(dir.path())));
   start();
   CalibrationDialog* dialog = open_dialog();
   find<QLineEdit>("calibration_source")->setText(QStringLiteral("images:") + dir.path());
   find<QComboBox>("calibration_board")->setCurrentIndex(1);
-  find<QSpinBox>("calibration_columns")->setValue(columns);
-  find<QSpinBox>("calibration_rows")->setValue(rows);
+  find<QSpinBox>("calibration_columns")->setValue(board::columns);
+  find<QSpinBox>("calibration_rows")->setValue(board::rows);
   const QString file = dir.filePath(QStringLiteral("camera.toml"));
   find<QLineEdit>("calibration_file")->setText(file);
   auto* save = find<QPushButton>("calibration_save");
@@ -83,7 +46,8 @@ TEST_F(Calibration, ShowsViewsWithTheirErrorsAndWritesTheFile) {
   QTest::mouseClick(find<QPushButton>("calibration_look"), Qt::LeftButton);
   auto* views = find<QAbstractItemView>("calibration_views")->model();
   ASSERT_TRUE(eventually([&] { return views->rowCount() == 7; })) << views->rowCount();
-  EXPECT_EQ(views->index(0, ViewModel::corners).data().toString(), QString::number((columns - 1) * (rows - 1)));
+  EXPECT_EQ(views->index(0, ViewModel::corners).data().toString(),
+            QString::number((board::columns - 1) * (board::rows - 1)));
   ASSERT_TRUE(eventually([&] {
     for (int row = 0; row < 7; ++row)
       if (!views->index(row, ViewModel::error).data().toString().endsWith(QStringLiteral("px"))) return false;
@@ -96,7 +60,7 @@ TEST_F(Calibration, ShowsViewsWithTheirErrorsAndWritesTheFile) {
   const QString text = QString::fromUtf8(written.readAll());
   const QRegularExpressionMatch fx = QRegularExpression(QStringLiteral("fx = ([0-9.]+)")).match(text);
   ASSERT_TRUE(fx.hasMatch()) << text.toStdString();
-  EXPECT_NEAR(fx.captured(1).toDouble(), focal, 0.02 * focal);
+  EXPECT_NEAR(fx.captured(1).toDouble(), board::focal, 0.02 * board::focal);
   // A view that is taken out is solved without.
   find<QAbstractItemView>("calibration_views")->setCurrentIndex(views->index(6, 0));
   QTest::mouseClick(find<QPushButton>("calibration_remove"), Qt::LeftButton);

@@ -1,9 +1,15 @@
-// Takes the pictures of what is done with runs: a replay with a second run behind it, all plots, the editor.
+// Takes the pictures of what is done with runs: a replay with a second run behind it, all plots, the editor, a
+// camera that is calibrated.
 // skein_screenshots_runs DIR
+#include <QAction>
 #include <QApplication>
+#include <QComboBox>
 #include <QDir>
+#include <QLineEdit>
 #include <QPlainTextEdit>
+#include <QPushButton>
 #include <QSettings>
+#include <QSpinBox>
 #include <QTemporaryDir>
 #include <QTest>
 #include <cstdio>
@@ -11,7 +17,9 @@
 #include "app/csv_file.h"
 #include "app/experiment_file.h"
 #include "app/session.h"
+#include "shown_board.h"
 #include "ui/arena_view.h"
+#include "ui/calibration_dialog.h"
 #include "ui/experiment_editor.h"
 #include "ui/main_window.h"
 #include "ui/plots_panel.h"
@@ -71,6 +79,25 @@ int take(const QDir& dir) {
   text->setPlainText(QString(paper).replace(QStringLiteral("rate = 25.0 "), QStringLiteral("rate = -3   ")));
   QTest::qWait(500);
   done = save(*editor, dir, QStringLiteral("editor")) && done;
+
+  window.findChild<QAction*>(QStringLiteral("calibrate_camera"))->trigger();
+  auto* calibration = window.findChild<CalibrationDialog*>();
+  const QTemporaryDir views;
+  done = test::board::save_views(QDir(views.path())) && done;
+  const auto enter = [&](const char* name, const QString& value) {
+    calibration->findChild<QLineEdit*>(QString::fromLatin1(name))->setText(value);
+  };
+  enter("calibration_source", QStringLiteral("images:") + views.path());
+  calibration->findChild<QComboBox*>(QStringLiteral("calibration_board"))->setCurrentIndex(1);
+  calibration->findChild<QSpinBox*>(QStringLiteral("calibration_columns"))->setValue(test::board::columns);
+  calibration->findChild<QSpinBox*>(QStringLiteral("calibration_rows"))->setValue(test::board::rows);
+  calibration->findChild<QPushButton*>(QStringLiteral("calibration_look"))->click();
+  done = wait([&] { return calibration->findChild<QPushButton*>(QStringLiteral("calibration_save"))->isEnabled(); }) &&
+         done;
+  QTest::qWait(1000);  // the last view is solved with the others
+  enter("calibration_source", QStringLiteral("v4l2:/dev/video0"));
+  enter("calibration_file", QStringLiteral("camera.toml"));
+  done = calibration->grab().save(dir.filePath(QStringLiteral("calibration.png"))) && done;
   window.close();
   static_cast<void>(wait([&] { return !window.isVisible(); }));
   return done ? 0 : 3;
