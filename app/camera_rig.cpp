@@ -109,6 +109,12 @@ VideoStatus CameraRig::video() const {
   return {status.written, status.dropped, status.problem};
 }
 
+void CameraRig::tell(EventList& events) noexcept {
+  if (!recorder_ || told_of_film_ || !recorder_->broken()) return;
+  events.add({.kind = Event::Kind::film_broken});
+  told_of_film_ = true;
+}
+
 void CameraRig::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
 }

@@ -52,6 +52,8 @@ class CameraRig {
   /// Any thread.
   VideoStatus video() const;
   CameraStatus camera() const;
+  /// An event, once, when the film has broken off. The control thread's.
+  void tell(EventList& events) noexcept;
 
   /// Wall clock: starts the thread.
   void start();
@@ -89,7 +91,8 @@ class CameraRig {
   std::unique_ptr<vision::SyntheticCamera> synthetic_;
   std::unique_ptr<vision::FrameSource> source_;
   std::unique_ptr<vision::Recorder> recorder_;
-  bool live_ = false;  // a camera that stamps its frames with CLOCK_MONOTONIC
+  bool told_of_film_ = false;  // the control thread's
+  bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
   bool pictures_;
 
   vision::Frame frame_;

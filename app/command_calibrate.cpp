@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "app/board_views.h"
 #include "app/command_line.h"
@@ -24,6 +26,24 @@ int complain(const std::string& text, int status) {
 
 bool at_terminal(bool quiet) {
   return !quiet && isatty(STDERR_FILENO) != 0;
+}
+
+/// A source, with what a camera made of what it was asked for. None, and `status` says why.
+std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraWords& words,
+                                          const vision::Calibration* calibration, int& status) {
+  auto options = words.read(name);
+  if (const std::string wrong = wrong_source(name); !wrong.empty() || !options) {
+    status = complain(wrong.empty() ? options.error() : wrong, wrong_input);
+    return nullptr;
+  }
+  if (calibration != nullptr) options->width = calibration->width, options->height = calibration->height;
+  auto source = vision::open_source(name, *options);
+  if (!source) {
+    status = complain(source.error(), device_failed);
+    return nullptr;
+  }
+  for (const std::string& notice : (*source)->status().notices) fmt::print(stderr, "skein: {}\n", notice);
+  return std::move(*source);
 }
 
 void name_skipped(const vision::FrameSource& source) {
@@ -60,13 +80,10 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
     return {};
   }
   looked.marks = std::move(*marks);
-  auto source = vision::open_source(request.source, {looked.calibration.width, looked.calibration.height, 0.0});
-  if (!source) {
-    status = complain(source.error(), device_failed);
-    return {};
-  }
-  auto sight = vision::look_at_floor(**source, looked.calibration, request.frames, [](int) { return !interrupted(); });
-  name_skipped(**source);
+  const auto source = open(request.source, request.words, &looked.calibration, status);
+  if (!source) return {};
+  auto sight = vision::look_at_floor(*source, looked.calibration, request.frames, [](int) { return !interrupted(); });
+  name_skipped(*source);
   if (!sight) {
     status = complain(sight.error(), device_failed);
     return {};
@@ -89,15 +106,26 @@ void print_residuals(const vision::FloorCheck& check) {
 
 int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (const std::string problem = vision::check(request.board); !problem.empty()) return complain(problem, wrong_input);
-  auto source = vision::open_source(request.source);
-  if (!source) return complain(source.error(), device_failed);
-  const bool stills = (*source)->stills();
+  int status = done;
+  const auto source = open(request.source, request.words, nullptr, status);
+  if (!source) return status;
+  const bool stills = source->stills();
   const bool live = request.source.starts_with("v4l2:");
-  BoardViews seen(request.board, **source, live);
+  BoardViews seen(request.board, *source, live);
   vision::Frame frame;
   // A camera is watched until it has seen enough; of a film, which is over when it is over, the best views are taken.
+  const bool terminal = at_terminal(request.quiet);
+  bool shown = false;
+  const auto show = [&] {
+    const vision::Coverage& covered = *seen.coverage();
+    // Of a camera at a terminal: in the same place again, a line more than the picture has rows.
+    if (terminal && live && std::exchange(shown, true)) fmt::print(stderr, "\033[{}A\033[J", vision::Coverage::rows + 1);
+    fmt::print(stderr, "{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(), 100.0 * covered.share(),
+               live ? fmt::format("; {} at most, Ctrl-C when it is enough", request.views) : "", covered.text());
+  };
+  if (live && !request.quiet) fmt::print(stderr, "{}: show the board\n", source->describe());
   while (!interrupted() && (!live || static_cast<int>(seen.views().size()) < request.views)) {
-    const auto more = (*source)->read(frame);
+    const auto more = source->read(frame);
     if (!more) return complain(more.error(), device_failed);
     if (!*more) break;
     const auto look = seen.look(frame);
@@ -107,14 +135,12 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
       fmt::print(stderr, "skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
                  frame.height, first.width, first.height);
     if (*look == BoardViews::Look::no_board && stills) fmt::print(stderr, "skein: {}: no board\n", frame.source);
-    if (*look == BoardViews::Look::view && (at_terminal(request.quiet) || (live && !request.quiet)))
-      fmt::print(stderr, "{} views, {:.0f} % of the picture covered\n{}", seen.views().size(), 100.0 * first.share(),
-                 first.text());
+    if (*look == BoardViews::Look::view && (terminal || (live && !request.quiet))) show();
   }
   const std::optional<vision::Coverage>& coverage = seen.coverage();
   std::vector<vision::BoardView> views = std::move(seen.views());
-  name_skipped(**source);
-  if (!coverage) return complain((*source)->describe() + ": no picture", device_failed);
+  name_skipped(*source);
+  if (!coverage) return complain(source->describe() + ": no picture", device_failed);
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
   const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
   if (!result) return complain(result.error(), device_failed);
@@ -141,6 +167,9 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
       seen.frames(), result->views.size() - static_cast<std::size_t>(rejected), rejected, corners, outliers,
       coverage->share(), result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma,
       fmt::join(c.distortion, " "), request.out);
+  if (result->focal_sigma > 0.01 * c.fx)
+    fmt::print(stderr, "skein: the focal length is known to {:.0f} px only: show the board tilted, near and far\n",
+               result->focal_sigma);
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,
@@ -183,6 +212,9 @@ int calibrate_floor(const FloorRequest& request) {
   }
   if (const vision::FloorMark* odd = vision::suspect(looked->calibration, looked->marks))
     fmt::print(stderr, "skein: {}: the others agree without it: check its place\n", odd->name);
+  else if (check->worst > 5e-3)
+    fmt::print(stderr, "skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",
+               mm(check->worst));
   return done;
 }
 

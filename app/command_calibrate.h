@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/camera_words.h"
 #include "vision/board.h"
 
 namespace skein::app {
@@ -11,6 +12,7 @@ namespace skein::app {
 
 struct IntrinsicsRequest {
   std::string source;
+  CameraWords words;
   vision::Board board;
   std::string out;  ///< the calibration that is written
   int views = 60;   ///< of a film or a camera, at most
@@ -20,6 +22,7 @@ int calibrate_intrinsics(const IntrinsicsRequest& request);
 
 struct FloorRequest {
   std::string source;
+  CameraWords words;
   std::string camera;                         ///< calibration file
   std::string marks;                          ///< file of what lies where
   std::string out;                            ///< floor: the calibration that is written; empty: `camera`

@@ -150,16 +150,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
       ->type_name("FILE.MKV");
   track_command.add_flag("--list-controls", track_request.list_controls,
                          "of a camera: its formats, rates and controls, and nothing else");
-  track_command
-      .add_option("--set", track_request.settings,
-                  "of a camera, repeatable: exposure=SECONDS (0: automatic), gain=, focus=, or a control of its own")
-      ->type_name("NAME=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  track_command.add_option("--size", track_request.size, "of a camera's frames; default: the calibration's")
-      ->type_name("WxH");
-  track_command.add_option("--rate", track_request.rate, "of a camera [frames/s]; default: as it is set")
-      ->check(CLI::Range(0.1, 10000.0));
+  track_request.words.add_to(track_command, /*calibrated=*/false);
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
   CLI::App& camera_command = *program.add_subcommand("camera", "Looks after real cameras");

@@ -46,6 +46,7 @@ void VisionCommands::add_to(CLI::App& program) {
   intrinsics_->add_option("--views", intrinsics_request_.views, "of a film or camera, how many views at most")
       ->check(CLI::Range(3, 1000))
       ->capture_default_str();
+  intrinsics_request_.words.add_to(*intrinsics_, /*calibrated=*/false);
   intrinsics_->add_flag("--quiet", intrinsics_request_.quiet, "no progress, no summary");
   calibration_board_.add_to(*intrinsics_);
 
@@ -58,6 +59,7 @@ void VisionCommands::add_to(CLI::App& program) {
     command.add_option("--frames", request.frames, "frames to look at and average")
         ->check(CLI::Range(1, 10000))
         ->capture_default_str();
+    request.words.add_to(command, /*calibrated=*/true);
     command.add_flag("--quiet", request.quiet, "no summary");
   };
   floor_ = calibrate.add_subcommand(

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <utility>
 
 #include "app/command_line.h"
 #include "app/commands.h"
-#include "vision/camera_controls.h"
 #include "vision/track.h"
 
 namespace skein::app {
@@ -19,22 +19,12 @@ int track(const TrackRequest& request) {
     return wrong_input;
   }
   vision::TrackOptions options;
-  for (const std::string& text : request.settings) {
-    const auto setting = vision::parse_setting(text);
-    if (!setting) {
-      fmt::print(stderr, "skein: --set {}\n", setting.error());
-      return wrong_input;
-    }
-    options.camera.controls.push_back(*setting);
-  }
-  int read = 0;
-  if (!request.size.empty() &&
-      (std::sscanf(request.size.c_str(), "%dx%d%n", &options.camera.width, &options.camera.height, &read) != 2 ||
-       read != static_cast<int>(request.size.size()))) {
-    fmt::print(stderr, "skein: --size {}; allowed: WIDTHxHEIGHT, such as 1280x960\n", request.size);
+  const auto camera = request.words.read(request.source);
+  if (const std::string wrong = wrong_source(request.source); !wrong.empty() || !camera) {
+    fmt::print(stderr, "skein: {}\n", wrong.empty() ? camera.error() : wrong);
     return wrong_input;
   }
-  options.camera.rate = request.rate;
+  options.camera = *camera;
   options.source = request.source;
   if (!request.camera.empty()) {
     auto calibration = vision::load_calibration(request.camera);
@@ -43,6 +33,11 @@ int track(const TrackRequest& request) {
       return wrong_input;
     }
     options.calibration = std::move(*calibration);
+    const auto& [width, height] = std::pair(options.calibration->width, options.calibration->height);
+    if (!request.words.size.empty() && (camera->width != width || camera->height != height)) {
+      fmt::print(stderr, "skein: --size {}: {} holds for {}x{}\n", request.words.size, request.camera, width, height);
+      return wrong_input;
+    }
   }
   std::ofstream file;
   if (!request.csv.empty()) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/camera_words.h"
 #include "app/experiment.h"
 
 namespace skein::app {
@@ -30,9 +31,8 @@ int check(const ExperimentRequest& request);
 int replay(const std::string& csv, const std::string& film);
 
 struct TrackRequest {
-  std::string source, camera, csv, record, size;
-  double rate = 0.0;
-  std::vector<std::string> settings;  ///< "exposure=0.005"
+  std::string source, camera, csv, record;
+  CameraWords words;
   bool list_controls = false;
   bool quiet = false;
 };

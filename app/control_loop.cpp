@@ -50,7 +50,7 @@ void ControlLoop::publish_couplings() noexcept {
 void ControlLoop::cycle(double now, int elapsed) {
   TickInput input;
   perturb(elapsed, input.events);
-  plant_.tell_links(input.events);
+  plant_.tell(input.events);
   complete_latency();
   const Latency tick_before = latency_;
   new_frame_ = plant_.measure(now, newest_, truth_, frame_);

@@ -15,22 +15,36 @@ namespace {
 
 using Kind = Event::Kind;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 28> words{
-    {{Kind::start, "start"},         {Kind::pause, "pause"},
-     {Kind::resume, "resume"},       {Kind::stop, "stop"},
-     {Kind::perturb, "perturb"},     {Kind::kidnap, "kidnap"},
-     {Kind::move, "move"},           {Kind::hold, "hold"},
-     {Kind::release, "release"},     {Kind::kick, "kick"},
-     {Kind::obstacle, "obstacle"},   {Kind::gain, "gain"},
-     {Kind::schedule, "schedule"},   {Kind::gain_held, "gain_held"},
-     {Kind::pair_gain, "pair_gain"}, {Kind::pair_gain_held, "pair_gain_held"},
-     {Kind::couple, "couple"},       {Kind::uncouple, "uncouple"},
+constexpr std::array<std::pair<Kind, std::string_view>, 29> words{{{Kind::start, "start"},
+                                                                   {Kind::pause, "pause"},
+                                                                   {Kind::resume, "resume"},
+                                                                   {Kind::stop, "stop"},
+                                                                   {Kind::perturb, "perturb"},
+                                                                   {Kind::kidnap, "kidnap"},
+                                                                   {Kind::move, "move"},
+                                                                   {Kind::hold, "hold"},
+                                                                   {Kind::release, "release"},
+                                                                   {Kind::kick, "kick"},
+                                                                   {Kind::obstacle, "obstacle"},
+                                                                   {Kind::gain, "gain"},
+                                                                   {Kind::schedule, "schedule"},
+                                                                   {Kind::gain_held, "gain_held"},
+                                                                   {Kind::pair_gain, "pair_gain"},
+                                                                   {Kind::pair_gain_held, "pair_gain_held"},
+                                                                   {Kind::couple, "couple"},
+                                                                   {Kind::uncouple, "uncouple"},
 
-     {Kind::lost, "lost"},           {Kind::found, "found"},
-     {Kind::avoid, "avoid"},         {Kind::clear, "clear"},
-     {Kind::stage, "stage"},         {Kind::staged, "staged"},
-     {Kind::deadlock, "deadlock"},   {Kind::deadline_missed, "deadline_missed"},
-     {Kind::v_rise, "v_rise"},       {Kind::link, "link"}}};
+                                                                   {Kind::lost, "lost"},
+                                                                   {Kind::found, "found"},
+                                                                   {Kind::avoid, "avoid"},
+                                                                   {Kind::clear, "clear"},
+                                                                   {Kind::stage, "stage"},
+                                                                   {Kind::staged, "staged"},
+                                                                   {Kind::deadlock, "deadlock"},
+                                                                   {Kind::deadline_missed, "deadline_missed"},
+                                                                   {Kind::v_rise, "v_rise"},
+                                                                   {Kind::link, "link"},
+                                                                   {Kind::film_broken, "film_broken"}}};
 
 std::string_view link_word(double state) {
   return comms::to_text(static_cast<comms::LinkState>(static_cast<int>(state)));

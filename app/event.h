@@ -43,6 +43,7 @@ struct Event {
     deadline_missed,  // values[0]: how many ticks were skipped
     v_rise,           // values[0]: V has risen so much, and nothing that is known explains it
     link,             // robot; values[0]: comms::LinkState: lost for longer than the bridge time, or up again
+    film_broken,      // the disk took no more of the camera's film; the run goes on without
   };
   Kind kind = Kind::start;
   int robot = -1;  ///< from 0; -1: none (of `obstacle`: the obstacle's number)

@@ -42,9 +42,11 @@ class Plant {
   /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
   /// thread's.
   void act(std::span<const core::WheelSpeeds> wheels);
-  /// Events of links that were lost or came back since the last call. The control thread's.
-  void tell_links(EventList& events) noexcept {
+  /// Events of links that were lost or came back since the last call, and of a film that broke off. The control
+  /// thread's.
+  void tell(EventList& events) noexcept {
     if (watch_) watch_->tell(events);
+    if (camera_) camera_->tell(events);
   }
   /// What is known of the robots' links. The control thread's.
   void fill_links(std::vector<RobotRecord>& robots) const noexcept {

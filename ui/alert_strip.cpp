@@ -37,6 +37,8 @@ QString words(const app::Event& event, double t) {
     case Kind::uncouple:
       return when +
              AlertStrip::tr("Robots %1 and %2 are not coupled any more").arg(event.robot + 1).arg(event.other + 1);
+    case Kind::film_broken:
+      return when + AlertStrip::tr("The film broke off (is the disk full?): no more frames are kept, the run goes on");
     case Kind::link:
       return when + (static_cast<comms::LinkState>(static_cast<int>(event.values[0])) == comms::LinkState::up
                          ? AlertStrip::tr("The link of robot %1 is up again; let it go when it may drive").arg(robot)

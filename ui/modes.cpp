@@ -82,6 +82,7 @@ Severity severity(const app::Event& event) {
     case Kind::pair_gain_held:
     case Kind::v_rise:
     case Kind::link:
+    case Kind::film_broken:
       return Severity::warning;
     case Kind::found:
       return Severity::good;

@@ -16,6 +16,9 @@ constexpr double corner_limit = 4.0;  // times the usual residual of a corner of
 constexpr double view_limit = 3.0;    // times that of the middle view
 constexpr double least_limit = 0.3;   // nothing closer than this is an outlier [px]
 constexpr int most_rounds = 15;
+// A board that is another one than was said, or pictures of several cameras. Of the picture's width; blurred corners in
+// large pictures scatter by a thousandth.
+constexpr double largest_rms = 0.0025;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -143,7 +146,12 @@ tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> vi
     result.rms = std::sqrt(squares / static_cast<double>(corners));
     if (round == most_rounds || !reject(in, residuals)) break;
   }
-  if (!std::isfinite(result.rms) || !(result.calibration.fx > 0.0))
+  if (const double allowed = std::max(1.5, largest_rms * width); result.rms > allowed)
+    return tl::unexpected(fmt::format(
+        "no one camera sees the board like this: the corners are {:.3g} px (rms) from where they should be; "
+        "allowed: {:.3g} px. Is the board described as it was printed (kind, columns x rows)?",
+        result.rms, allowed));
+  if (!std::isfinite(result.rms + result.focal_sigma + result.centre_sigma) || !(result.calibration.fx > 0.0))
     return tl::unexpected(
         std::string("the views do not determine the camera: show the board from other sides, tilted"));
   result.views = std::move(views);

@@ -45,7 +45,8 @@ struct Intrinsics {
 
 /// Focal lengths, principal point and distortion from views of a board (Zhang 2000, by OpenCV). Corners more than four
 /// times the residual off, and views whose residual is more than three times the usual one, are left out, and the rest
-/// is solved again. Needs three views of 6 corners and more, from different sides.
+/// is solved again. Needs three views of 6 corners and more, from different sides; a result that leaves corners far
+/// from where they were seen is an error: the board is another one.
 tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> views, int width, int height);
 
 /// True where a view shows the board elsewhere or otherwise than all the others, by `least_px` in the mean of the

@@ -47,6 +47,8 @@ class Recorder {
   RecorderStatus finish();
   /// Any thread, at any time.
   RecorderStatus status() const;
+  /// Nothing more is written: status() says why. Any thread, without a lock.
+  bool broken() const noexcept { return broken_.load(std::memory_order_acquire); }
 
  private:
   void put(const Frame& frame);

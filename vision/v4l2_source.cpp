@@ -148,9 +148,12 @@ class V4l2Camera final : public FrameSource {
       frame.source = std::to_string(frame.index);
     }
     damaged_ = whole ? 0 : damaged_ + 1;
+    const bool first = fresh_ && whole;
     fresh_ = fresh_ && !whole;
     {
       const std::lock_guard lock(status_mutex_);
+      if (const char* lacks = first ? stamps_lack(*newest) : nullptr)
+        status_.notices.push_back(fmt::format("{}: {}", device_.path(), lacks));
       status_.up = status_.up || whole;
       status_.damaged += whole ? 0 : 1;
       status_.passed_over += passed_over;
@@ -308,6 +311,15 @@ class V4l2Camera final : public FrameSource {
     frame.resize(width_, height_);
     return format_ == V4L2_PIX_FMT_GREY ? grey_from_grey({bytes, used}, stride_, frame)
                                         : grey_from_yuyv({bytes, used}, stride_, frame);
+  }
+
+  /// What is wrong with the driver's stamps, for people; nothing where they say when the exposure began.
+  static const char* stamps_lack(const v4l2_buffer& buffer) {
+    if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
+      return "its driver does not say when a frame was taken: it counts as taken when it arrives, which is later";
+    if ((buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) != V4L2_BUF_FLAG_TSTAMP_SRC_SOE)
+      return "its driver stamps the end of a frame, not the start of its exposure: poses count as later than they are";
+    return nullptr;
   }
 
   /// When the frame was taken, by the driver (start of exposure or end of frame, as it can); else now, which is later.

@@ -179,6 +179,28 @@ TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
   EXPECT_EQ(skein({"track", "images:/nowhere"}).status, 3);
 }
 
+TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
+  const auto refusal = [](const std::vector<std::string>& words) {
+    const Result r = skein(words);
+    EXPECT_EQ(r.status, 2) << r.err;
+    return r.err;
+  };
+  EXPECT_EQ(refusal({"track", "film.mkv"}),
+            "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE (such as v4l2:/dev/video0)\n");
+  EXPECT_EQ(refusal({"track", "images:.", "--set", "gain=3"}),
+            "skein: --set: images:. is no camera; allowed with --set: v4l2:DEVICE\n");
+  EXPECT_EQ(refusal({"calibrate", "intrinsics", "images:.", "--out", "c.toml", "--size", "640x480"}),
+            "skein: --size: images:. is no camera; allowed with --size: v4l2:DEVICE\n");
+  EXPECT_EQ(refusal({"calibrate", "intrinsics", "v4l2:/dev/nowhere", "--out", "c.toml", "--size", "640"}),
+            "skein: --size 640; allowed: WIDTHxHEIGHT, such as 1280x960\n");
+  EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--set", "exposure"}),
+            "skein: --set \"exposure\"; allowed: name=number, such as exposure=0.005\n");
+  const Result missing = skein(
+      {"calibrate", "intrinsics", "v4l2:/dev/nowhere", "--out", "c.toml", "--size", "640x480", "--set", "focus=3"});
+  EXPECT_EQ(missing.status, 3) << missing.err;
+  EXPECT_TRUE(has(missing.err, "/dev/nowhere: cannot be opened")) << missing.err;
+}
+
 TEST(CommandLine, ARobotThatIsNotThereIsStatusThree) {
   const Result r =
       skein({"run", experiments + "platoon.toml", "--set", "robot.4.link=serial:/dev/nowhere", "--set",

@@ -233,6 +233,7 @@ TEST(Event, WordsAreRead) {
       {{Kind::schedule, -1, core::GainName::l_tt, {100.0, 50.0, 0.0}}, "schedule l_tt 100 -> 50"},
       {{Kind::v_rise, -1, {}, {0.06, 0.0, 0.0}}, "v_rise 0.06"},
       {{Kind::deadline_missed, -1, {}, {3.0, 0.0, 0.0}}, "deadline_missed 3"},
+      {{Kind::film_broken, -1, {}, {}}, "film_broken"},
       {{Kind::link, 2, {}, {4.0, 0.0, 0.0}}, "link r3 stale"}};
   for (const auto& [event, words] : cases) {
     EXPECT_EQ(describe(event), words);

@@ -27,7 +27,7 @@ class FakeCamera final : public V4l2Kernel {
   std::uint32_t height = 480;
   bool fixed_size = false;
   std::uint32_t padding = 0;  // bytes at the end of each row
-  std::uint32_t timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+  std::uint32_t timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   bool busy = false;
   struct Control {
     std::string name;

@@ -39,6 +39,25 @@ TEST(Fuzz, DamagedFilms) {
   }
 }
 
+TEST(Fuzz, SeedsAreWell) {
+  // What the fuzzer of calibrations begins with: each is one, or marks on a floor.
+  int calibrations = 0, floors = 0;
+  for (const auto& file : std::filesystem::directory_iterator(SKEIN_SOURCE_DIR "/tests/fuzz/seeds/fuzz_calibration")) {
+    const std::vector<std::uint8_t> bytes = fuzz::read_bytes(file.path().string());
+    const std::string text(bytes.begin(), bytes.end());
+    const bool calibration = vision::parse_calibration(text, "seed").has_value();
+    const bool floor = vision::parse_floor_marks(text, "seed").has_value();
+    EXPECT_TRUE(calibration || floor) << file.path();
+    calibrations += calibration ? 1 : 0;
+    floors += floor ? 1 : 0;
+    fuzz::calibration(bytes);
+    vision::detail::Random random(33);
+    for (int k = 0; k < 500; ++k) fuzz::calibration(fuzz::changed(bytes, changes(random, bytes.size())));
+  }
+  EXPECT_GE(calibrations, 3);
+  EXPECT_GE(floors, 1);
+}
+
 TEST(Fuzz, DamagedCalibrations) {
   const std::string text = vision::format_calibration(vision::overhead_calibration(2.0, 1.5)) +
                            "[[tag]]\nid = 3\nx = 0.5\ny = -1\n[[point]]\nu = 3.5\nv = 7\nx = 1\ny = 0\n";

@@ -90,6 +90,18 @@ TEST(Intrinsics, LeaveOutWhatDoesNotFit) {
   EXPECT_NEAR(result->rms, 0.1 * std::sqrt(2.0), 0.01);
 }
 
+TEST(Intrinsics, ABoardThatIsAnotherOneIsAnError) {
+  std::vector<BoardView> views = views_of(lens(), 12, 0.1);
+  for (BoardView& view : views)
+    for (BoardCorner& corner : view.corners) {  // taken for one of 9 columns
+      corner.x = (corner.id % 8 + 1) * 0.02;
+      corner.y = (corner.id / 8 + 1) * 0.02;
+    }
+  const auto result = solve_intrinsics(views, 1280, 960);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().find("Is the board described as it was printed"), std::string::npos) << result.error();
+}
+
 TEST(Intrinsics, NeedThreeViews) {
   const auto result = solve_intrinsics(views_of(lens(), 2, 0.1), 1280, 960);
   ASSERT_FALSE(result);

@@ -59,6 +59,28 @@ TEST(V4l2, StampsFramesItselfWhenTheDriversClockIsAnother) {
   Frame frame;
   ASSERT_TRUE((*camera)->read(frame).value());
   EXPECT_NEAR(frame.captured_at, static_cast<double>(before.tv_sec), 10.0);
+  ASSERT_EQ((*camera)->status().notices.size(), 1U);
+  EXPECT_NE((*camera)->status().notices[0].find("does not say when a frame was taken"), std::string::npos);
+}
+
+TEST(V4l2, SaysWhenStampsAreNotTheStartOfExposure) {
+  for (const std::uint32_t source : {V4L2_BUF_FLAG_TSTAMP_SRC_SOE, V4L2_BUF_FLAG_TSTAMP_SRC_EOF}) {
+    FakeCamera fake;
+    fake.timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | source;
+    fake.coming = {{{1, 5.0}}, {{1, 5.04}}};
+    auto camera = open_v4l2("/dev/fake", {}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    Frame frame;
+    for (const double at : {5.0, 5.04}) {
+      ASSERT_TRUE((*camera)->read(frame).value());
+      EXPECT_NEAR(frame.captured_at, at, 1e-6);
+    }
+    const auto notices = (*camera)->status().notices;
+    ASSERT_EQ(notices.size(), source == V4L2_BUF_FLAG_TSTAMP_SRC_SOE ? 0U : 1U) << "once";
+    if (!notices.empty()) {
+      EXPECT_NE(notices[0].find("stamps the end of a frame"), std::string::npos) << notices[0];
+    }
+  }
 }
 
 TEST(V4l2, PassesDamagedFramesOver) {
