@@ -119,7 +119,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   const auto show = [&] {
     const vision::Coverage& covered = *seen.coverage();
     // Of a camera at a terminal: in the same place again, a line more than the picture has rows.
-    if (terminal && live && std::exchange(shown, true)) fmt::print(stderr, "\033[{}A\033[J", vision::Coverage::rows + 1);
+    if (terminal && live && std::exchange(shown, true))
+      fmt::print(stderr, "\033[{}A\033[J", vision::Coverage::rows + 1);
     fmt::print(stderr, "{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(), 100.0 * covered.share(),
                live ? fmt::format("; {} at most, Ctrl-C when it is enough", request.views) : "", covered.text());
   };
@@ -186,6 +187,10 @@ int calibrate_floor(const FloorRequest& request) {
   if (!result) return complain(result.error(), device_failed);
   if (request.tag_size > 0.0) result->tag_size = request.tag_size;
   if (request.tag_height >= 0.0) result->tag_height = request.tag_height;
+  if (const double camera = result->world_from_camera->position.z(); result->tag_height >= camera)
+    return complain(fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
+                                mm(result->tag_height), mm(camera)),
+                    wrong_input);
   if (request.measure_height >= 0) {
     const auto& ids = looked->sight.ids;
     const auto found = std::find(ids.begin(), ids.end(), request.measure_height);

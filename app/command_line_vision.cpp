@@ -67,8 +67,12 @@ void VisionCommands::add_to(CLI::App& program) {
   floor_words(*floor_, floor_request_);
   floor_->add_option("--out", floor_request_.out, "calibration to write; default: the one that was read")
       ->type_name("CAL.TOML");
-  floor_->add_option("--tag-height", tag_height_mm_, "how high the robots carry their tags [mm]")->type_name("MM");
-  floor_->add_option("--tag-size", tag_size_mm_, "edge of the robots' tags [mm]")->type_name("MM");
+  floor_->add_option("--tag-height", tag_height_mm_, "how high the robots carry their tags [mm]")
+      ->type_name("MM")
+      ->check(CLI::Range(0.0, 10000.0));
+  floor_->add_option("--tag-size", tag_size_mm_, "edge of the robots' tags [mm]")
+      ->type_name("MM")
+      ->check(CLI::Range(5.0, 2000.0));
   floor_
       ->add_option("--measure-height", floor_request_.measure_height,
                    "measure that height by how large this robot's tag looks")
