@@ -155,7 +155,8 @@ void AlertStrip::stand(State state, const QString& text, Severity severity) {
 }
 
 void AlertStrip::say(const QString& text, Severity severity) {
-  const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < read_ms && news_.severity > severity;
+  const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < read_ms &&
+                                   news_.severity >= Severity::warning && news_.severity > severity;
   if (held_ || graver_one_is_fresh) return;
   news_ = {text, severity};
   since_.start();

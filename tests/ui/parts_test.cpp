@@ -202,6 +202,9 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   take(8.0, app::Event{app::Event::Kind::found, 0});
   EXPECT_EQ(strip.text(), QStringLiteral("All robots are seen")) << "for a moment";
   EXPECT_FALSE(strip.loud().contains(QStringLiteral("LINK")));
+  strip.say(QStringLiteral("Begun"), Severity::notice);
+  strip.say(QStringLiteral("Done"), Severity::good);
+  EXPECT_EQ(strip.text(), QStringLiteral("Done"));
   strip.hold(QStringLiteral("STOPPED"), Severity::alarm);
   EXPECT_EQ(take(8.1, app::Event{app::Event::Kind::lost, 1}), QStringLiteral("STOPPED"));
   strip.clear_alert();
