@@ -19,8 +19,9 @@ constexpr int most_windows = 32;
 constexpr int most_old_windows = 2;
 constexpr int most_audit_windows = 1;
 
-// The audit looks again at places that it has looked at in vain, one at a time, this often. [frames]
-constexpr int recheck_every = 10;
+// The audit looks again at places that it has looked at in vain, one at a time, this often: no divisor in common with
+// the number of its strips, so that each has its turn. [frames]
+constexpr int recheck_every = 26;
 
 // So that the list of such places stays short where robots drive about that nobody wants. [frames]
 constexpr std::int64_t forget_after = 500;
