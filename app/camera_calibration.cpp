@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "app/board_views.h"
+#include "app/camera_words.h"
 #include "vision/calibration.h"
 #include "vision/frame_source.h"
 #include "vision/intrinsics.h"
@@ -33,14 +34,17 @@ vision::Board board_of(const CalibrationBoard& board) {
 }  // namespace
 
 struct CameraCalibration::Work {
-  Work(std::string camera, const vision::Board& shown) : source(std::move(camera)), board(shown) {}
+  Work(const CalibratedCamera& camera, const vision::Board& shown)
+      : source(camera.source), words{camera.size, 0.0, camera.settings}, board(shown) {}
 
   /// Looks at pictures until they end or nobody wants them any more.
   void look(const std::stop_token& stop) {
-    vision::SourceOptions options;
-    options.keep_waiting = [&stop] { return !stop.stop_requested(); };
     if (const std::string wrong = vision::check(board); !wrong.empty()) return end(wrong);
-    auto opened = vision::open_source(source, options);
+    if (const std::string wrong = wrong_source(source); !wrong.empty()) return end(wrong);
+    auto options = words.read(source);
+    if (!options) return end(options.error());
+    options->keep_waiting = [&stop] { return !stop.stop_requested(); };
+    auto opened = vision::open_source(source, *options);
     if (!opened) return end(opened.error());
     BoardViews seen(board, **opened, source.starts_with("v4l2:"));
     vision::Frame frame;
@@ -98,6 +102,7 @@ struct CameraCalibration::Work {
   std::pair<std::size_t, int> revision() const { return {views.size(), forgotten}; }
 
   const std::string source;
+  const CameraWords words;
   const vision::Board board;
   mutable std::mutex mutex;  // of all that follows
   std::condition_variable_any changed;
@@ -113,8 +118,8 @@ struct CameraCalibration::Work {
   std::jthread looker, solver;  // last: they use the rest
 };
 
-CameraCalibration::CameraCalibration(const std::string& source, const CalibrationBoard& board)
-    : work_(std::make_unique<Work>(source, board_of(board))) {
+CameraCalibration::CameraCalibration(const CalibratedCamera& camera, const CalibrationBoard& board)
+    : work_(std::make_unique<Work>(camera, board_of(board))) {
   Work& work = *work_;
   work.looker = std::jthread([&work](const std::stop_token& stop) {
     try {

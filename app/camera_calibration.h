@@ -12,6 +12,13 @@
 
 namespace skein::app {
 
+/// The camera, as an experiment will use it: with another size or focus its lens is another one.
+struct CalibratedCamera {
+  std::string source;                   ///< v4l2:DEVICE, images:DIR, video:FILE
+  std::string size{};                   ///< "1280x960"; empty: as the camera is set
+  std::vector<std::string> settings{};  ///< of a v4l2 camera: "focus=30"
+};
+
 /// The board that is shown to the camera, as it was printed by `skein tags board`.
 struct CalibrationBoard {
   bool chessboard = false;     ///< else ChArUco, whose markers have 5 x 5 bits
@@ -51,8 +58,7 @@ struct CalibrationProgress {
 /// thread.
 class CameraCalibration {
  public:
-  /// `source`: v4l2:DEVICE, images:DIR, video:FILE.
-  CameraCalibration(const std::string& source, const CalibrationBoard& board);
+  CameraCalibration(const CalibratedCamera& camera, const CalibrationBoard& board);
   ~CameraCalibration();
 
   void end();  ///< lets the camera go, which takes a frame or two; the views stay

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "app/camera_words.h"
 #include "vision/floor_calibration.h"
 #include "vision/frame_source.h"
 
@@ -18,9 +19,13 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   const auto goes_on = [&ends] { return !ends.load(); };
   const auto lens = vision::load_calibration(question.calibration);
   if (!lens) return tl::unexpected(lens.error());
-  vision::SourceOptions options{lens->width, lens->height, 0.0};
-  options.keep_waiting = goes_on;
-  auto source = vision::open_source(question.source, options);
+  if (const std::string wrong = wrong_source(question.source); !wrong.empty()) return tl::unexpected(wrong);
+  auto options = CameraWords{{}, 0.0, question.settings}.read(question.source);
+  if (!options) return tl::unexpected(options.error());
+  options->width = lens->width;
+  options->height = lens->height;
+  options->keep_waiting = goes_on;
+  auto source = vision::open_source(question.source, *options);
   if (!source) return tl::unexpected(source.error());
   const auto sight = vision::look_at_floor(**source, *lens, frames, [&](int) { return goes_on(); });
   if (!sight) return tl::unexpected(sight.error());
@@ -32,6 +37,10 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   if (!result) return tl::unexpected(result.error());
   result->tag_size = question.tag_size;
   result->tag_height = question.tag_height;
+  if (const double camera = result->world_from_camera->position.z(); question.tag_height >= camera)
+    return tl::unexpected(
+        fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
+                    1e3 * question.tag_height, 1e3 * camera));
   const auto check = vision::check_floor(*result, marks);
   if (!check) return tl::unexpected(check.error());
   if (!goes_on()) return tl::unexpected(std::string("ended"));

@@ -26,6 +26,7 @@ struct FloorSurvey {
 };
 
 struct FloorQuestion {
+  std::vector<std::string> settings{};        ///< of a v4l2 camera: "focus=30"
   std::string source;                         ///< v4l2:DEVICE, images:DIR, video:FILE
   std::string calibration;                    ///< file with the intrinsics; the floor is written into it
   std::vector<FloorTag> tags;                 ///< four and more, not all on one line

@@ -67,10 +67,12 @@ QVariant ViewModel::headerData(int section, Qt::Orientation orientation, int rol
   return section == name ? tr("View") : section == corners ? tr("Corners") : tr("Error");
 }
 
-CalibrationDialog::CalibrationDialog(const QString& source, const QString& file, QWidget* parent)
+CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const QString& file, QWidget* parent)
     : QDialog(parent),
       picture_(new CalibrationPicture(this)),
-      source_(new QLineEdit(source, this)),
+      settings_(camera.settings),
+      source_(new QLineEdit(QString::fromStdString(camera.source), this)),
+      size_(new QLineEdit(QString::fromStdString(camera.size), this)),
       file_(new QLineEdit(file, this)),
       look_(new QPushButton(this)),
       remove_(new QPushButton(tr("Take view out"), this)),
@@ -101,10 +103,17 @@ CalibrationDialog::CalibrationDialog(const QString& source, const QString& file,
   file_->setObjectName(QStringLiteral("calibration_file"));
   file_->setAccessibleName(tr("Calibration file"));
   file_->setToolTip(tr("Its name goes into the experiment file, as camera.calibration"));
-  auto* camera = new QFormLayout;
-  camera->addRow(tr("Camera"), source_);
-  camera->addRow(tr("File"), file_);
-  right->addLayout(camera);
+  size_->setObjectName(QStringLiteral("calibration_size"));
+  size_->setAccessibleName(tr("Size of the pictures"));
+  size_->setPlaceholderText(tr("as the camera is set"));
+  size_->setToolTip(
+      tr("Such as 1280x960: a calibration holds for this size, and for this focus. Exposure, gain and focus "
+         "are set as the experiment says."));
+  auto* shared = new QFormLayout;
+  shared->addRow(tr("Camera"), source_);
+  shared->addRow(tr("Size"), size_);
+  shared->addRow(tr("File"), file_);
+  right->addLayout(shared);
   tabs_->setObjectName(QStringLiteral("calibration_tabs"));
   tabs_->setAccessibleName(tr("Lens and floor"));
   tabs_->addTab(build_lens(), tr("1  Lens"));
@@ -205,8 +214,14 @@ void CalibrationDialog::press_look() {
   emit camera_wanted();
 }
 
+app::CalibratedCamera CalibrationDialog::camera() const {
+  const std::string source = source_->text().trimmed().toStdString();
+  const bool is_camera = source.starts_with("v4l2:");
+  return {source, size_->text().trimmed().toStdString(), is_camera ? settings_ : std::vector<std::string>{}};
+}
+
 void CalibrationDialog::look() {
-  if (wants_floor_) return floor_->look(source_->text().trimmed(), file_->text().trimmed());
+  if (wants_floor_) return floor_->look(camera(), file_->text().trimmed());
   app::CalibrationBoard board;
   board.chessboard = kind_->currentIndex() == 1;
   board.columns = columns_->value();
@@ -214,7 +229,7 @@ void CalibrationDialog::look() {
   board.square = 1e-3 * square_->value();
   board.marker = 1e-3 * marker_->value();
   calibration_.reset();  // before the new one: both want the same camera
-  calibration_ = std::make_unique<app::CameraCalibration>(source_->text().trimmed().toStdString(), board);
+  calibration_ = std::make_unique<app::CameraCalibration>(camera(), board);
   note_.clear();
   timer_.start(frame_ms);
   refresh();

@@ -46,8 +46,9 @@ class CalibrationDialog final : public QDialog {
   Q_OBJECT
 
  public:
-  /// `source`: the camera that is offered; `file`: where the calibration is written to.
-  CalibrationDialog(const QString& source, const QString& file, QWidget* parent);
+  /// `camera`: the one that is offered; its settings are those of every v4l2 camera. `file`: where the calibration is
+  /// written to.
+  CalibrationDialog(const app::CalibratedCamera& camera, const QString& file, QWidget* parent);
   ~CalibrationDialog() override;
   /// The camera is free: looks at it from now on.
   void look();
@@ -69,10 +70,12 @@ class CalibrationDialog final : public QDialog {
   void refresh();
   void dress(const app::CalibrationProgress& progress);
   void save();
+  app::CalibratedCamera camera() const;
   QString advice(const app::CalibrationProgress& progress) const;
 
   CalibrationPicture* picture_;
-  QLineEdit *source_, *file_;
+  std::vector<std::string> settings_;
+  QLineEdit *source_, *size_, *file_;
   QComboBox* kind_;
   QSpinBox *columns_, *rows_;
   QDoubleSpinBox *square_, *marker_;

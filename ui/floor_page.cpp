@@ -169,9 +169,10 @@ FloorPage::~FloorPage() {
   ends_ = true;
 }
 
-void FloorPage::look(const QString& source, const QString& calibration) {
+void FloorPage::look(const app::CalibratedCamera& camera, const QString& calibration) {
   app::FloorQuestion question;
-  question.source = source.toStdString();
+  question.source = camera.source;
+  question.settings = camera.settings;
   question.calibration = calibration.toStdString();
   question.tags = tags_.tags();
   question.tag_size = 1e-3 * size_->value();

@@ -11,6 +11,7 @@
 #include <future>
 #include <optional>
 
+#include "app/camera_calibration.h"
 #include "app/floor_survey.h"
 
 namespace skein::ui {
@@ -47,7 +48,7 @@ class FloorPage final : public QWidget {
   explicit FloorPage(QWidget* parent = nullptr);
   ~FloorPage() override;
   /// The camera is free: looks at the floor now.
-  void look(const QString& source, const QString& calibration);
+  void look(const app::CalibratedCamera& camera, const QString& calibration);
   void refuse(const QString& why);
   bool looks() const { return survey_.valid(); }
 

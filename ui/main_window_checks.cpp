@@ -1,7 +1,10 @@
 // What is looked at before a start, and how it is mended.
+#include <fmt/format.h>
+
 #include <QDir>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "app/experiment_file.h"
 #include "ui/alert_strip.h"
@@ -118,14 +121,16 @@ void MainWindow::bring_to_places() {
 /// What the lens of the experiment's camera does, with a board that somebody shows it.
 void MainWindow::calibrate_camera() {
   const app::Experiment& experiment = live_.experiment();
-  const std::string& camera = experiment.camera.source;
-  const bool looks_at_nothing = camera == "none" || camera == "synthetic" || camera.empty();
-  const QString name = QString::fromStdString(experiment.camera.calibration);
-  auto* dialog =
-      new CalibrationDialog(looks_at_nothing ? QStringLiteral("v4l2:/dev/video0") : QString::fromStdString(camera),
-                            QDir(QString::fromStdString(experiment.directory))
-                                .filePath(name.isEmpty() ? QStringLiteral("camera.toml") : name),
-                            this);
+  const app::CameraSpec& spec = experiment.camera;
+  const bool looks_at_nothing = spec.source == "none" || spec.source == "synthetic" || spec.source.empty();
+  app::CalibratedCamera camera{looks_at_nothing ? "v4l2:/dev/video0" : spec.source};
+  for (const auto& [name, value] : {std::pair("exposure", spec.exposure), {"gain", spec.gain}, {"focus", spec.focus}})
+    if (!std::isnan(value)) camera.settings.push_back(fmt::format("{}={}", name, value));
+  const QString name = QString::fromStdString(spec.calibration);
+  auto* dialog = new CalibrationDialog(camera,
+                                       QDir(QString::fromStdString(experiment.directory))
+                                           .filePath(name.isEmpty() ? QStringLiteral("camera.toml") : name),
+                                       this);
   connect(dialog, &CalibrationDialog::camera_wanted, this, [this, dialog] {
     const bool has_it = live_.is_open() && live_.experiment().camera.source.starts_with("v4l2:");
     const app::Phase phase = live_.phase();

@@ -95,7 +95,9 @@ QString spoken(QWidget* widget) {
 
 TEST_F(Operator, HearsANameForEverythingInEveryTabAndDialog) {
   start();
-  for (const char* action : {"shortcuts", "about", "open", "save_csv", "save_plot"}) find<QAction>(action)->trigger();
+  for (const char* action :
+       {"shortcuts", "about", "open", "save_csv", "save_plot", "edit_experiment", "calibrate_camera", "compare"})
+    find<QAction>(action)->trigger();
   int named = 0;
   for (QWidget* widget : window.findChildren<QWidget*>()) {
     const bool usable = qobject_cast<QAbstractButton*>(widget) || qobject_cast<QAbstractSlider*>(widget) ||
