@@ -76,11 +76,14 @@ void VisionCommands::add_to(CLI::App& program) {
   floor_
       ->add_option("--measure-height", floor_request_.measure_height,
                    "measure that height by how large this robot's tag looks")
-      ->type_name("TAG");
+      ->type_name("TAG")
+      ->check(CLI::Range(0, 586));
 
   check_ = calibrate.add_subcommand("check", "How far a calibration is off, mark by mark, in millimetres on the floor");
   floor_words(*check_, check_request_);
-  check_->add_option("--limit", limit_mm_, "exit with status 1 if a mark is farther off [mm]")->type_name("MM");
+  check_->add_option("--limit", limit_mm_, "exit with status 1 if a mark is farther off [mm]")
+      ->type_name("MM")
+      ->check(CLI::Range(0.001, 10000.0));
 
   tags_ = program.add_subcommand("tags", "Writes sheets to print: tags for robots, or a calibration board");
   tags_->require_subcommand(0, 1);

@@ -188,6 +188,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
   }
 
   if (*recorder) summary.recording = (*recorder)->finish();
+  if (options.csv != nullptr && !options.csv->flush()) return tl::unexpected(std::string("the CSV cannot be written"));
   summary.status = (*source)->status();
   const auto skipped = (*source)->skipped();
   summary.skipped.assign(skipped.begin(), skipped.end());

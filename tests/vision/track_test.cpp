@@ -125,6 +125,15 @@ TEST(Track, ReportsSkippedPicturesAndNamesThatNeedQuotes) {
   EXPECT_NE(csv.str().find("\n0,\"a, \"\"b\"\".pgm\",0,1,"), std::string::npos) << csv.str();
 }
 
+TEST(Track, ATableThatFindsNoRoomIsAnError) {
+  test::Folder folder;
+  take_pictures(folder, overhead_calibration(2.0, 1.5));
+  std::ofstream csv("/dev/full");  // what is short stands in a buffer until the end
+  const auto summary = track({.source = "images:" + folder.path(), .csv = &csv});
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error(), "the CSV cannot be written");
+}
+
 TEST(Track, CanBeEnded) {
   test::Folder folder;
   take_pictures(folder, overhead_calibration(2.0, 1.5));
