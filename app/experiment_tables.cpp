@@ -240,7 +240,7 @@ void read_failure(TomlTable t, FailureSpec& failure) {
   using LinkLost = FailureSpec::LinkLost;
   t.choice("link_lost", failure.link_lost,
            {{"all_stop", LinkLost::all_stop}, {"others_go_on", LinkLost::others_go_on}});
-  t.number("link_bridge", failure.link_bridge, between(0.1, 10.0, "s"));
+  t.number("link_bridge", failure.link_bridge, between(0.05, 10.0, "s"));
   t.finish();
 }
 

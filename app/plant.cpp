@@ -16,6 +16,7 @@ namespace {
 constexpr double open_timeout = 15.0;      // a Bluetooth connection takes a few seconds, a robot may be asked twice [s]
 constexpr double close_timeout = 1.0;      // for the stops to be acknowledged [s]
 constexpr double lock_step_timeout = 2.0;  // an emulated robot answers in well under a millisecond [s]
+constexpr double heartbeat = 0.05;         // at a slow rate a lost link is noticed as soon as at 25 Hz [s]
 constexpr double battery_period = 10.0;    // [s]
 
 }  // namespace
@@ -65,6 +66,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     comms::LinkOptions link_options;
     link_options.reply_timeout = experiment.links.reply_timeout;
     link_options.command_silence = experiment.command_silence();
+    link_options.heartbeat = heartbeat;
     link_options.ask_version = true;
     link_options.battery_period = battery_period;
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.

@@ -76,6 +76,7 @@ void Link::finish_connecting(double now) {
 }
 
 void Link::opened(double now) {
+  opened_at_ = now;
   reopened_ = true;
   session_->opened(now);
 }
@@ -165,6 +166,12 @@ bool Link::settled() const noexcept {
 
 bool Link::may_end() const noexcept {
   return session_->stop_acknowledged() || failed_ || (!reached_ && !session_->open());
+}
+
+double Link::worth_waiting_until() const noexcept {
+  constexpr double stop_and_answer = 1.0;  // [s]
+  if (!transport_ || may_end()) return 0.0;
+  return stop_and_answer + (transport_->connecting() ? connecting_until_ : opened_at_);
 }
 
 LinkStatus Link::status(double now) const {

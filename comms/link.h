@@ -44,6 +44,8 @@ class Link {
   bool failed() const noexcept { return failed_; }
   bool settled() const noexcept;  ///< the newest command is answered or void
   bool may_end() const noexcept;  ///< the robot has acknowledged its stop, or was never reached
+  /// While closing: until when an attempt to reach the robot that is under way is worth waiting for [s]; 0: none is.
+  double worth_waiting_until() const noexcept;
   LinkStatus status(double now) const;
   CommandTimes times() const noexcept { return {written_at_.load(), answered_at_.load()}; }  ///< any thread
 
@@ -66,6 +68,7 @@ class Link {
   double try_at_ = 0.0;  // when to open the transport next
   double wait_;          // before the attempt after that
   double connecting_until_ = 0.0;
+  double opened_at_ = -never;
   bool reached_ = false;   // was up at least once
   bool reopened_ = false;  // open, and not up since
   bool failed_ = false;

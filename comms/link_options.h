@@ -5,8 +5,8 @@ namespace skein::comms {
 /// When links give up, try again and stop by themselves. The defaults suit e-pucks over Bluetooth at 25 Hz.
 struct LinkOptions {
   /// A reply later than this is a lost reply [s]. Measured round trips are 1 to 10 ms at the 99th percentile; a busy
-  /// radio adds tens of ms; 0.2 s is 5 ticks, at most 26 mm of way at full speed.
-  double reply_timeout = 0.2;
+  /// radio adds tens of ms; 0.08 s is 2 ticks, at most 10 mm of way at full speed.
+  double reply_timeout = 0.08;
   /// A connection that is not made after this long is begun anew [s]. Longer than Bluetooth's own page time-out of 5.12 s,
   /// after which the kernel says what is wrong.
   double connect_timeout = 6.0;

@@ -164,7 +164,9 @@ void LinkSession::advance(double now) {
       return no_answer_to_stop(now);
     case Phase::waiting:
       ++counters_.timeouts;
-      return resynchronise(fmt::format("no reply within {:g} s", options_.reply_timeout), now);
+      resynchronise(fmt::format("no reply within {:g} s", options_.reply_timeout), now);
+      down_since_ = silent_since_;  // it was lost when it fell silent, not when that was noticed
+      return;
     case Phase::idle: {
       if (silence_counts()) {
         // Nobody commands any more: the robot must not run on. The stop, not a speed of 0: its answer says that the

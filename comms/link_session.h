@@ -57,7 +57,7 @@ class LinkSession {
   bool up() const noexcept { return phase_ == Phase::idle || phase_ == Phase::waiting; }
   bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
   double silent_since() const noexcept;  ///< since when it has owed an answer and said nothing; infinity: it owes none
-  /// Since when it has not been up; infinity: it is.
+  /// Since when it has not been up: where it fell silent, since it was asked; infinity: it is.
   double out_since() const noexcept;
   std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
   /// Of the command whose answer is awaited; 0: none is.

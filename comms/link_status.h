@@ -34,7 +34,7 @@ struct CommandTimes {
 /// What is known of one link.
 struct LinkStatus {
   LinkState state = LinkState::down;
-  double out_for = 0.0;     ///< for how long it has not been up; 0: it is [s]
+  double out_for = 0.0;     ///< for how long it has not been up, from the request on that was not answered; 0: it is [s]
   std::string reason;       ///< the newest thing that went wrong, as a sentence; empty: nothing yet
   double rtt_median = 0.0;  ///< round trip of the last 256 exchanges, 0 before the first [s]
   double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]

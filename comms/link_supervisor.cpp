@@ -73,6 +73,7 @@ class LinkSupervisor::Loop {
   void run() noexcept;
   void wait();
   void turn(double now);
+  double end_by() const;
   bool finished(double now) const;
   void wake() noexcept;
   void ring() noexcept;
@@ -231,13 +232,22 @@ void LinkSupervisor::Loop::turn(double now) {
   for (Link& link : links_) link.note_times(now, written);
 }
 
+/// A robot that is being paged may still come, and then it is stopped: Bluetooth takes up to 5.12 s for that, and who
+/// gave up earlier would leave it driving. Two that take turns must not keep this up for ever.
+double LinkSupervisor::Loop::end_by() const {
+  double end = close_by_;
+  for (const Link& link : links_) end = std::max(end, link.worth_waiting_until());
+  return std::min(end, close_by_ + options_.connect_timeout + 1.0);
+}
+
 bool LinkSupervisor::Loop::finished(double now) const {
-  return closing_seen_ && (now >= close_by_ ||
-                           std::all_of(links_.begin(), links_.end(), [](const Link& link) { return link.may_end(); }));
+  return closing_seen_ &&
+         (now >= end_by() ||
+          std::all_of(links_.begin(), links_.end(), [](const Link& link) { return link.may_end(); }));
 }
 
 void LinkSupervisor::Loop::wait() {
-  double until = closing_seen_ ? close_by_ : seconds_now() + 3600.0;
+  double until = closing_seen_ ? end_by() : seconds_now() + 3600.0;
   polled_.clear();
   for (const Link& link : links_) {
     polled_.push_back(link.wanted());

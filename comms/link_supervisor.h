@@ -53,7 +53,8 @@ class LinkSupervisor {
   /// A snapshot, in the order of the robots. Any thread; waits at most for one turn of the link thread (microseconds).
   std::vector<LinkStatus> status() const;
 
-  /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so);
+  /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so, and
+  /// an attempt that is under way when time is out is waited for, at most for options.connect_timeout and a second);
   /// then closes the links and ends the thread. The final status: `stop_acknowledged` says for each robot whether it is
   /// known to stand. Idempotent: a second call returns the same.
   std::vector<LinkStatus> close(double timeout_s);

@@ -169,7 +169,8 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
 /// Every stage of a real-time loop with camera and links is known, none is negative, and the parts make the whole.
 TEST(Session, TellsHowLongEveryStageTook) {
   auto session =
-      Session::open(experiment_with({"robot_defaults.link=loopback", "camera.source=synthetic"}), Session::Clock::wall);
+      Session::open(experiment_with({"robot_defaults.link=loopback", "camera.source=synthetic", "failure.link_bridge=2"}),
+                    Session::Clock::wall);
   ASSERT_TRUE(session) << session.error();
   TickRecord complete;
   ASSERT_TRUE(eventually([&] {

@@ -1,12 +1,10 @@
 // Links that break and come back again and again leave no thread, descriptor or memory behind.
-#include <malloc.h>
-
 #include <chrono>
-#include <filesystem>
 
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"
+#include "tests/comms/held.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
 
@@ -16,16 +14,6 @@ namespace {
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-
-long entries(const char* directory) {
-  return std::distance(std::filesystem::directory_iterator(directory), std::filesystem::directory_iterator());
-}
-
-struct Held {
-  long descriptors = entries("/proc/self/fd");
-  long threads = entries("/proc/self/task");
-  std::size_t memory = ::mallinfo2().uordblks;  // 0 under the sanitizers
-};
 
 TEST(Growth, BrokenLinksLeaveNothingBehind) {
   PtyEmulator robots({core::MotorModel::epuck1, core::MotorModel::epuck2}, nullptr, seconds);
@@ -59,9 +47,9 @@ TEST(Growth, BrokenLinksLeaveNothingBehind) {
     }
   };
   rounds(20);  // buffers grow to their sizes
-  const Held before;
+  const test::Held before;
   rounds(60);
-  const Held after;
+  const test::Held after;
   EXPECT_EQ(after.descriptors, before.descriptors);
   EXPECT_EQ(after.threads, before.threads);
   EXPECT_LE(after.memory, before.memory + 16 * 1024) << "60 rounds, 180 connections";

@@ -135,7 +135,7 @@ TEST(LinkSession, ALateAnswerDoesNotPutOffTheRepetitionOfALostStop) {
   lab.session.stop(lab.now);
   lab.take();  // lost
   const double sent = lab.now;
-  lab.pass(0.15);
+  lab.pass(0.05);
   lab.session.received(bytes("s\r\n"), lab.now);  // the answer to the first stop
   EXPECT_FALSE(lab.session.stop_acknowledged());
   EXPECT_NEAR(lab.session.deadline(), sent + LinkOptions{}.reply_timeout, 1e-9);

@@ -84,9 +84,11 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Resynchronisation,
                                          Kind{MotorModel::epuck2, Protocol::asercom},
                                          Kind{MotorModel::epuck2, Protocol::wifi}));
 
+constexpr LinkOptions patient{.reply_timeout = 0.2};
+
 std::unique_ptr<LinkSession> session_of(Protocol protocol) {
-  if (protocol == Protocol::wifi) return std::make_unique<WifiSession>(LinkOptions{});
-  return std::make_unique<AsercomSession>(LinkOptions{});
+  if (protocol == Protocol::wifi) return std::make_unique<WifiSession>(patient);
+  return std::make_unique<AsercomSession>(patient);
 }
 
 TEST_P(Resynchronisation, StopsARobotAfterAnythingAtAll) {
