@@ -123,7 +123,7 @@ void links(benchmark::State& state, double seconds) {
     for (const std::string& thread : threads())
       if (!before.contains(thread)) link_thread = thread;
 
-    std::vector<double> through_links, through_write;
+    std::vector<double> through_links, through_write, written;
     const double begun = now(), busy_before = processor_time(link_thread);
     const auto start = Clock::now();
     const auto ticks = static_cast<int>(std::lround(seconds / period));
@@ -137,6 +137,8 @@ void links(benchmark::State& state, double seconds) {
       for (std::size_t i = 0; i < count; ++i) supervisor.command(i, speed, speed);
       std::this_thread::sleep_until(at(k + 0.5));
       robots.collect(given, through_links);
+      for (std::size_t i = 0; i < count; ++i)
+        if (const double done_at = supervisor.times(i).written; done_at >= given) written.push_back(done_at - given);
       given = now();
       plain.write(comms::clamped(speed, speed));
       std::this_thread::sleep_until(at(k + 0.9));
@@ -146,6 +148,7 @@ void links(benchmark::State& state, double seconds) {
     const double busy = processor_time(link_thread) - busy_before, lasted = now() - begun;
     const double commands = static_cast<double>(count) * ticks;
     const double links_p99 = p99(through_links), write_p99 = p99(through_write);
+    state.counters["tick_to_written_ms_p99"] = 1e3 * p99(written);
     state.counters["tick_to_robot_ms_p99"] = 1e3 * links_p99;
     state.counters["of_period"] = links_p99 / period;
     state.counters["of_plain_write"] = links_p99 / write_p99;

@@ -97,6 +97,14 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_columns{{
     {"right_steps", [](auto& r) -> decltype(auto) { return (r.link.right_steps); }},
 }};
 
+// After `limit`, at the end of a robot's block.
+inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_health_columns{{
+    {"link_rtt_p99", [](auto& r) -> decltype(auto) { return (r.link.round_trip_p99); }},
+    {"link_bytes", [](auto& r) -> decltype(auto) { return (r.link.bytes); }},
+    {"link_losses", [](auto& r) -> decltype(auto) { return (r.link.losses); }},
+    {"link_reconnects", [](auto& r) -> decltype(auto) { return (r.link.reconnects); }},
+}};
+
 struct ModeName {
   Mode mode;
   std::string_view name;

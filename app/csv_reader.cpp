@@ -142,6 +142,7 @@ void CsvReader::find_columns() {
       return read_how(cell, r.robots[i].measurement.how);
     };
     for (const auto& column : link_columns) of_robot(column);
+    for (const auto& column : link_health_columns) of_robot(column);
     known[prefix + "link"] = [i](TickRecord& r, std::string_view cell) {
       r.robots[i].link.state = comms::link_state(cell);
       return cell.empty() || r.robots[i].link.state.has_value();

@@ -43,6 +43,7 @@ struct CsvWriter::Impl {
     row += ',';
     for (const auto& column : link_columns) number(column.get(record));
     limits(record.limits);
+    for (const auto& column : link_health_columns) number(column.get(record));
   }
 
   void head(const Experiment& experiment) {
@@ -69,6 +70,7 @@ struct CsvWriter::Impl {
       row += fmt::format("r{}_link,", i);
       for (const auto& column : link_columns) row += fmt::format("r{}_{},", i, column.name);
       row += fmt::format("r{}_limit,", i);
+      for (const auto& column : link_health_columns) row += fmt::format("r{}_{},", i, column.name);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     row += "now\n";

@@ -17,7 +17,13 @@ std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>&
     cell.left.store(static_cast<double>(link.left_steps), std::memory_order_relaxed);
     cell.right.store(static_cast<double>(link.right_steps), std::memory_order_relaxed);
     if (wall_) {  // what the machine's speed decides is no part of a run that repeats to the bit
-      if (link.exchanges > 0) cell.round_trip.store(link.rtt_median, std::memory_order_relaxed);
+      if (link.exchanges > 0) {
+        cell.round_trip.store(link.rtt_median, std::memory_order_relaxed);
+        cell.round_trip_p99.store(link.rtt_p99, std::memory_order_relaxed);
+      }
+      cell.bytes.store(static_cast<double>(link.bytes_sent + link.bytes_received), std::memory_order_relaxed);
+      cell.losses.store(static_cast<double>(link.timeouts), std::memory_order_relaxed);
+      cell.reconnects.store(static_cast<double>(link.reconnects), std::memory_order_relaxed);
       cell.battery.store(link.battery.volts, std::memory_order_relaxed);
     }
     const bool up = link.state == comms::LinkState::up;
@@ -51,6 +57,10 @@ void LinkWatch::fill(std::vector<RobotRecord>& robots) const noexcept {
     link.battery = cell.battery.load(std::memory_order_relaxed);
     link.left_steps = cell.left.load(std::memory_order_relaxed);
     link.right_steps = cell.right.load(std::memory_order_relaxed);
+    link.round_trip_p99 = cell.round_trip_p99.load(std::memory_order_relaxed);
+    link.bytes = cell.bytes.load(std::memory_order_relaxed);
+    link.losses = cell.losses.load(std::memory_order_relaxed);
+    link.reconnects = cell.reconnects.load(std::memory_order_relaxed);
   }
 }
 

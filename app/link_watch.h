@@ -34,7 +34,8 @@ class LinkWatch {
     std::size_t robot;
     std::atomic<comms::LinkState> state{comms::LinkState::up};
     std::atomic<comms::LinkState> reported{comms::LinkState::up};  // "up" until it is lost
-    std::atomic<double> round_trip{none}, battery{none}, left{none}, right{none};
+    std::atomic<double> round_trip{none}, round_trip_p99{none}, battery{none}, left{none}, right{none}, bytes{none},
+        losses{none}, reconnects{none};
     comms::LinkState told = comms::LinkState::up;  // the control thread's
   };
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <thread>
 
+#include "app/wheel_check.h"
+
 namespace skein::app {
 namespace {
 
@@ -17,19 +19,6 @@ constexpr double first_sight = 10.0, all_parts = 1.6;  // a camera opens; the tr
 constexpr double turned_at_least = 0.05;               // a tag on a robot that turns 0.19 rad; noise is 0.001 [rad]
 constexpr double elbow_room = 0.09;                    // between two robots' midpoints [m]
 constexpr double diameter_tolerance = 0.02, track_tolerance = 0.03;
-
-/// What is wrong with a wheel that was told to turn alone, by what both did; empty: nothing.
-std::string judge(const char* wheel, double its_own, double other, double expected, const char* still,
-                  const char* unit) {
-  const double few = expected / 4;  // a loaded machine does not turn for long
-  if (std::abs(its_own) < few && std::abs(other) < few)
-    return fmt::format("the {} wheel{}: {:.3g} {}", wheel, still, its_own, unit);
-  if (std::abs(its_own) < few)
-    return fmt::format("the wheels are swapped: the {} wheel's command turns the other", wheel);
-  if (std::abs(other) >= few) return fmt::format("the {} wheel's command turns both wheels", wheel);
-  if (its_own < 0) return fmt::format("the {} wheel turns backwards: {:.3g} {}", wheel, its_own, unit);
-  return {};
-}
 
 bool known(const core::Pose& pose) {
   return !std::isnan(pose.x);
@@ -172,8 +161,8 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
     const double arc = 0.5 * moved->turned() * drive.track, way = moved->forward();
     const double rolled_left = 1e3 * (way - arc), rolled_right = 1e3 * (way + arc);
     const char* const wheel = is_left ? "left" : "right";
-    const std::string wrong = judge(wheel, is_left ? rolled_left : rolled_right, is_left ? rolled_right : rolled_left,
-                                    expected_way, " does not turn", "mm");
+    const std::string wrong = wheel_fault(wheel, is_left ? rolled_left : rolled_right,
+                                          is_left ? rolled_right : rolled_left, expected_way, " does not turn", "mm");
     const bool said = std::any_of(result.faults.begin(), result.faults.end(), [&](const std::string& fault) {
       return fault.find(wheel + std::string(" wheel")) != std::string::npos;
     });
@@ -266,12 +255,7 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   if (!right) return tl::unexpected(right.error());
   result.left_steps = left->left;
   result.right_steps = right->right;
-  const double expected = wheel_speed * wheel_time;
-  for (const auto& [wheel, its_own, other] :
-       {std::tuple("left", left->left, left->right), std::tuple("right", right->right, right->left)})
-    if (const std::string wrong = judge(wheel, its_own, other, expected, "'s encoder is silent", "steps");
-        !wrong.empty())
-      result.faults.push_back(wrong);
+  result.faults = encoder_faults(left->left, left->right, right->right, right->left, wheel_speed * wheel_time);
   if (plant_.camera()) {
     const std::size_t wheels_at_fault = result.faults.size();
     judge_camera(robot, *left, *right, result);

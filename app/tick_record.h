@@ -36,6 +36,9 @@ struct LinkRecord {
   double round_trip = none;                      ///< median of the last 256; wall clock only [s]
   double battery = none;                         ///< wall clock only [V]
   double left_steps = none, right_steps = none;  ///< that the robot has counted since the link's first reading [steps]
+  double round_trip_p99 = none;                  ///< of the last 256; this and the next: wall clock only [s]
+  double bytes = none;                           ///< to and from the robot
+  double losses = none, reconnects = none;       ///< answers that did not come in time; times that it was opened again
 };
 
 /// What took something from what the law asked for; those that did are added up (bits).

@@ -4,8 +4,9 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 namespace skein::app {
 namespace {
@@ -66,20 +67,30 @@ struct Examined {
   }
 };
 
-/// What is wrong with a wheel that was told to turn alone.
-void judge(const char* wheel, int its_own, int other, std::vector<std::string>& faults) {
-  constexpr int few = static_cast<int>(speed * turning_time / 4);  // a loaded machine does not turn for long
+}  // namespace
+
+std::string wheel_fault(const char* wheel, double its_own, double other, double expected, const char* still,
+                        const char* unit) {
+  const double few = expected / 4;  // a loaded machine does not turn for long
   if (std::abs(its_own) < few && std::abs(other) < few)
-    faults.push_back(fmt::format("the {} wheel's encoder is silent: {} steps", wheel, its_own));
-  else if (std::abs(other) >= few && std::abs(its_own) < few)
-    faults.push_back(fmt::format("the wheels are swapped: the {} wheel's command turns the other", wheel));
-  else if (std::abs(other) >= few)
-    faults.push_back(fmt::format("the {} wheel's command turns both wheels", wheel));
-  else if (its_own < 0)
-    faults.push_back(fmt::format("the {} wheel turns backwards: {} steps", wheel, its_own));
+    return fmt::format("the {} wheel{}: {:.3g} {}", wheel, still, its_own, unit);
+  if (std::abs(its_own) < few)
+    return fmt::format("the wheels are swapped: the {} wheel's command turns the other", wheel);
+  if (std::abs(other) >= few) return fmt::format("the {} wheel's command turns both wheels", wheel);
+  if (its_own < 0) return fmt::format("the {} wheel turns backwards: {:.3g} {}", wheel, its_own, unit);
+  return {};
 }
 
-}  // namespace
+std::vector<std::string> encoder_faults(double left, double right_with_left, double right, double left_with_right,
+                                        double expected) {
+  std::vector<std::string> faults;
+  for (const auto& [wheel, its_own, other] :
+       {std::tuple("left", left, right_with_left), std::tuple("right", right, left_with_right)})
+    if (std::string fault = wheel_fault(wheel, its_own, other, expected, "'s encoder is silent", "steps");
+        !fault.empty())
+      faults.push_back(std::move(fault));
+  return faults;
+}
 
 tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links, std::size_t link,
                                                    const std::function<std::string()>& keep_on) {
@@ -91,8 +102,7 @@ tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links,
   WheelCheck check;
   check.left_steps = left->left;
   check.right_steps = right->right;
-  judge("left", left->left, left->right, check.faults);
-  judge("right", right->right, right->left, check.faults);
+  check.faults = encoder_faults(left->left, left->right, right->right, right->left, speed * turning_time);
   const comms::LinkStatus status = links.status().at(link);
   check.version = status.version;
   check.battery = status.battery.volts;

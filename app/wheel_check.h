@@ -4,11 +4,20 @@
 #include <functional>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "app/session.h"
 #include "comms/link_supervisor.h"
 
 namespace skein::app {
+
+/// What is wrong with a wheel that was told to turn alone, by what both did; empty: nothing. `still` is said of one
+/// that did nothing: "'s encoder is silent".
+std::string wheel_fault(const char* wheel, double its_own, double other, double expected, const char* still,
+                        const char* unit);
+/// The same of both wheels by their encoders [steps]: the left one told to turn alone, then the right one.
+std::vector<std::string> encoder_faults(double left, double right_with_left, double right, double left_with_right,
+                                        double expected);
 
 /// Turns each wheel of a robot about 10 mm forward and compares the counters with the command: wheels that are swapped
 /// or turn backwards, counters that are silent. The robot's link is up, and nobody else tells it anything meanwhile; it

@@ -102,19 +102,21 @@ TEST(CsvWriter, WritesExactlyWhatTheContractSays) {
       "r1_v,r1_omega,r1_wheel_left,r1_wheel_right,r1_mode,r1_pose_age,r1_x_meas,r1_y_meas,r1_theta_meas,r1_t_meas,r1_"
       "sigma_xy,r1_sigma_theta,r1_actuation_delay,r1_how,"
       "r1_link,r1_link_rtt,r1_battery,r1_left_steps,r1_right_steps,r1_limit,"
+      "r1_link_rtt_p99,r1_link_bytes,r1_link_losses,r1_link_reconnects,"
       "r2_x,r2_y,r2_theta,r2_x_true,r2_y_true,r2_theta_true,r2_x_nom,r2_y_nom,r2_theta_nom,r2_v_nom,r2_omega_nom,"
       "r2_x_ref,r2_y_ref,r2_theta_ref,r2_v_ref,r2_omega_ref,r2_x_e,r2_y_e,r2_theta_e,r2_v_law,r2_omega_law,"
       "r2_v,r2_omega,r2_wheel_left,r2_wheel_right,r2_mode,r2_pose_age,r2_x_meas,r2_y_meas,r2_theta_meas,r2_t_meas,r2_"
       "sigma_xy,r2_sigma_theta,r2_actuation_delay,r2_how,"
       "r2_link,r2_link_rtt,r2_battery,r2_left_steps,r2_right_steps,r2_limit,"
+      "r2_link_rtt_p99,r2_link_bytes,r2_link_losses,r2_link_reconnects,"
       "latency_capture,latency_dequeue,latency_detect,latency_hand_over,latency_estimate,latency_law,latency_write,"
       "latency_acknowledge,latency_total,now\n"
       "0.125,25,0.25,0.375,0.5,0.625,-0.75,0.875,1,1.125,,perturb r2 dx=0.05 dy=-0.15 dtheta=0; lost r1,"
       "1.25,1.375,1.5,1.625,1.75,1.875,2,2.125,2.25,2.375,2.5,2.625,2.75,2.875,3,3.125,3.25,3.375,3.5,3.625,3.75,"
       "3.875,4,4.125,4.25,tracking+limited,4.375,4.5,4.625,4.75,4.875,5,5.125,"
-      "0.0625,tracked,,,,,,v+wheels,"
+      "0.0625,tracked,,,,,,v+wheels,,,,,"
       "5.25,5.375,5.5,,,,5.625,5.75,5.875,6,6.125,6.25,6.375,6.5,6.625,6.75,,,,6.875,7,7.125,7.25,7.375,7.5,"
-      "stopped+lost,,,,,,,,,,,,,,,,7.625,,,,,,,,7.75,7.875\n");
+      "stopped+lost,,,,,,,,,,,,,,,,,,,,7.625,,,,,,,,7.75,7.875\n");
 }
 
 TEST(CsvWriter, WritesNothingWhereThereIsNoValue) {

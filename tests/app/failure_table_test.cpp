@@ -343,7 +343,7 @@ TEST(Session, TellsWhoTheRobotsAreAndHowTheirLinksDo) {
   ASSERT_TRUE(eventually([&] {
     const LinkRecord& link = run.look().robots[0].link;
     return run.newest.tick > 10 && link.state == LinkState::up && link.battery > 0.0 && link.left_steps > 0.0 &&
-           link.round_trip > 0.0;
+           link.round_trip > 0.0 && link.round_trip_p99 >= link.round_trip && link.bytes > 0.0 && link.losses >= 0.0;
   }));
   const RobotStatus robot = run.session->robots()[0];
   EXPECT_EQ(robot.version, "Version 2.0 January 2018 GCtronic");
