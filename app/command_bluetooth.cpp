@@ -57,9 +57,17 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
   return done;
 }
 
+/// Refuses what cannot be an adapter before anybody looks for it.
+bool possible(const std::string& adapter) {
+  const auto checked = comms::check_adapter(adapter);
+  if (!checked) fmt::print(stderr, "skein: {}\n", checked.error());
+  return checked.has_value();
+}
+
 }  // namespace
 
 int scan_robots(const RobotsRequest& request) {
+  if (!possible(request.adapter)) return wrong_input;
   const auto robots = comms::scan_robots({request.adapter, request.seconds, not_interrupted});
   if (!robots) {
     fmt::print(stderr, "skein: {}\n", robots.error());
@@ -76,6 +84,7 @@ int scan_robots(const RobotsRequest& request) {
 }
 
 int pair_robots(const RobotsRequest& request) {
+  if (!possible(request.adapter)) return wrong_input;
   int status = done;
   std::vector<comms::BluetoothRobot> paired;
   for (const std::string& name : request.words) {

@@ -163,6 +163,9 @@ tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view t
   if (text.starts_with(tcp)) {
     const auto address = parse_link_address(text);
     if (!address) return tl::unexpected(address.error());
+    in_addr here{};
+    if (::inet_pton(AF_INET, address->device.c_str(), &here) != 1)
+      return refuse(fmt::format("\"{}\" is no IPv4 address of this machine", address->device));
     return ListenAddress{LinkKind::tcp, address->device, address->channel};
   }
   if (!text.starts_with(rfcomm)) return refuse("begins with neither \"rfcomm:\" nor \"tcp:\"");
