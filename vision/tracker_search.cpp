@@ -31,6 +31,10 @@ constexpr int dim_every = 2;  // [times round all parts]
 // A detector's small corner errors must not pass for a tag out of shape; the fit is the one to say so.
 constexpr double detector_tolerance = 0.25;
 
+// Noise leaves no more of the correlation of tags under 1.6 px a module; texture that decodes has a half.
+constexpr double most_likeness = 0.97;
+constexpr double least_of_tiny = 0.85;
+
 Gate::Place middle_of(const Corners& corners) {
   Gate::Place middle;
   for (const auto& corner : corners) {
@@ -119,10 +123,13 @@ void TagTracker::Parts::consider(WantedTag& tag, const Frame& frame, const Detec
     return;
   }
   ++counters.failed_fits;
-  // Out of the picture with its white border, so that it cannot be fitted: AprilTag's own word, if it is a clear one.
-  const bool clear = detection.likeness >= fitter.least_likeness(seen_edge_px / 8.0) &&
-                     off <= options.shape_tolerance && place->misfit <= 0.5 * options.shape_tolerance * place->edge;
-  if (fit.verdict != detail::FitVerdict::outside || !clear) {
+  // AprilTag's own word, if it is a clear one, where the picture cuts the white border off, so that nothing can be
+  // fitted, and where modules are so small that blur makes all tags alike: then only the bits tell which it is.
+  const double needed = fitter.least_likeness(seen_edge_px / 8.0);
+  const bool tiny = needed > most_likeness;
+  const bool clear = detection.likeness >= (tiny ? least_of_tiny : needed) && off <= options.shape_tolerance &&
+                     place->misfit <= 0.5 * options.shape_tolerance * place->edge;
+  if (!clear || (fit.verdict != detail::FitVerdict::outside && !tiny)) {
     ++counters.rejected;
     return;
   }

@@ -153,6 +153,33 @@ TEST(FalseTags, TextureThatHappensToDecodeIsNoTag) {
   }
 }
 
+TEST(FalseTags, TagsTooSmallForTheFitAreStillTags) {
+  // 1.5 px a module: blur makes all tags alike, and what AprilTag decodes is all that there is to go by.
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  calibration.width /= 2;
+  calibration.height /= 2;
+  calibration.fx = calibration.fy = 0.5 * calibration.fx;
+  calibration.cx = 0.5 * (calibration.width - 1);
+  calibration.cy = 0.5 * (calibration.height - 1);
+  calibration.tag_size = 0.04;
+  SyntheticCamera camera(calibration, {}, 17);
+  TagTracker tracker(calibration, {.tags = {0, 1, 2, 3, 4, 5}});
+  Frame frame;
+  int seen = 0;
+  const int frames = test::sanitized ? 4 : 20;
+  for (int k = 0; k < frames; ++k) {
+    std::vector<SyntheticTag> tags;
+    for (int i = 0; i < 6; ++i)
+      tags.push_back({i, {-0.8 + 0.3 * i + 0.003 * k, -0.4 + 0.15 * i, 0.1 * i + 0.02 * k}, 0.04});
+    camera.render(tags, 0.04 * k, frame);
+    for (const TagPose& pose : tracker.process(frame)) {
+      EXPECT_LT(core::distance(pose.pose, tags[static_cast<std::size_t>(pose.tag)].pose), 3e-3);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 2 * frames);
+}
+
 /// Every frame is a tracker's first.
 int wrong_at_first_sight(const std::string& name, const SceneOptions& options, double smear,
                          const std::function<void(detail::BenchMoment&, int)>& change, int& seen) {
