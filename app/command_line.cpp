@@ -4,9 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <fstream>
 
 #include "app/command_line_robots.h"
 #include "app/command_line_vision.h"
@@ -40,7 +43,9 @@ struct ExperimentOptions {
   std::string duration, seed;
 
   void add_to(CLI::App& command, bool required) {
-    auto* option = command.add_option("experiment", file, "experiment file (TOML)");
+    auto* option = command.add_option(
+        "experiment", file,
+        required ? "experiment file (TOML)" : "experiment file (TOML), or a recorded run (CSV) to be played");
     if (required) option->required();
     command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
         ->type_name("KEY=VALUE")
@@ -205,7 +210,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   bench_command
       .add_option(
           "what", bench_what,
-          "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (5 minutes); default: all but ui")
+          "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (6 minutes); default: all but ui")
       ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "loopback", "ui"}));
   double bench_seconds = 60.0;
   bench_command.add_option("--seconds", bench_seconds, "links, ui: how long each measurement takes")
@@ -253,8 +258,19 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
     return wrong_input;
   }
   look_after_bad_ends();
+  if (const std::string& file = window_experiment.file; file.ends_with(".csv")) {
+    if (!window_experiment.request().sets.empty()) {
+      fmt::print(stderr, "skein: {}: a recorded run is played as it is, without --set, --duration and --seed\n", file);
+      return wrong_input;
+    }
+    if (!std::ifstream(file)) {
+      fmt::print(stderr, "skein: {}: cannot be opened: {}\n", file, std::strerror(errno));
+      return wrong_input;
+    }
+    return show_window({{}, {}, file}, argc, argv);
+  }
   const auto experiment = load(window_experiment.request());
-  return experiment ? show_window({*experiment, window_experiment.file.empty()}, argc, argv) : wrong_input;
+  return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
 }
 
 }  // namespace

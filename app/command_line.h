@@ -10,7 +10,8 @@ namespace skein::app {
 /// What the operator's window needs to open.
 struct WindowRequest {
   Experiment experiment;
-  bool start_at_once = false;  ///< no file was named: show the paper's experiment running
+  std::string file;       ///< it was read from; empty: none was named, show the paper's experiment running
+  std::string recording;  ///< a recorded run (CSV) to be played instead; empty: none
 };
 
 /// Opens the window and returns the program's exit status; empty in a program that was built without one.

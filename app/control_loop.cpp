@@ -140,13 +140,31 @@ void ControlLoop::perturb(int elapsed, EventList& events) {
     plant_.move(p.robot, {pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
     events.add({Event::Kind::perturb, static_cast<int>(p.robot), {}, {p.dx, p.dy, p.dtheta}});
   }
-  for (Gesture gesture; hand_.pop(gesture);) {
-    const auto& [x, y, theta] = gesture.value;
-    if (gesture.kind == Event::Kind::move)
-      plant_.move(gesture.robot, gesture.value);
+  do_actions(t, running, events);
+  for (Gesture gesture; hand_.pop(gesture);) carry_out(gesture, events);
+}
+
+void ControlLoop::carry_out(const Gesture& gesture, EventList& events) {
+  const auto& [x, y, theta] = gesture.value;
+  if (gesture.kind == Event::Kind::move)
+    plant_.move(gesture.robot, gesture.value);
+  else
+    plant_.kick(gesture.robot, x, y);
+  events.add({gesture.kind, static_cast<int>(gesture.robot), {}, {x, y, theta}});
+}
+
+/// The file's actions that are due, as if the operator had asked for them; those of t = 0 while the robots still stand.
+void ControlLoop::do_actions(double t, bool running, EventList& events) {
+  due_count_ = 0;
+  const std::vector<OperatorAction>& actions = experiment_.actions;
+  for (; next_action_ < actions.size() && due_count_ < due_.size(); ++next_action_) {
+    const auto& [when, event] = actions[next_action_];
+    if (when > 0.0 && (!running || t < when - 0.5e-9)) return;
+    const auto robot = static_cast<std::size_t>(std::max(0, event.robot));
+    if (const auto command = command_of(event, false))
+      due_[due_count_++] = *command;
     else
-      plant_.kick(gesture.robot, x, y);
-    events.add({gesture.kind, static_cast<int>(gesture.robot), {}, {x, y, theta}});
+      carry_out({robot, event.kind, {event.values[0], event.values[1], event.values[2]}}, events);
   }
 }
 
@@ -158,6 +176,7 @@ std::size_t ControlLoop::take_commands(const EventList& events) {
   for (const Event& event : events)
     if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
       obeyed_[count++] = {.kind = OperatorCommand::Kind::hold, .number = static_cast<std::size_t>(event.robot)};
+  for (std::size_t k = 0; k < due_count_; ++k) obeyed_[count++] = due_[k];
   const bool ends_step = std::exchange(stepping_, false);
   if (ends_step) obeyed_[count++] = {.kind = OperatorCommand::Kind::pause};
   bool asked_more = false;

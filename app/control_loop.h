@@ -87,6 +87,8 @@ class ControlLoop {
   void complete_latency() noexcept;
   std::size_t take_commands(const EventList& events);
   void perturb(int elapsed, EventList& events);
+  void do_actions(double t, bool running, EventList& events);
+  void carry_out(const Gesture& gesture, EventList& events);
 
   const Experiment& experiment_;
   SessionClock& clock_;
@@ -97,7 +99,7 @@ class ControlLoop {
 
   boost::lockfree::spsc_queue<OperatorCommand, boost::lockfree::capacity<64>> commands_;
   boost::lockfree::spsc_queue<Gesture, boost::lockfree::capacity<64>> hand_;
-  std::array<OperatorCommand, 64> obeyed_{};
+  std::array<OperatorCommand, 192> obeyed_{};
   std::vector<core::Measurement> newest_;
   std::vector<core::Pose> truth_;
   std::vector<core::WheelSpeeds> wheels_;
@@ -107,7 +109,9 @@ class ControlLoop {
   double decided_at_ = none;  // when this tick's commands were given
   std::vector<comms::CommandTimes> command_times_;
   std::vector<double> delays_;  // from a robot's command to the moment its wheels obey, a moving mean
-  std::size_t next_perturbation_ = 0;
+  std::size_t next_perturbation_ = 0, next_action_ = 0;
+  std::array<OperatorCommand, 96> due_{};  // of the file's actions; what is more waits for the next tick
+  std::size_t due_count_ = 0;
   std::int64_t virtual_ticks_ = 0;
 
   std::atomic<bool> stop_{false}, failed_{false}, away_{false};

@@ -65,6 +65,7 @@ ControlTick::State::State(const Experiment& e)
   doubt.resize(n);
   record.robots.resize(n);
   record.delta.resize(n > 0 ? n - 1 : 0);
+  record.pair_gains = {gains.k_xx, gains.k_tt, gains.k_yy};
 }
 
 void ControlTick::see(const TickInput& input) noexcept {
@@ -254,6 +255,9 @@ void ControlTick::State::account(const TickInput& input) noexcept {
   record.k_xx = gains.k_xx.largest();
   record.k_tt = gains.k_tt.largest();
   record.k_yy = gains.k_yy.largest();
+  record.pair_gains[0] = gains.k_xx;  // same sizes: no allocation
+  record.pair_gains[1] = gains.k_tt;
+  record.pair_gains[2] = gains.k_yy;
   record.V = core::lyapunov(gains, errors);
   record.V_dot = core::lyapunov_rate(gains, errors);
   for (std::size_t i = 0; i < robots(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "app/tick_record.h"
@@ -104,6 +105,11 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_health_columns{{
     {"link_losses", [](auto& r) -> decltype(auto) { return (r.link.losses); }},
     {"link_reconnects", [](auto& r) -> decltype(auto) { return (r.link.reconnects); }},
 }};
+
+/// Where columns for gains of pairs are, in the order of core::gain_names, robots from 1: "k_xx_1_2".
+inline std::string pair_column(core::GainName gain, std::size_t i, std::size_t j) {
+  return std::string(name(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);
+}
 
 struct ModeName {
   Mode mode;

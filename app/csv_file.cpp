@@ -16,10 +16,11 @@ constexpr double flush_period = 1.0;       // [s]
 
 }  // namespace
 
-CsvFile::CsvFile(const std::string& path, const Experiment& experiment) : path_(path), buffer_(1 << 20) {
+CsvFile::CsvFile(const std::string& path, const Experiment& experiment, bool pair_gains)
+    : path_(path), buffer_(1 << 20) {
   file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   file_.open(path, std::ios::binary | std::ios::trunc);
-  if (file_) writer_.emplace(file_, experiment);
+  if (file_) writer_.emplace(file_, experiment, pair_gains);
   check();
 }
 
@@ -40,7 +41,8 @@ void CsvFile::check() {
 }
 
 void CsvRecorder::begin(const std::string& path, const Experiment& experiment, Rows before) {
-  auto file = std::make_unique<CsvFile>(path, experiment);
+  constexpr bool pair_gains = true;  // the operator may yet change one
+  auto file = std::make_unique<CsvFile>(path, experiment, pair_gains);
   file->finish();  // the head: a disk that takes nothing is told of at once
   const std::lock_guard lock(mutex_);
   file_ = std::move(file);

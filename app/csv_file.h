@@ -16,7 +16,10 @@ namespace skein::app {
 /// Throws std::runtime_error with file and reason.
 class CsvFile final : public RecordSink {
  public:
-  CsvFile(const std::string& path, const Experiment& experiment);
+  /// `pair_gains` as for CsvWriter.
+  CsvFile(const std::string& path, const Experiment& experiment, bool pair_gains);
+  CsvFile(const std::string& path, const Experiment& experiment)
+      : CsvFile(path, experiment, pairs_differ(experiment)) {}
   void record(const TickRecord& record) override;
   void finish();  ///< everything is with the system, or it throws
 

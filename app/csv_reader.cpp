@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <unordered_map>
 
 #include "app/csv_columns.h"
@@ -129,6 +130,15 @@ void CsvReader::find_columns() {
   for (const auto& column : gain_columns) store(column.name, column.at);
   for (const auto& column : group_columns) store(column.name, column.at);
   for (const auto& column : latency_columns) store(column.name, column.at);
+  for (const core::GainName gain : core::gain_names)
+    for (std::size_t i = 0; i < robots_; ++i)
+      for (std::size_t j = i + 1; j < robots_; ++j)
+        known[pair_column(gain, i + 1, j + 1)] = [gain, i, j](TickRecord& r, std::string_view cell) {
+          double value = none;
+          if (!read_cell(cell, value)) return false;
+          r.pair_gains[static_cast<std::size_t>(gain)].set(i, j, value);
+          return true;
+        };
   for (std::size_t i = 0; i < deltas_; ++i)
     store(fmt::format("delta_{}_{}", i + 1, i + 2), [i](TickRecord& r) -> double& { return r.delta[i]; });
   for (std::size_t i = 0; i < robots_; ++i) {
@@ -173,6 +183,7 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
   record.phase = Phase::running;
   record.delta.assign(deltas_, none);
   record.robots.assign(robots_, {});
+  record.pair_gains.fill(core::PairTable(robots_, none));
   for (std::size_t i = 0; i < cells_.size(); ++i)
     if (stores_[i] && !stores_[i](record, cells_[i]))
       return error(fmt::format("column {}: found \"{}\", allowed: {}", columns_[i], cells_[i],
@@ -183,6 +194,11 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
                                : columns_[i] == "event"         ? "events joined by \"; \""
                                : columns_[i] == "tick"          ? "a whole number"
                                                                 : "a number or nothing"));
+  for (const core::GainName gain : core::gain_names)  // an empty cell, or no column: as all pairs
+    for (std::size_t i = 0; i < robots_; ++i)
+      for (std::size_t j = i + 1; j < robots_; ++j)
+        if (std::isnan(record.pair_gain(gain, i, j)))
+          record.pair_gains[static_cast<std::size_t>(gain)].set(i, j, record.gain(gain));
   for (const RobotRecord& robot : record.robots)
     if (robot.is(staging)) record.phase = Phase::staging;
   for (RobotRecord& robot : record.robots)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -12,6 +13,7 @@ namespace skein::app {
 /// One row or head at a time, in a buffer that grows once and is then reused.
 struct CsvWriter::Impl {
   std::ostream& out;
+  bool pair_gains;
   std::string row;
 
   void number(double value) {
@@ -46,6 +48,16 @@ struct CsvWriter::Impl {
     for (const auto& column : link_health_columns) number(column.get(record));
   }
 
+  /// Empty where the pair has what the group's column says.
+  void pairs(const TickRecord& record) {
+    for (const core::GainName gain : core::gain_names)
+      for (std::size_t i = 0; i < record.robots.size(); ++i)
+        for (std::size_t j = i + 1; j < record.robots.size(); ++j) {
+          const double value = record.pair_gain(gain, i, j);
+          number(value == record.gain(gain) ? none : value);
+        }
+  }
+
   void head(const Experiment& experiment) {
     row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
                       hash_line, fnv1a(experiment.source), seed_line, experiment.seed);
@@ -73,6 +85,9 @@ struct CsvWriter::Impl {
       for (const auto& column : link_health_columns) row += fmt::format("r{}_{},", i, column.name);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
+    for (const core::GainName gain : core::gain_names)
+      for (std::size_t i = 1; pair_gains && i <= robots; ++i)
+        for (std::size_t j = i + 1; j <= robots; ++j) row += pair_column(gain, i, j) + ',';
     row += "now\n";
   }
   void write() {
@@ -81,7 +96,33 @@ struct CsvWriter::Impl {
   }
 };
 
-CsvWriter::CsvWriter(std::ostream& out, const Experiment& experiment) : impl_(new Impl{out, {}}) {
+bool pairs_differ(const Experiment& experiment) {
+  const auto differ = [](const core::PairTable& table) {
+    for (std::size_t i = 0; i < table.robots(); ++i)
+      for (std::size_t j = i + 1; j < table.robots(); ++j)
+        if (table(i, j) != table.largest()) return true;
+    return false;
+  };
+  for (const core::GainName gain : core::gain_names) {
+    if (differ(core::table(experiment.controller.gains, gain))) return true;
+    for (const GainChange& change : experiment.gain_changes)
+      if (change[gain] && differ(*change[gain])) return true;
+  }
+  return std::any_of(experiment.actions.begin(), experiment.actions.end(), [](const OperatorAction& action) {
+    return action.event.kind == Event::Kind::pair_gain || action.event.kind == Event::Kind::uncouple;
+  });
+}
+
+bool pairs_differ(const TickRecord& record) noexcept {
+  for (const core::GainName gain : core::gain_names)
+    for (std::size_t i = 0; i < record.robots.size(); ++i)
+      for (std::size_t j = i + 1; j < record.robots.size(); ++j)
+        if (record.pair_gain(gain, i, j) != record.gain(gain)) return true;
+  return false;
+}
+
+CsvWriter::CsvWriter(std::ostream& out, const Experiment& experiment, bool pair_gains)
+    : impl_(new Impl{out, pair_gains, {}}) {
   impl_->head(experiment);
   impl_->header(experiment.robots.size());
   impl_->write();
@@ -100,6 +141,7 @@ void CsvWriter::record(const TickRecord& record) {
   csv.row += ',';
   for (const RobotRecord& robot : record.robots) csv.robot(robot);
   for (const auto& column : latency_columns) csv.number(column.get(record));
+  if (csv.pair_gains) csv.pairs(record);
   csv.number(record.now);
   csv.row.back() = '\n';
   csv.write();

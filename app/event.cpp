@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -148,6 +149,44 @@ std::optional<Event> parse_event(std::string_view text) {
       return std::nullopt;
   }
   return event;
+}
+
+bool is_action(Kind kind) noexcept {
+  switch (kind) {
+    case Kind::move:
+    case Kind::hold:
+    case Kind::release:
+    case Kind::kick:
+    case Kind::obstacle:
+    case Kind::gain:
+    case Kind::pair_gain:
+    case Kind::couple:
+    case Kind::uncouple:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::optional<Event> parse_action(std::string_view text) {
+  const std::optional<Event> event = parse_event(text);
+  if (!event || !is_action(event->kind)) return std::nullopt;
+  // Written again it has the same words, but for how its numbers are written.
+  const std::string again = describe(*event);
+  const std::vector<std::string_view> parts = split(text), expected = split(again);
+  if (parts.size() != expected.size()) return std::nullopt;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    double number = 0.0;
+    const std::size_t equals = expected[i].find('=');
+    const bool same = equals != std::string_view::npos
+                          ? parts[i].substr(0, equals + 1) == expected[i].substr(0, equals + 1)
+                      : read(expected[i], number) ? read(parts[i], number)
+                                                  : parts[i] == expected[i];
+    if (!same) return std::nullopt;
+  }
+  const bool finite =
+      std::all_of(event->values.begin(), event->values.end(), [](double v) { return std::isfinite(v); });
+  return finite ? event : std::nullopt;
 }
 
 }  // namespace skein::app

@@ -86,6 +86,11 @@ class EventList {
 std::string describe(const Event& event);
 /// The event that `describe` put into these words; none if they are not such words.
 std::optional<Event> parse_event(std::string_view text);
+/// Whether the operator does this to a run, so that an experiment file can as well: moves, kicks, holds, obstacles,
+/// gains.
+bool is_action(Event::Kind kind) noexcept;
+/// As `parse_event`, but only what is an action, with all of its words and no others; none: the text is not that.
+std::optional<Event> parse_action(std::string_view text);
 /// All events of a tick, joined by "; ", "+N more" where some were dropped.
 std::string describe(const EventList& events);
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/event.h"
 #include "core/avoidance/potential_field.h"
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
@@ -167,6 +168,12 @@ struct Perturbation {
   double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< in the world frame [m, rad]
 };
 
+/// What somebody does at the window, done by the file: an [[operator]] table. Before the start if t is 0.
+struct OperatorAction {
+  double t = 0.0;
+  Event event;  ///< one that `is_action`
+};
+
 /// What the run must show; empty: not asked for.
 struct Expectations {
   std::optional<double> final_error;  ///< largest position error of the last tick is at most this [m]
@@ -197,6 +204,7 @@ struct Experiment {
   FailureSpec failure;
   core::Imperfection simulation;
   std::vector<Perturbation> perturbations;  ///< in the order of t
+  std::vector<OperatorAction> actions;      ///< in the order of t
   Expectations expect;
 
   std::string source;     ///< the text it was read from, `--set` included as the keys it changed

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "app/experiment_events.h"
 #include "app/experiment_reference.h"
 #include "app/experiment_trajectory.h"
 
@@ -210,16 +211,6 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
   }
 }
 
-void check_perturbations(const Experiment& e, Problems& problems) {
-  for (std::size_t i = 0; i < e.perturbations.size(); ++i) {
-    const Perturbation& p = e.perturbations[i];
-    if (p.robot < e.robots.size() && !e.robots[p.robot].simulated())
-      problems.add(fmt::format("perturb.{}.robot", i + 1),
-                   fmt::format("found {}, a real robot (link \"{}\"), allowed: a simulated one; move real ones by hand",
-                               p.robot + 1, e.robots[p.robot].address));
-  }
-}
-
 void check_estimation(const Experiment& e, Problems& problems) {
   if (e.simulation.latency > 0.0 && e.estimation.bridge <= e.simulation.latency)
     problems.add("estimation.bridge",
@@ -233,7 +224,7 @@ void check_estimation(const Experiment& e, Problems& problems) {
 void check_together(const Experiment& e, Problems& problems) {
   check_duration(e, problems);
   check_robots(e, problems);
-  check_perturbations(e, problems);
+  check_events(e, problems);
   check_estimation(e, problems);
   if (!check_shape(e, problems)) return;  // without a path there is no reference
   const std::unique_ptr<const core::Reference> reference = make_reference(e);

@@ -55,6 +55,7 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   }
   sort_by_time(experiment.gain_changes);  // only now: places in the file are found by number
   sort_by_time(experiment.perturbations);
+  sort_by_time(experiment.actions);
   experiment.source = sets.empty() && !embedded ? std::string(text) : written(document);
   if (!experiment.source.empty() && !experiment.source.ends_with('\n')) experiment.source += '\n';
   experiment.directory = directory;

@@ -10,7 +10,7 @@
 namespace skein::app {
 namespace {
 
-constexpr std::array arrays_of_tables{"robot", "gain_change", "obstacle", "perturb"};
+constexpr std::array arrays_of_tables{"robot", "gain_change", "obstacle", "perturb", "operator"};
 
 /// The text as a TOML string.
 std::string quoted(std::string_view text) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "app/experiment_events.h"
 #include "app/experiment_reference.h"
 #include "app/experiment_robots.h"
 
@@ -216,26 +217,6 @@ void read_simulation(TomlTable t, Experiment& e) {
   t.finish();
 }
 
-void read_perturbations(TomlTable& document, Experiment& e) {
-  const auto robots = static_cast<std::int64_t>(e.robots.size());
-  for (TomlTable& t : document.tables("perturb")) {
-    Perturbation p;
-    std::int64_t robot = 1;
-    t.require("t", "the time in s");
-    t.number("t", p.t,
-             between(0.0, longest_run, "s"));  // later than the end: a run cut short by --duration leaves it out
-    t.require("robot", fmt::format("the robot to move, from 1 to {}", robots));
-    t.integer("robot", robot, 1, robots);
-    p.robot = static_cast<std::size_t>(robot - 1);
-    t.number("dx", p.dx, between(-e.arena_width, e.arena_width, "m"));
-    t.number("dy", p.dy, between(-e.arena_height, e.arena_height, "m"));
-    t.number("dtheta", p.dtheta, between(-core::pi, core::pi, "rad"));
-    if (!t.has("dx") && !t.has("dy") && !t.has("dtheta")) t.require("dx", "at least one of dx, dy, dtheta");
-    t.finish();
-    e.perturbations.push_back(p);
-  }
-}
-
 void read_failure(TomlTable t, FailureSpec& failure) {
   using LinkLost = FailureSpec::LinkLost;
   t.choice("link_lost", failure.link_lost,
@@ -278,7 +259,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_simulation(t.table("simulation"), e);
   read_estimation(t.table("estimation"), e.estimation);
   read_staging(t.table("staging"), e.staging);
-  read_perturbations(t, e);
+  read_events(t, e);
   read_expectations(t.table("expect"), e.expect);
   t.finish();
 }

@@ -7,13 +7,10 @@
 
 int main(int argc, char** argv) {
 #ifdef SKEIN_GUI
-  const auto show = [](const skein::app::WindowRequest& request, int& count, char** words) {
-    return skein::ui::show_window(request.experiment, {count, words, request.start_at_once});
-  };
   const auto bench = [](double seconds, int& count, char** words) {
     return skein::ui::bench_window(count, words, seconds);
   };
-  return skein::app::command_line(argc, argv, show, bench);
+  return skein::app::command_line(argc, argv, skein::ui::show_window, bench);
 #else
   return skein::app::command_line(argc, argv, {});
 #endif

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "app/event.h"
 #include "core/avoidance/obstacle.h"
 #include "core/control/gain_schedule.h"
 
@@ -31,5 +33,8 @@ struct OperatorCommand {
   double seconds = 0.0;       ///< gain, pair_gain: the ramp shall take so long; 0: as fast as it may [s]
   core::Obstacle obstacle{};  ///< where it stands from now on; radius 0: nowhere
 };
+
+/// The command behind an event of a run, for a tick that does it again; none: no command made it. `recorded` as above.
+std::optional<OperatorCommand> command_of(const Event& event, bool recorded) noexcept;
 
 }  // namespace skein::app

@@ -14,67 +14,17 @@
 #include "app/control_tick.h"
 #include "app/csv_reader.h"
 #include "app/experiment_file.h"
+#include "app/operator_command.h"
 #include "app/replay_film.h"
 
 namespace skein::app {
 namespace {
 
-/// A change of couplings: of a pair, or, where the event names no robots, of all.
-OperatorCommand coupling_command(OperatorCommand::Kind kind, const Event& event) {
-  OperatorCommand command{kind, event.gain, event.values[1]};
-  command.i = static_cast<std::size_t>(std::max(0, event.robot));
-  command.j = static_cast<std::size_t>(std::max(0, event.other));
-  command.recorded = true;
-  command.seconds = event.values[2];
-  return command;
-}
-
 /// What the operator did at a recorded tick.
 std::vector<OperatorCommand> commands_of(const TickRecord& row) {
   std::vector<OperatorCommand> commands;
-  for (const Event& event : row.events) switch (event.kind) {
-      case Event::Kind::gain:
-        commands.push_back(coupling_command(OperatorCommand::Kind::gain, event));
-        break;
-      case Event::Kind::pair_gain:
-        commands.push_back(coupling_command(OperatorCommand::Kind::pair_gain, event));
-        break;
-      case Event::Kind::couple:
-        commands.push_back(coupling_command(OperatorCommand::Kind::couple, event));
-        break;
-      case Event::Kind::uncouple:
-        commands.push_back(coupling_command(OperatorCommand::Kind::uncouple, event));
-        break;
-      case Event::Kind::start:
-        commands.push_back({OperatorCommand::Kind::start});
-        break;
-      case Event::Kind::stage:
-        commands.push_back({OperatorCommand::Kind::stage, {}, 0.0});
-        break;
-      case Event::Kind::pause:
-        commands.push_back({OperatorCommand::Kind::pause});
-        break;
-      case Event::Kind::resume:
-        commands.push_back({OperatorCommand::Kind::resume});
-        break;
-      case Event::Kind::hold:
-      case Event::Kind::release: {
-        const bool hold = event.kind == Event::Kind::hold;
-        OperatorCommand command{hold ? OperatorCommand::Kind::hold : OperatorCommand::Kind::release, {}, 0.0};
-        command.number = static_cast<std::size_t>(event.robot);
-        commands.push_back(command);
-        break;
-      }
-      case Event::Kind::obstacle: {
-        OperatorCommand command{OperatorCommand::Kind::obstacle, {}, 0.0};
-        command.number = static_cast<std::size_t>(event.robot);
-        command.obstacle = {event.values[0], event.values[1], event.values[2]};
-        commands.push_back(command);
-        break;
-      }
-      default:
-        break;
-    }
+  for (const Event& event : row.events)
+    if (const auto command = command_of(event, true)) commands.push_back(*command);
   return commands;
 }
 
@@ -144,6 +94,7 @@ void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& 
 /// What a row needs to be shown and no file has.
 void complete(TickRecord& row, const TickRecord& again) {
   row.phase = again.phase;
+  row.pair_gains = again.pair_gains;  // older files have none
   for (std::size_t i = 0; i < row.robots.size(); ++i) {
     row.robots[i].k_x = again.robots[i].k_x;
     row.robots[i].k_theta = again.robots[i].k_theta;

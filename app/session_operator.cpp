@@ -159,9 +159,17 @@ std::optional<tl::expected<WheelCheck, std::string>> Session::wheel_check() {
 }
 
 tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacle& obstacle) {
-  const std::size_t number = impl_->obstacles.free();
-  if (number == impl_->obstacles.all().size())
-    return tl::unexpected(fmt::format("there are {} obstacles, no more can be added", number));
+  const auto all = impl_->obstacles.all();
+  const auto taken = [&](std::size_t k) {
+    const auto will_be = [k](const OperatorAction& a) {
+      return a.event.kind == Event::Kind::obstacle && a.event.robot == static_cast<int>(k);
+    };
+    const auto& actions = impl_->experiment.actions;
+    return all[k].radius > 0.0 || std::any_of(actions.begin(), actions.end(), will_be);
+  };
+  std::size_t number = 0;
+  while (number < all.size() && taken(number)) ++number;
+  if (number == all.size()) return tl::unexpected(fmt::format("there are {} obstacles, no more can be added", number));
   if (auto put = move_obstacle(number, obstacle); !put) return tl::unexpected(put.error());
   return number;
 }

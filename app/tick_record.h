@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -117,6 +118,7 @@ struct TickRecord {
   double t = 0.0;                             ///< time of the experiment [s]
   std::int64_t tick = 0;                      ///< t * rate; jumps where deadlines were missed
   double k_xx = 0.0, k_tt = 0.0, k_yy = 0.0;  ///< the largest of all pairs
+  std::array<core::PairTable, 3> pair_gains;  ///< of each pair, in the order of core::gain_names
   double V = 0.0, V_dot = 0.0;                ///< (19), (20)
   std::vector<double> delta;                  ///< (37) for neighbours i, i+1: size n-1 [m]
   double min_distance = none;                 ///< between any two robots, true poses where known [m]
@@ -125,6 +127,16 @@ struct TickRecord {
   Latency latency;             ///< wall clock only, as compute_time
   EventList events;
   std::vector<RobotRecord> robots;
+
+  /// The largest of all pairs.
+  double gain(core::GainName name) const noexcept {
+    return name == core::GainName::k_xx ? k_xx : name == core::GainName::k_tt ? k_tt : k_yy;
+  }
+  /// Of robots i != j, from 0; where the record has no gains of pairs, the largest of all.
+  double pair_gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {
+    const core::PairTable& table = pair_gains[static_cast<std::size_t>(name)];
+    return std::max(i, j) < table.robots() ? table(i, j) : gain(name);
+  }
 
   /// Largest position error of all robots that are not lost, from the references after avoidance. [m]
   double tracking_error() const noexcept {

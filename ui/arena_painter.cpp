@@ -152,7 +152,8 @@ void ArenaPainter::trails() {
 /// back.
 void ArenaPainter::couplings() {
   const std::size_t n = scene_.experiment.robots.size();
-  const double opacity = n <= 6 ? 0.55 : 3.0 / static_cast<double>(n);  // a crowd's web must not hide the crowd
+  // A crowd's web must not hide the crowd, nor cost a frame: thin lines, whose strength is how well they are seen.
+  const bool crowd = n > 8;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       QPolygonF line;
@@ -161,9 +162,10 @@ void ArenaPainter::couplings() {
       const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
       const double strength = lost ? 0.0 : scene_.couplings[i * n + j];
       constexpr double thinnest = 0.8, widest = 9.0;  // [px]
+      const double opacity = crowd ? std::clamp(0.15 + 0.5 * strength, 0.15, 0.5) : 0.55;
       QPen pen = strength > 0.0
                      ? cosmetic(faded(c_.coupling, hovered ? 0.9 : opacity),
-                                std::clamp(thinnest + widest * strength, thinnest, widest))
+                                crowd ? 1.0 : std::clamp(thinnest + widest * strength, thinnest, widest))
                      : cosmetic(faded(c_.faint_text, hovered ? 0.9 : 0.35), hovered ? 2.0 : 1.0, Qt::DotLine);
       pen.setCapStyle(Qt::FlatCap);
       p_.setBrush(Qt::NoBrush);

@@ -39,7 +39,9 @@ QString shortcuts_text() {
          row.arg(tr("Ctrl+0, double click"), tr("All of it")) + section(tr("The plots")) +
          row.arg(tr("Wheel, drag"), tr("Zoom and move along the time; the run goes on")) +
          row.arg(tr("Double click"), tr("Back to live")) + row.arg(tr("Right click"), tr("Save as PDF or PNG")) +
-         section(tr("Files and window")) + row.arg(QStringLiteral("Ctrl+O"), tr("Open an experiment")) +
+         section(tr("Files and window")) +
+         row.arg(QStringLiteral("Ctrl+O"), tr("Open an experiment or a recorded run; or drop the file here")) +
+         row.arg(tr("Ctrl+E, Ctrl+Shift+E, Ctrl+Alt+E"), tr("Edit it; with present gains; as this run was done")) +
          row.arg(QStringLiteral("Ctrl+S"), tr("Save the run as CSV")) +
          row.arg(QStringLiteral("F11"), tr("Full screen")) +
          row.arg(QStringLiteral("Ctrl+Q"), tr("Stop all robots and quit")) + QStringLiteral("</table>");

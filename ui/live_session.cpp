@@ -8,7 +8,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int frame_ms = 33;         // the screen's pace: faster than the eye minds, far slower than the machine can
+constexpr int frame_ms = 32;         // the screen's pace: faster than the eye minds, far slower than the machine can
 constexpr int looks_per_status = 8;  // links change slowly, and asking for them makes strings
 constexpr int rest_ms = 500;         // after the end of a run its last row has reached the recorder
 
@@ -44,6 +44,7 @@ void LiveSession::open(const app::Experiment& experiment, bool start_at_once, co
   latest_.reset();
   robots_.clear();
   failure_.reset();
+  film_is_broken_ = false;
   history_.clear();
   app::SessionOptions options;
   options.pictures = experiment.camera.source != "none";
@@ -162,6 +163,9 @@ void LiveSession::finish_recording() {
 
 void LiveSession::take_robots() {
   robots_ = session_->robots();
+  const app::VideoStatus video = session_->video();
+  if (!video.problem.empty() && !std::exchange(film_is_broken_, true))
+    emit film_failed(QString::fromStdString(video.problem));
   if (const auto why = session_->failure()) failure_ = QString::fromStdString(*why);
 }
 

@@ -93,7 +93,8 @@ class LiveSession final : public QObject {
   void record_taken(const skein::app::TickRecord& record);  ///< every one, in order
   void frame();                                             ///< after each look, thirty times a second
   void closed();
-  void was_away(double seconds);  ///< the window's thread stood still so long; the control thread did not
+  void was_away(double seconds);             ///< the window's thread stood still so long; the control thread did not
+  void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
   void robot_tested(const skein::app::WheelCheck& result);
   void test_failed(const QString& reason);
   void starting();                                             ///< the first row of a run is about to come
@@ -111,7 +112,7 @@ class LiveSession final : public QObject {
   std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: it goes after it
   std::unique_ptr<app::Session> session_;
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
-  bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false;
+  bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false, film_is_broken_ = false;
   QElapsedTimer since_stop_, since_look_, since_over_;
   double wanted_speed_ = 1.0;
   QString record_file_;

@@ -1,6 +1,7 @@
 #include "ui/main_window.h"
 
 #include <QCloseEvent>
+#include <QCursor>
 #include <QHeaderView>
 #include <QMenuBar>
 #include <QStatusBar>
@@ -25,13 +26,15 @@
 namespace skein::ui {
 namespace {
 
-constexpr int frames_per_text = 6;  // numbers that change five times a second can be read
+constexpr int frames_per_text = 6;       // numbers that change five times a second can be read
+constexpr int frames_per_question = 15;  // to the display
 
 }  // namespace
 
 MainWindow::MainWindow() {
   setObjectName(QStringLiteral("main_window"));
   setWindowTitle(tr("Skein"));
+  setAcceptDrops(true);
   setContextMenuPolicy(Qt::NoContextMenu);  // Qt's own would offer to hide things
   build_panels();
   connect_panels();
@@ -241,6 +244,9 @@ void MainWindow::on_frame() {
       alert_->say(tr("Saved %1").arg(file), Severity::good);
     emit saved(file, problem);
   }
+  // A question to the display, which waits for the answer: one that has stalled holds this thread up as well, and who
+  // cannot see the robots cannot stop them. The session takes care of that (3 s).
+  if (frames_ % frames_per_question == 0) static_cast<void>(QCursor::pos());
   if (++frames_ % frames_per_text == 0 || live_.phase() != shown_phase_) show_state();
 }
 

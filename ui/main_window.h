@@ -5,6 +5,7 @@
 #include <QMainWindow>
 #include <QPointer>
 #include <QToolBar>
+#include <functional>
 #include <future>
 
 #include "app/readiness.h"
@@ -36,8 +37,10 @@ class MainWindow final : public QMainWindow {
   ~MainWindow() override;
 
   void open(const app::Experiment& experiment, bool start_at_once);
-  /// Reads an experiment file and opens it, or says what is wrong with it.
+  /// Reads an experiment file and opens it, or says what is wrong with it; plays a recorded run (.csv).
   void open_file(const QString& file);
+  /// Where the open experiment comes from, for the editor and the list of recent files; empty: nobody knows.
+  void set_experiment_file(const QString& file);
   void save_csv(const QString& file);
   void save_plot(const QString& file, bool everything = false);
   /// Records this run to the file as it goes, what was before included, and those that follow to files beside it.
@@ -69,6 +72,8 @@ class MainWindow final : public QMainWindow {
  protected:
   void closeEvent(QCloseEvent*) override;
   void changeEvent(QEvent*) override;
+  void dragEnterEvent(QDragEnterEvent*) override;
+  void dropEvent(QDropEvent*) override;
 
  private:
   // main_window.cpp: what the window is made of, and what comes from the session
@@ -111,6 +116,8 @@ class MainWindow final : public QMainWindow {
   // main_window_pairs.cpp: couplings, pair by pair
   void connect_pairs();
   void show_pairs();
+  void show_couplings(const std::array<double, 3>& borders,
+                      const std::function<double(core::GainName, std::size_t, std::size_t)>& gain_of);
   // main_window_run.cpp: what the operator does with a run
   void connect_run();
   void build_run_menu(QMenu* run);
@@ -135,16 +142,22 @@ class MainWindow final : public QMainWindow {
   double recorded_border(core::GainName gain, const app::TickRecord& record) const;
   const app::Experiment& shown_experiment() const;
 
+  // main_window_files.cpp: experiments and recordings as files
+  void build_files_menu(QMenu* file);
+  void ask_open();
+  void remember_file(const QString& file);
+  bool real_robots_move();  ///< and says that nothing is opened meanwhile
+
   // main_window_editor.cpp: the experiment as a text
   void build_editor_menu(QMenu* file);
   void edit(const QString& text, const QString& file);
-  QString present_experiment() const;
+  void edit_present();
+  QString experiment_as_done() const;
 
   // main_window_actions.cpp: menus, dialogs, settings
   void build_menus(QMenuBar* menus);
   void build_arena_tools(QToolBar* tools);
   void dress_icons();
-  void ask_open();
   void ask_save_csv();
   void ask_save_plot(bool everything);
   void show_problem(const QString& title, const QString& text, const QString& details = {});

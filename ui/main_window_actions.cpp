@@ -7,7 +7,6 @@
 #include <QMessageBox>
 #include <QSettings>
 
-#include "app/experiment_file.h"
 #include "ui/alert_strip.h"
 #include "ui/arena_view.h"
 #include "ui/gains_panel.h"
@@ -70,7 +69,7 @@ void MainWindow::build_menus(QMenuBar* menus) {
   };
 
   QMenu* file = menus->addMenu(tr("&File"));
-  action(file, tr("&Open experiment …"), QStringLiteral("open"), QKeySequence::Open, [this] { ask_open(); });
+  build_files_menu(file);
   build_editor_menu(file);
   file->addSeparator();
   build_replay_menu(file);
@@ -192,29 +191,6 @@ void MainWindow::set_theme(Theme theme) {
   apply(theme);
   const QSignalBlocker quiet(dark_);
   dark_->setChecked(theme == Theme::dark);
-}
-
-void MainWindow::ask_open() {
-  QFileDialog* dialog = file_dialog(this, tr("Open experiment"), QStringLiteral("open_dialog"),
-                                    tr("Experiments (*.toml);;Recorded runs (*.csv);;All files (*)"));
-  dialog->setFileMode(QFileDialog::ExistingFile);
-  connect(dialog, &QFileDialog::fileSelected, this, &MainWindow::open_file);
-  show_beside(dialog);
-}
-
-void MainWindow::open_file(const QString& file) {
-  if (file.endsWith(QStringLiteral(".csv"))) return open_recording(file);
-  const auto experiment = app::load_experiment(file.toStdString());
-  if (experiment) {
-    experiment_file_ = file;
-    open(*experiment, false);
-    return;
-  }
-  QStringList problems;
-  for (const app::Problem& problem : experiment.error()) problems << QString::fromStdString(problem.message());
-  show_problem(tr("This experiment cannot be run"),
-               tr("%1 has %n problem(s):", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(file).fileName()),
-               problems.join(QLatin1Char('\n')));
 }
 
 void MainWindow::ask_save_csv() {

@@ -1,10 +1,7 @@
 // The experiment as a text: to be edited, or to be written down as it is now.
-#include <fmt/format.h>
-
 #include <QMenu>
-#include <tuple>
 
-#include "app/toml_edit.h"
+#include "app/run_text.h"
 #include "ui/alert_strip.h"
 #include "ui/experiment_editor.h"
 #include "ui/main_window.h"
@@ -20,8 +17,10 @@ void MainWindow::build_editor_menu(QMenu* file) {
   action(tr("&Edit experiment …"), QStringLiteral("edit_experiment"), QKeySequence(tr("Ctrl+E")), [this] {
     edit(QString::fromStdString(shown_experiment().source), player_.is_loaded() ? QString() : experiment_file_);
   });
-  action(tr("Edit &with present gains and moves …"), QStringLiteral("edit_present"), QKeySequence(tr("Ctrl+Shift+E")),
-         [this] { edit(present_experiment(), {}); });
+  action(tr("Edit &with present gains …"), QStringLiteral("edit_present"), QKeySequence(tr("Ctrl+Shift+E")),
+         [this] { edit_present(); });
+  action(tr("Edit &as this run was done …"), QStringLiteral("edit_done"), QKeySequence(tr("Ctrl+Alt+E")),
+         [this] { edit(experiment_as_done(), {}); });
 }
 
 void MainWindow::edit(const QString& text, const QString& file) {
@@ -31,37 +30,32 @@ void MainWindow::edit(const QString& text, const QString& file) {
   editor->show();
 }
 
-/// The experiment with the gains as they are now, and what the operator did to the robots as perturbations.
-QString MainWindow::present_experiment() const {
+/// The experiment with every pair's gains as they are now.
+void MainWindow::edit_present() {
   const app::Experiment& experiment = shown_experiment();
-  std::string text = experiment.source;
-  const app::TickRecord* now = player_.is_loaded() ? &player_.latest() : live_.latest();
-  if (!now) return QString::fromStdString(text);
-  for (const auto& [key, value, before] : {std::tuple{"k_xx", now->k_xx, experiment.controller.gains.k_xx.largest()},
-                                           {"k_tt", now->k_tt, experiment.controller.gains.k_tt.largest()},
-                                           {"k_yy", now->k_yy, experiment.controller.gains.k_yy.largest()}})
-    if (value != before)
-      if (auto changed = app::with_toml_value(text, fmt::format("controller.gains.{}", key), fmt::format("{}", value)))
-        text = *changed;
-  if (!text.empty() && text.back() != '\n') text += '\n';
-  const RunHistory::Rows rows = live_.history().rows();
-  const app::TickRecord* last = nullptr;
-  const auto moves = [&](const app::TickRecord& row) {
-    for (const app::Event& event : row.events) {
-      const auto i = static_cast<std::size_t>(std::max(0, event.robot));
-      if (event.kind != app::Event::Kind::move || !last || i >= last->robots.size()) continue;
-      const core::Pose& from = last->robots[i].truth;
-      text += fmt::format("\n[[perturb]]\nt = {}\nrobot = {}\ndx = {:.4f}\ndy = {:.4f}\ndtheta = {:.4f}\n", row.t,
-                          i + 1, event.values[0] - from.x, event.values[1] - from.y,
-                          core::wrap_angle(event.values[2] - from.theta));
-    }
-    last = &row;
-  };
+  if (player_.is_loaded() ? player_.latest().pair_gains.empty() : !live_.is_open())
+    return alert_->say(tr("There are no gains to write down: no run is open"), Severity::notice);
+  core::CouplingGains gains = experiment.controller.gains;
+  const std::size_t n = experiment.robots.size();
+  for (const core::GainName name : core::gain_names)
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j)
+        core::table(gains, name)
+            .set(i, j, player_.is_loaded() ? player_.latest().pair_gain(name, i, j) : live_.gain_target(name, i, j));
+  const auto text = app::text_with_gains(experiment.source, gains);
+  if (!text) return show_problem(tr("The gains cannot be written down"), QString::fromStdString(text.error()));
+  edit(QString::fromStdString(*text), {});
+}
+
+/// The experiment with all that was done by hand, each at its time.
+QString MainWindow::experiment_as_done() const {
+  std::vector<const app::TickRecord*> rows;
+  const RunHistory::Rows kept = live_.history().rows();
   if (player_.is_loaded())
-    for (const app::TickRecord& row : player_.run()->rows) moves(row);
+    for (const app::TickRecord& row : player_.run()->rows) rows.push_back(&row);
   else
-    for (const auto& row : rows) moves(*row);
-  return QString::fromStdString(text);
+    for (const auto& row : kept) rows.push_back(row.get());
+  return QString::fromStdString(app::text_as_done(shown_experiment(), rows));
 }
 
 }  // namespace skein::ui

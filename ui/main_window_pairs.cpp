@@ -20,15 +20,21 @@ void MainWindow::connect_pairs() {
 
 void MainWindow::show_pairs() {
   gains_->refresh_pairs();
-  const std::size_t n = live_.experiment().robots.size();
   std::array<double, 3> borders{};
   for (const core::GainName gain : core::gain_names) borders[static_cast<std::size_t>(gain)] = live_.gain_border(gain);
+  show_couplings(borders, [this](core::GainName gain, std::size_t i, std::size_t j) { return live_.gain(gain, i, j); });
+}
+
+/// The lines between the robots: as broad as their gains are of what (18f, g) allow.
+void MainWindow::show_couplings(const std::array<double, 3>& borders,
+                                const std::function<double(core::GainName, std::size_t, std::size_t)>& gain_of) {
+  const std::size_t n = shown_experiment().robots.size();
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       double shares = 0.0;
       for (const core::GainName gain : core::gain_names)
         if (const double border = borders[static_cast<std::size_t>(gain)]; border > 0.0)
-          shares += live_.gain(gain, i, j) / border;
+          shares += gain_of(gain, i, j) / border;
       arena_->set_coupling(i, j, shares / core::gain_names.size());
     }
 }

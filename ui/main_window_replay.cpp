@@ -58,12 +58,7 @@ void MainWindow::build_replay_menu(QMenu* file) {
 }
 
 void MainWindow::open_recording(const QString& file) {
-  const bool moves = live_.phase() == app::Phase::running || live_.phase() == app::Phase::paused;
-  if (moves && !live_.real_time_reason().isEmpty()) {
-    show_problem(tr("Not while robots are under way"), tr("Stop the run first, then open the recording."));
-    return;
-  }
-  load(file, false);
+  if (!real_robots_move()) load(file, false);
 }
 
 void MainWindow::compare_with(const QString& file) {
@@ -86,8 +81,10 @@ void MainWindow::take_loaded() {
       show_problem(tr("This recording cannot be read"), QString::fromStdString(run.error()));
     else if (to_compare)
       compare(std::make_shared<const app::RecordedRun>(std::move(*run)));
-    else
+    else {
+      remember_file(QString::fromStdString(run->file));
       waiting_ = std::make_shared<const app::RecordedRun>(std::move(*run));
+    }
   }
   if (!waiting_ || live_.is_busy()) return;
   if (live_.is_open()) {
@@ -153,8 +150,13 @@ void MainWindow::show_replay() {
   save_csv_action_->setEnabled(false);
   plots_->set_playhead(player_.t());
   gains_->take(record);
-  const auto border = [this, &record](core::GainName gain) { return recorded_border(gain, record); };
+  std::array<double, 3> borders{};
+  for (const core::GainName gain : core::gain_names)
+    borders[static_cast<std::size_t>(gain)] = recorded_border(gain, record);
+  const auto border = [&borders](core::GainName gain) { return borders[static_cast<std::size_t>(gain)]; };
   gains_->set_borders(border, border);
+  show_couplings(borders,
+                 [&record](core::GainName gain, std::size_t i, std::size_t j) { return record.pair_gain(gain, i, j); });
   arena_->set_banner(record.phase == app::Phase::paused ? tr("Replay – it was paused here") : tr("Replay"), false);
   arena_->set_hint({});
   std::vector<app::RobotStatus> links(record.robots.size());
@@ -170,9 +172,7 @@ void MainWindow::show_replay() {
 /// The border that (18f, g) left to a gain over the whole reference, with the others as they were.
 double MainWindow::recorded_border(core::GainName gain, const app::TickRecord& record) const {
   const app::Experiment& experiment = player_.run()->experiment;
-  const std::size_t n = experiment.robots.size();
-  const core::CouplingGains then{core::PairTable(n, record.k_xx), core::PairTable(n, record.k_tt),
-                                 core::PairTable(n, record.k_yy)};
+  const core::CouplingGains then{record.pair_gains[0], record.pair_gains[1], record.pair_gains[2]};
   const core::ReferenceDemand demand = app::make_reference(experiment)->demand(experiment.controller.k_y);
   return core::gain_border(gain, app::make_gains(experiment), then, demand);
 }
@@ -217,7 +217,7 @@ void MainWindow::show_other(double t) {
   other.name = QFileInfo(QString::fromStdString(other_->file)).fileName();
   other.trails.resize(rows.front().robots.size());
   for (auto row = from; row != to; ++row)
-    for (std::size_t i = 0; i < other.trails.size(); ++i) {
+    for (std::size_t i = 0; i < other.trails.size() && row->phase != app::Phase::staging; ++i) {
       const app::RobotRecord& robot = row->robots[i];
       const core::Pose& pose = std::isfinite(robot.truth.x) ? robot.truth : robot.pose;
       if (std::isfinite(pose.x)) other.trails[i].push_back(pose);

@@ -27,6 +27,9 @@ void MainWindow::connect_run() {
     else
       note(problem, Severity::alarm);
   });
+  connect(&live_, &LiveSession::film_failed, this, [this](const QString& problem) {
+    note(tr("the film of this run ends here, the run goes on: %1").arg(problem), Severity::alarm);
+  });
   connect(&live_, &LiveSession::was_away, this, [this](double seconds) {
     note(tr("the window stood still for %1 s; the control loop did not").arg(seconds, 0, 'f', 1), Severity::warning);
   });

@@ -13,6 +13,7 @@ QString tr(const char* text) {
 
 using app::TickRecord;
 constexpr double ms = 1e3;
+constexpr std::size_t most_coupled = 6;  // robots whose 15 pairs can be told apart in one plot
 
 /// Of robot i, unless it is lost.
 template <typename Value>
@@ -24,6 +25,15 @@ auto known(Value value) {
 }
 
 }  // namespace
+
+std::optional<std::pair<std::size_t, std::size_t>> robots_of(PlotRow::Of of, std::size_t curve, std::size_t robots) {
+  if (of == PlotRow::Of::robot) return std::pair(curve, curve);
+  if (of == PlotRow::Of::pair) return std::pair(curve, curve + 1);
+  if (of != PlotRow::Of::couple) return std::nullopt;
+  std::size_t i = 0;
+  for (; i + 1 < robots && curve >= robots - 1 - i; ++i) curve -= robots - 1 - i;
+  return std::pair(i, i + 1 + curve);
+}
 
 std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
   using Of = PlotRow::Of;
@@ -177,6 +187,29 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
        0,
        [](const TickRecord& record, std::size_t) { return ms * record.compute_time; }});
 
+  const std::size_t n = experiment.robots.size();
+  for (const core::GainName gain : core::gain_names) {
+    const bool xx = gain == core::GainName::k_xx, tt = gain == core::GainName::k_tt;
+    add({app::name(gain),
+         "k",
+         xx   ? "xx"
+         : tt ? "θθ"
+              : "yy",
+         xx ? tr("[m/s]") : tr("[rad/s]"),
+         n > most_coupled ? tr("Coupling gain, the largest of all pairs") : tr("Coupling gain of each pair"),
+         n > most_coupled ? Of::group : Of::couple,
+         0.1 * (xx ? law.v_max : law.omega_max),
+         true,
+         false,
+         {},
+         {},
+         0,
+         [gain, n](const TickRecord& record, std::size_t curve) {
+           if (n > most_coupled) return record.gain(gain);
+           const auto [i, j] = *robots_of(Of::couple, curve, n);
+           return record.pair_gain(gain, i, j);
+         }});
+  }
   add({"latency",
        "T",
        "stage",
@@ -191,7 +224,6 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
        0,
        [](const TickRecord& record, std::size_t stage) { return ms * record.latency.of[stage]; }});
 
-  const std::size_t n = experiment.robots.size();
   std::size_t next = 0;
   for (PlotRow& row : rows) {
     row.first = next;
@@ -199,6 +231,9 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       for (std::size_t i = 0; i < n; ++i) row.curves.push_back(QString::number(i + 1));
     if (row.of == Of::pair)
       for (std::size_t i = 0; i + 1 < n; ++i) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(i + 2));
+    if (row.of == Of::couple)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(j + 1));
     if (row.of == Of::stage)
       for (const char* stage : {"capture", "dequeue", "detect", "hand over", "estimate", "law", "write", "answer"})
         row.curves.push_back(tr(stage));
@@ -210,6 +245,10 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
 
 std::size_t curve_count(const std::vector<PlotRow>& rows) {
   return rows.empty() ? 0 : rows.back().first + rows.back().curves.size();
+}
+
+bool is_sample(const app::TickRecord& record) {
+  return record.phase != app::Phase::ready && record.phase != app::Phase::staging;
 }
 
 void sample(const std::vector<PlotRow>& rows, const app::TickRecord& record, std::vector<double>& values) {

@@ -8,6 +8,9 @@
 namespace skein::ui {
 namespace {
 
+constexpr std::size_t most_named = 8;   // curves that a legend has room for: of more the pointer tells the names
+constexpr std::size_t times_every = 6;  // plots
+
 /// So many names a line, for the right end of a plot's head.
 QCPLegend* compact_legend(int columns) {
   auto* legend = new QCPLegend;
@@ -48,13 +51,18 @@ void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>
   rows_ = all;
   robots_.resize(robots, true);
   const auto last = std::find(shown.rbegin(), shown.rend(), true);
-  bool robots_named = false;
+  bool robots_named = false, couples_named = false;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     if (!shown[row]) continue;
-    const bool names_curves = rows_[row].of == PlotRow::Of::pair || rows_[row].of == PlotRow::Of::stage ||
-                              (rows_[row].of == PlotRow::Of::robot && !robots_named);
-    robots_named = robots_named || rows_[row].of == PlotRow::Of::robot;
-    add_row(row, row + 1 == static_cast<std::size_t>(shown.rend() - last), names_curves);
+    using Of = PlotRow::Of;
+    const Of of = rows_[row].of;
+    const bool first = (of == Of::couple && !couples_named) || (of == Of::robot && !robots_named);
+    const bool names_curves = (of == Of::pair || of == Of::stage || first) && rows_[row].curves.size() <= most_named;
+    robots_named = robots_named || of == Of::robot;
+    couples_named = couples_named || of == Of::couple;
+    // The times stand below the last plot, and, where one has to scroll to it, here and there on the way.
+    const bool last_one = row + 1 == static_cast<std::size_t>(shown.rend() - last);
+    add_row(row, last_one, last_one || shown_.size() % times_every == times_every - 1, names_curves);
   }
   for (const Shown& from : shown_)
     for (const Shown& to : shown_)
@@ -67,7 +75,7 @@ void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>
   setMinimumHeight(needed_height());
 }
 
-void PlotView::add_row(std::size_t row, bool last, bool names_curves) {
+void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_curves) {
   const PlotRow& spec = rows_[row];
   const int place = 2 * static_cast<int>(shown_.size());
   Shown s{};
@@ -80,7 +88,7 @@ void PlotView::add_row(std::size_t row, bool last, bool names_curves) {
   head->addElement(0, 0, s.title);
   head->addElement(0, 1, new QCPLayoutElement(this));  // takes up what is left between title and legend
   head->setColumnStretchFactor(1, 1000);
-  if (names_curves) head->addElement(0, 2, s.legend = compact_legend(spec.of == PlotRow::Of::stage ? 4 : 12));
+  if (names_curves) head->addElement(0, 2, s.legend = compact_legend(spec.of == PlotRow::Of::stage ? 3 : 8));
   plotLayout()->addElement(place + 1, 0, s.rect);
   plotLayout()->setRowStretchFactor(place, 0.001);
   s.rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides_);
@@ -89,7 +97,7 @@ void PlotView::add_row(std::size_t row, bool last, bool names_curves) {
   s.rect->setRangeZoom(Qt::Horizontal);
   QCPAxis* time = s.rect->axis(QCPAxis::atBottom);
   QCPAxis* value = s.rect->axis(QCPAxis::atLeft);
-  time->setTickLabels(last);
+  time->setTickLabels(has_times);
   time->ticker()->setTickCount(6);
   if (last) time->setLabel(tr("t [s]"));
   time->setLabelPadding(0);
@@ -109,7 +117,7 @@ void PlotView::add_row(std::size_t row, bool last, bool names_curves) {
     // Of many pairs the legend has room for the first robot's number only.
     const bool few = spec.of != PlotRow::Of::pair || spec.curves.size() < 6;
     s.graphs[c]->setName(few ? spec.curves[c] : QString::number(c + 1));
-    if (c < 12) s.graphs[c]->addToLegend(s.legend);
+    s.graphs[c]->addToLegend(s.legend);
   }
   for (const double limit : spec.limits) {
     QCPItemStraightLine* at = line(s.rect, QStringLiteral("grid"));
@@ -150,9 +158,8 @@ QCPRange PlotView::time() const {
 }
 
 bool PlotView::drawn(const PlotRow& row, std::size_t curve) const {
-  if (row.of == PlotRow::Of::robot) return robots_[curve];
-  if (row.of == PlotRow::Of::pair) return robots_[curve] && robots_[curve + 1];
-  return true;
+  const auto of = robots_of(row.of, curve, robots_.size());
+  return !of || (robots_[of->first] && robots_[of->second]);
 }
 
 void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t curve) {
@@ -165,9 +172,11 @@ void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t cur
   graph->data()->set(drawn_points, true);
 }
 
-void PlotView::draw(const PlotHistory& history, const PlotHistory* other) {
+void PlotView::draw(const PlotHistory& history, const PlotHistory* other, const QRect& within) {
   for (Shown& s : shown_) {
     const PlotRow& row = rows_[s.row];
+    s.rect->setVisible(within.isEmpty() || s.rect->outerRect().intersects(within));  // with its axes and curves
+    if (!s.rect->visible()) continue;
     for (std::size_t c = 0; c < row.curves.size(); ++c) {
       const bool visible = drawn(row, c);
       s.graphs[c]->setVisible(visible);
@@ -283,19 +292,25 @@ void PlotView::style_curves() {
   for (Shown& s : shown_) {
     const PlotRow& row = rows_[s.row];
     for (std::size_t i = 0; i < row.curves.size(); ++i) {
+      const auto of = robots_of(row.of, i, robots_.size());
       const bool single = row.of == PlotRow::Of::group;
       QColor colour = single ? colours_.text : row.of == PlotRow::Of::pair ? colours_.pair(i) : colours_.robot(i);
-      double width = 1.5;
+      constexpr std::size_t hues = 7;  // then they come round again, dashed
+      const auto style = row.of == PlotRow::Of::couple && i >= hues ? Qt::DashLine : Qt::SolidLine;
+      const bool crowd = row.curves.size() > most_named;  // thin lines without smooth edges cost a fifth
+      double width = crowd ? 1.0 : 1.5;
       const auto chosen = static_cast<std::size_t>(selected_);
-      const bool has_robots = row.of == PlotRow::Of::robot || row.of == PlotRow::Of::pair;
-      const bool belongs = i == chosen || (row.of == PlotRow::Of::pair && i + 1 == chosen);
+      const bool has_robots = of.has_value();
+      const bool belongs = of && (of->first == chosen || of->second == chosen);
       QColor pale = colour;
       pale.setAlphaF(0.38F);
       if (selected_ >= 0 && has_robots) {
-        width = belongs ? 2.6 : 1.2;
+        width = belongs ? 2.6 : crowd ? 1.0 : 1.2;
         colour.setAlphaF(belongs ? 1.0F : 0.45F);
       }
-      s.graphs[i]->setPen(QPen(colour, width));
+      s.graphs[i]->setAntialiased(!crowd);
+      s.others[i]->setAntialiased(!crowd);
+      s.graphs[i]->setPen(QPen(colour, width, style));
       s.graphs[i]->setLayer(selected_ >= 0 && has_robots && belongs ? QStringLiteral("axes") : QStringLiteral("main"));
       s.others[i]->setPen(QPen(pale, 2.2));
     }

@@ -30,8 +30,9 @@ class PlotView final : public QCustomPlot {
 
   void set_time(double from, double to);
   QCPRange time() const;
-  /// Takes the curves of what is seen now; `other`: a run to compare with, or nothing.
-  void draw(const PlotHistory& history, const PlotHistory* other);
+  /// Takes the curves of what is seen now; `other`: a run to compare with, or nothing. Rows that lie outside `within`,
+  /// in pixels of this widget, are left out; empty: none is.
+  void draw(const PlotHistory& history, const PlotHistory* other, const QRect& within = {});
 
   EventMarkers& markers() { return markers_; }
   /// A line through all plots; none: no line.
@@ -54,7 +55,7 @@ class PlotView final : public QCustomPlot {
     std::vector<QCPItemStraightLine*> limits;
     QCPItemStraightLine *cursor, *playhead;
   };
-  void add_row(std::size_t row, bool last, bool names_curves);
+  void add_row(std::size_t row, bool last, bool has_times, bool names_curves);
   QCPItemStraightLine* line(QCPAxisRect* rect, const QString& layer);
   void style();
   void style_curves();

@@ -4,7 +4,7 @@
 #include <QHBoxLayout>
 #include <QMenu>
 #include <QScrollArea>
-#include <QToolButton>
+#include <QScrollBar>
 #include <QToolTip>
 #include <algorithm>
 #include <cmath>
@@ -15,24 +15,12 @@
 namespace skein::ui {
 namespace {
 
-constexpr int replot_ms = 60;                   // at most some 16 pictures a second
-constexpr std::size_t most_bytes = 64'000'000;  // of curves, but half an hour at 25 Hz whatever it takes
+constexpr int replot_ms = 60;                    // at most some 16 pictures a second
+constexpr std::size_t most_bytes = 256'000'000;  // of curves: four hours of four robots at 25 Hz
 
 std::size_t most_samples(std::size_t curves) {
-  constexpr std::size_t least = 49152, most = 131072, sample_bytes = 9;
+  constexpr std::size_t least = 49152, most = 524288, sample_bytes = 9;
   return std::clamp(most_bytes / (sample_bytes * std::max<std::size_t>(1, curves)), least, most);
-}
-
-QToolButton* menu_button(const QString& text, const QString& name, const QString& tip, QMenu* menu) {
-  auto* button = new QToolButton;
-  button->setObjectName(name);
-  button->setText(text);
-  button->setAccessibleName(text);
-  button->setToolTip(tip);
-  button->setMenu(menu);
-  button->setPopupMode(QToolButton::InstantPopup);
-  button->setAutoRaise(true);
-  return button;
 }
 
 }  // namespace
@@ -71,46 +59,12 @@ PlotsPanel::PlotsPanel(QWidget* parent)
   connect(view_, &QWidget::customContextMenuRequested, this, &PlotsPanel::context_menu);
   connect(view_, &QCustomPlot::mouseWheel, this, &PlotsPanel::leave_live);
   connect(live_button_, &QPushButton::clicked, this, &PlotsPanel::go_live);
+  connect(scroll_->verticalScrollBar(), &QScrollBar::valueChanged, this, &PlotsPanel::replot_now);
   connect(&timer_, &QTimer::timeout, this, &PlotsPanel::replot_if_due);
   timer_.start(replot_ms);
 }
 
 PlotsPanel::~PlotsPanel() = default;
-
-void PlotsPanel::build_tools(QHBoxLayout* tools) {
-  span_box_->setObjectName(QStringLiteral("plot_span"));
-  span_box_->setAccessibleName(tr("Time seen"));
-  span_box_->setToolTip(tr("How much of the time is seen"));
-  for (const auto& [text, seconds] : {std::pair{tr("10 s"), 10.0},
-                                      {tr("1 min"), 60.0},
-                                      {tr("5 min"), 300.0},
-                                      {tr("30 min"), 1800.0},
-                                      {tr("All"), 0.0}})
-    span_box_->addItem(text, seconds);
-  span_box_->setCurrentIndex(span_box_->findData(span_));
-  connect(span_box_, &QComboBox::activated, this, [this] { set_span(span_box_->currentData().toDouble()); });
-
-  auto* freeze = new QToolButton;
-  freeze->setObjectName(QStringLiteral("freeze_plots"));
-  freeze->setText(tr("Hold"));
-  freeze->setAccessibleName(tr("Hold the plots"));
-  freeze->setToolTip(tr("The picture stands still to be read; the run goes on, and nothing of it is lost"));
-  freeze->setAutoRaise(true);
-  connect(freeze, &QToolButton::clicked, this, [this] { live_ ? leave_live() : go_live(); });
-
-  connect(plots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_plots_menu);
-  connect(robots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_robots_menu);
-  auto* save = new QMenu(this);
-  save->addAction(tr("What is seen …"), this, [this] { emit save_wanted(false); });
-  save->addAction(tr("Everything …"), this, [this] { emit save_wanted(true); });
-  tools->addWidget(span_box_);
-  tools->addWidget(freeze);
-  tools->addWidget(menu_button(tr("Plots"), QStringLiteral("choose_plots"), tr("Which plots are drawn"), plots_menu_));
-  tools->addWidget(
-      menu_button(tr("Robots"), QStringLiteral("choose_robots"), tr("Whose curves are drawn"), robots_menu_));
-  tools->addWidget(menu_button(tr("Save"), QStringLiteral("save_plots"), tr("As PDF, PNG or CSV"), save));
-  tools->addStretch();
-}
 
 void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   rows_ = plot_rows(experiment);
@@ -134,7 +88,7 @@ void PlotsPanel::rebuild() {
   view_->set_rows(rows_, shown_, robots_.size());
   view_->show_robots(robots_);
   if (playhead_) view_->set_playhead(playhead_);
-  dirty_ = true;
+  refresh();
 }
 
 QStringList PlotsPanel::shown() const {
@@ -156,6 +110,7 @@ void PlotsPanel::show_all_plots() {
 }
 
 void PlotsPanel::take(const app::TickRecord& record) {
+  if (!is_sample(record)) return;
   note_events(record);
   const bool new_time = record.t > t_ || history_.empty();
   dirty_ = dirty_ || new_time || !record.events.empty();
@@ -187,12 +142,12 @@ void PlotsPanel::set_playhead(double t) {
 
 void PlotsPanel::compare(const std::vector<app::TickRecord>* rows) {
   other_.reset();
-  dirty_ = true;
+  refresh();
   if (!rows) return;
   other_.emplace(history_.curves(), most_samples(history_.curves()));
   double last = -1.0;
   for (const app::TickRecord& row : *rows) {
-    if (row.t <= last) continue;
+    if (row.t <= last || !is_sample(row)) continue;
     last = row.t;
     sample(rows_, row, values_);
     other_->add(row.t, values_);
@@ -203,7 +158,7 @@ void PlotsPanel::select(int robot) {
   if (selected_ == robot) return;
   selected_ = robot;
   view_->select(robot);
-  dirty_ = true;
+  refresh();
 }
 
 void PlotsPanel::set_span(double seconds) {
@@ -212,12 +167,29 @@ void PlotsPanel::set_span(double seconds) {
   go_live();
 }
 
+/// How long one picture stands: until a curve has moved by a good part of a pixel, and so long that pictures take a
+/// fifth of this thread at most. What the operator does is seen at once: it makes the picture dirty itself.
+int PlotsPanel::rest_ms() const {
+  constexpr double share_of_a_pixel = 0.25, longest = 1000.0, rests_for_work = 4.0;
+  if (!live_) return replot_ms;
+  const double moved = 1e3 * share_of_a_pixel * view_->time().size() / std::max(1, view_->width());
+  return static_cast<int>(std::clamp(std::max(moved, rests_for_work * cost_ms_), double(replot_ms), longest));
+}
+
 void PlotsPanel::replot_if_due() {
   if (!dirty_ || !isVisible() || window()->isMinimized()) return;
-  dirty_ = false;
+  if (!hurry_ && since_replot_.isValid() && !since_replot_.hasExpired(rest_ms())) return;
+  replot_now();
+}
+
+void PlotsPanel::replot_now() {
+  dirty_ = hurry_ = false;
+  since_replot_.start();
   if (live_) follow_time();
-  view_->draw(history_, other_ ? &*other_ : nullptr);
-  view_->replot(QCustomPlot::rpQueuedReplot);
+  const QRect seen(view_->mapFrom(scroll_->viewport(), QPoint()), scroll_->viewport()->size());
+  view_->draw(history_, other_ ? &*other_ : nullptr, seen);
+  view_->replot(QCustomPlot::rpQueuedRefresh);
+  cost_ms_ = 1e-6 * static_cast<double>(since_replot_.nsecsElapsed());
 }
 
 void PlotsPanel::follow_time() {
@@ -232,7 +204,7 @@ void PlotsPanel::follow_time() {
 
 void PlotsPanel::leave_live() {
   live_ = false;
-  dirty_ = true;
+  refresh();
   live_button_->setText(playhead_ ? tr("Whole run") : tr("Back to live"));
   place_button();
   live_button_->show();
@@ -247,63 +219,8 @@ void PlotsPanel::show_time(double t) {
 
 void PlotsPanel::go_live() {
   live_ = true;
-  dirty_ = true;
+  refresh();
   live_button_->hide();
-}
-
-void PlotsPanel::fill_plots_menu() {
-  plots_menu_->clear();
-  for (std::size_t row = 0; row < rows_.size(); ++row) {
-    QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].name, rows_[row].what));
-    action->setCheckable(true);
-    action->setChecked(shown_[row]);
-    connect(action, &QAction::toggled, this, [this, name = rows_[row].name](bool on) {
-      QStringList names = shown();
-      on ? names.append(name) : static_cast<void>(names.removeAll(name));
-      if (!names.isEmpty()) show_plots(names);
-    });
-  }
-  plots_menu_->addSeparator();
-  plots_menu_->addAction(tr("All"), this, &PlotsPanel::show_all_plots);
-  plots_menu_->addAction(tr("The usual ones"), this, [this] { show_plots({}); });
-}
-
-void PlotsPanel::fill_robots_menu() {
-  robots_menu_->clear();
-  const auto choose = [this](const std::vector<bool>& robots) {
-    robots_ = robots;
-    view_->show_robots(robots_);
-    dirty_ = true;
-  };
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
-    QAction* action = robots_menu_->addAction(tr("Robot %1").arg(i + 1));
-    action->setCheckable(true);
-    action->setChecked(robots_[i]);
-    connect(action, &QAction::toggled, this, [this, i, choose](bool on) {
-      std::vector<bool> robots = robots_;
-      robots[i] = on;
-      choose(robots);
-    });
-  }
-  robots_menu_->addSeparator();
-  robots_menu_->addAction(tr("All"), this, [this, choose] { choose(std::vector<bool>(robots_.size(), true)); });
-  robots_menu_
-      ->addAction(tr("Only the selected one"), this,
-                  [this, choose] {
-                    std::vector<bool> robots(robots_.size(), false);
-                    if (selected_ >= 0) robots[static_cast<std::size_t>(selected_)] = true;
-                    choose(robots);
-                  })
-      ->setEnabled(selected_ >= 0);
-}
-
-void PlotsPanel::context_menu(const QPoint& where) {
-  auto* menu = new QMenu(this);
-  menu->setAttribute(Qt::WA_DeleteOnClose);
-  menu->addAction(tr("Save what is seen …"), this, [this] { emit save_wanted(false); });
-  menu->addAction(tr("Save everything …"), this, [this] { emit save_wanted(true); });
-  menu->addAction(tr("Back to live"), this, &PlotsPanel::go_live)->setEnabled(!live_);
-  menu->popup(view_->mapToGlobal(where));
 }
 
 /// What the cursor reads: the time, the values of the plot under it, and what happened there.
@@ -314,7 +231,8 @@ QString PlotsPanel::values_at(const QPoint& where) const {
   const double t = view_->time_at(where);
   QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
-    if (spec.of == PlotRow::Of::robot && !robots_[c]) continue;
+    if (const auto of = robots_of(spec.of, c, robots_.size()); of && !(robots_[of->first] && robots_[of->second]))
+      continue;
     const double value = history_.value(spec.first + c, t);
     QString text = std::isnan(value) ? tr("–") : QStringLiteral("%1 %2").arg(value, 0, 'g', 4).arg(spec.unit);
     if (other_ && !std::isnan(other_->value(spec.first + c, t)))
@@ -351,19 +269,19 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
 void PlotsPanel::changeEvent(QEvent* event) {
   if (event->type() == QEvent::PaletteChange) {
     view_->set_colours(colours(palette()));
-    dirty_ = true;
+    refresh();
   }
   QWidget::changeEvent(event);
 }
 
 void PlotsPanel::showEvent(QShowEvent* event) {
-  dirty_ = true;
+  refresh();
   QWidget::showEvent(event);
 }
 
 void PlotsPanel::resizeEvent(QResizeEvent* event) {
   QWidget::resizeEvent(event);
-  dirty_ = true;
+  refresh();
   place_button();
 }
 

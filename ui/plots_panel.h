@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QElapsedTimer>
 #include <QPushButton>
 #include <QStringList>
 #include <QTimer>
@@ -78,7 +79,10 @@ class PlotsPanel final : public QWidget {
   void rebuild();
   void store_values(const app::TickRecord& record);
   void note_events(const app::TickRecord& record);
+  void refresh() { dirty_ = hurry_ = true; }  // at the next look: the operator waits for it
   void replot_if_due();
+  void replot_now();
+  int rest_ms() const;
   void follow_time();
   void leave_live();
   void place_button();
@@ -100,10 +104,12 @@ class PlotsPanel final : public QWidget {
   std::optional<PlotHistory> other_;
   std::vector<double> values_;
   QTimer timer_;
+  QElapsedTimer since_replot_;
+  double cost_ms_ = 0.0;  // of the last picture
   std::optional<double> playhead_;
   double t_ = 0.0, span_ = 60.0;
   int selected_ = -1;
-  bool live_ = true, dirty_ = false;
+  bool live_ = true, dirty_ = false, hurry_ = false;
 };
 
 }  // namespace skein::ui

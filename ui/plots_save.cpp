@@ -22,7 +22,7 @@ QString PlotsPanel::save(const QString& file, bool everything) {
                                                   : view_->savePng(file, 0, 0, 2.0);
   view_->set_colours(colours(palette()));
   view_->set_time(seen.lower, seen.upper);
-  dirty_ = true;
+  refresh();
   return done ? QString() : tr("Could not write %1.").arg(file);
 }
 

@@ -2,6 +2,7 @@
 
 #include <QCoreApplication>
 #include <QSaveFile>
+#include <algorithm>
 #include <sstream>
 
 #include "app/csv_writer.h"
@@ -36,7 +37,9 @@ void RunHistory::add(const app::TickRecord& record) {
 
 QString write_csv(const RunHistory::Rows& rows, const app::Experiment& experiment, const QString& file) {
   std::ostringstream text;
-  app::CsvWriter writer(text, experiment);
+  const bool pair_gains =
+      std::any_of(rows.begin(), rows.end(), [](const auto& row) { return app::pairs_differ(*row); });
+  app::CsvWriter writer(text, experiment, pair_gains);
   for (const auto& row : rows) writer.record(*row);
   // A half-written file never takes the place of a good one.
   QSaveFile out(file);

@@ -41,14 +41,19 @@ void prepare(QApplication& application) {
   static_cast<void>(application);
 }
 
-int show_window(app::Experiment experiment, const WindowOptions& options) {
-  QApplication application(options.argc, options.argv);
+int show_window(const app::WindowRequest& request, int& argc, char** argv) {
+  QApplication application(argc, argv);
   prepare(application);
   MainWindow window;
   open_window = &window;
   std::atexit(stop_robots_at_exit);
   window.show();
-  window.open(experiment, options.start_at_once);
+  if (request.recording.empty()) {
+    window.open(request.experiment, request.file.empty());
+    window.set_experiment_file(QString::fromStdString(request.file));
+  } else {
+    window.open_recording(QString::fromStdString(request.recording));
+  }
   const int status = QApplication::exec();
   open_window = nullptr;
   return status;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -32,11 +31,6 @@ class ObstacleField {
   /// All numbers, those that are not there too.
   std::span<const Obstacle> all() const noexcept { return all_; }
   std::span<const Obstacle> standing() const noexcept { return standing_; }
-  /// The first number that is free; all().size(): none is.
-  std::size_t free() const noexcept {
-    const auto gap = std::find_if(all_.begin(), all_.end(), [](const Obstacle& o) { return !(o.radius > 0.0); });
-    return static_cast<std::size_t>(gap - all_.begin());
-  }
   /// Puts one somewhere, or with radius 0 takes it away. False: there is no such number, or it was so already.
   bool put(std::size_t number, const Obstacle& obstacle) noexcept {
     if (number >= all_.size() || all_[number] == obstacle) return false;

@@ -15,10 +15,13 @@ smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
 
 # What is drawn, a block in memory for each robot: x, y, x_ref, y_ref. The file is read once a robot and not once a curve.
+# While robots drive to their starts t stands still: no part of the run.
+driven(i) = (strstrt(strcol(sprintf("r%d_mode", i)), "staging") == 0)
 block(i) = sprintf("$robot%d", i)
 do for [i=1:n] {
   eval "set table " . block(i)
-  plot data using (of_robot(i, "x")):(of_robot(i, "y")):(of_robot(i, "x_nom")):(of_robot(i, "y_nom")) with table
+  plot data using (of_robot(i, "x")):(of_robot(i, "y")):(of_robot(i, "x_nom")):(of_robot(i, "y_nom")) \
+    with table if (driven(i))
   unset table
 }
 set datafile separator whitespace

@@ -20,10 +20,13 @@ larger(a, b) = (a > b ? a : b)
 wrapped(angle) = angle - 2 * pi * floor((angle + pi) / (2 * pi))
 e(i, quantity) = column(sprintf("r%d_%s_nom", i, quantity)) - column(sprintf("r%d_%s", i, quantity))
 delta(i) = (i < n ? column(sprintf("delta_%d_%d", i, i + 1)) : 0)
+# While robots drive to their starts t stands still: no part of the run.
+driven(i) = (strstrt(strcol(sprintf("r%d_mode", i)), "staging") == 0)
 block(i) = sprintf("$robot%d", i)
 do for [i=1:n] {
   eval "set table " . block(i)
-  plot data using (column("t")):(1000 * e(i, "x")):(1000 * e(i, "y")):(wrapped(e(i, "theta"))):(1000 * delta(i)) with table
+  plot data using (column("t")):(1000 * e(i, "x")):(1000 * e(i, "y")):(wrapped(e(i, "theta"))):(1000 * delta(i)) \
+    with table if (driven(i))
   unset table
 }
 set datafile separator whitespace

@@ -127,6 +127,29 @@ TEST(CsvWriter, WritesNothingWhereThereIsNoValue) {
   EXPECT_EQ(text.find("-1e"), std::string::npos) << "the time of a measurement that never was";
 }
 
+TEST(CsvWriter, WritesGainsOfPairsWhereTheyDiffer) {
+  Experiment e = robots(3);
+  TickRecord row = numbered(3);
+  row.pair_gains.fill(core::PairTable(3, 0.0));
+  for (const core::GainName gain : core::gain_names)
+    row.pair_gains[static_cast<std::size_t>(gain)].fill(row.gain(gain));
+  EXPECT_EQ(csv(e, {row}).find("k_xx_1_2"), std::string::npos) << "all pairs have the same";
+  e.controller.gains.k_xx = core::PairTable(3, 0.01);
+  e.controller.gains.k_xx.set(0, 2, 0.0);
+  row.pair_gains[0].set(0, 2, 0.03125);
+  const std::string text = csv(e, {row});
+  EXPECT_NE(text.find(",k_xx_1_2,k_xx_1_3,k_xx_2_3,k_tt_1_2,k_tt_1_3,k_tt_2_3,k_yy_1_2,k_yy_1_3,k_yy_2_3,now\n"),
+            std::string::npos);
+  std::istringstream in(text);
+  auto reader = CsvReader::open(in, "run.csv");
+  TickRecord read;
+  ASSERT_TRUE(reader->next(read).value());
+  EXPECT_EQ(reader->cell("k_xx_1_2"), "");
+  EXPECT_EQ(reader->cell("k_xx_1_3"), "0.03125");
+  EXPECT_EQ(read.pair_gains, row.pair_gains);
+  EXPECT_EQ(read.pair_gain(core::GainName::k_xx, 2, 0), 0.03125);
+}
+
 TEST(CsvReader, ReadsTheHead) {
   std::istringstream in(csv(robots(3, "name = \"x\"\n\n  # end\n"), {}));
   const auto reader = CsvReader::open(in, "run.csv");

@@ -232,6 +232,7 @@ TEST(Documentation, NamesEveryKey) {
         "[failure]",
         "[simulation]",
         "[[perturb]]\nt=0\nrobot=1\ndx=0",
+        "[[operator]]\nt=0\ndoes='hold r1'",
         "[expect]"})
     for (const std::string& key : known_keys(table)) {
       ++keys;

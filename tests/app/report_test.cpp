@@ -38,12 +38,13 @@ class Report : public testing::Test {
   ~Report() override { fs::remove_all(directory); }
 
   /// Runs an experiment and draws it.
-  tl::expected<void, std::string> draw(const Experiment& e) {
+  tl::expected<void, std::string> draw(const Experiment& e) { return draw(e, test::simulate(e)); }
+  tl::expected<void, std::string> draw(const Experiment& e, const std::vector<TickRecord>& rows) {
     Statistics statistics(e);
     {
       std::ofstream out(directory / "run.csv");
       CsvWriter csv(out, e);
-      for (const TickRecord& row : test::simulate(e)) csv.record(row), statistics.record(row);
+      for (const TickRecord& row : rows) csv.record(row), statistics.record(row);
     }
     return write_report(directory.string(), e, statistics.summary());
   }
@@ -132,6 +133,24 @@ TEST_F(Report, RefusesADirectoryThatCannotBe) {
   const auto gone = write_report((directory / "gone").string(), paper_experiment(), {});
   ASSERT_FALSE(gone);
   EXPECT_NE(gone.error().find("summary.json: cannot be written: No such file"), std::string::npos) << gone.error();
+}
+
+TEST_F(Report, LeavesOutTheWayToTheStarts) {
+  const Experiment e = experiment("duration = 2\nname = \"x\"");
+  std::vector<TickRecord> rows = test::simulate(e);
+  ASSERT_TRUE(draw(e, rows));
+  const std::string path = text_of(directory / "figure3.svg"), errors = text_of(directory / "figure4.svg");
+  TickRecord on_the_way = rows.front();
+  on_the_way.phase = Phase::staging;
+  on_the_way.events.clear();
+  for (RobotRecord& robot : on_the_way.robots) {
+    robot.mode = staging;
+    robot.pose.x += 0.4;
+  }
+  rows.insert(rows.begin(), 3, on_the_way);
+  ASSERT_TRUE(draw(e, rows));
+  EXPECT_EQ(text_of(directory / "figure3.svg"), path);
+  EXPECT_EQ(text_of(directory / "figure4.svg"), errors);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ class Checks : public Operator {
   void open_and_wait(const app::Experiment& experiment = app::paper_experiment()) {
     window.resize(1280, 800);
     window.show();
+    window.activateWindow();
     window.open(experiment, false);
     ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
     ASSERT_TRUE(eventually([&] { return find<QPushButton>("go")->isEnabled(); }));

@@ -8,6 +8,7 @@
 
 #include "operator.h"
 #include "ui/experiment_editor.h"
+#include "ui/gains_panel.h"
 #include "ui/toml_text.h"
 
 namespace skein::ui::test {
@@ -20,6 +21,8 @@ class Editor : public Operator {
     editor = window.findChild<ExperimentEditor*>();
     ASSERT_NE(editor, nullptr);
     ASSERT_TRUE(QTest::qWaitForWindowExposed(editor));
+    editor->activateWindow();
+    ASSERT_TRUE(QTest::qWaitForWindowActive(editor));
     text = editor->findChild<TomlText*>(QStringLiteral("editor_text"));
   }
   QPushButton& button(const char* name) { return *editor->findChild<QPushButton*>(QString::fromLatin1(name)); }
@@ -85,12 +88,13 @@ TEST_F(Editor, WritesFieldsIntoTheTextAndLeavesTheRest) {
   ASSERT_NE(field, nullptr);
   EXPECT_EQ(field->text(), QStringLiteral("0.1"));
   field->setFocus();
+  ASSERT_TRUE(eventually([&] { return field->hasFocus(); }));
   field->selectAll();
   QTest::keyClicks(field, QStringLiteral("0.09"));
   QTest::keyClick(field, Qt::Key_Tab);
   QString expected = before;
   expected.replace(QStringLiteral("v_max = 0.1\n"), QStringLiteral("v_max = 0.09\n"));
-  EXPECT_EQ(editor->text(), expected) << "comments and order are the operator's";
+  EXPECT_EQ(editor->text().toStdString(), expected.toStdString()) << "comments and order are the operator's";
   EXPECT_TRUE(editor->is_valid());
   text->undo();
   EXPECT_EQ(editor->text(), before);
@@ -107,28 +111,71 @@ TEST_F(Editor, SavesAndOpensInTheWindow) {
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().experiment().name == "mine"; }));
 }
 
-TEST_F(Editor, WritesDownPresentGainsAndMoves) {
+TEST_F(Editor, WritesDownPresentGainsPairByPair) {
   start();
   window.set_speed(10.0);
   find<QDoubleSpinBox>("spin_k_xx")->setValue(0.004);
   ASSERT_TRUE(eventually([&] { return std::abs(record().k_xx - 0.004) < 1e-12; }));
-  window.set_speed(1.0);
-  drag(robot(1), floor(0.3, 0.1));
-  const core::Pose put = moved(1);
+  emit find<GainsPanel>("gains")->pair_wanted(core::GainName::k_yy, 0, 2, 0.05);
+  emit find<GainsPanel>("gains")->couple_wanted(1, 3, false);
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_xx, 1, 3) == 0.0; }));
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_yy, 0, 2) == 0.05; }));
   key(Qt::Key_Space);
   ASSERT_TRUE(eventually([&] { return stopped(); }));
   open_editor("edit_present");
   ASSERT_TRUE(editor->is_valid()) << editor->text().toStdString();
   const auto experiment = app::parse_experiment(editor->text().toStdString(), "present.toml");
   ASSERT_TRUE(experiment.has_value());
-  EXPECT_NEAR(experiment->controller.gains.k_xx.largest(), 0.004, 1e-12);
-  const auto mine = std::find_if(experiment->perturbations.begin(), experiment->perturbations.end(),
-                                 [](const app::Perturbation& p) { return p.robot == 1 && p.t < 17.0; });
-  ASSERT_NE(mine, experiment->perturbations.end());
-  for (const auto& row : live().history().rows())
-    if (std::abs(row->t - mine->t) < 1e-9) {
-      EXPECT_NEAR(row->robots[1].truth.x, put.x, 0.01);
+  const core::CouplingGains& gains = experiment->controller.gains;
+  EXPECT_EQ(gains.k_xx(0, 1), 0.004);
+  EXPECT_EQ(gains.k_xx(1, 3), 0.0);
+  EXPECT_EQ(gains.k_yy(0, 2), 0.05);
+  EXPECT_EQ(gains.k_yy(0, 1), 0.08);
+}
+
+TEST_F(Editor, WritesDownARunSoThatItHappensAgain) {
+  window.set_speed(4.0);  // a paced simulation keeps its ticks, on any machine, but for its first one
+  start();
+  ASSERT_EQ(live().speed(), 4.0);
+  drag(robot(1), robot(1) + QPoint(40, 10), Qt::ShiftModifier);
+  const app::Event kick = last(app::Event::Kind::kick, 1);
+  emit find<GainsPanel>("gains")->pair_wanted(core::GainName::k_xx, 0, 1, 0.02);
+  drag(robot(2), floor(0.2, 0.1));
+  moved(2);
+  find<QAction>("tool_obstacle")->trigger();
+  QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(0.75, 0.6));
+  last(app::Event::Kind::obstacle, 0);
+  const double t = record().t;
+  ASSERT_TRUE(eventually([&] { return record().t > t + 5.0; }));
+  key(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  open_editor("edit_done");
+  ASSERT_TRUE(editor->is_valid()) << editor->text().toStdString();
+  const auto written = app::parse_experiment(editor->text().toStdString(), "done.toml");
+  ASSERT_TRUE(written.has_value());
+  EXPECT_GE(written->actions.size(), 4u);
+
+  struct Rows final : app::RecordSink {
+    void record(const app::TickRecord& record) override { rows.push_back(record); }
+    std::vector<app::TickRecord> rows;
+  } again;
+  auto session = app::Session::open(*written, app::Session::Clock::virtual_, {false, {&again}});
+  ASSERT_TRUE(session.has_value());
+  (*session)->run([&] { return again.rows.empty() || again.rows.back().t < record().t + 1.0; });
+  bool kicked = false;
+  for (const auto& row : live().history().rows()) {
+    if (row->phase != app::Phase::running) continue;
+    const auto k = static_cast<std::size_t>(row->tick);
+    ASSERT_LT(k, again.rows.size());
+    ASSERT_EQ(again.rows[k].tick, row->tick);
+    kicked = kicked || again.rows[k].events.contains(app::Event::Kind::kick, kick.robot);
+    EXPECT_EQ(again.rows[k].pair_gain(core::GainName::k_xx, 0, 1), row->pair_gain(core::GainName::k_xx, 0, 1)) << k;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const core::Pose &a = again.rows[k].robots[i].truth, &b = row->robots[i].truth;
+      ASSERT_LT(std::hypot(a.x - b.x, a.y - b.y), 1e-3) << "robot " << i + 1 << " at t = " << row->t;
     }
+  }
+  EXPECT_TRUE(kicked);
 }
 
 }  // namespace

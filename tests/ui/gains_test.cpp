@@ -38,6 +38,7 @@ class Gains : public Operator {
   void open_before_start() {
     window.resize(1280, 800);
     window.show();
+    window.activateWindow();
     window.open(app::paper_experiment(), false);
     ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
     ASSERT_TRUE(eventually([&] { return find<QComboBox>("coupling")->isEnabled(); }));

@@ -152,6 +152,7 @@ TEST_F(Operator, IsToldWhyAnExperimentDoesNotOpen) {
   app::Experiment experiment = app::paper_experiment();
   experiment.camera.source = "v4l2:/dev/no-such-camera";
   window.show();
+  window.activateWindow();
   window.open(experiment, false);
   ASSERT_TRUE(eventually([&] { return window.findChild<QMessageBox*>(QStringLiteral("problem_dialog")) != nullptr; }));
   auto* box = find<QMessageBox>("problem_dialog");

@@ -30,6 +30,7 @@ class Operator : public ::testing::Test {
   void start(const app::Experiment& experiment = app::paper_experiment()) {
     window.resize(1280, 800);
     window.show();
+    window.activateWindow();  // on an X server without a window manager nobody else does
     window.open(experiment, true);
     ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
     ASSERT_TRUE(eventually([&] { return running() && record().t >= 0.2; }));

@@ -1,9 +1,12 @@
 // The plots: what they hold, how they draw much of it, and what they give away.
+#include <QMenu>
 #include <QToolButton>
+#include <QToolTip>
 #include <cmath>
 #include <random>
 
 #include "operator.h"
+#include "ui/gains_panel.h"
 #include "ui/plot_history.h"
 #include "ui/plot_view.h"
 #include "ui/plots_panel.h"
@@ -147,6 +150,96 @@ TEST_F(Plots, StandStillToBeRead) {
   ASSERT_TRUE(eventually([&] { return record().t > t + 0.4; }));
   EXPECT_EQ(plots().view().time().lower, before.lower);
   EXPECT_GE(plots().history().last_time(), t + 0.4) << "what came meanwhile is lost";
+}
+
+TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
+  start();
+  drag(robot(1), floor(0.2, 0.1));
+  moved(1);
+  ASSERT_TRUE(eventually([&] { return record().t > 1.5; }));
+  QTest::mouseClick(find<QToolButton>("freeze_plots"), Qt::LeftButton);
+  PlotView& view = plots().view();
+  ASSERT_TRUE(eventually([&] { return view.axisRect(0)->graphs().last()->dataCount() > 10; }));
+  const QRect first = view.axisRect(0)->rect();
+  const auto read = [&](double t) {
+    const int x = static_cast<int>(view.axisRect(0)->axis(QCPAxis::atBottom)->coordToPixel(t));
+    QTest::mouseMove(&view, {x + 9, first.center().y()});
+    QTest::mouseMove(&view, {x, first.center().y()});
+    return QToolTip::text();
+  };
+  const app::Event move = last(app::Event::Kind::move, 1);
+  const auto rows = live().history().rows();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [](const auto& r) { return r->events.contains(app::Event::Kind::move, 1); });
+  ASSERT_NE(row, rows.end());
+  const QString text = read((*row)->t);
+  EXPECT_TRUE(text.contains(QStringLiteral("t = "))) << text.toStdString();
+  EXPECT_TRUE(text.contains(QStringLiteral("Tracking error along x"))) << text.toStdString();
+  EXPECT_TRUE(text.contains(QStringLiteral("4: "))) << "a value of each robot: " << text.toStdString();
+  EXPECT_TRUE(text.contains(QStringLiteral("move r2"))) << "the event: " << text.toStdString();
+  EXPECT_EQ(move.robot, 1);
+  // Without robot 4 its value is not read either.
+  auto* robots = find<QToolButton>("choose_robots")->menu();
+  emit robots->aboutToShow();
+  robots->actions().at(3)->toggle();
+  EXPECT_FALSE(read((*row)->t).contains(QStringLiteral("4: ")));
+}
+
+TEST_F(Plots, AreSavedAsPictures) {
+  start();
+  plots().show_all_plots();
+  ASSERT_TRUE(eventually([&] { return record().t > 1.0; }));
+  for (const char* name : {"plots.pdf", "plots.png"}) {
+    const QString file = dir.filePath(QString::fromLatin1(name));
+    window.save_plot(file, true);
+    QFile in(file);
+    ASSERT_TRUE(in.open(QIODevice::ReadOnly)) << name;
+    EXPECT_GT(in.size(), 10000) << name;
+    EXPECT_TRUE(in.peek(4) == "%PDF" || in.peek(4) == "\x89PNG") << name;
+  }
+  // All plots are on it, those that are scrolled out of sight as well.
+  const QImage picture(dir.filePath(QStringLiteral("plots.png")));
+  EXPECT_EQ(picture.height(), 2 * plots().view().height());
+  const QRgb paper = picture.pixel(3, picture.height() - 3);
+  int inked = 0;
+  for (int x = 0; x < picture.width(); ++x)
+    for (int y = picture.height() - 200; y < picture.height() - 100; ++y) inked += picture.pixel(x, y) != paper;
+  EXPECT_GT(inked, 500) << "the last plot is empty";
+}
+
+TEST_F(Plots, ShowGainsPairByPair) {
+  window.set_speed(10.0);
+  start();
+  emit find<GainsPanel>("gains")->couple_wanted(0, 2, false);
+  ASSERT_TRUE(eventually([&] { return record().pair_gain(core::GainName::k_xx, 0, 2) == 0.0; }));
+  const auto& rows = plots().rows();
+  const auto row = std::find_if(rows.begin(), rows.end(), [](const PlotRow& r) { return r.name == "k_xx"; });
+  ASSERT_NE(row, rows.end());
+  ASSERT_EQ(row->curves.size(), 6u);
+  EXPECT_EQ(row->curves[1], QStringLiteral("1,3"));
+  const double t = plots().history().last_time();
+  EXPECT_EQ(plots().history().value(row->first + 1, t), 0.0);
+  EXPECT_EQ(plots().history().value(row->first + 0, t), 0.008);
+}
+
+TEST_F(Plots, LeaveOutTheWayToTheStarts) {
+  const auto experiment = app::parse_experiment(app::paper_experiment().source, "platoon.toml",
+                                                {"duration=4", "robot.2.start=[0.5, 0.3, 2.0]", "perturb=[]"});
+  ASSERT_TRUE(experiment.has_value());
+  struct Rows final : app::RecordSink {
+    void record(const app::TickRecord& record) override { rows.push_back(record); }
+    std::vector<app::TickRecord> rows;
+  } run;
+  (*app::Session::open(*experiment, app::Session::Clock::virtual_, {false, {&run}}))->run();
+  ASSERT_EQ(run.rows.front().phase, app::Phase::staging);
+  start(*experiment);
+  key(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  plots().show_experiment(*experiment);
+  plots().show_run(run.rows);
+  EXPECT_EQ(plots().history().size(), 100u);
+  EXPECT_LT(std::abs(plots().history().value(1, 0.0)), 0.02) << "e_x of robot 2 at its start";
+  plots().compare(&run.rows);
 }
 
 }  // namespace

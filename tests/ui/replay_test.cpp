@@ -27,6 +27,7 @@ class Replay : public Operator {
   void replay(const QString& file) {
     window.resize(1280, 800);
     window.show();
+    window.activateWindow();
     window.open_recording(file);
     ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
     ASSERT_TRUE(eventually([&] { return window.player().is_loaded(); }));

@@ -6,8 +6,10 @@
 #include <QDir>
 #include <QSettings>
 #include <QThread>
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <thread>
 
 #include "app/replay.h"
 #include "operator.h"
@@ -33,6 +35,13 @@ class Run : public Operator {
   void pause() {
     window.go();
     ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::paused; }));
+  }
+  QString logged() {
+    auto* log = find<QAbstractItemView>("event_log");
+    QStringList lines;
+    for (int row = 0; row < log->model()->rowCount(); ++row)
+      lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
+    return lines.join(QLatin1Char('\n'));
   }
   app::ReplayResult replayed(const QString& file) {
     std::ifstream in(file.toStdString());
@@ -159,17 +168,32 @@ TEST_F(Run, StopsWhenTheDiskFillsUp) {
       << find<QLabel>("alert")->text().toStdString();
 }
 
+TEST_F(Run, GoesOnWithoutAFilmWhenTheDiskFillsUp) {
+  const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  ASSERT_TRUE(experiment.has_value());
+  window.record(true);  // log and film: the film is by far the larger one
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000000, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  start(*experiment);
+  const bool told = eventually([&] { return logged().contains(QStringLiteral("the film of this run ends here")); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  EXPECT_TRUE(told) << logged().toStdString();
+  const std::int64_t tick = record().tick;
+  EXPECT_TRUE(eventually([&] { return record().tick >= tick + 25; })) << "the run ended with its film";
+  EXPECT_TRUE(running());
+}
+
 TEST_F(Run, GoesOnUnderAWindowThatHangs) {
   start();
   const std::int64_t before = record().tick;
   QThread::msleep(1500);  // what a driver, a dialog or a bug may do to the window's thread
   ASSERT_TRUE(eventually([&] { return record().tick >= before + 30; }));
   EXPECT_TRUE(running());
-  auto* log = find<QAbstractItemView>("event_log");
-  QStringList lines;
-  for (int row = 0; row < log->model()->rowCount(); ++row)
-    lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
-  EXPECT_TRUE(lines.join(QLatin1Char('\n')).contains(QStringLiteral("the window stood still")));
+  EXPECT_TRUE(logged().contains(QStringLiteral("the window stood still")));
 }
 
 TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
@@ -178,6 +202,25 @@ TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
   start(*experiment);
   QThread::msleep(3600);  // five seconds would only make the test longer
   ASSERT_TRUE(eventually([&] { return stopped(); })) << "nobody could have stopped them";
+  EXPECT_TRUE(eventually(
+      [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not answered")); }));
+}
+
+TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
+  // Of an X server of our own (tests/ui/on_x_server), which may be stalled.
+  const auto server = static_cast<pid_t>(qEnvironmentVariableIntValue("SKEIN_X_SERVER"));
+  if (server <= 0) GTEST_SKIP() << "not on an X server of its own";
+  const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  ASSERT_TRUE(experiment.has_value());
+  start(*experiment);
+  ASSERT_EQ(::kill(server, SIGSTOP), 0);
+  std::thread mend([server] {
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    ::kill(server, SIGCONT);
+  });
+  EXPECT_TRUE(eventually([&] { return stopped(); })) << "nobody could have stopped them";
+  mend.join();
+  EXPECT_TRUE(eventually([&] { return logged().contains(QStringLiteral("the window stood still")); }));
   EXPECT_TRUE(eventually(
       [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not answered")); }));
 }

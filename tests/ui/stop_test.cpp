@@ -126,6 +126,7 @@ TEST_F(Stop, WhileAPresetIsNamed) {
 TEST_F(Stop, WithTheCheckListOpen) {
   window.resize(1280, 800);
   window.show();
+  window.activateWindow();
   window.open(app::paper_experiment(), false);
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   find<QAction>("view_checks")->trigger();
@@ -143,6 +144,7 @@ TEST_F(Stop, LetsAFileNameHaveBlanksOnceNothingMoves) {
   find<QAction>("save_csv")->trigger();
   auto* dialog = find<QDialog>("save_csv_dialog");
   ASSERT_TRUE(QTest::qWaitForWindowExposed(dialog));
+  dialog->activateWindow();
   auto* name = dialog->findChild<QLineEdit*>();
   name->setFocus();
   ASSERT_TRUE(eventually([&] { return name->hasFocus(); }));
@@ -194,6 +196,7 @@ TEST_F(Stop, WhilePaused) {
 TEST_F(Stop, BeforeTheStartAndWhileOpening) {
   window.resize(1280, 800);
   window.show();
+  window.activateWindow();
   window.open(app::paper_experiment(), true);
   window.stop();  // nothing is open yet, and it would start by itself
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr && stopped(); }));

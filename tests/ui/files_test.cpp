@@ -1,0 +1,176 @@
+// Experiments and recordings as files: opened, dropped onto the window, remembered, and refused with a reason.
+#include <QDragEnterEvent>
+#include <QLabel>
+#include <QMenu>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QProcess>
+#include <csignal>
+
+#include "app/csv_file.h"
+#include "operator.h"
+#include "ui/experiment_editor.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Files : public Operator {
+ protected:
+  QString written(const char* name, const std::string& text) {
+    const QString path = dir.filePath(QString::fromLatin1(name));
+    QFile file(path);
+    EXPECT_TRUE(file.open(QIODevice::WriteOnly));
+    file.write(text.data(), static_cast<qint64>(text.size()));
+    return path;
+  }
+  QString experiment(const char* name) {
+    std::string text = app::paper_experiment().source;
+    text.replace(text.find("\"platoon\""), 9, "\"mine\"");
+    return written(name, text);
+  }
+  QString recording() {
+    const auto short_run = app::parse_experiment(app::paper_experiment().source, "platoon.toml", {"duration=4"});
+    const QString path = dir.filePath(QStringLiteral("run.csv"));
+    app::CsvFile csv(path.toStdString(), *short_run);
+    auto session = app::Session::open(*short_run, app::Session::Clock::virtual_, {false, {&csv}});
+    (*session)->run();
+    csv.finish();
+    return path;
+  }
+  bool drop(const QString& path) {
+    QMimeData data;
+    data.setUrls({QUrl::fromLocalFile(path)});
+    QDragEnterEvent enter({400, 300}, Qt::CopyAction, &data, Qt::LeftButton, {});
+    enter.ignore();
+    QCoreApplication::sendEvent(&window, &enter);
+    if (!enter.isAccepted()) return false;
+    QDropEvent drop({400, 300}, Qt::CopyAction, &data, Qt::LeftButton, {});
+    QCoreApplication::sendEvent(&window, &drop);
+    return true;
+  }
+  QString problem() {
+    QMessageBox* box = nullptr;
+    EXPECT_TRUE(eventually([&] { return (box = window.findChild<QMessageBox*>(QStringLiteral("problem_dialog"))); }));
+    const QString text = box ? box->text() : QString();
+    delete box;
+    return text;
+  }
+  QStringList recent(MainWindow& of) {
+    auto* menu = of.findChild<QMenu*>(QStringLiteral("recent"));
+    emit menu->aboutToShow();
+    QStringList names;
+    for (const QAction* action : menu->actions())
+      if (action->isEnabled()) names << action->text();
+    return names;
+  }
+  QTemporaryDir dir;
+};
+
+TEST_F(Files, AreDroppedOntoTheWindow) {
+  start();
+  ASSERT_TRUE(drop(experiment("mine.toml")));
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().experiment().name == "mine"; }));
+  EXPECT_FALSE(running()) << "nothing moves before the operator starts it";
+  ASSERT_TRUE(drop(recording()));
+  ASSERT_TRUE(eventually([&] { return window.player().is_loaded(); }));
+  EXPECT_EQ(window.player().run()->rows.size(), 100u);
+}
+
+TEST_F(Files, AreRemembered) {
+  start();
+  window.open_file(experiment("one.toml"));
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  window.open_file(experiment("two.toml"));
+  EXPECT_EQ(recent(window).mid(0, 2), (QStringList{QStringLiteral("two.toml"), QStringLiteral("one.toml")}));
+  MainWindow again;
+  EXPECT_EQ(recent(again).mid(0, 2), (QStringList{QStringLiteral("two.toml"), QStringLiteral("one.toml")}));
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  find<QMenu>("recent")->actions().at(1)->trigger();
+  EXPECT_EQ(recent(window).first(), QStringLiteral("one.toml"));
+  QFile::remove(dir.filePath(QStringLiteral("two.toml")));
+  EXPECT_FALSE(recent(window).contains(QStringLiteral("two.toml"))) << "it is gone";
+  ASSERT_TRUE(eventually([&] { return live().is_open(); }));
+}
+
+TEST_F(Files, AreKnownToTheEditor) {
+  start();
+  window.open_file(experiment("known.toml"));
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  find<QAction>("edit_experiment")->trigger();
+  auto* editor = window.findChild<ExperimentEditor*>();
+  ASSERT_NE(editor, nullptr);
+  EXPECT_EQ(editor->windowTitle(), QStringLiteral("known.toml"));
+}
+
+TEST_F(Files, AreRefusedWithPlaceValueAndWhatIsAllowed) {
+  start();
+  window.open_file(written("wrong.toml", "duration = 10\n[controller]\nv_max = -1\n"));
+  const QString wrong = problem();
+  EXPECT_TRUE(wrong.contains(QStringLiteral("wrong.toml:3:9: controller.v_max: found -1, allowed: ")))
+      << wrong.toStdString();
+  ASSERT_TRUE(drop(written("notes.txt", "hello")));
+  const QString notes = problem();
+  EXPECT_TRUE(notes.contains(QStringLiteral("notes.txt"))) << notes.toStdString();
+  EXPECT_TRUE(notes.contains(QStringLiteral("(.toml)"))) << notes.toStdString();
+  window.open_file(dir.filePath(QStringLiteral("nowhere.toml")));
+  EXPECT_TRUE(problem().contains(QStringLiteral("cannot be read")));
+  window.open_file(written("broken.csv", "# skein 0.1.0\nt,tick,r1_x\n0,0,zebra\n"));
+  const QString broken = problem();
+  EXPECT_TRUE(broken.contains(QStringLiteral("broken.csv:")) || broken.contains(QStringLiteral("experiment")))
+      << broken.toStdString();
+  EXPECT_TRUE(running()) << "what ran went on";
+}
+
+TEST_F(Files, AreNotOpenedWhileRealRobotsDrive) {
+  const auto loopback = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  ASSERT_TRUE(loopback.has_value());
+  start(*loopback);
+  window.open_file(experiment("mine.toml"));
+  EXPECT_TRUE(problem().contains(QStringLiteral("Stop the run first")));
+  EXPECT_TRUE(running());
+}
+
+/// The program itself, for a second and a half.
+class Program : public Files {
+ protected:
+  void run(const QStringList& words) {
+    QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
+    environment.insert(QStringLiteral("QT_QPA_PLATFORM"), QStringLiteral("offscreen"));
+    environment.insert(QStringLiteral("XDG_CONFIG_HOME"), dir.path());
+    environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));  // Qt's are not ours
+    process.setProcessEnvironment(environment);
+    process.start(QStringLiteral(SKEIN_PROGRAM), words);
+    ASSERT_TRUE(process.waitForStarted(patience_ms));
+  }
+  void TearDown() override {
+    if (process.state() != QProcess::NotRunning) process.kill();
+    process.waitForFinished(patience_ms);
+  }
+  static constexpr int patience_ms = 30000;
+  QProcess process;
+};
+
+TEST_F(Program, PlaysARecordedRunThatIsNamed) {
+  const QString file = recording();
+  run({file});
+  EXPECT_TRUE(QTest::qWaitFor(
+      [&] {
+        QFile settings(dir.filePath(QStringLiteral("skein/skein.ini")));
+        return settings.open(QIODevice::ReadOnly) && settings.readAll().contains("run.csv");
+      },
+      patience_ms))
+      << "it was not opened: " << process.readAllStandardError().toStdString();
+  ::kill(static_cast<pid_t>(process.processId()), SIGTERM);
+  ASSERT_TRUE(process.waitForFinished(patience_ms));
+  EXPECT_EQ(process.exitCode(), 0) << process.readAllStandardError().toStdString();
+}
+
+TEST_F(Program, SaysThatARecordedRunIsNotThere) {
+  run({dir.filePath(QStringLiteral("nowhere.csv"))});
+  ASSERT_TRUE(process.waitForFinished(patience_ms));
+  EXPECT_EQ(process.exitCode(), 2);
+  EXPECT_TRUE(process.readAllStandardError().contains("nowhere.csv: cannot be opened"));
+}
+
+}  // namespace
+}  // namespace skein::ui::test
