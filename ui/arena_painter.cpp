@@ -13,6 +13,8 @@
 namespace skein::ui {
 namespace {
 
+constexpr std::size_t many = 8;  // robots: of more, thin lines
+
 QString tr(const char* text) {
   return QCoreApplication::translate("ArenaPainter", text);
 }
@@ -120,13 +122,15 @@ void ArenaPainter::obstacles() {
 
 void ArenaPainter::trails() {
   if (!scene_.record) return;
-  constexpr int shades = 10;  // a fade in steps: one line a step instead of one a tick
+  constexpr int shades = 10;      // a fade in steps: one line a step instead of one a tick
+  constexpr double finest = 2.0;  // [px]: points nearer to one another are not seen, but cost as much
+  const bool crowd = scene_.trails.size() > many;
   for (std::size_t i = 0; i < scene_.trails.size(); ++i) {
     std::array<QPolygonF, shades> lines;
     const auto draw = [&](int shade) {
       if (shade < 0) return;
       auto& line = lines[static_cast<std::size_t>(shade)];
-      p_.setPen(cosmetic(faded(c_.robot(i), 0.06 + 0.84 * shade / (shades - 1)), 2.0));
+      p_.setPen(cosmetic(faded(c_.robot(i), 0.06 + 0.84 * shade / (shades - 1)), crowd ? 1.0 : 2.0));
       p_.drawPolyline(line);
       line.clear();
     };
@@ -136,6 +140,8 @@ void ArenaPainter::trails() {
       const double age = (scene_.record->t - point.t) / ArenaScene::trail_seconds;
       const int now = std::clamp(static_cast<int>((1.0 - age) * shades), 0, shades - 1);
       const QPointF here = at(point.x, point.y);
+      const bool last = &point == &scene_.trails[i].back();
+      if (now == shade && !point.jump && !last && before && (here - *before).manhattanLength() < finest) continue;
       if (now != shade || point.jump) {
         draw(shade);
         shade = now;
@@ -153,7 +159,7 @@ void ArenaPainter::trails() {
 void ArenaPainter::couplings() {
   const std::size_t n = scene_.experiment.robots.size();
   // A crowd's web must not hide the crowd, nor cost a frame: thin lines, whose strength is how well they are seen.
-  const bool crowd = n > 8;
+  const bool crowd = n > many;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       QPolygonF line;

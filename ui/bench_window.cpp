@@ -256,7 +256,8 @@ int bench_window(int& argc, char** argv, double how_long) {
     stage.measure(how_long, false);
     report("4 robots, all plots, 30 min: frame in the UI thread, p99", stage.frame_ms(0.99), "ms", "<= 16");
     report("  median", stage.frame_ms(0.5), "ms");
-    report("  of it the thread's own CPU time, p99", stage.frame_cpu_ms(0.99), "ms");
+    report("  of it the thread's own CPU time, median", stage.frame_cpu_ms(0.5), "ms");
+    report("    p99", stage.frame_cpu_ms(0.99), "ms");
     report("  frames a second", stage.frames_per_second(), "1/s", ">= 30");
     report("  CPU of the whole program", 100.0 * stage.cpu_share(), "%", "<= 50 of one core");
     stage.measure(how_long, true);
@@ -273,7 +274,8 @@ int bench_window(int& argc, char** argv, double how_long) {
     std::printf("%s\n", title);
     report("  frames a second", stage.frames_per_second(), "1/s", ">= 30");
     report("  frame in the UI thread, p99", stage.frame_ms(0.99), "ms", experiment.robots.size() == 4 ? "<= 16" : "");
-    report("  of it the thread's own CPU time, p99", stage.frame_cpu_ms(0.99), "ms");
+    report("  of it the thread's own CPU time, median", stage.frame_cpu_ms(0.5), "ms");
+    report("    p99", stage.frame_cpu_ms(0.99), "ms");
     report("  CPU of the whole program", 100.0 * stage.cpu_share(), "%");
   };
   measure_history("4 robots, all plots, 4 h of history", four, four_hours);
