@@ -90,6 +90,7 @@ TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
   experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
   window.resize(1280, 800);
   window.show();
+  window.activateWindow();
   window.open(*experiment, false);
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   find<QAction>("view_picture")->trigger();

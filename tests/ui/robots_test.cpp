@@ -18,6 +18,7 @@ class Robots : public Operator {
   void open_and_wait(const app::Experiment& experiment) {
     window.resize(1280, 800);
     window.show();
+    window.activateWindow();
     window.open(experiment, false);
     ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
     ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
@@ -121,6 +122,7 @@ TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
   ASSERT_TRUE(experiment) << experiment.error().front().message();
   experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
   window.show();
+  window.activateWindow();
   window.open(*experiment, false);
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }))
       << live().failure().value_or(QString()).toStdString();
