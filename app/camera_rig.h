@@ -10,7 +10,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/experiment.h"
+#include "app/experiment/experiment.h"
 #include "app/newest.h"
 #include "app/session.h"
 #include "app/session_clock.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/experiment.h"
+#include "app/experiment/experiment.h"
 #include "core/control/delay_margin.h"
 
 namespace skein::app {

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "app/couplings.h"
-#include "app/experiment.h"
+#include "app/experiment/experiment.h"
 #include "app/operator_command.h"
-#include "app/tick_record.h"
+#include "app/record/tick_record.h"
 
 namespace skein::app {
 

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "app/event.h"
-#include "app/experiment.h"
+#include "app/experiment/experiment.h"
 #include "app/operator_command.h"
+#include "app/record/event.h"
 
 namespace skein::app {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/tick_record.h"
+#include "app/record/tick_record.h"
 #include "comms/link_status.h"
 
 namespace skein::app {

@@ -1,5 +1,5 @@
 // The program `skein`: the one file that sees both the rooms and, where there is one, the window.
-#include "app/command_line.h"
+#include "app/commands/command_line.h"
 
 #ifdef SKEIN_GUI
 #include "ui/window.h"

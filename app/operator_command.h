@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/event.h"
+#include "app/record/event.h"
 #include "core/avoidance/obstacle.h"
 #include "core/control/gain_schedule.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <thread>
 
+#include "app/robots/wheel_check.h"
 #include "app/safety_net.h"
-#include "app/wheel_check.h"
 
 namespace skein::app {
 namespace {

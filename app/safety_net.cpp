@@ -17,7 +17,7 @@
 #include <future>
 #include <utility>
 
-#include "app/command_line.h"
+#include "app/commands/command_line.h"
 #include "comms/link_supervisor.h"
 
 extern char** environ;

@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/experiment.h"
+#include "app/experiment/experiment.h"
 #include "app/session.h"
 #include "comms/link_address.h"
 

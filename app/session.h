@@ -12,8 +12,8 @@
 
 #include <tl/expected.hpp>
 
-#include "app/experiment.h"
-#include "app/tick_record.h"
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
 #include "comms/emulator/radio_faults.h"
 
 namespace skein::app {

@@ -13,7 +13,7 @@
 
 #include "app/control_loop.h"
 #include "app/plant.h"
-#include "app/record_channel.h"
+#include "app/record/record_channel.h"
 #include "app/safety_net.h"
 #include "app/session.h"
 

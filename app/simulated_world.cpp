@@ -1,6 +1,6 @@
 #include "app/simulated_world.h"
 
-#include "app/tick_record.h"
+#include "app/record/tick_record.h"
 
 namespace skein::app {
 

@@ -3,7 +3,7 @@
 #include <mutex>
 #include <vector>
 
-#include "app/experiment.h"
+#include "app/experiment/experiment.h"
 
 namespace skein::app {
 

@@ -4,8 +4,8 @@
 #include <QString>
 #include <cstdint>
 
-#include "app/event.h"
-#include "app/tick_record.h"
+#include "app/record/event.h"
+#include "app/record/tick_record.h"
 #include "ui/palette.h"
 
 namespace skein::ui {

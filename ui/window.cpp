@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "ui/icons.h"
-#include "ui/main_window.h"
+#include "ui/main/main_window.h"
 
 namespace skein::ui {
 namespace {

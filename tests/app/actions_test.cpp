@@ -4,10 +4,10 @@
 #include <functional>
 #include <sstream>
 
-#include "app/csv_writer.h"
-#include "app/experiment_file.h"
-#include "app/replay.h"
-#include "app/run_text.h"
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/run_text.h"
+#include "app/record/csv_writer.h"
+#include "app/record/replay.h"
 #include "app/session.h"
 
 namespace skein::app {

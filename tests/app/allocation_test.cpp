@@ -6,8 +6,8 @@
 #include <new>
 
 #include "app/control_tick.h"
-#include "app/experiment_file.h"
-#include "app/record_channel.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/record_channel.h"
 #include "core/simulation/simulated_robot.h"
 
 namespace {

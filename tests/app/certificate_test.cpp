@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 
 namespace skein::app {
 namespace {

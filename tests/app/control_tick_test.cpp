@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 #include "core/simulation/simulated_robot.h"
 
 namespace skein::app {

@@ -1,12 +1,12 @@
 // The CSV: its exact text, and that it reads back to the same bits.
-#include "app/csv_writer.h"
+#include "app/record/csv_writer.h"
 
 #include <bit>
 #include <chrono>
 #include <sstream>
 
-#include "app/csv_reader.h"
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_reader.h"
 #include "tests/app/fixture.h"
 #include "tests/property.h"
 

@@ -1,5 +1,5 @@
 // Experiment files: what is read, and that nothing makes the reader fall over.
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/csv_writer.h"
+#include "app/record/csv_writer.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/property.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 
 namespace skein::app {
 

@@ -12,7 +12,7 @@
 
 #include "app/control_loop.h"
 #include "app/control_tick.h"
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 #include "app/link_watch.h"
 #include "app/session.h"
 #include "core/simulation/simulated_robot.h"

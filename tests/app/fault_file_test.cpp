@@ -1,4 +1,4 @@
-#include "app/fault_file.h"
+#include "app/experiment/fault_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "app/command_line.h"
-#include "app/commands.h"
+#include "app/commands/command_line.h"
+#include "app/commands/commands.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/transport.h"
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <sstream>
 
-#include "app/csv_writer.h"
-#include "app/experiment_file.h"
-#include "app/replay.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
+#include "app/record/replay.h"
 #include "app/session.h"
 
 namespace skein::app {

@@ -1,4 +1,4 @@
-#include "app/histogram.h"
+#include "app/record/histogram.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,5 +1,5 @@
 // robots.toml: known robots, and experiments that take theirs from it.
-#include "app/known_robots.h"
+#include "app/experiment/known_robots.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/command_line.h"
-#include "app/commands.h"
-#include "app/toml_edit.h"
+#include "app/commands/command_line.h"
+#include "app/commands/commands.h"
+#include "app/experiment/toml_edit.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/link_supervisor.h"
 #include "tests/app/experiment_texts.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <thread>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 #include "app/session.h"
 
 namespace skein::app {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "app/control_tick.h"
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 
 namespace skein::app {
 namespace {

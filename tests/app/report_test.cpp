@@ -1,5 +1,5 @@
 // The report: figures that gnuplot really drew, and errors that say what is wrong.
-#include "app/report.h"
+#include "app/record/report.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/csv_writer.h"
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
 #include "tests/app/fixture.h"
 
 namespace skein::app {

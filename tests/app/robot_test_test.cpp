@@ -1,11 +1,11 @@
 // `skein robots test` on emulated robots that a synthetic camera looks at: what is wrong with a robot is found and
 // named.
-#include "app/robot_test.h"
+#include "app/robots/robot_test.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 #include "tests/app/experiment_texts.h"
 
 namespace skein::app {

@@ -14,8 +14,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "app/command_line.h"
-#include "app/commands.h"
+#include "app/commands/command_line.h"
+#include "app/commands/commands.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"

@@ -6,9 +6,9 @@
 #include <bit>
 #include <filesystem>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/statistics.h"
 #include "app/session.h"
-#include "app/statistics.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/app/fixture.h"
 

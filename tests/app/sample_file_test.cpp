@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/csv_writer.h"
-#include "app/replay.h"
+#include "app/record/csv_writer.h"
+#include "app/record/replay.h"
 #include "app/session.h"
 #include "tests/app/experiment_texts.h"
 

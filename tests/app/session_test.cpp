@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 
 namespace skein::app {
 namespace {
@@ -168,9 +168,9 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
 
 /// Every stage of a real-time loop with camera and links is known, none is negative, and the parts make the whole.
 TEST(Session, TellsHowLongEveryStageTook) {
-  auto session =
-      Session::open(experiment_with({"robot_defaults.link=loopback", "camera.source=synthetic", "failure.link_bridge=2"}),
-                    Session::Clock::wall);
+  auto session = Session::open(
+      experiment_with({"robot_defaults.link=loopback", "camera.source=synthetic", "failure.link_bridge=2"}),
+      Session::Clock::wall);
   ASSERT_TRUE(session) << session.error();
   TickRecord complete;
   ASSERT_TRUE(eventually([&] {

@@ -7,11 +7,11 @@
 #include <sstream>
 
 #include "app/control_tick.h"
-#include "app/csv_writer.h"
-#include "app/experiment_file.h"
-#include "app/replay.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
+#include "app/record/replay.h"
+#include "app/record/statistics.h"
 #include "app/session.h"
-#include "app/statistics.h"
 #include "tests/app/experiment_texts.h"
 
 namespace skein::app {

@@ -1,11 +1,11 @@
 // The sum of a run, on error histories whose settling times are known.
-#include "app/statistics.h"
+#include "app/record/statistics.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 #include "tests/app/fixture.h"
 
 namespace skein::app {

@@ -1,5 +1,5 @@
 // Studies: what chance changes, that a seed is a run, and the short forms of those in resources/studies.
-#include "app/sweep.h"
+#include "app/study/sweep.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <fstream>
 #include <set>
 
-#include "app/experiment_file.h"
-#include "app/tick_record.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/tick_record.h"
 
 namespace skein::app {
 namespace {

@@ -1,8 +1,8 @@
-#include "app/toml_edit.h"
+#include "app/experiment/toml_edit.h"
 
 #include <gtest/gtest.h>
 
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
 
 namespace skein::app {
 namespace {

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <thread>
 
-#include "app/csv_writer.h"
-#include "app/experiment_file.h"
-#include "app/replay.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
+#include "app/record/replay.h"
 #include "app/session.h"
 #include "vision/frame_source.h"
 #include "vision/tracker.h"

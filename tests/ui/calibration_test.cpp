@@ -12,8 +12,8 @@
 
 #include "operator.h"
 #include "shown_board.h"
-#include "ui/calibration_dialog.h"
-#include "ui/floor_page.h"
+#include "ui/calibration/calibration_dialog.h"
+#include "ui/calibration/floor_page.h"
 
 namespace skein::ui::test {
 namespace {

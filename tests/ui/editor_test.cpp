@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "operator.h"
-#include "ui/experiment_editor.h"
-#include "ui/gains_panel.h"
-#include "ui/toml_text.h"
+#include "ui/editor/experiment_editor.h"
+#include "ui/editor/toml_text.h"
+#include "ui/gains/gains_panel.h"
 
 namespace skein::ui::test {
 namespace {

@@ -7,9 +7,9 @@
 #include <QProcess>
 #include <csignal>
 
-#include "app/csv_file.h"
+#include "app/record/csv_file.h"
 #include "operator.h"
-#include "ui/experiment_editor.h"
+#include "ui/editor/experiment_editor.h"
 
 namespace skein::ui::test {
 namespace {

@@ -12,10 +12,10 @@
 #include <string_view>
 
 #include "operator.h"
-#include "ui/gain_presets.h"
-#include "ui/gains_panel.h"
-#include "ui/robots_model.h"
-#include "ui/schedule_editor.h"
+#include "ui/gains/gain_presets.h"
+#include "ui/gains/gains_panel.h"
+#include "ui/gains/schedule_editor.h"
+#include "ui/robots/robots_model.h"
 
 namespace skein::ui::test {
 namespace {

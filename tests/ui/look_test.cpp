@@ -15,7 +15,7 @@
 
 #include "operator.h"
 #include "ui/palette.h"
-#include "ui/plots_panel.h"
+#include "ui/plots/plots_panel.h"
 
 namespace skein::ui::test {
 namespace {

@@ -11,9 +11,9 @@
 #include <functional>
 #include <optional>
 
-#include "app/experiment_file.h"
-#include "ui/arena_view.h"
-#include "ui/main_window.h"
+#include "app/experiment/experiment_file.h"
+#include "ui/arena/arena_view.h"
+#include "ui/main/main_window.h"
 
 namespace skein::ui::test {
 

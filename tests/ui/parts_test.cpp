@@ -5,13 +5,13 @@
 #include <QTest>
 #include <cmath>
 
-#include "app/experiment_file.h"
-#include "ui/alert_strip.h"
-#include "ui/arena_map.h"
-#include "ui/arena_view.h"
+#include "app/experiment/experiment_file.h"
+#include "ui/arena/arena_map.h"
+#include "ui/arena/arena_view.h"
 #include "ui/modes.h"
-#include "ui/robots_model.h"
-#include "ui/run_history.h"
+#include "ui/plots/run_history.h"
+#include "ui/robots/robots_model.h"
+#include "ui/run/alert_strip.h"
 
 namespace skein::ui::test {
 namespace {

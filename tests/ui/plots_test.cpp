@@ -6,10 +6,10 @@
 #include <random>
 
 #include "operator.h"
-#include "ui/gains_panel.h"
-#include "ui/plot_history.h"
-#include "ui/plot_view.h"
-#include "ui/plots_panel.h"
+#include "ui/gains/gains_panel.h"
+#include "ui/plots/plot_history.h"
+#include "ui/plots/plot_view.h"
+#include "ui/plots/plots_panel.h"
 
 namespace skein::ui::test {
 namespace {

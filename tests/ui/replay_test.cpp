@@ -2,11 +2,11 @@
 #include <QAbstractItemView>
 #include <fstream>
 
-#include "app/csv_file.h"
+#include "app/record/csv_file.h"
 #include "operator.h"
-#include "ui/gains_panel.h"
-#include "ui/plots_panel.h"
-#include "ui/run_bar.h"
+#include "ui/gains/gains_panel.h"
+#include "ui/plots/plots_panel.h"
+#include "ui/run/run_bar.h"
 
 namespace skein::ui::test {
 namespace {

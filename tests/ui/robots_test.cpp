@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "operator.h"
-#include "ui/robots_model.h"
+#include "ui/robots/robots_model.h"
 
 namespace skein::ui::test {
 namespace {

@@ -11,9 +11,9 @@
 #include <fstream>
 #include <thread>
 
-#include "app/replay.h"
+#include "app/record/replay.h"
 #include "operator.h"
-#include "ui/event_log.h"
+#include "ui/run/event_log.h"
 
 namespace skein::ui::test {
 namespace {

@@ -8,9 +8,9 @@
 #include <QTest>
 #include <cstdio>
 
-#include "app/experiment_file.h"
-#include "ui/arena_view.h"
-#include "ui/main_window.h"
+#include "app/experiment/experiment_file.h"
+#include "ui/arena/arena_view.h"
+#include "ui/main/main_window.h"
 #include "ui/window.h"
 
 namespace {

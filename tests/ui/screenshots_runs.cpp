@@ -14,16 +14,16 @@
 #include <QTest>
 #include <cstdio>
 
-#include "app/csv_file.h"
-#include "app/experiment_file.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_file.h"
 #include "app/session.h"
 #include "shown_board.h"
-#include "ui/arena_view.h"
-#include "ui/calibration_dialog.h"
-#include "ui/experiment_editor.h"
-#include "ui/main_window.h"
-#include "ui/plots_panel.h"
-#include "ui/time_line.h"
+#include "ui/arena/arena_view.h"
+#include "ui/calibration/calibration_dialog.h"
+#include "ui/editor/experiment_editor.h"
+#include "ui/main/main_window.h"
+#include "ui/plots/plots_panel.h"
+#include "ui/run/time_line.h"
 #include "ui/window.h"
 
 namespace skein::ui {

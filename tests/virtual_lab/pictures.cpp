@@ -7,8 +7,8 @@
 #include <fstream>
 #include <vector>
 
-#include "app/experiment_file.h"
-#include "app/experiment_reference.h"
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/experiment_reference.h"
 #include "vision/calibration.h"
 #include "vision/synthetic_camera.h"
 

@@ -1,0 +1,230 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/record/event.h"
+#include "core/avoidance/potential_field.h"
+#include "core/control/gain_schedule.h"
+#include "core/control/gains.h"
+#include "core/estimation/pose_filter.h"
+#include "core/kinematics/step_rate.h"
+#include "core/reference/formation.h"
+#include "core/reference/timetable.h"
+#include "core/reference/trajectory.h"
+#include "core/safety/limits.h"
+#include "core/safety/shield.h"
+#include "core/simulation/simulated_robot.h"
+
+namespace skein::app {
+
+/// What an experiment file says (docs: `skein check`, CONTRACT of keys in docs/experiment-file.md). SI units; robots
+/// counted from 0 here, from 1 in files, logs and windows. Every default is the paper's case study.
+
+struct PathSpec {
+  enum class Shape { rounded_rectangle, circle, ellipse, lemniscate, polyline, spline, line };
+  Shape shape = Shape::rounded_rectangle;
+  double width = 1.3, height = 0.9;  ///< rounded rectangle, ellipse, lemniscate [m]
+  double radius = 0.119;             ///< of corners, or of the circle [m]
+  core::Point centre;                ///< of all but the following [m]
+  std::vector<core::Point> points;   ///< of polyline, spline and line [m]
+  bool closed = true;                ///< of polyline and spline
+};
+
+/// The robots' places in a formation.
+struct ShapeSpec {
+  core::ShapeName shape = core::ShapeName::line;
+  double spacing = 0.12;  ///< between neighbours [m]
+  core::Shape offsets;    ///< places of their own; empty: `shape`
+};
+
+struct ReferenceChange {
+  double t = 0.0, duration = 0.0;  ///< [s]
+  ShapeSpec shape;                 ///< of a platoon its spacing alone, along the path
+};
+
+struct ReferenceSpec {
+  enum class Kind {
+    platoon,      ///< all robots on one path, each a distance behind the next
+    formation,    ///< a shape about a centre that drives along the path
+    independent,  ///< every robot on a trajectory of its own
+  };
+  Kind kind = Kind::platoon;
+  double speed = 0.05;    ///< [m/s]
+  double spacing = 0.12;  ///< of a platoon, of arc between robots [m]
+  double start = 1.6;     ///< arc length at which robot 1, or the centre, begins [m]
+  PathSpec path;
+  ShapeSpec shape;                       ///< of a formation
+  std::vector<ReferenceChange> changes;  ///< in the order of t
+  double acceleration = 0.1;             ///< of trajectories that say nothing else [m/s^2]
+  bool may_meet = false;                 ///< of trajectories: the shield is to keep robots apart whose references meet
+};
+
+/// How one robot drives, where every robot has a trajectory of its own.
+struct TrajectorySpec {
+  PathSpec path;
+  double t = 0.0;                      ///< sets off [s]
+  double start = 0.0;                  ///< where it begins, along the path [m]
+  std::optional<double> speed;         ///< empty: that of the reference [m/s]
+  std::optional<double> acceleration;  ///< at most; empty: that of the reference [m/s^2]
+  std::optional<double> distance;  ///< from rest to rest; empty: to the end of an open path, a closed one for ever [m]
+  std::optional<double> duration;  ///< instead of speed: from rest to rest [s]
+  double turn_rate = 0.0;          ///< on the spot, after the arrival [rad/s]
+  std::vector<core::TimedPoint> samples;  ///< instead of all this: places and their times
+  std::vector<double> headings;           ///< of the samples, where the file gives them; only to be checked [rad]
+
+  bool from_rest_to_rest() const noexcept { return distance || !path.closed; }
+};
+
+struct ControllerSpec {
+  core::Saturation saturation = core::Saturation::tanh;
+  core::Coupling coupling = core::Coupling::paper;
+  double v_max = 0.1, omega_max = 1.7;
+  double c_x = 20.0, c_theta = 1.0, k_y = 11.0, k = 200.0;
+  core::GainPolicy policy = core::GainPolicy::authority;
+  double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed" [m/s, rad/s]
+  core::CouplingGains gains;        ///< of all pairs; those of (36) unless the file says otherwise
+};
+
+/// From time t on, the given parameters of the couplings move to new values at a constant rate within `ramp` seconds.
+struct GainChange {
+  double t = 0.0;
+  double ramp = 1.0;
+  std::array<std::optional<core::PairTable>, core::pair_names.size()> tables;  ///< in the order of core::pair_names
+
+  std::optional<core::PairTable>& operator[](core::GainName name) { return tables[static_cast<std::size_t>(name)]; }
+  const std::optional<core::PairTable>& operator[](core::GainName name) const {
+    return tables[static_cast<std::size_t>(name)];
+  }
+};
+
+struct RobotSpec {
+  enum class Link {
+    sim,       ///< simulated, poses and wheel speeds handed over directly
+    loopback,  ///< simulated behind an emulated e-puck on a pseudo-terminal
+    device,    ///< a real robot: `address` is "rfcomm:ADDR/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT"
+  };
+  std::string name;  ///< as in the file of robots; empty: it has none
+  int tag = 0;
+  Link link = Link::sim;
+  std::string address;  ///< as written in the file
+  std::string adapter;  ///< Bluetooth adapter, for example "hci1"; empty: the system's choice
+  core::MotorModel motor = core::MotorModel::ideal;  ///< key `model`; of a loopback or real robot "epuck2" unless given
+  std::optional<TrajectorySpec> trajectory;          ///< of an independent reference
+  std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
+  core::DifferentialDrive drive;    ///< keys wheel_diameter, track; max_step_rate follows from `model`
+
+  bool simulated() const noexcept { return link != Link::device; }
+};
+
+struct CameraSpec {
+  std::string source = "none";  ///< "none" | "synthetic" | "v4l2:DEV" | "video:FILE" | "images:DIR"
+  std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
+  /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
+  double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
+};
+
+/// How patient the links to the robots are, on the wall clock.
+struct LinksSpec {
+  double reply_timeout = 0.08;            ///< a reply later than this is a lost reply [s]
+  std::optional<double> command_silence;  ///< without a new command for this long a link stops its robot [s]
+};
+
+struct EstimationSpec {
+  double bridge = 0.2;                    ///< a pose older than this is no pose: the robot is lost and stops [s]
+  std::optional<double> actuation_delay;  ///< from the tick to the moment the wheels obey [s]; empty: as measured
+  core::FilterParameters filter;
+};
+
+/// How robots get to where the run begins.
+struct StagingSpec {
+  bool automatic = true;   ///< before a run without a window, where a robot stands farther off than `within`
+  double within = 0.03;    ///< [m]
+  double timeout = 120.0;  ///< the run fails where somebody has not arrived by then [s]
+  bool back = false;       ///< drive to the starts after the run as well
+};
+
+/// What the group does when a robot's link is lost.
+struct FailureSpec {
+  enum class LinkLost {
+    all_stop,      ///< STOP for everybody
+    others_go_on,  ///< that robot is held, until the operator releases it
+  };
+  LinkLost link_lost = LinkLost::all_stop;
+  /// A link that has not been up for longer than this is lost [s]. A robot is asked every tick, the links are looked at
+  /// every 20 ms, and the group obeys in the next tick: at 25 Hz it reacts within 0.2 s.
+  double link_bridge = 0.1;
+};
+
+struct Perturbation {
+  double t = 0.0;
+  std::size_t robot = 0;
+  double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< in the world frame [m, rad]
+};
+
+/// What somebody does at the window, done by the file: an [[operator]] table. Before the start if t is 0.
+struct OperatorAction {
+  double t = 0.0;
+  Event event;  ///< one that `is_action`
+};
+
+/// What the run must show; empty: not asked for.
+struct Expectations {
+  std::optional<double> final_error;  ///< largest position error of the last tick is at most this [m]
+  std::optional<double>
+      min_distance;  ///< smallest distance between two robots (true poses where known) is at least this [m]
+  std::optional<double> arrived;        ///< all references rest and all robots are there by this time [s]
+  std::optional<bool> formation_first;  ///< after every perturbation the formation settles (1 cm) before tracking does
+  std::optional<std::int64_t> collisions;  ///< number of times two robots come closer than 70 mm
+};
+
+struct Experiment {
+  std::string name = "platoon";
+  double duration = 84.0;  ///< [s]
+  double rate = 25.0;      ///< ticks per second
+  std::uint64_t seed = 1;
+  double arena_width = 2.0, arena_height = 1.5;  ///< centred on the origin [m]
+  ReferenceSpec reference;
+  ControllerSpec controller;
+  std::vector<GainChange> gain_changes;  ///< in the order of t
+  core::AvoidanceParameters avoidance;
+  core::ShieldParameters shield;
+  std::vector<core::Obstacle> obstacles;
+  std::vector<RobotSpec> robots;  ///< default: four simulated ones, tags 1 to 4
+  CameraSpec camera;
+  LinksSpec links;
+  EstimationSpec estimation;
+  StagingSpec staging;
+  FailureSpec failure;
+  core::Imperfection simulation;
+  std::vector<Perturbation> perturbations;  ///< in the order of t
+  std::vector<OperatorAction> actions;      ///< in the order of t
+  Expectations expect;
+
+  std::string source;     ///< the text it was read from, `--set` included as the keys it changed
+  std::string directory;  ///< where the file lies; relative paths inside start there
+
+  /// links.command_silence, or 0.1 s and at least two ticks and a half: one late tick does not stop the group.
+  double command_silence() const noexcept { return links.command_silence.value_or(std::max(0.1, 2.5 * period())); }
+  double period() const noexcept { return 1.0 / rate; }
+  std::int64_t ticks() const noexcept;  ///< rows that a run of the whole duration has
+};
+
+/// What messages call a robot: "robot 2", or "robot 2 (anna)".
+std::string robot_name(const Experiment& experiment, std::size_t robot);
+
+/// What the tick's parts are made of.
+std::shared_ptr<const core::Path> make_path(const PathSpec& path);
+std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& trajectory,
+                                                        const ReferenceSpec& defaults);
+std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment);
+core::Gains make_gains(const Experiment& experiment);
+core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot);
+
+}  // namespace skein::app

@@ -1,0 +1,236 @@
+#include "app/experiment/experiment_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "app/experiment/experiment_events.h"
+#include "app/experiment/experiment_reference.h"
+#include "app/experiment/experiment_trajectory.h"
+
+namespace skein::app {
+namespace {
+
+std::string robot_key(std::size_t i, const char* key) {
+  return fmt::format("robot.{}.{}", i + 1, key);
+}
+
+void check_duration(const Experiment& e, Problems& problems) {
+  constexpr double most_ticks = 1e7;  // a file of some 10 GB
+  const double ticks = e.duration * e.rate;
+  if (ticks < 1.0 || ticks > most_ticks)
+    problems.add("duration", fmt::format("found {} s at {} Hz, which is {:.6g} ticks, allowed: 1 to {:.0f} ticks",
+                                         e.duration, e.rate, std::floor(ticks), most_ticks));
+}
+
+void check_robots(const Experiment& e, Problems& problems) {
+  const bool real_camera = e.camera.source.find(':') != std::string::npos;  // "v4l2:DEVICE" and its like
+  std::map<int, std::size_t> tags;
+  std::map<std::string, std::size_t> addresses, names, adapters;  // adapters: robots that each holds
+  constexpr std::size_t most_on_an_adapter = 7;                   // connections of a Bluetooth piconet
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    const RobotSpec& robot = e.robots[i];
+    if (const auto [other, unique] = tags.emplace(robot.tag, i); !unique)
+      problems.add(robot_key(i, "tag"), fmt::format("found {}, which robot {} has already, allowed: a tag of its own",
+                                                    robot.tag, other->second + 1));
+    if (const auto [other, unique] = names.emplace(robot.name, i); !unique && !robot.name.empty())
+      problems.add(robot_key(i, "name"), fmt::format("found \"{}\", as robot {} is called, allowed: a name of its own",
+                                                     robot.name, other->second + 1));
+    if (robot.simulated()) continue;
+    if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
+      problems.add(robot_key(i, "link"),
+                   fmt::format("found \"{}\", which robot {} has already, allowed: a link of its own", robot.address,
+                               other->second + 1));
+    if (robot.address.starts_with("rfcomm:") && ++adapters[robot.adapter] == most_on_an_adapter + 1)
+      problems.add(robot_key(i, "adapter"),
+                   fmt::format("found \"{}\" for more than {} robots, allowed: {} an adapter; give others another one, "
+                               "as in adapter = \"hci1\"",
+                               robot.adapter, most_on_an_adapter, most_on_an_adapter));
+    if (!real_camera)
+      problems.add(
+          "camera.source",
+          fmt::format("found \"{}\", allowed: \"v4l2:DEVICE\", \"video:FILE\" or \"images:DIR\", since robot {} "
+                      "is a real one (link \"{}\") and only a camera can see it",
+                      e.camera.source, i + 1, robot.address));
+  }
+  if (real_camera && e.camera.calibration.empty())
+    problems.add("camera.calibration",
+                 fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", e.camera.source));
+}
+
+/// What (18a) asks of the tracking gains of (36): that the reference and the couplings leave something of `whole`.
+struct Bound {
+  const char* equation;
+  const char* whole_name;
+  const char* tracking_gain;
+  const char* unit;
+  double whole;      // v_max, omega_max
+  double demand;     // what the reference takes of it, at most
+  double per_speed;  // the same for 1 m/s of reference.speed; 0: that says nothing of it
+  std::vector<std::string> keys;
+  std::vector<const core::PairTable*> tables;
+};
+
+/// Says that robot i's couplings take too much, at the k-th of the bound's keys.
+void refuse_gain(const Bound& bound, std::size_t i, std::size_t k, double sum, std::size_t robots, Problems& problems) {
+  const double room = bound.whole - bound.demand, own = bound.tables[k]->row_sum(i), left = room - (sum - own);
+  if (own == 0.0 || (left <= 0.0 && own < room)) return;  // the other one alone is too much
+  const std::string& key = bound.keys[k];
+  const double allowed = left > 0.0 ? left : room;
+  const std::string slower =
+      bound.whole > sum && bound.per_speed > 0.0
+          ? fmt::format(", or reference.speed below {:.6g}", (bound.whole - sum) / bound.per_speed)
+          : "";
+  // A gain that the file does not name has the paper's value: then it is the speed that asks too much.
+  problems.add(
+      !problems.has(key) && problems.has("reference.speed") ? "reference.speed" : key,
+      fmt::format("{} fails for robot {} by {:.4g} {}: {} {:.6g} - reference {:.6g} - couplings {:.6g} leaves {} = "
+                  "{:.4g}, which must be above 0; allowed: {} below {:.6g} for all pairs{} (a sum below {:.6g} over "
+                  "robot {}'s pairs){}",
+                  bound.equation, i + 1, sum - room, bound.unit, bound.whole_name, bound.whole, bound.demand, sum,
+                  bound.tracking_gain, room - sum, key.substr(key.rfind('.') + 1),
+                  allowed / static_cast<double>(robots - 1), left > 0.0 ? "" : " were it the only coupling", allowed,
+                  i + 1, slower));
+}
+
+void check_bound(const Bound& bound, std::size_t robots, Problems& problems) {
+  if (bound.whole <= bound.demand) return;  // said by check_speed
+  for (std::size_t i = 0; i < robots; ++i) {
+    double sum = 0.0;
+    for (const core::PairTable* table : bound.tables) sum += table->row_sum(i);
+    if (sum < bound.whole - bound.demand) continue;
+    for (std::size_t k = 0; k < bound.keys.size(); ++k) refuse_gain(bound, i, k, sum, robots, problems);
+    return;  // the first robot says it for the others
+  }
+}
+
+void check_speed(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
+  if (e.reference.kind == ReferenceSpec::Kind::independent) return check_trajectory_speeds(e, problems);
+  const double curvature = make_path(e.reference.path)->largest_curvature();
+  if (const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
+      platoon && demand.v > e.reference.speed &&
+      (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)) {
+    problems.add(
+        "reference.change",
+        fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for which {} fails whatever "
+                    "the couplings, allowed: changes that take longer",
+                    demand.v, demand.v >= e.controller.v_max ? "(18f)" : "(18g)"));
+    return;
+  }
+  const double share = std::max(demand.v / e.controller.v_max, demand.turning / e.controller.omega_max);
+  const double fastest = e.reference.speed / share;  // all velocities grow with it
+  if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)
+    problems.add(
+        "reference.speed",
+        fmt::format("found {}, for which {} fails whatever the couplings; allowed: below {:.6g} m/s with v_max {}, "
+                    "omega_max {}, k_y {} and bends of {:.4g} m",
+                    e.reference.speed, demand.v >= e.controller.v_max ? "(18f)" : "(18g)", fastest, e.controller.v_max,
+                    e.controller.omega_max, e.controller.k_y, 1.0 / curvature));
+}
+
+/// (18f, g) with tracking gains that are given, at the key of the file that fails first.
+void check_fixed(const ControllerSpec& c, const core::ReferenceDemand& demand, const core::CouplingGains& gains,
+                 const std::string& place, std::size_t robots, Problems& problems) {
+  constexpr double rounding = 1e-12;
+  const auto check = [&](const char* equation, const char* name, double given, double whole, double reference,
+                         const std::vector<double>& couplings) {
+    const auto most = std::max_element(couplings.begin(), couplings.end());
+    const double left = whole - reference - *most;
+    if (given <= left + rounding) return;
+    const std::string said = fmt::format(
+        "{} fails for robot {} by {:.4g}: {:.6g} - reference {:.6g} - couplings {:.6g} "
+        "leaves {:.6g} for {} = {}",
+        equation, most - couplings.begin() + 1, given - left, whole, reference, *most, left, name, given);
+    problems.add(place == "controller" ? fmt::format("controller.{}", name) : place,
+                 left > 0.0 ? fmt::format("{}, allowed: up to {:.6g}", said, left)
+                            : fmt::format("{}, allowed: less of the reference or the couplings", said));
+  };
+  std::vector<double> forward, turning;
+  for (std::size_t i = 0; i < robots; ++i) {
+    forward.push_back(gains.k_xx.row_sum(i));
+    turning.push_back(gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i));
+  }
+  check("(18f)", "k_x", c.k_x, c.v_max, demand.v, forward);
+  check("(18g)", "k_theta", c.k_theta, c.omega_max, demand.turning, turning);
+}
+
+void check_gains(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  const ControllerSpec& c = e.controller;
+  const core::ReferenceDemand demand = reference.demand(c.k_y);
+  const bool one_speed = e.reference.kind != ReferenceSpec::Kind::independent;
+  const auto check_xx = [&](const core::CouplingGains& gains, const std::string& place) {
+    check_bound({"(18f)",
+                 "v_max",
+                 "k_x",
+                 "m/s",
+                 c.v_max,
+                 demand.v,
+                 !one_speed       ? 0.0
+                 : demand.v > 0.0 ? demand.v / e.reference.speed
+                                  : 1.0,
+                 {place + ".k_xx"},
+                 {&gains.k_xx}},
+                e.robots.size(), problems);
+  };
+  const auto check_tt_yy = [&](const core::CouplingGains& gains, const std::string& place) {
+    check_bound({"(18g)",
+                 "omega_max",
+                 "k_theta",
+                 "rad/s",
+                 c.omega_max,
+                 demand.turning,
+                 !one_speed       ? 0.0
+                 : demand.v > 0.0 ? demand.turning / e.reference.speed
+                                  : c.k_y,
+                 {place + ".k_tt", place + ".k_yy"},
+                 {&gains.k_tt, &gains.k_yy}},
+                e.robots.size(), problems);
+  };
+  core::CouplingGains gains = c.gains;
+  if (c.policy == core::GainPolicy::fixed) check_fixed(c, demand, gains, "controller", e.robots.size(), problems);
+  check_xx(gains, "controller.gains");
+  check_tt_yy(gains, "controller.gains");
+
+  std::vector<std::size_t> order(e.gain_changes.size());  // of time, which need not be that of the file
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return e.gain_changes[a].t < e.gain_changes[b].t; });
+  for (const std::size_t i : order) {
+    const GainChange& change = e.gain_changes[i];
+    const std::string place = fmt::format("gain_change.{}", i + 1);
+    if (change[core::GainName::k_xx]) gains.k_xx = *change[core::GainName::k_xx];
+    if (change[core::GainName::k_tt]) gains.k_tt = *change[core::GainName::k_tt];
+    if (change[core::GainName::k_yy]) gains.k_yy = *change[core::GainName::k_yy];
+    if (change[core::GainName::k_xx]) check_xx(gains, place);
+    if (change[core::GainName::k_tt] || change[core::GainName::k_yy]) check_tt_yy(gains, place);
+    if (c.policy == core::GainPolicy::fixed) check_fixed(c, demand, gains, place, e.robots.size(), problems);
+  }
+}
+
+void check_estimation(const Experiment& e, Problems& problems) {
+  if (e.simulation.latency > 0.0 && e.estimation.bridge <= e.simulation.latency)
+    problems.add("estimation.bridge",
+                 fmt::format("found {}, allowed: above simulation.latency, {} s, or every pose is too "
+                             "old when it comes and every robot lost",
+                             e.estimation.bridge, e.simulation.latency));
+}
+
+}  // namespace
+
+void check_together(const Experiment& e, Problems& problems) {
+  check_duration(e, problems);
+  check_robots(e, problems);
+  check_events(e, problems);
+  check_estimation(e, problems);
+  if (!check_shape(e, problems)) return;  // without a path there is no reference
+  const std::unique_ptr<const core::Reference> reference = make_reference(e);
+  check_places(e, *reference, problems);
+  check_speed(e, *reference, problems);
+  check_gains(e, *reference, problems);
+}
+
+}  // namespace skein::app

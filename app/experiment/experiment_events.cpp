@@ -1,0 +1,111 @@
+#include "app/experiment/experiment_events.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/avoidance/obstacle.h"
+#include "core/geometry/pose.h"
+
+namespace skein::app {
+namespace {
+
+constexpr double longest_run = 86400.0;  // [s]; later than the end: a run cut short by --duration leaves it out
+
+void read_perturbations(TomlTable& document, Experiment& e) {
+  const auto robots = static_cast<std::int64_t>(e.robots.size());
+  for (TomlTable& t : document.tables("perturb")) {
+    Perturbation p;
+    std::int64_t robot = 1;
+    t.require("t", "the time in s");
+    t.number("t", p.t, between(0.0, longest_run, "s"));
+    t.require("robot", fmt::format("the robot to move, from 1 to {}", robots));
+    t.integer("robot", robot, 1, robots);
+    p.robot = static_cast<std::size_t>(robot - 1);
+    t.number("dx", p.dx, between(-e.arena_width, e.arena_width, "m"));
+    t.number("dy", p.dy, between(-e.arena_height, e.arena_height, "m"));
+    t.number("dtheta", p.dtheta, between(-core::pi, core::pi, "rad"));
+    if (!t.has("dx") && !t.has("dy") && !t.has("dtheta")) t.require("dx", "at least one of dx, dy, dtheta");
+    t.finish();
+    e.perturbations.push_back(p);
+  }
+}
+
+void read_actions(TomlTable& document, Experiment& e) {
+  for (TomlTable& t : document.tables("operator")) {
+    OperatorAction action;
+    std::string words;
+    t.require("t", "the time in s");
+    t.number("t", action.t, between(0.0, longest_run, "s"));
+    t.require("does", "what happens then, such as \"kick r2 vx=0.3 vy=0\"");
+    t.text("does", words);
+    if (const auto event = parse_action(words))
+      action.event = *event;
+    else if (const toml::node* const found = t.node("does"))
+      t.refuse("does", *found,
+               "\"move r1 x=0 y=0 theta=0\", \"kick r1 vx=0.3 vy=0\", \"hold r1\", \"release r1\", "
+               "\"obstacle o1 x=0 y=0 radius=0.05\", \"gain k_xx 0.008 -> 0.01\", "
+               "\"pair_gain r1 r2 k_xx 0.008 -> 0.01\", \"uncouple r1 r2\" or \"couple r1 r2\"");
+    t.finish();
+    e.actions.push_back(action);
+  }
+}
+
+void check_perturbations(const Experiment& e, Problems& problems) {
+  for (std::size_t i = 0; i < e.perturbations.size(); ++i) {
+    const Perturbation& p = e.perturbations[i];
+    if (p.robot < e.robots.size() && !e.robots[p.robot].simulated())
+      problems.add(fmt::format("perturb.{}.robot", i + 1),
+                   fmt::format("found {}, a real robot (link \"{}\"), allowed: a simulated one; move real ones by hand",
+                               p.robot + 1, e.robots[p.robot].address));
+  }
+}
+
+/// What an action names has to be there, and what it does has to be possible.
+void check_actions(const Experiment& e, Problems& problems) {
+  const auto robots = static_cast<int>(e.robots.size());
+  const auto most_obstacles = static_cast<int>(e.obstacles.size() + core::ObstacleField::room_for_more);
+  for (std::size_t k = 0; k < e.actions.size(); ++k) {
+    const Event& event = e.actions[k].event;
+    if (e.actions[k].event.kind == Event::Kind::start) continue;  // not read: said already
+    const auto refuse = [&](const std::string& allowed) {
+      problems.add(fmt::format("operator.{}.does", k + 1),
+                   fmt::format("found \"{}\", allowed: {}", describe(event), allowed));
+    };
+    if (event.kind == Event::Kind::obstacle) {
+      const auto [x, y, radius] = event.values;
+      if (event.robot < 0 || event.robot >= most_obstacles)
+        refuse(fmt::format("obstacles o1 to o{}: the file's come first", most_obstacles));
+      else if (!(radius >= 0.0) ||
+               (radius > 0.0 && (std::abs(x) > e.arena_width / 2 || std::abs(y) > e.arena_height / 2)))
+        refuse("a place inside the arena, and a radius of 0, which takes it away, or more");
+      continue;
+    }
+    const bool one = event.kind == Event::Kind::move || event.kind == Event::Kind::kick ||
+                     event.kind == Event::Kind::hold || event.kind == Event::Kind::release;
+    const bool pair = !one && event.kind != Event::Kind::gain;
+    const bool known = event.robot >= 0 && event.robot < robots;
+    if ((one || pair) && (!known || (pair && (event.other < 0 || event.other >= robots || event.other == event.robot))))
+      refuse(pair ? fmt::format("two different robots, r1 to r{}", robots) : fmt::format("a robot, r1 to r{}", robots));
+    else if ((event.kind == Event::Kind::move || event.kind == Event::Kind::kick) &&
+             !e.robots[static_cast<std::size_t>(event.robot)].simulated())
+      refuse(fmt::format("a simulated robot; robot {} is real: move it by hand", event.robot + 1));
+    else if ((event.kind == Event::Kind::gain || event.kind == Event::Kind::pair_gain) &&
+             (event.gain > core::gain_names.back() || !(event.values[1] >= 0.0)))
+      refuse("k_xx, k_tt or k_yy, and a value of 0 or more behind ->");
+  }
+}
+
+}  // namespace
+
+void read_events(TomlTable& document, Experiment& experiment) {
+  read_perturbations(document, experiment);
+  read_actions(document, experiment);
+}
+
+void check_events(const Experiment& experiment, Problems& problems) {
+  check_perturbations(experiment, problems);
+  check_actions(experiment, problems);
+}
+
+}  // namespace skein::app

@@ -1,0 +1,90 @@
+#include "app/experiment/experiment_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "app/experiment/experiment_checks.h"
+#include "app/experiment/experiment_sets.h"
+#include "app/experiment/experiment_tables.h"
+#include "app/experiment/known_robots.h"
+#include "app/experiment/sample_file.h"
+#include "app/experiment/toml_table.h"
+#include "app/record/embedded.h"
+
+namespace skein::app {
+namespace {
+
+/// The document as TOML text that gives the same document again.
+std::string written(const toml::table& document) {
+  std::ostringstream text;
+  text << document << '\n';
+  return text.str();
+}
+
+template <typename Timed>
+void sort_by_time(std::vector<Timed>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Timed& a, const Timed& b) { return a.t < b.t; });
+}
+
+}  // namespace
+
+tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view text, const std::string& file,
+                                                                const std::vector<std::string>& sets) {
+  auto parsed = parse_toml(text, file);
+  if (!parsed) return tl::unexpected(parsed.error());
+  toml::table& document = *parsed;
+  std::vector<Problem> refused;
+  apply_sets(document, sets, refused);
+  const std::string directory = std::filesystem::path(file).parent_path().string();
+  bool embedded = embed_known_robots(document, directory, refused);
+  embedded = embed_samples(document, directory, refused) || embedded;
+
+  Experiment experiment;
+  Problems problems(document, file);
+  read_tables(document, experiment, problems);
+  check_together(experiment, problems);
+  if (!problems.empty() || !refused.empty()) {
+    std::vector<Problem> all = std::move(problems).sorted();
+    all.insert(all.end(), refused.begin(), refused.end());
+    return tl::unexpected(std::move(all));
+  }
+  sort_by_time(experiment.gain_changes);  // only now: places in the file are found by number
+  sort_by_time(experiment.perturbations);
+  sort_by_time(experiment.actions);
+  experiment.source = sets.empty() && !embedded ? std::string(text) : written(document);
+  if (!experiment.source.empty() && !experiment.source.ends_with('\n')) experiment.source += '\n';
+  experiment.directory = directory;
+  return experiment;
+}
+
+tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path) {
+  const auto unreadable = [&](const std::string& why) {
+    return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
+  };
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return unreadable("it is a directory");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return unreadable(std::strerror(errno));
+  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad()) return unreadable(std::strerror(errno));
+  return text;
+}
+
+tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,
+                                                               const std::vector<std::string>& sets) {
+  const auto read = read_text(path);
+  if (!read) return tl::unexpected(read.error());
+  const std::string& text = *read;
+  return parse_experiment(text, path, sets);
+}
+
+Experiment paper_experiment() {
+  return parse_experiment(embedded::platoon_toml, "platoon.toml").value();
+}
+
+}  // namespace skein::app

@@ -1,0 +1,278 @@
+#include "app/experiment/experiment_reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/experiment/experiment_path.h"
+#include "app/experiment/experiment_trajectory.h"
+
+namespace skein::app {
+namespace {
+
+using Kind = ReferenceSpec::Kind;
+using PathShape = PathSpec::Shape;
+
+// Limits that only a slip of the keyboard exceeds.
+constexpr double longest = 100.0;      // [m]
+constexpr double longest_run = 86400;  // a day [s]
+
+/// A shape by name, or the robots' own places.
+void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
+  t.choice("shape", shape.shape,
+           {{"line", core::ShapeName::line},
+            {"column", core::ShapeName::column},
+            {"diamond", core::ShapeName::diamond},
+            {"v", core::ShapeName::v},
+            {"circle", core::ShapeName::circle}});
+  t.number("spacing", shape.spacing, above(0.0, longest, "m"));
+  shape.offsets.clear();
+  read_points(t, "offsets", shape.offsets, robots, robots);
+  if (!t.has("offsets")) t.require("shape", "the formation's shape, or offsets = [[x, y], ...] for every robot");
+  if (t.has("offsets") && t.has("shape"))
+    t.refuse("offsets", *t.node("offsets"), "one of shape and offsets, since both say where the robots are");
+}
+
+void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
+  std::size_t k = 0;
+  double free_from = 0.0;
+  for (TomlTable& c : t.tables("change")) {
+    ReferenceChange change;
+    change.shape.spacing = e.reference.shape.spacing;
+    c.require("t", "the time in s at which the shape begins to change");
+    c.number("t", change.t, between(0.0, longest_run, "s"));
+    c.require("duration", "how long the change takes in s");
+    c.number("duration", change.duration, above(0.0, longest_run, "s"));
+    if (e.reference.kind == Kind::platoon) {
+      c.require("spacing", "the new spacing in m, along the path");
+      c.number("spacing", change.shape.spacing, above(0.0, longest, "m"));
+    } else {
+      read_shape(c, change.shape, e.robots.size());
+    }
+    c.finish();
+    if (++k > 1 && change.t < free_from)
+      problems.add(
+          fmt::format("reference.change.{}.t", k),
+          fmt::format("found {}, allowed: {:.6g} and later, when the change before is over", change.t, free_from));
+    free_from = change.t + change.duration;
+    e.reference.changes.push_back(std::move(change));
+  }
+}
+
+/// Calls `visit` with the moments at which anything can be different: of a formation every change, and a lap with every
+/// shape, as far as it lasts; of trajectories the whole run, or until all are at rest.
+template <typename Visit>
+void for_each_moment(const Experiment& e, const core::Reference& reference, Visit&& visit) {
+  if (e.reference.kind == Kind::independent) {
+    constexpr double way = 0.002;  // [m]: as finely as a platoon's path is looked at
+    constexpr double most_moments = 20000;
+    const double end = std::min(e.duration, last_arrival(e));
+    const double moments = std::clamp(std::ceil(end * reference.demand(0.0).v / way), 1.0, most_moments);
+    for (double k = 0.0; k <= moments; ++k) visit(end * k / moments);
+    return;
+  }
+  constexpr int samples = 1000;
+  const double lap = e.reference.speed > 0.0 ? make_path(e.reference.path)->length() / e.reference.speed : 0.0;
+  const auto between_times = [&](double from, double to) {
+    for (int k = 0; k <= samples; ++k) visit(from + (to - from) * k / samples);
+  };
+  double from = 0.0;
+  for (const ReferenceChange& change : e.reference.changes) {
+    between_times(from, std::min(from + lap, change.t));
+    from = change.t + change.duration;
+    between_times(change.t, from);
+  }
+  between_times(from, from + lap);
+}
+
+/// Two references at one moment.
+struct Offset {
+  double dx, dy;  ///< [m]
+  std::size_t i, j;
+  double t;              ///< of a platoon, which is looked at along its path, 0 [s]
+  double spacing = 0.0;  ///< of a platoon [m]
+};
+
+/// Calls `visit` with the offset between two references: every pair, all along the path.
+template <typename Visit>
+void for_each_offset(const Experiment& e, const core::Reference& reference, Visit&& visit) {
+  if (e.reference.kind == Kind::platoon) {
+    constexpr int samples = 2000;  // 2 mm on the paper's path
+    const auto path = make_path(e.reference.path);
+    std::vector<double> spacings{e.reference.spacing};
+    constexpr int between = 8;  // the spacings on the way to another one
+    for (const ReferenceChange& change : e.reference.changes)
+      for (int k = 1; k <= between; ++k)
+        spacings.push_back(spacings.back() + (change.shape.spacing - spacings.back()) / (between + 1 - k));
+    for (const double spacing : spacings)
+      for (int k = 0; k < samples; ++k) {
+        const double s = path->length() * k / samples;
+        const core::Pose ahead = path->at(s).pose;
+        for (std::size_t j = 1; j < e.robots.size(); ++j) {
+          const core::Pose behind = path->at(s - static_cast<double>(j) * spacing).pose;
+          visit(Offset{ahead.x - behind.x, ahead.y - behind.y, 0, j, 0.0, spacing});
+        }
+      }
+    return;
+  }
+  std::vector<core::ReferencePoint> points(e.robots.size());
+  const auto all_pairs = [&](double t) {
+    reference.at(t, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (std::size_t j = i + 1; j < points.size(); ++j)
+        visit(Offset{points[i].pose.x - points[j].pose.x, points[i].pose.y - points[j].pose.y, i, j, t});
+  };
+  if (!e.reference.may_meet) return for_each_moment(e, reference, all_pairs);
+  all_pairs(0.0);  // between their start and their rest the shield keeps robots apart
+  if (const double end = last_arrival(e); end < e.duration) all_pairs(end);
+}
+
+void check_arena(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  const PathSpec& path = e.reference.path;
+  const double room = 2.0 * core::robot_radius;
+  const bool circle = path.shape == PathShape::circle;
+  if (e.reference.kind == Kind::platoon && path.centre == core::Point{} && path.shape != PathShape::polyline &&
+      path.shape != PathShape::spline) {
+    const double width = circle ? 2.0 * path.radius : path.width, height = circle ? 2.0 * path.radius : path.height;
+    if (width + room > e.arena_width || height + room > e.arena_height)
+      problems.add("reference.path",
+                   fmt::format("found a path of {:.6g} m x {:.6g} m, allowed: up to {:.6g} m x {:.6g} m, "
+                               "the arena less a robot's width of {} m",
+                               width, height, e.arena_width - room, e.arena_height - room, room));
+    return;
+  }
+  const double x_most = 0.5 * (e.arena_width - room), y_most = 0.5 * (e.arena_height - room);
+  core::Pose farthest;
+  double outside = 0.0;
+  std::size_t who = 0;
+  const auto see = [&](const core::Pose& pose, std::size_t robot) {
+    const double by = std::max(std::abs(pose.x) - x_most, std::abs(pose.y) - y_most);
+    if (by > outside) outside = by, farthest = pose, who = robot;
+  };
+  if (e.reference.kind == Kind::platoon) {
+    for (const core::Pose& pose : core::sampled(*make_path(path), 2000)) see(pose, 0);
+  } else {
+    for_each_moment(e, reference, [&](double t) {
+      for (std::size_t i = 0; i < e.robots.size(); ++i) see(reference.at(i, t).pose, i);
+    });
+  }
+  const bool own = e.reference.kind == Kind::independent;
+  if (outside > 0.0)
+    problems.add(own ? fmt::format("robot.{}.trajectory", who + 1) : "reference.path",
+                 fmt::format("found a place ({:.4g}, {:.4g}) m that a robot comes to, allowed: from "
+                             "-{:.6g} to {:.6g} m along x, -{:.6g} to {:.6g} m along y, the arena "
+                             "less a robot's width of {} m",
+                             farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
+}
+
+/// Says that robots i and j come too close.
+void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
+  const double wide = 2.0 * core::robot_radius, nearest = std::hypot(at.dx, at.dy);
+  if (e.reference.kind == Kind::platoon)
+    problems.add(
+        at.spacing == e.reference.spacing ? "reference.spacing" : "reference.change",
+        fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
+                    "room on a path of {:.4g} m for {} robots",
+                    at.spacing, wide, nearest, make_path(e.reference.path)->length(), e.robots.size()));
+  else if (e.reference.kind == Kind::formation)
+    problems.add(e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
+                 fmt::format("found places, or a change of them, with which robots of {} m width come within {:.4g} m "
+                             "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
+                             "crosses another's way",
+                             wide, nearest));
+  else
+    problems.add(
+        fmt::format("robot.{}.trajectory", at.j + 1),
+        fmt::format("found a reference that comes within {:.4g} m of robot {}'s at t = {:.4g} s, allowed: more "
+                    "than the {} m that robots are wide{}",
+                    nearest, at.i + 1, at.t, wide,
+                    e.reference.may_meet
+                        ? " where they begin and where they come to rest"
+                        : ", or reference.may_meet = true, which leaves it to the shield to keep them apart"));
+}
+
+/// The reference itself must neither collide nor set off what keeps robots apart.
+void check_spacing(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
+  double nearest = std::numeric_limits<double>::infinity(), level = nearest;
+  Offset closest{};
+  for_each_offset(e, reference, [&](const Offset& offset) {
+    if (const double d = std::hypot(offset.dx, offset.dy); d < nearest) nearest = d, closest = offset;
+    level = std::min(level, core::region_level(e.avoidance, offset.dx / leaves_at, offset.dy / leaves_at));
+  });
+  if (nearest <= 2.0 * core::robot_radius) return refuse_meeting(e, closest, problems);
+  const char* where = e.reference.may_meet ? "where they begin or come to rest" : "of the formation";
+  if (e.avoidance.enabled && level <= 1.0) {
+    const double fits = std::pow(level, 1.0 / e.avoidance.p);
+    problems.add(
+        e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",
+        fmt::format("found a detection region of {} m x {} m (alpha, beta), allowed: below {:.4g} m x {:.4g} m, or "
+                    "{}, whose robots are {:.4g} m apart where they are nearest, avoids itself for ever "
+                    "(a region is left at {} times its size)",
+                    e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta,
+                    e.reference.may_meet ? "the group at its starts or goals" : "the formation", nearest, leaves_at));
+  }
+  if (e.shield.enabled && e.shield.distance >= nearest)
+    problems.add("shield.distance", fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
+                                                "robots {}",
+                                                e.shield.distance, nearest, where));
+}
+
+}  // namespace
+
+void read_reference(TomlTable t, Experiment& e, Problems& problems) {
+  ReferenceSpec& r = e.reference;
+  t.choice("kind", r.kind,
+           {{"platoon", Kind::platoon}, {"formation", Kind::formation}, {"independent", Kind::independent}});
+  t.number("speed", r.speed, between(0.0, 10.0, "m/s"));
+  if (r.kind == Kind::independent) {
+    t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
+    t.flag("may_meet", r.may_meet);
+  } else {
+    t.number("start", r.start, between(-10.0 * longest, 10.0 * longest, "m"));
+    if (r.kind == Kind::platoon) {
+      t.number("spacing", r.spacing, above(0.0, longest, "m"));
+    } else {
+      read_shape(t, r.shape, e.robots.size());
+    }
+    read_changes(t, e, problems);
+    read_path(t.table("path"), r.path, true);
+  }
+  t.finish();
+}
+
+bool check_shape(const Experiment& e, Problems& problems) {
+  if (!check_trajectories(e, problems)) return false;
+  if (e.reference.kind == Kind::independent) return true;
+  const PathSpec& path = e.reference.path;
+  if (!check_path(path, "reference.path", problems)) return false;
+  if (!path.closed) {
+    problems.add(
+        path.shape == PathShape::line ? "reference.path.shape" : "reference.path.closed",
+        "found an open path, allowed: a closed one; along an open one robots drive by trajectories of their own "
+        "(kind = \"independent\")");
+    return false;
+  }
+  if (e.reference.kind == Kind::formation) {
+    if (path.shape == PathShape::rounded_rectangle || path.shape == PathShape::polyline) {
+      problems.add(
+          "reference.path.shape",
+          "found straights and arcs, allowed for a formation: \"circle\", \"ellipse\", \"lemniscate\" or "
+          "\"spline\"; where the curvature jumps, the velocity of a robot beside the centre would jump as well");
+      return false;
+    }
+    const auto complete = [&](const ShapeSpec& s) { return s.offsets.empty() || s.offsets.size() == e.robots.size(); };
+    return complete(e.reference.shape) && std::all_of(e.reference.changes.begin(), e.reference.changes.end(),
+                                                      [&](const ReferenceChange& c) { return complete(c.shape); });
+  }
+  return true;
+}
+
+void check_places(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  check_arena(e, reference, problems);
+  check_spacing(e, reference, problems);
+}
+
+}  // namespace skein::app

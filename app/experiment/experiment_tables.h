@@ -1,0 +1,15 @@
+#pragma once
+
+#include "app/experiment/experiment.h"
+#include "app/experiment/toml_table.h"
+
+namespace skein::app {
+
+/// Every key of an experiment file, read into the experiment: types, ranges of single values, unknown and missing keys.
+/// What several keys together must fulfil is in experiment_checks.h. docs/experiment-file.md is this file in words.
+void read_tables(const toml::table& document, Experiment& experiment, Problems& problems);
+
+/// The couplings of (36) for any number of robots.
+core::CouplingGains paper_couplings(std::size_t robots);
+
+}  // namespace skein::app

@@ -1,0 +1,102 @@
+#include "app/experiment/fault_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include "app/experiment/toml_table.h"
+
+namespace skein::app {
+namespace {
+
+using comms::Fault;
+using comms::FaultKind;
+
+constexpr double longest = 1e6;  // [s]
+
+/// What a kind needs besides `kind`, `robot`, `at` and `for`.
+void read_amounts(TomlTable& table, Fault& fault) {
+  switch (fault.kind) {
+    case FaultKind::latency:
+      table.require("median", above(0.0, 10.0, "s").text());
+      table.number("median", fault.median, above(0.0, 10.0, "s"));
+      fault.p99 = fault.median;
+      table.number("p99", fault.p99, between(fault.median, 100.0, "s, not below the median"));
+      break;
+    case FaultKind::loss:
+    case FaultKind::corruption:
+      table.require("share", above(0.0, 1.0).text());
+      table.number("share", fault.share, above(0.0, 1.0));
+      break;
+    case FaultKind::battery:
+      table.number("volts", fault.volts, between(0.0, 5.0, "V"));
+      table.number("sag", fault.sag, between(0.0, 10.0, "V/min"));
+      break;
+    default:
+      break;
+  }
+}
+
+std::optional<Fault> read_fault(TomlTable& table, std::size_t robots) {
+  Fault fault;
+  std::optional<std::int64_t> robot;
+  const char* const kinds =
+      "latency, loss, burst, corruption, disconnect, reboot, stuck, ring, battery, swapped_wheels, silent_encoders";
+  table.require("kind", kinds);
+  if (!table.has("kind")) return {};
+  std::optional<FaultKind> kind;
+  table.choice<std::optional<FaultKind>>("kind", kind,
+                                         {{"latency", FaultKind::latency},
+                                          {"loss", FaultKind::loss},
+                                          {"burst", FaultKind::burst},
+                                          {"corruption", FaultKind::corruption},
+                                          {"disconnect", FaultKind::disconnect},
+                                          {"reboot", FaultKind::reboot},
+                                          {"stuck", FaultKind::stuck},
+                                          {"ring", FaultKind::ring},
+                                          {"battery", FaultKind::battery},
+                                          {"swapped_wheels", FaultKind::swapped_wheels},
+                                          {"silent_encoders", FaultKind::silent_encoders}});
+  if (!kind) return {};  // which keys it may have nobody knows
+  fault.kind = *kind;
+  table.integer("robot", robot, 1, static_cast<std::int64_t>(robots));
+  if (robot) fault.robot = static_cast<std::size_t>(*robot - 1);
+  table.number("at", fault.at, between(0.0, longest, "s"));
+  if (fault.kind == FaultKind::stuck)
+    fault.duration = 0.0;  // an instant
+  else
+    table.number("for", fault.duration, above(0.0, longest, "s"));
+  read_amounts(table, fault);
+  table.finish();
+  return fault;
+}
+
+}  // namespace
+
+tl::expected<std::vector<Fault>, std::vector<Problem>> parse_faults(std::string_view text, const std::string& file,
+                                                                    std::size_t robots) {
+  auto parsed = parse_toml(text, file);
+  if (!parsed) return tl::unexpected(parsed.error());
+  toml::table& document = *parsed;
+  Problems problems(document, file);
+  TomlTable root(&document, "", problems);
+  std::vector<Fault> faults;
+  for (TomlTable& table : root.tables("fault"))
+    if (const auto fault = read_fault(table, robots)) faults.push_back(*fault);
+  root.finish();
+  if (!problems.empty()) return tl::unexpected(std::move(problems).sorted());
+  return faults;
+}
+
+tl::expected<std::vector<Fault>, std::vector<Problem>> load_faults(const std::string& path, std::size_t robots) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in.is_open() || in.bad())
+    return tl::unexpected(std::vector<Problem>{{path, 0, 0, std::string("cannot be read: ") + std::strerror(errno)}});
+  return parse_faults(text, path, robots);
+}
+
+}  // namespace skein::app

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/experiment/problem.h"
+
+namespace skein::app {
+
+/// A file of robots, robots.toml: which robots there are, once for all experiments. docs/robots.md is its description.
+
+struct KnownRobot {
+  RobotSpec spec;       ///< with its name and link, as to_text() writes it; tag -1: the file does not say
+  std::string version;  ///< of its firmware, as it said when it was tested; empty: not known
+};
+
+/// Reads a file of robots; all problems at once, in the order of the file.
+tl::expected<std::vector<KnownRobot>, std::vector<Problem>> load_known_robots(const std::string& path);
+
+/// Whether a file has [[robot]] tables and nothing else: no experiment.
+bool is_file_of_robots(const std::string& path);
+
+/// The file that is meant: `asked` if it names one, else robots.toml here if there is one, else that of the user,
+/// $XDG_CONFIG_HOME/skein/robots.toml (~/.config/skein/robots.toml). It need not be there.
+std::string known_robots_file(const std::string& asked);
+
+/// Gives every [[robot]] of an experiment that has the `name` of a robot in its `robots_file` what that file says of
+/// it, where the experiment says nothing, and drops the key `robots_file`: then one text says everything about a run.
+/// Values keep the places that they come from. The file is looked for in `directory` on. True if there was one.
+bool embed_known_robots(toml::table& document, const std::string& directory, std::vector<Problem>& problems);
+
+/// Whether it is that robot of an experiment: by its name, or by its link where it has none.
+bool is(const KnownRobot& known, const RobotSpec& robot);
+
+/// A robot as a table of the file.
+std::string as_toml(const KnownRobot& robot);
+
+/// The text of a file of robots with these added at its end; those whose link or name it has already are left out.
+struct Added {
+  std::string text;
+  std::size_t robots = 0;
+};
+Added with_robots(std::string_view text, const std::vector<KnownRobot>& known, const std::vector<KnownRobot>& more);
+
+/// Writes the file whole or not at all; makes its directory. The error is a sentence.
+tl::expected<void, std::string> save_known_robots(const std::string& path, std::string_view text);
+
+}  // namespace skein::app

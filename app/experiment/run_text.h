@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
+
+namespace skein::app {
+
+/// The text of the experiment with what was done by hand in a run of it as [[operator]] tables: `skein run` does the
+/// same at the same times. `rows`: of the run, in order. Robots that stood elsewhere at its start are put there at t =
+/// 0.
+std::string text_as_done(const Experiment& experiment, const std::vector<const TickRecord*>& rows);
+
+/// The text with other gains in [controller.gains]: a number where all pairs have the same, else every pair's. The
+/// error says what cannot be written, and why.
+tl::expected<std::string, std::string> text_with_gains(std::string text, const core::CouplingGains& gains);
+
+}  // namespace skein::app

@@ -1,0 +1,116 @@
+#include "app/experiment/toml_edit.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <charconv>
+#include <vector>
+
+namespace skein::app {
+namespace {
+
+std::optional<toml::table> parsed(std::string_view text) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<std::string> parts_of(std::string_view key) {
+  std::vector<std::string> parts;
+  for (;;) {
+    const std::size_t dot = key.find('.');
+    parts.emplace_back(key.substr(0, dot));
+    if (dot == std::string_view::npos) return parts;
+    key.remove_prefix(dot + 1);
+  }
+}
+
+/// Where a place of a parser is in the text: columns count characters, not bytes.
+std::size_t offset_of(std::string_view text, const toml::source_position& place) {
+  std::size_t at = 0;
+  for (toml::source_index line = 1; line < place.line; ++line) at = std::min(text.find('\n', at), text.size() - 1) + 1;
+  for (toml::source_index column = 1; column < place.column && at < text.size(); ++column) {
+    ++at;
+    while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U) ++at;
+  }
+  return at;
+}
+
+/// What is called so in a table, or which element of an array it is, counted from 1; null: there is none.
+const toml::node* child(const toml::node& within, const std::string& part) {
+  if (const toml::table* const table = within.as_table()) return table->get(part);
+  const toml::array* const array = within.as_array();
+  std::size_t index = 0;
+  const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  const bool number = error == std::errc{} && stop == part.data() + part.size() && index > 0;
+  return array && number ? array->get(index - 1) : nullptr;
+}
+
+/// The node of a key, null where there is none.
+const toml::node* find(const toml::table& table, const std::vector<std::string>& parts) {
+  const toml::node* node = &table;
+  for (const std::string& part : parts)
+    if (node) node = child(*node, part);
+  return node;
+}
+
+/// The line after the last value of the root, or of a table that has a header of its own.
+std::size_t end_of_table(std::string_view text, const toml::table& table, bool root) {
+  toml::source_index last = root ? 0 : table.source().begin.line;
+  for (auto&& [key, value] : table)
+    if (!value.is_table() && !value.is_array_of_tables()) last = std::max(last, value.source().end.line);
+  std::size_t at = 0;
+  for (toml::source_index line = 0; line < last && at < text.size(); ++line) {
+    const std::size_t end = text.find('\n', at);
+    at = end == std::string_view::npos ? text.size() : end + 1;
+  }
+  return at;
+}
+
+std::string inserted(std::string_view text, std::size_t at, const std::string& line) {
+  std::string result(text.substr(0, at));
+  if (!result.empty() && result.back() != '\n') result += '\n';
+  return result + line + std::string(text.substr(at));
+}
+
+}  // namespace
+
+std::optional<std::string> toml_value(std::string_view text, std::string_view key) {
+  const auto table = parsed(text);
+  const toml::node* const node = table ? find(*table, parts_of(key)) : nullptr;
+  if (!node || node->is_table()) return std::nullopt;
+  const std::size_t begin = offset_of(text, node->source().begin);
+  return std::string(text.substr(begin, offset_of(text, node->source().end) - begin));
+}
+
+tl::expected<std::string, std::string> with_toml_value(std::string_view text, std::string_view key,
+                                                       std::string_view value) {
+  const auto table = parsed(text);
+  if (!table) return tl::unexpected(std::string("the text is not TOML yet: mend it first"));
+  std::vector<std::string> parts = parts_of(key);
+  std::string result;
+  if (const toml::node* const there = find(*table, parts)) {
+    const std::size_t begin = offset_of(text, there->source().begin), end = offset_of(text, there->source().end);
+    result = std::string(text.substr(0, begin)) + std::string(value) + std::string(text.substr(end));
+  } else {
+    const std::string name = parts.back();
+    parts.pop_back();
+    const std::string line = fmt::format("{} = {}\n", name, value);
+    const toml::node* const within = find(*table, parts);
+    const bool has_header = within && within->as_table() && !within->as_table()->is_inline();
+    if (parts.empty())
+      result = inserted(text, end_of_table(text, *table, true), line);
+    else if (has_header)
+      result = inserted(text, end_of_table(text, *within->as_table(), false), line);
+    else
+      result = inserted(text, text.size(), fmt::format("\n[{}]\n{}", fmt::join(parts, "."), line));
+  }
+  // A table may be written in ways that this does not know: then it says so rather than write something else.
+  if (toml_value(result, key) != std::string(value))
+    return tl::unexpected(fmt::format("{} cannot be set to {} from here: write it into the text", key, value));
+  return result;
+}
+
+}  // namespace skein::app

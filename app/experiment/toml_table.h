@@ -1,0 +1,151 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <toml++/toml.h>
+#include <tl/expected.hpp>
+
+#include "app/experiment/problem.h"
+
+namespace skein::app {
+
+/// The numbers that a key may have.
+struct Range {
+  double low;
+  double high;
+  bool above = false;     ///< low itself is not allowed
+  const char* unit = "";  ///< for the message
+
+  bool holds(double value) const noexcept { return (above ? value > low : value >= low) && value <= high; }
+  std::string text() const;  ///< "a number above 0 and up to 10 m/s"
+};
+constexpr Range above(double low, double high, const char* unit = "") {
+  return {low, high, true, unit};
+}
+constexpr Range between(double low, double high, const char* unit = "") {
+  return {low, high, false, unit};
+}
+
+/// The document that a TOML text says; where it is no TOML, the one problem that stopped the parser, with its place.
+tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file);
+
+/// Everything wrong with one document, each with its place.
+class Problems {
+ public:
+  Problems(const toml::table& document, std::string file) : document_(document), file_(std::move(file)) {}
+
+  /// `key` is dotted, elements of arrays counted from 1 ("robot.2.tag"). The place is that of its value, else of the
+  /// nearest table around it that is there.
+  void add(const std::string& key, const std::string& text);
+  void add(const toml::source_region& place, const std::string& text);
+
+  bool has(const std::string& key) const { return find(key).whole; }
+  bool empty() const noexcept { return found_.empty(); }
+  /// In the order of the file; then what comes from other files, and last what --set brought.
+  std::vector<Problem> sorted() &&;
+
+ private:
+  /// How far a dotted key leads.
+  struct Way {
+    const toml::node* end;
+    bool whole;
+  };
+  Way find(std::string_view key) const;
+
+  const toml::table& document_;
+  std::string file_;
+  std::vector<Problem> found_;
+};
+
+/// Reads one table, key by key: a key that is there must have the right type and a value in range, a key that is not
+/// leaves its target alone. `finish` refuses every key that nobody asked for.
+class TomlTable {
+ public:
+  /// A null table has no keys. `path` is the table's own dotted key, empty for the document.
+  TomlTable(const toml::table* table, std::string path, Problems& problems)
+      : table_(table), path_(std::move(path)), problems_(&problems) {}
+
+  bool has(std::string_view key) const { return table_ && table_->contains(key); }
+  std::string full(std::string_view key) const;  ///< "controller.v_max"
+
+  /// The key's value, or null where there is none; the key counts as known from now on.
+  const toml::node* node(const char* key);
+  /// Refuses a value: "controller.v_max: found -1, allowed: ...".
+  void refuse(std::string_view key, const toml::node& found, const std::string& allowed);
+  /// Refuses the table if the key is not there.
+  void require(std::string_view key, const std::string& allowed);
+
+  void number(const char* key, double& target, const Range& range);
+  void integer(const char* key, std::int64_t& target, std::int64_t low, std::int64_t high);
+  void flag(const char* key, bool& target);
+  void text(const char* key, std::string& target);
+  void line(const char* key, std::string& target, std::size_t longest);  ///< a text of 1 to so many bytes in one line
+
+  /// Any integer type, and the same into an optional that stays empty where there is no key.
+  template <typename Int>
+  requires(std::is_integral_v<Int> && !std::is_same_v<Int, bool> &&
+           !std::is_same_v<Int, std::int64_t>) void integer(const char* key, Int& target, std::int64_t low,
+                                                            std::int64_t high) {
+    auto value = static_cast<std::int64_t>(target);
+    integer(key, value, low, high);
+    target = static_cast<Int>(value);
+  }
+  void number(const char* key, std::optional<double>& target, const Range& range) {
+    optional(key, target, [&](double& value) { number(key, value, range); });
+  }
+  void integer(const char* key, std::optional<std::int64_t>& target, std::int64_t low, std::int64_t high) {
+    optional(key, target, [&](std::int64_t& value) { integer(key, value, low, high); });
+  }
+  void flag(const char* key, std::optional<bool>& target) {
+    optional(key, target, [&](bool& value) { flag(key, value); });
+  }
+
+  /// One of a few words.
+  template <typename Enum>
+  void choice(const char* key, Enum& target, std::initializer_list<std::pair<const char*, Enum>> words) {
+    const toml::node* const found = node(key);
+    if (!found) return;
+    std::string allowed;
+    for (const auto& [word, value] : words) {
+      if (found->value_exact<std::string_view>() == word) {
+        target = value;
+        return;
+      }
+      allowed += (allowed.empty() ? "\"" : ", \"") + std::string(word) + '"';
+    }
+    refuse(key, *found, allowed);
+  }
+
+  /// The table below a key, without keys where there is none.
+  TomlTable table(const char* key);
+  /// The tables of [[key]].
+  std::vector<TomlTable> tables(const char* key);
+
+  /// Refuses every key that was not asked for, with the nearest known one and the list of them.
+  void finish() const;
+
+ private:
+  template <typename T, typename Read>
+  void optional(const char* key, std::optional<T>& target, Read&& read) {
+    T value{};
+    read(value);
+    if (has(key)) target = value;
+  }
+
+  const toml::table* table_;
+  std::string path_;
+  Problems* problems_;  // never null
+  std::vector<std::string> known_;
+};
+
+/// A value as a message shows it: numbers and words as written, else "an array", "a table", "a date".
+std::string shown(const toml::node& value);
+
+}  // namespace skein::app

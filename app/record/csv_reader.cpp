@@ -1,0 +1,215 @@
+#include "app/record/csv_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <unordered_map>
+
+#include "app/record/csv_columns.h"
+
+namespace skein::app {
+namespace {
+
+template <typename Number>
+bool read_number(std::string_view cell, Number& value) {
+  const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc{} && stop == cell.data() + cell.size();
+}
+
+bool read_cell(std::string_view cell, double& value) {
+  value = none;
+  return cell.empty() || read_number(cell, value);
+}
+
+/// Words joined by +, each of them a bit; `names` is mode_names or limit_names.
+template <typename Names>
+bool read_words(std::string_view cell, const Names& names, std::uint8_t& bits) {
+  bits = 0;
+  while (!cell.empty()) {
+    const std::size_t end = std::min(cell.find('+'), cell.size());
+    const auto found =
+        std::find_if(names.begin(), names.end(), [&](const auto& each) { return each.name == cell.substr(0, end); });
+    if (found == names.end()) return false;
+    const auto& [bit, name] = *found;
+    bits |= static_cast<std::uint8_t>(bit);
+    cell.remove_prefix(std::min(end + 1, cell.size()));
+  }
+  return true;
+}
+
+bool read_how(std::string_view cell, core::How& how) {
+  for (const core::How each : {core::How::none, core::How::detected, core::How::tracked, core::How::recovered})
+    if (cell == core::name(each)) return how = each, true;
+  return false;
+}
+
+bool read_events(std::string_view cell, EventList& events) {
+  constexpr std::string_view joint = "; ";
+  events.clear();
+  while (!cell.empty()) {
+    const std::size_t end = std::min(cell.find(joint), cell.size());
+    if (const std::optional<Event> event = parse_event(cell.substr(0, end)))
+      events.add(*event);
+    else if (!cell.starts_with('+'))  // "+2 more": nobody knows which
+      return false;
+    cell.remove_prefix(std::min(end + joint.size(), cell.size()));
+  }
+  return true;
+}
+
+void split(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
+bool CsvReader::read_line() {
+  if (!std::getline(*in_, text_)) return false;
+  ++line_;
+  return true;
+}
+
+tl::unexpected<std::string> CsvReader::error(const std::string& what) const {
+  return tl::unexpected(fmt::format("{}:{}: {}", file_, line_, what));
+}
+
+tl::expected<CsvReader, std::string> CsvReader::open(std::istream& in, std::string file) {
+  CsvReader reader(in, std::move(file));
+  CsvHead& head = reader.head_;
+  std::string& text = reader.text_;
+  const auto after = [&](std::string_view prefix, std::string& value) {
+    if (text.starts_with(prefix)) value = text.substr(prefix.size());
+  };
+  bool found = false;
+  while (!found && reader.read_line()) {
+    found = !text.starts_with('#');
+    if (text.starts_with(source_line)) head.source += text.substr(source_line.size()) + '\n';
+    after(version_line, head.version);
+    after(experiment_line, head.name);
+    after(hash_line, head.hash);
+    if (text.starts_with(seed_line) && !read_number(std::string_view(text).substr(seed_line.size()), head.seed))
+      return reader.error("the seed is not a whole number");
+  }
+  if (!found) return reader.error("ends before a header row, allowed: a CSV that `skein run --csv` wrote");
+  head.intact = head.hash == fmt::format("{:016x}", fnv1a(head.source));
+  if (text.ends_with('\r')) text.pop_back();
+  split(text, reader.cells_);
+  reader.columns_.assign(reader.cells_.begin(), reader.cells_.end());
+  for (const char* needed : {"t", "tick", "r1_x"})
+    if (std::find(reader.columns_.begin(), reader.columns_.end(), needed) == reader.columns_.end())
+      return reader.error(
+          fmt::format("the header row has no column {}, allowed: a CSV that `skein run --csv` wrote", needed));
+  reader.find_columns();
+  reader.cells_.clear();  // they lie in text_, which moves
+  return reader;
+}
+
+void CsvReader::find_columns() {
+  std::unordered_map<std::string, Store> known;
+  const auto store = [&](const std::string& name, auto where) {
+    known[name] = [where](TickRecord& record, std::string_view cell) { return read_cell(cell, where(record)); };
+  };
+  const auto has = [&](const std::string& name) {
+    return std::find(columns_.begin(), columns_.end(), name) != columns_.end();
+  };
+  while (has(fmt::format("r{}_x", robots_ + 1))) ++robots_;
+  while (has(fmt::format("delta_{}_{}", deltas_ + 1, deltas_ + 2))) ++deltas_;
+
+  store("t", [](TickRecord& r) -> double& { return r.t; });
+  store("now", [](TickRecord& r) -> double& { return r.now; });
+  known["tick"] = [](TickRecord& r, std::string_view cell) { return read_number(cell, r.tick); };
+  known["event"] = [](TickRecord& r, std::string_view cell) { return read_events(cell, r.events); };
+  for (const auto& column : gain_columns) store(column.name, column.at);
+  for (const auto& column : group_columns) store(column.name, column.at);
+  for (const auto& column : latency_columns) store(column.name, column.at);
+  for (const core::GainName gain : core::gain_names)
+    for (std::size_t i = 0; i < robots_; ++i)
+      for (std::size_t j = i + 1; j < robots_; ++j)
+        known[pair_column(gain, i + 1, j + 1)] = [gain, i, j](TickRecord& r, std::string_view cell) {
+          double value = none;
+          if (!read_cell(cell, value)) return false;
+          r.pair_gains[static_cast<std::size_t>(gain)].set(i, j, value);
+          return true;
+        };
+  for (std::size_t i = 0; i < deltas_; ++i)
+    store(fmt::format("delta_{}_{}", i + 1, i + 2), [i](TickRecord& r) -> double& { return r.delta[i]; });
+  for (std::size_t i = 0; i < robots_; ++i) {
+    const std::string prefix = fmt::format("r{}_", i + 1);
+    const auto of_robot = [&](const NumberColumn<RobotRecord>& column) {
+      store(prefix + column.name, [i, at = column.at](TickRecord& r) -> double& { return at(r.robots[i]); });
+    };
+    for (const auto& column : robot_columns) of_robot(column);
+    for (const auto& column : measurement_columns) of_robot(column);
+    known[prefix + "how"] = [i](TickRecord& r, std::string_view cell) {
+      return read_how(cell, r.robots[i].measurement.how);
+    };
+    for (const auto& column : link_columns) of_robot(column);
+    for (const auto& column : link_health_columns) of_robot(column);
+    known[prefix + "link"] = [i](TickRecord& r, std::string_view cell) {
+      r.robots[i].link.state = comms::link_state(cell);
+      return cell.empty() || r.robots[i].link.state.has_value();
+    };
+    known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) {
+      return read_words(cell, mode_names, r.robots[i].mode);
+    };
+    known[prefix + "limit"] = [i](TickRecord& r, std::string_view cell) {
+      return read_words(cell, limit_names, r.robots[i].limits);
+    };
+  }
+  for (const std::string& column : columns_) {
+    const auto found = known.find(column);
+    stores_.push_back(found == known.end() ? Store{} : found->second);
+  }
+}
+
+tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
+  do {
+    if (!read_line()) return in_->bad() ? error("cannot be read on") : tl::expected<bool, std::string>(false);
+    if (text_.ends_with('\r')) text_.pop_back();
+  } while (text_.empty() || text_.starts_with('#'));
+
+  split(text_, cells_);
+  if (cells_.size() != columns_.size())
+    return error(fmt::format("found {} cells, allowed: {} as in the header row", cells_.size(), columns_.size()));
+  record = {};
+  record.phase = Phase::running;
+  record.delta.assign(deltas_, none);
+  record.robots.assign(robots_, {});
+  record.pair_gains.fill(core::PairTable(robots_, none));
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (stores_[i] && !stores_[i](record, cells_[i]))
+      return error(fmt::format("column {}: found \"{}\", allowed: {}", columns_[i], cells_[i],
+                               columns_[i].ends_with("mode")    ? "modes joined by +"
+                               : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
+                               : columns_[i].ends_with("_link") ? "a link's state"
+                               : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
+                               : columns_[i] == "event"         ? "events joined by \"; \""
+                               : columns_[i] == "tick"          ? "a whole number"
+                                                                : "a number or nothing"));
+  for (const core::GainName gain : core::gain_names)  // an empty cell, or no column: as all pairs
+    for (std::size_t i = 0; i < robots_; ++i)
+      for (std::size_t j = i + 1; j < robots_; ++j)
+        if (std::isnan(record.pair_gain(gain, i, j)))
+          record.pair_gains[static_cast<std::size_t>(gain)].set(i, j, record.gain(gain));
+  for (const RobotRecord& robot : record.robots)
+    if (robot.is(staging)) record.phase = Phase::staging;
+  for (RobotRecord& robot : record.robots)
+    if (std::isnan(robot.measurement.captured_at)) robot.measurement = {};  // never seen
+  return true;
+}
+
+std::string_view CsvReader::cell(std::string_view column) const {
+  const auto found = std::find(columns_.begin(), columns_.end(), column);
+  const auto index = static_cast<std::size_t>(found - columns_.begin());
+  return index < cells_.size() ? cells_[index] : std::string_view{};
+}
+
+}  // namespace skein::app

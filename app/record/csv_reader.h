@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <istream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/record/tick_record.h"
+
+namespace skein::app {
+
+/// What the `#` lines of a run's CSV say.
+struct CsvHead {
+  std::string version;  ///< of the program that wrote it
+  std::string name;     ///< of the experiment
+  std::string hash;     ///< of the experiment, as written
+  bool intact = false;  ///< the embedded experiment still has that hash
+  std::uint64_t seed = 0;
+  std::string source;  ///< the embedded experiment: what parse_experiment reads
+};
+
+/// Reads a CSV that CsvWriter wrote, row by row, to the same doubles. Columns are found by name: their order does not
+/// matter, unknown ones are passed over, and what a missing one would have told keeps its default. Errors name file,
+/// line and column.
+class CsvReader {
+ public:
+  /// Reads the head and the header row. The stream must outlive the reader.
+  static tl::expected<CsvReader, std::string> open(std::istream& in, std::string file);
+
+  const CsvHead& head() const noexcept { return head_; }
+  const std::vector<std::string>& columns() const noexcept { return columns_; }
+  std::size_t robots() const noexcept { return robots_; }
+
+  /// The next row. false: there is none. `phase`, the margins and the tracking gains are not in the file.
+  tl::expected<bool, std::string> next(TickRecord& record);
+
+  /// A cell of the row that `next` read, by column name; empty where there is no such column.
+  std::string_view cell(std::string_view column) const;
+
+ private:
+  CsvReader(std::istream& in, std::string file) : in_(&in), file_(std::move(file)) {}
+  bool read_line();
+  tl::unexpected<std::string> error(const std::string& what) const;
+  void find_columns();
+
+  /// Puts one cell into the record; false: it is not what the column holds.
+  using Store = std::function<bool(TickRecord&, std::string_view)>;
+
+  std::istream* in_;
+  std::string file_;
+  std::size_t line_ = 0;
+  std::string text_;  // of that line
+  CsvHead head_;
+  std::vector<std::string> columns_;
+  std::vector<Store> stores_;  // one a column, empty for an unknown one
+  std::vector<std::string_view> cells_;
+  std::size_t robots_ = 0, deltas_ = 0;
+};
+
+}  // namespace skein::app

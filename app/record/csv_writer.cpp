@@ -1,0 +1,150 @@
+#include "app/record/csv_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "app/record/csv_columns.h"
+
+namespace skein::app {
+
+/// One row or head at a time, in a buffer that grows once and is then reused.
+struct CsvWriter::Impl {
+  std::ostream& out;
+  bool pair_gains;
+  std::string row;
+
+  void number(double value) {
+    if (!std::isnan(value)) {
+      char text[32];  // the longest double has 24 characters
+      row.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+    }
+    row += ',';
+  }
+  void mode(std::uint8_t bits) {
+    const char* joint = "";
+    for (const auto& [mode, name] : mode_names)
+      if (bits & mode) row.append(joint).append(name), joint = "+";
+    row += ',';
+  }
+  void limits(std::uint8_t bits) {
+    const char* joint = "";
+    for (const auto& [limit, name] : limit_names)
+      if (bits & limit) row.append(joint).append(name), joint = "+";
+    row += ',';
+  }
+  void robot(const RobotRecord& record) {
+    for (const auto& column : robot_columns) number(column.get(record));
+    mode(record.mode);
+    const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
+    for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
+    row.append(core::name(record.measurement.how)) += ',';
+    if (record.link.state) row += comms::to_text(*record.link.state);
+    row += ',';
+    for (const auto& column : link_columns) number(column.get(record));
+    limits(record.limits);
+    for (const auto& column : link_health_columns) number(column.get(record));
+  }
+
+  /// Empty where the pair has what the group's column says.
+  void pairs(const TickRecord& record) {
+    for (const core::GainName gain : core::gain_names)
+      for (std::size_t i = 0; i < record.robots.size(); ++i)
+        for (std::size_t j = i + 1; j < record.robots.size(); ++j) {
+          const double value = record.pair_gain(gain, i, j);
+          number(value == record.gain(gain) ? none : value);
+        }
+  }
+
+  void head(const Experiment& experiment) {
+    row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
+                      hash_line, fnv1a(experiment.source), seed_line, experiment.seed);
+    std::string_view rest = experiment.source;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
+      row.append(source_line).append(rest.substr(0, end)) += '\n';
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+  void header(std::size_t robots) {
+    row += "t,tick,";
+    for (const auto& column : gain_columns) row.append(column.name) += ',';
+    for (std::size_t i = 1; i < robots; ++i) row += fmt::format("delta_{}_{},", i, i + 1);
+    for (const auto& column : group_columns) row.append(column.name) += ',';
+    row += "event,";
+    for (std::size_t i = 1; i <= robots; ++i) {
+      for (const auto& column : robot_columns) row += fmt::format("r{}_{},", i, column.name);
+      row += fmt::format("r{}_mode,", i);
+      for (const auto& column : measurement_columns) row += fmt::format("r{}_{},", i, column.name);
+      row += fmt::format("r{}_how,", i);
+      row += fmt::format("r{}_link,", i);
+      for (const auto& column : link_columns) row += fmt::format("r{}_{},", i, column.name);
+      row += fmt::format("r{}_limit,", i);
+      for (const auto& column : link_health_columns) row += fmt::format("r{}_{},", i, column.name);
+    }
+    for (const auto& column : latency_columns) row.append(column.name) += ',';
+    for (const core::GainName gain : core::gain_names)
+      for (std::size_t i = 1; pair_gains && i <= robots; ++i)
+        for (std::size_t j = i + 1; j <= robots; ++j) row += pair_column(gain, i, j) + ',';
+    row += "now\n";
+  }
+  void write() {
+    out.write(row.data(), static_cast<std::streamsize>(row.size()));
+    row.clear();
+  }
+};
+
+bool pairs_differ(const Experiment& experiment) {
+  const auto differ = [](const core::PairTable& table) {
+    for (std::size_t i = 0; i < table.robots(); ++i)
+      for (std::size_t j = i + 1; j < table.robots(); ++j)
+        if (table(i, j) != table.largest()) return true;
+    return false;
+  };
+  for (const core::GainName gain : core::gain_names) {
+    if (differ(core::table(experiment.controller.gains, gain))) return true;
+    for (const GainChange& change : experiment.gain_changes)
+      if (change[gain] && differ(*change[gain])) return true;
+  }
+  return std::any_of(experiment.actions.begin(), experiment.actions.end(), [](const OperatorAction& action) {
+    return action.event.kind == Event::Kind::pair_gain || action.event.kind == Event::Kind::uncouple;
+  });
+}
+
+bool pairs_differ(const TickRecord& record) noexcept {
+  for (const core::GainName gain : core::gain_names)
+    for (std::size_t i = 0; i < record.robots.size(); ++i)
+      for (std::size_t j = i + 1; j < record.robots.size(); ++j)
+        if (record.pair_gain(gain, i, j) != record.gain(gain)) return true;
+  return false;
+}
+
+CsvWriter::CsvWriter(std::ostream& out, const Experiment& experiment, bool pair_gains)
+    : impl_(new Impl{out, pair_gains, {}}) {
+  impl_->head(experiment);
+  impl_->header(experiment.robots.size());
+  impl_->write();
+}
+
+CsvWriter::~CsvWriter() = default;
+
+void CsvWriter::record(const TickRecord& record) {
+  Impl& csv = *impl_;
+  csv.number(record.t);
+  csv.row.append(fmt::format_int(record.tick).c_str()) += ',';
+  for (const auto& column : gain_columns) csv.number(column.get(record));
+  for (const double delta : record.delta) csv.number(delta);
+  for (const auto& column : group_columns) csv.number(column.get(record));
+  if (!record.events.empty()) csv.row += describe(record.events);
+  csv.row += ',';
+  for (const RobotRecord& robot : record.robots) csv.robot(robot);
+  for (const auto& column : latency_columns) csv.number(column.get(record));
+  if (csv.pair_gains) csv.pairs(record);
+  csv.number(record.now);
+  csv.row.back() = '\n';
+  csv.write();
+}
+
+}  // namespace skein::app

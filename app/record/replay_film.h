@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "core/estimation/measurement.h"
+#include "vision/frame_source.h"
+#include "vision/tracker.h"
+
+namespace skein::app {
+
+/// The film of a run, put through the same tracker once more.
+class ReplayFilm {
+ public:
+  /// The error says why this is not a film that `skein run --video` has kept.
+  static tl::expected<ReplayFilm, std::string> open(const std::string& path, const Experiment& experiment);
+
+  /// Works off every frame that was captured until `time` (session's clock) and has not been yet; then every robot's
+  /// newest measurement is in `newest`.
+  tl::expected<void, std::string> advance(double time, std::span<core::Measurement> newest);
+
+  std::int64_t frames() const noexcept { return frames_; }    ///< worked off
+  std::int64_t missing() const noexcept { return missing_; }  ///< that the recorder had dropped before those
+
+ private:
+  ReplayFilm(std::unique_ptr<vision::FrameSource> source, vision::TagTracker tracker, std::vector<int> wanted)
+      : source_(std::move(source)), tracker_(std::move(tracker)), wanted_(std::move(wanted)) {}
+
+  std::unique_ptr<vision::FrameSource> source_;
+  vision::TagTracker tracker_;
+  std::vector<int> wanted_;
+  vision::Frame next_;
+  bool has_next_ = false, ended_ = false;
+  std::int64_t frames_ = 0, missing_ = 0, last_index_ = -1;
+};
+
+}  // namespace skein::app

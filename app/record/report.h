@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/record/statistics.h"
+
+namespace skein::app {
+
+/// Checks before a run that a report can be made: gnuplot is there, and `directory` exists or can be made and written
+/// to.
+tl::expected<void, std::string> check_report(const std::string& directory);
+
+/// Writes the paper's figures 3 and 4 from the run's CSV `directory`/run.csv, each as .pdf, .svg and .png beside the
+/// gnuplot script it was drawn by (edit it and draw again), and summary.json. The error says what gnuplot said.
+tl::expected<void, std::string> write_report(const std::string& directory, const Experiment& experiment,
+                                             const Statistics::Summary& summary);
+
+}  // namespace skein::app

@@ -1,0 +1,186 @@
+#include "app/record/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace skein::app {
+namespace {
+
+constexpr double touch = 2.0 * core::robot_radius;  // two robots' midpoints when their bodies meet [m]
+constexpr double touch_hysteresis = 1e-3;           // a pair that rubs along is one collision [m]
+constexpr double one_disturbance = 0.2;             // [s]
+constexpr double arrived_within = 0.01;             // [m]
+
+/// Where a robot is, as well as it is known; nothing of one that was never seen.
+core::Pose place(const RobotRecord& robot) noexcept {
+  if (!std::isnan(robot.truth.x)) return robot.truth;
+  const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+  return seen ? robot.pose : core::Pose{none, none, none};
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return none;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double tracking_error(const TickRecord& record) noexcept {
+  double largest = 0.0;
+  for (const RobotRecord& robot : record.robots)
+    largest = std::fmax(largest, core::distance(robot.nominal.pose, robot.pose));
+  return largest;
+}
+
+}  // namespace
+
+bool PerturbationResult::formation_first() const noexcept {
+  return settling.formation_1cm && (!settling.tracking_1cm || *settling.formation_1cm < *settling.tracking_1cm);
+}
+
+Statistics::Statistics(const Experiment& experiment) : experiment_(experiment) {
+  so_far_.name = experiment.name;
+  samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(0, experiment.ticks())));
+}
+
+void Statistics::record(const TickRecord& record) {
+  so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
+  count_collisions(record);
+  if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
+  const Sample sample{record.t, record.formation_error(), tracking_error(record)};
+  samples_.push_back(sample);
+  const bool there = sample.tracking <= arrived_within &&
+                     std::all_of(record.robots.begin(), record.robots.end(),
+                                 [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
+  if (!there)
+    so_far_.arrived = none;
+  else if (std::isnan(so_far_.arrived))
+    so_far_.arrived = record.t;
+  ++so_far_.ticks;
+  so_far_.duration = record.t + experiment_.period();
+  so_far_.final_error = sample.tracking;
+  so_far_.final_formation_error = sample.formation;
+  if (so_far_.ticks > 1) so_far_.largest_period = std::fmax(so_far_.largest_period, record.period);
+  if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
+  double delay = none;
+  for (const RobotRecord& robot : record.robots)
+    if (!robot.is(lost)) delay = std::fmax(delay, robot.pose_age + robot.actuation_delay);
+  if (!std::isnan(delay)) loop_delays_.push_back(delay);
+  for (std::size_t stage = 0; stage < stages; ++stage) so_far_.latency[stage].add(record.latency.of[stage]);
+  so_far_.latency_total.add(record.latency.total);
+  if (record.phase == Phase::stopped) so_far_.stopped = true;
+
+  for (const Event& event : record.events) {
+    so_far_.events.emplace_back(record.t, describe(event));
+    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move || event.kind == Event::Kind::kick ||
+        event.kind == Event::Kind::kidnap)
+      disturb(record.t, event);
+    if (event.kind == Event::Kind::deadline_missed)
+      so_far_.missed_deadlines += static_cast<std::int64_t>(event.values[0]);
+  }
+}
+
+void Statistics::count_collisions(const TickRecord& record) {
+  const std::size_t n = record.robots.size();
+  const std::vector<core::Obstacle>& obstacles = experiment_.obstacles;
+  touching_.resize(n * n + n * obstacles.size());
+  const auto see = [&](std::size_t pair, double gap) {
+    if (gap < 0.0 && !touching_[pair]) {
+      ++so_far_.collisions;
+      touching_[pair] = true;
+    } else if (gap > touch_hysteresis) {
+      touching_[pair] = false;
+    }
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const core::Pose here = place(record.robots[i]);
+    for (std::size_t j = i + 1; j < n; ++j) see(i * n + j, core::distance(here, place(record.robots[j])) - touch);
+    for (std::size_t k = 0; k < obstacles.size(); ++k) {
+      const core::Obstacle& o = obstacles[k];
+      const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - core::robot_radius;
+      so_far_.obstacle_gap = std::fmin(so_far_.obstacle_gap, gap);
+      see(n * n + i * obstacles.size() + k, gap);
+    }
+  }
+}
+
+void Statistics::disturb(double t, const Event& event) {
+  const std::string what = describe(event);
+  if (disturbances_.empty() || t - disturbances_.back().t > one_disturbance) {
+    disturbances_.push_back({t, event.robot, what});
+    return;
+  }
+  Disturbance& same = disturbances_.back();
+  same.t = t;
+  same.what = same.robot == event.robot ? what : same.what + "; " + what;
+  same.robot = event.robot;
+}
+
+/// Errors of the samples from `begin` to before `end` [s].
+Settling Statistics::settling(double begin, double end) const {
+  const auto earlier = [](const Sample& sample, double t) { return sample.t < t; };
+  const auto first = std::lower_bound(samples_.begin(), samples_.end(), begin, earlier);
+  const auto last = std::lower_bound(first, samples_.end(), end, earlier);
+  const auto settled = [&](double Sample::*error, double band) -> std::optional<double> {
+    auto in = last;  // the first sample of those that stay inside to the end
+    while (in != first && (*(in - 1)).*error <= band) --in;
+    if (in == last) return std::nullopt;
+    return in->t - begin;
+  };
+  return {settled(&Sample::formation, 0.01), settled(&Sample::formation, 0.005), settled(&Sample::tracking, 0.01),
+          settled(&Sample::tracking, 0.005)};
+}
+
+Statistics::Summary Statistics::summary() const {
+  Summary summary = so_far_;
+  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
+    const Disturbance& d = disturbances_[i];
+    const bool is_last = i + 1 == disturbances_.size();
+    const double end = is_last ? std::numeric_limits<double>::infinity() : disturbances_[i + 1].t;
+    summary.perturbations.push_back({d.t, d.robot, d.what, settling(d.t, end)});
+  }
+  summary.median_compute = median(compute_times_);
+  if (!compute_times_.empty())
+    summary.largest_compute = *std::max_element(compute_times_.begin(), compute_times_.end());
+  summary.loop_delay = median(loop_delays_);
+  return summary;
+}
+
+std::vector<std::string> failed_expectations(const Expectations& expect, const Statistics::Summary& summary) {
+  std::vector<std::string> failed;
+  const auto at_most = [&](const char* key, double limit, double value, const char* unit) {
+    if (value <= limit) return;
+    failed.push_back(
+        std::isnan(value)
+            ? fmt::format("expect.{}: expected at most {} {}, found no value", key, limit, unit)
+            : fmt::format("expect.{}: expected at most {} {}, found {:.6g} {}, which is {:.4g} {} too much", key, limit,
+                          unit, value, unit, value - limit, unit));
+  };
+  if (expect.final_error) at_most("final_error", *expect.final_error, summary.final_error, "m");
+  if (const auto limit = expect.min_distance; limit && !(summary.min_distance >= *limit)) {
+    failed.push_back(
+        std::isnan(summary.min_distance)
+            ? fmt::format("expect.min_distance: expected at least {} m, found no value", *limit)
+            : fmt::format("expect.min_distance: expected at least {} m, found {:.6g} m, which is {:.4g} m too "
+                          "little",
+                          *limit, summary.min_distance, *limit - summary.min_distance));
+  }
+  if (expect.arrived) at_most("arrived", *expect.arrived, summary.arrived, "s");
+  if (expect.collisions && summary.collisions > *expect.collisions)
+    failed.push_back(
+        fmt::format("expect.collisions: expected at most {}, found {}", *expect.collisions, summary.collisions));
+  const auto time = [](const std::optional<double>& t) { return t ? fmt::format("after {:.2f} s", *t) : "never"; };
+  if (expect.formation_first)
+    for (const PerturbationResult& p : summary.perturbations)
+      if (p.formation_first() != *expect.formation_first)
+        failed.push_back(fmt::format(
+            "expect.formation_first: expected {}, but after \"{}\" at {:g} s the formation settled "
+            "to 1 cm {} and the tracking {}",
+            *expect.formation_first, p.what, p.t, time(p.settling.formation_1cm), time(p.settling.tracking_1cm)));
+  return failed;
+}
+
+}  // namespace skein::app

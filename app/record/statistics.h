@@ -1,0 +1,104 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/record/histogram.h"
+#include "app/record/tick_record.h"
+#include "app/session.h"
+
+namespace skein::app {
+
+/// How long after a perturbation errors came back into a band for good (until the next perturbation or the end). Empty:
+/// they did not; 0: they never left it.
+struct Settling {
+  std::optional<double> formation_1cm, formation_5mm;  ///< largest |delta_ij| [s]
+  /// Largest distance of a robot from its place in the formation (the reference BEFORE avoidance: one that avoids is
+  /// close to its modified reference all the while) [s]
+  std::optional<double> tracking_1cm, tracking_5mm;
+};
+
+struct PerturbationResult {
+  double t = 0.0;
+  int robot = -1;
+  std::string what;  ///< as in the log
+  Settling settling;
+  /// The paper's claim, at 1 cm: the formation settled, and before tracking did.
+  bool formation_first() const noexcept;
+};
+
+/// The sum of a run, gathered row by row. Perturbations and moves less than 0.2 s apart count as one, from the last of
+/// them on: a hand that carries a robot is one disturbance.
+class Statistics final : public RecordSink {
+ public:
+  explicit Statistics(const Experiment& experiment);
+  void record(const TickRecord& record) override;
+
+  struct Summary {
+    std::string name;
+    std::int64_t ticks = 0;
+    double duration = 0.0;                ///< of the experiment, as far as it ran [s]
+    double final_error = none;            ///< largest distance from the places in the formation, last tick [m]
+    double final_formation_error = none;  ///< [m]
+    double arrived = none;        ///< since when all references rest and every robot is within 1 cm of its place [s]
+    double min_distance = none;   ///< [m]
+    double obstacle_gap = none;   ///< smallest between a robot's edge and an obstacle's; none without any [m]
+    std::int64_t collisions = 0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle
+    std::int64_t missed_deadlines = 0;
+    std::int64_t dropped_rows = 0;    ///< that the recorder was too slow to take: they are in no file and in no figure
+    std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
+    std::int64_t camera_damaged = 0;  ///< frames of it that could not be used
+    std::int64_t video_frames = 0;    ///< kept in the film of the run, where there is one
+    std::int64_t video_dropped = 0;
+    std::string video_problem;                             ///< why the film ends early
+    double largest_period = none;                          ///< [s]
+    double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
+    /// From a pose to the moment at which its command acts, the median; and the most that the law bears, were none of
+    /// it predicted: see core/control/delay_margin.h [s]
+    double loop_delay = none, delay_margin = none;
+    std::array<Histogram, stages> latency;           ///< of each stage; empty on the virtual clock
+    Histogram latency_total;                         ///< a frame's arrival to its command written
+    bool stopped = false;                            ///< by the operator or a failure
+    std::string failure;                             ///< why it was stopped, where a camera or a robot failed
+    std::vector<std::pair<int, RobotStatus>> links;  ///< of the robots that have one, from 0, at the end
+    std::vector<int> not_stopped;                    ///< robots that did not acknowledge their stop at the end, from 0
+    std::vector<PerturbationResult> perturbations;   ///< of the file and of the operator's moves
+    std::vector<std::pair<double, std::string>> events;  ///< all, with their t
+  };
+  Summary summary() const;
+
+ private:
+  struct Sample {
+    double t, formation, tracking;
+  };
+  /// What somebody's hand did: a window for settling begins here.
+  struct Disturbance {
+    double t;
+    int robot;
+    std::string what;
+  };
+  void count_collisions(const TickRecord& record);
+  void disturb(double t, const Event& event);
+  Settling settling(double begin, double end) const;
+
+  const Experiment experiment_;
+  Summary so_far_;
+  std::vector<Sample> samples_;
+  std::vector<Disturbance> disturbances_;
+  std::vector<double> compute_times_, loop_delays_;
+  std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick, then robots with obstacles
+};
+
+/// Which of the file's [expect] failed, each as a sentence that says by how much. Empty: all held.
+std::vector<std::string> failed_expectations(const Expectations& expect, const Statistics::Summary& summary);
+
+/// The summary as `key: value` lines, and as one JSON object (the text of summary.json).
+std::string as_lines(const Statistics::Summary& summary);
+std::string as_json(const Statistics::Summary& summary);
+
+}  // namespace skein::app

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/experiment/problem.h"
+
+namespace skein::app {
+
+/// From low to high, both allowed.
+using Span = std::array<double, 2>;
+
+/// What a study file says: an experiment, and what chance changes in it from run to run (docs/studies.md).
+struct Study {
+  std::string name;
+  std::string experiment;         ///< path of the experiment file
+  std::vector<std::string> sets;  ///< "key=value", as --set
+  std::int64_t runs = 100;
+  std::uint64_t seed = 1;  ///< of the first run; the next ones count on
+
+  /// Any number of the experiment, anywhere in a range.
+  std::vector<std::pair<std::string, Span>> vary;
+
+  /// One to `robots` robots at once, put elsewhere: any direction, any heading.
+  struct Hand {
+    double t = 2.0;
+    std::int64_t robots = 1;
+    Span distance{0.05, 0.4};
+    double clearance = 0.1;  ///< to any other midpoint, [m]; that much less robot_radius to obstacles and the border
+  };
+  std::optional<Hand> hand;
+
+  struct Field {
+    std::int64_t count = 5;
+    Span radius{0.03, 0.07};
+    double gap = 0.17;        ///< between two obstacles' edges at least [m]
+    double clearance = 0.15;  ///< from an edge to where robots begin and end [m]
+  };
+  std::optional<Field> field;
+
+  /// Robots stand elsewhere at first, and drive to their starts before the run.
+  struct Scatter {
+    double distance = 0.0;  ///< from the start at most [m]; 0: anywhere in the arena
+    double heading = core::pi;
+    double clearance = 0.1;  ///< to any other midpoint [m]
+  };
+  std::optional<Scatter> scatter;
+
+  double recovered_within = 0.005;    ///< a run recovered if in its last second no robot is farther from its place [m]
+  double formation_first_over = 0.1;  ///< [m]: of smaller perturbations it is not asked
+
+  struct Expect {
+    std::optional<std::int64_t> collisions;
+    std::optional<double> recovered, formation_first;  ///< at least this share of the runs
+  } expect;
+
+  std::string text;  ///< of the experiment file
+};
+
+/// Reads a study (TOML) and the experiment it names; every problem of both.
+tl::expected<Study, std::vector<Problem>> load_study(const std::string& path);
+
+/// What the run with this seed changes in the experiment, as --set says it: `skein run` with these makes the same run.
+/// An error where chance finds no room for what the study asks.
+tl::expected<std::vector<std::string>, std::string> variation(const Study& study, std::uint64_t seed);
+
+}  // namespace skein::app

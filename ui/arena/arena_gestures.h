@@ -1,0 +1,44 @@
+#pragma once
+
+#include <QPointF>
+#include <functional>
+#include <memory>
+
+#include "ui/arena/arena_scene.h"
+
+namespace skein::ui {
+
+/// What the mouse does in the arena.
+enum class ArenaTool {
+  hand,      ///< drags robots and obstacles
+  kick,      ///< draws the velocity of a kick out of a simulated robot
+  measure,   ///< a ruler between two points
+  obstacle,  ///< drops obstacles
+};
+
+/// Where the operator's gestures go; nothing of them changes the run but through these.
+struct ArenaRequests {
+  std::function<void(int robot, const core::Pose&)> move;
+  std::function<void(int robot, QPointF velocity)> kick;            // [m/s]
+  std::function<void(int number, const core::Obstacle&)> obstacle;  // number -1: a new one; radius 0: take it away
+};
+
+/// One drag of the mouse from press to release: shows in the scene what would happen, and on release asks for it.
+class ArenaGesture {
+ public:
+  virtual ~ArenaGesture() = default;
+  virtual void move(QPointF floor) = 0;
+  virtual void release(const ArenaRequests& ask) = 0;
+};
+
+/// `grip`: where on the floor the mouse was pressed.
+std::unique_ptr<ArenaGesture> drag_robot(ArenaScene& scene, int robot, QPointF grip);
+std::unique_ptr<ArenaGesture> kick_robot(ArenaScene& scene, int robot);
+std::unique_ptr<ArenaGesture> drag_obstacle(ArenaScene& scene, int number, QPointF grip);
+std::unique_ptr<ArenaGesture> drop_obstacle(ArenaScene& scene, QPointF at);
+std::unique_ptr<ArenaGesture> measure(ArenaScene& scene, QPointF from);
+
+/// The floor's point inside the arena nearest to this one, `margin` clear of its bounds [m].
+QPointF inside_arena(const ArenaScene& scene, QPointF floor, double margin);
+
+}  // namespace skein::ui

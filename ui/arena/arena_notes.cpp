@@ -1,0 +1,158 @@
+// What is written and drawn over the arena: what a gesture would do, ruler, scale, legend, banner.
+#include <QCoreApplication>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "ui/arena/arena_painter.h"
+#include "ui/arena/arena_pens.h"
+#include "ui/modes.h"
+
+namespace skein::ui {
+namespace {
+
+QString tr(const char* text) {
+  return QCoreApplication::translate("ArenaPainter", text);
+}
+
+}  // namespace
+
+void ArenaPainter::ghost() {
+  if (!scene_.ghost) return;
+  const auto& ghost = *scene_.ghost;
+  if (const auto from = scene_.pose(static_cast<std::size_t>(ghost.robot))) {
+    p_.setPen(cosmetic(c_.robot(static_cast<std::size_t>(ghost.robot)), 1.4, Qt::DashLine));
+    p_.drawLine(at(from->x, from->y), at(ghost.pose.x, ghost.pose.y));
+  }
+  robot(ghost.pose, static_cast<std::size_t>(ghost.robot), 0.75);
+}
+
+void ArenaPainter::kick() {
+  if (!scene_.kick) return;
+  const auto from = scene_.pose(static_cast<std::size_t>(scene_.kick->robot));
+  if (!from) return;
+  const QPointF root = at(from->x, from->y);
+  const QPointF tip = map_.to_screen(QPointF(from->x, from->y) + scene_.kick->way);
+  const QPointF way = tip - root;
+  const double length = std::hypot(way.x(), way.y());
+  if (length < 2.0) return;
+  const QPointF along = way / length, across(-along.y(), along.x());
+  const QColor colour = c_.text;
+  p_.setPen(cosmetic(colour, 3.0));
+  p_.drawLine(root, tip - along * 8);
+  p_.setPen(Qt::NoPen);
+  p_.setBrush(colour);
+  p_.drawPolygon(QPolygonF{{tip, tip - along * 12 + across * 6, tip - along * 12 - across * 6}});
+  note(tip + along * 16, tr("%1 m/s").arg(std::hypot(scene_.kick->velocity.x(), scene_.kick->velocity.y()), 0, 'f', 2));
+}
+
+/// A small card with a text, about a point of the screen.
+void ArenaPainter::note(QPointF centre, const QString& text) {
+  const QFontMetricsF metrics(p_.font());
+  const QSizeF size(metrics.horizontalAdvance(text) + 12, metrics.height() + 6);
+  const QRectF card(centre - QPointF(size.width() / 2, size.height() / 2), size);
+  p_.setPen(Qt::NoPen);
+  p_.setBrush(faded(c_.floor, 0.9));
+  p_.drawRoundedRect(card, 4, 4);
+  p_.setPen(c_.text);
+  p_.drawText(card, Qt::AlignCenter, text);
+}
+
+void ArenaPainter::ruler() {
+  if (!scene_.ruler) return;
+  const QPointF from = scene_.ruler->from, to = scene_.ruler->to, way = to - from;
+  const QPointF a = map_.to_screen(from), b = map_.to_screen(to);
+  p_.setBrush(Qt::NoBrush);
+  p_.setPen(cosmetic(faded(c_.text, 0.35), 1.0, Qt::DashLine));
+  p_.drawPolyline(QPolygonF{{a, map_.to_screen({to.x(), from.y()}), b}});
+  p_.setPen(cosmetic(c_.notice, 2.0));
+  p_.drawLine(a, b);
+  p_.drawEllipse(a, 4, 4);
+  p_.drawEllipse(b, 4, 4);
+  const double degrees = std::atan2(way.y(), way.x()) * 180.0 / core::pi;
+  const QPointF above((a.x() + b.x()) / 2, std::min(a.y(), b.y()) - 44);  // clear of robots at its ends
+  note(above, tr("%1 cm   Δx %2   Δy %3   %4°")
+                  .arg(100 * std::hypot(way.x(), way.y()), 0, 'f', 1)
+                  .arg(100 * way.x(), 0, 'f', 1)
+                  .arg(100 * way.y(), 0, 'f', 1)
+                  .arg(degrees, 0, 'f', 0));
+}
+
+void ArenaPainter::scale_bar(const QRectF& widget) {
+  const double scale = map_.scale_at({0, 0});
+  double metres = 0.01;  // 1, 2, 5, 10 ...: the longest that stays under 120 px
+  for (const double step : {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0})
+    if (step * scale < 120) metres = step;
+  const QString text = metres < 1 ? tr("%1 cm").arg(metres * 100) : tr("%1 m").arg(metres);
+  const QFontMetricsF metrics(p_.font());
+  const double length = metres * scale;
+  const QRectF inside = map_.sheet() & widget;  // in the corner of what is shown, clear of the bounds
+  const QRectF card(inside.left() + 10, inside.bottom() - metrics.height() - 24, length + 16, metrics.height() + 14);
+  p_.setPen(Qt::NoPen);
+  p_.setBrush(faded(c_.floor, 0.85));
+  p_.drawRoundedRect(card, 4, 4);
+  const QPointF left(card.left() + 8, card.bottom() - 6), right = left + QPointF(length, 0);
+  p_.setPen(cosmetic(c_.text, 1.6));
+  p_.drawLine(left, right);
+  p_.drawLine(left + QPointF(0, -4), left);
+  p_.drawLine(right + QPointF(0, -4), right);
+  p_.drawText(QRectF(card.left(), card.top() + 1, card.width(), metrics.height()), Qt::AlignCenter, text);
+}
+
+void ArenaPainter::legend(const QRectF& widget) {
+  if (!scene_.record) return;
+  std::map<std::uint8_t, ModeLook> present;  // only what can be seen now needs words
+  for (const app::RobotRecord& robot : scene_.record->robots) {
+    const ModeLook mode_look = look(robot.mode, c_);
+    if (!mode_look.symbol.isEmpty()) present.emplace(mode_look.mode, mode_look);
+  }
+  const QFontMetricsF metrics(p_.font());
+  const QRectF inside = map_.sheet() & widget;
+  double right = inside.right() - 20;
+  const double middle = inside.bottom() - 18 - metrics.height() / 2;
+  for (const auto& [mode, mode_look] : present) {
+    const double width = metrics.horizontalAdvance(mode_look.name);
+    p_.setPen(Qt::NoPen);
+    p_.setBrush(faded(c_.floor, 0.85));
+    const QRectF card(right - width - 30, middle - metrics.height() / 2 - 4, width + 36, metrics.height() + 8);
+    p_.drawRoundedRect(card, 4, 4);
+    p_.setPen(c_.text);
+    p_.drawText(QPointF(right - width, middle + metrics.ascent() / 2 - 1), mode_look.name);
+    badge({right - width - 14, middle}, mode_look.symbol, mode_look.colour);
+    right -= width + 46;
+  }
+}
+
+void ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
+                        bool bold) {
+  p_.save();
+  QFont font = p_.font();
+  font.setBold(bold);
+  if (bold) font.setPointSizeF(font.pointSizeF() * 1.25);
+  p_.setFont(font);
+  const QFontMetricsF metrics(font);
+  const double width = std::min(where.width(), metrics.horizontalAdvance(text) + 28);
+  const QRectF card(where.center().x() - width / 2, where.top(), width, metrics.height() + 12);
+  p_.setPen(Qt::NoPen);
+  p_.setBrush(background);
+  p_.drawRoundedRect(card, 6, 6);
+  p_.setPen(ink);
+  p_.drawText(card.adjusted(10, 0, -10, 0), Qt::AlignCenter, metrics.elidedText(text, Qt::ElideRight, width - 20));
+  p_.restore();
+}
+
+void ArenaPainter::banner_and_hint(const QRectF& widget) {
+  if (!scene_.banner.isEmpty())
+    chip(QRectF(widget.left() + 20, widget.top() + 44, widget.width() - 40, 0), scene_.banner,
+         scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
+         scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
+  const double below = scene_.banner.isEmpty() ? 44 : 88;
+  if (!scene_.alert.isEmpty())
+    chip(QRectF(widget.left() + 20, widget.top() + below, widget.width() - 40, 0), scene_.alert, scene_.alert_colour,
+         ink_on(scene_.alert_colour), false);
+  if (!scene_.hint.isEmpty())
+    chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 64, widget.width() - 40, 0), scene_.hint,
+         faded(c_.notice, 0.92), ink_on(c_.notice), false);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <QPainter>
+
+#include "ui/arena/arena_map.h"
+#include "ui/arena/arena_scene.h"
+#include "ui/palette.h"
+
+namespace skein::ui {
+
+/// The run that this one is compared with: ghosts of its robots, hollow and pale, and their trails.
+void paint_other(QPainter& painter, const OtherRun& other, const ArenaMap& map, const Colours& colours);
+
+}  // namespace skein::ui

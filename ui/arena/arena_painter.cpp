@@ -1,0 +1,297 @@
+#include "ui/arena/arena_painter.h"
+
+#include <QCoreApplication>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "ui/arena/arena_other.h"
+#include "ui/arena/arena_pens.h"
+#include "ui/modes.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr std::size_t many = 8;  // robots: of more, thin lines
+
+QString tr(const char* text) {
+  return QCoreApplication::translate("ArenaPainter", text);
+}
+
+}  // namespace
+
+void ArenaPainter::paint(const QRectF& widget) {
+  p_.setRenderHint(QPainter::Antialiasing);
+  floor(widget);
+  bounds_and_path();
+  obstacles();
+  if (scene_.show_trails) trails();
+  if (scene_.compared) paint_other(p_, *scene_.compared, map_, c_);
+  if (scene_.record) {
+    if (scene_.show_couplings) couplings();
+    if (scene_.show_regions) regions();
+    references();
+    robots();
+    ghost();
+    kick();
+  }
+  ruler();
+  scale_bar(widget);
+  legend(widget);
+  banner_and_hint(widget);
+}
+
+void ArenaPainter::floor(const QRectF& widget) {
+  p_.fillRect(widget, c_.surroundings);
+  if (map_.shows_picture() && !scene_.picture.isNull()) {
+    p_.setRenderHint(QPainter::SmoothPixmapTransform);
+    p_.drawImage(map_.sheet(), scene_.picture);
+    // Slightly back, so that what is drawn over it can be read.
+    p_.fillRect(map_.sheet(), faded(c_.floor, c_.dark ? 0.35 : 0.25));
+    return;
+  }
+  const double w = scene_.experiment.arena_width / 2, h = scene_.experiment.arena_height / 2;
+  p_.fillRect(QRectF(at(-w, h), at(w, -h)), c_.floor);
+  if (scene_.show_grid) grid();
+}
+
+void ArenaPainter::grid() {
+  const double w = scene_.experiment.arena_width / 2, h = scene_.experiment.arena_height / 2;
+  constexpr double step = 0.1;
+  p_.setRenderHint(QPainter::Antialiasing, false);  // straight along the pixels: sharper without
+  const auto pen_of = [&](int k) { return QPen(k % 5 == 0 ? c_.grid.darker(c_.dark ? 80 : 108) : c_.grid, 1); };
+  for (int k = static_cast<int>(std::ceil(-w / step)); k * step <= w; ++k) {
+    p_.setPen(pen_of(k));
+    p_.drawLine(at(k * step, -h), at(k * step, h));
+  }
+  for (int k = static_cast<int>(std::ceil(-h / step)); k * step <= h; ++k) {
+    p_.setPen(pen_of(k));
+    p_.drawLine(at(-w, k * step), at(w, k * step));
+  }
+  p_.setRenderHint(QPainter::Antialiasing);
+  // The world's origin and axes, once.
+  constexpr double arm = 0.07;
+  p_.setPen(cosmetic(c_.faint_text, 1.2));
+  p_.drawLine(at(0, 0), at(arm, 0));
+  p_.drawLine(at(0, 0), at(0, arm));
+  p_.drawText(at(arm, 0) + QPointF(3, 4), QStringLiteral("x"));
+  p_.drawText(at(0, arm) + QPointF(-3, -3), QStringLiteral("y"));
+}
+
+void ArenaPainter::bounds_and_path() {
+  const double w = scene_.experiment.arena_width / 2, h = scene_.experiment.arena_height / 2;
+  const auto line = [&](const std::vector<QPointF>& corners) {
+    QPolygonF polygon;  // along a lens, a straight line of the floor is a curve
+    for (std::size_t k = 0; k + 1 < corners.size(); ++k)
+      for (int j = 0; j <= 16; ++j) polygon << map_.to_screen(corners[k] + (corners[k + 1] - corners[k]) * (j / 16.0));
+    return polygon;
+  };
+  p_.setBrush(Qt::NoBrush);
+  p_.setPen(cosmetic(c_.bounds, 1.6));
+  p_.drawPolyline(line({{-w, -h}, {w, -h}, {w, h}, {-w, h}, {-w, -h}}));
+
+  p_.setPen(cosmetic(c_.path, 1.4));
+  for (const std::vector<core::Pose>& poses : scene_.lines) {
+    QPolygonF path;
+    for (const core::Pose& pose : poses) path << at(pose.x, pose.y);
+    p_.drawPolyline(path);
+  }
+}
+
+void ArenaPainter::obstacles() {
+  const auto draw = [this](const core::Obstacle& o, std::size_t number, const QColor& fill, const QColor& rim) {
+    p_.setPen(cosmetic(rim, 1.2));
+    p_.setBrush(fill);
+    p_.drawPolygon(map_.outline({o.x, o.y}, o.radius, o.radius));
+    p_.setPen(ink_on(c_.obstacle));
+    p_.drawText(QRectF(at(o.x, o.y) - QPointF(20, 20), QSizeF(40, 40)), Qt::AlignCenter, tr("O%1").arg(number + 1));
+  };
+  const auto& ghost = scene_.ghost_obstacle;
+  for (std::size_t k = 0; k < scene_.obstacles.size(); ++k) {
+    const bool dragged = ghost && ghost->number == static_cast<int>(k);
+    const bool selected = scene_.selected_obstacle == static_cast<int>(k);
+    if (scene_.obstacles[k].radius > 0.0)
+      draw(scene_.obstacles[k], k, faded(c_.obstacle, dragged ? 0.3 : 1.0), selected ? c_.text : c_.bounds);
+  }
+  if (!ghost) return;
+  const auto number = ghost->number < 0 ? scene_.obstacles.size() : static_cast<std::size_t>(ghost->number);
+  draw(ghost->obstacle, number, faded(ghost->leaves ? c_.alarm : c_.obstacle, ghost->leaves ? 0.25 : 0.7),
+       ghost->leaves ? c_.alarm : c_.text);
+}
+
+void ArenaPainter::trails() {
+  if (!scene_.record) return;
+  constexpr int shades = 10;      // a fade in steps: one line a step instead of one a tick
+  constexpr double finest = 2.0;  // [px]: points nearer to one another are not seen, but cost as much
+  const bool crowd = scene_.trails.size() > many;
+  for (std::size_t i = 0; i < scene_.trails.size(); ++i) {
+    std::array<QPolygonF, shades> lines;
+    const auto draw = [&](int shade) {
+      if (shade < 0) return;
+      auto& line = lines[static_cast<std::size_t>(shade)];
+      p_.setPen(cosmetic(faded(c_.robot(i), 0.06 + 0.84 * shade / (shades - 1)), crowd ? 1.0 : 2.0));
+      p_.drawPolyline(line);
+      line.clear();
+    };
+    int shade = -1;
+    std::optional<QPointF> before;
+    for (const TrailPoint& point : scene_.trails[i]) {
+      const double age = (scene_.record->t - point.t) / ArenaScene::trail_seconds;
+      const int now = std::clamp(static_cast<int>((1.0 - age) * shades), 0, shades - 1);
+      const QPointF here = at(point.x, point.y);
+      const bool last = &point == &scene_.trails[i].back();
+      if (now == shade && !point.jump && !last && before && (here - *before).manhattanLength() < finest) continue;
+      if (now != shade || point.jump) {
+        draw(shade);
+        shade = now;
+        if (!point.jump && before) lines[static_cast<std::size_t>(shade)] << *before;
+      }
+      lines[static_cast<std::size_t>(shade)] << here;
+      before = here;
+    }
+    draw(shade);
+  }
+}
+
+/// The couplings as lines: as wide as the gains are strong; one that is off is a dotted trace, which a click brings
+/// back.
+void ArenaPainter::couplings() {
+  const std::size_t n = scene_.experiment.robots.size();
+  // A crowd's web must not hide the crowd, nor cost a frame: thin lines, whose strength is how well they are seen.
+  const bool crowd = n > many;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      QPolygonF line;
+      for (const QPointF& point : scene_.coupling_line(i, j)) line << map_.to_screen(point);
+      const bool lost = scene_.record->robots[i].is(app::lost) || scene_.record->robots[j].is(app::lost);
+      const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
+      const double strength = lost ? 0.0 : scene_.couplings[i * n + j];
+      constexpr double thinnest = 0.8, widest = 9.0;  // [px]
+      const double opacity = crowd ? std::clamp(0.15 + 0.5 * strength, 0.15, 0.5) : 0.55;
+      QPen pen = strength > 0.0
+                     ? cosmetic(faded(c_.coupling, hovered ? 0.9 : opacity),
+                                crowd ? 1.0 : std::clamp(thinnest + widest * strength, thinnest, widest))
+                     : cosmetic(faded(c_.faint_text, hovered ? 0.9 : 0.35), hovered ? 2.0 : 1.0, Qt::DotLine);
+      pen.setCapStyle(Qt::FlatCap);
+      p_.setBrush(Qt::NoBrush);
+      p_.setPen(pen);
+      p_.drawPolyline(line);
+    }
+}
+
+/// Where robots are noticed (detection, |dx/alpha|^p + |dy/beta|^p = 1), and where the shield stops them: two of its
+/// rings just touch.
+void ArenaPainter::regions() {
+  const core::AvoidanceParameters& avoidance = scene_.experiment.avoidance;
+  const core::ShieldParameters& shield = scene_.experiment.shield;
+  p_.setBrush(Qt::NoBrush);
+  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
+    const auto pose = scene_.pose(i);
+    if (!pose) continue;
+    const app::RobotRecord& robot = scene_.record->robots[i];
+    if (shield.enabled) {
+      const bool acts = robot.is(app::shielded);
+      p_.setPen(cosmetic(faded(acts ? c_.shielded : c_.robot(i), acts ? 0.9 : 0.6), acts ? 1.6 : 1.0, Qt::DashLine));
+      p_.drawPolygon(map_.outline({pose->x, pose->y}, shield.distance / 2, shield.distance / 2));
+    }
+    if (!avoidance.enabled) continue;
+    const bool inside = robot.is(app::avoiding);
+    p_.setPen(cosmetic(faded(inside ? c_.avoiding : c_.robot(i), inside ? 0.9 : 0.40), inside ? 1.6 : 1.0));
+    p_.drawPolygon(map_.outline({pose->x, pose->y}, avoidance.alpha, avoidance.beta, avoidance.p));
+  }
+}
+
+void ArenaPainter::references() {
+  p_.setBrush(Qt::NoBrush);
+  for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
+    const app::RobotRecord& robot = scene_.record->robots[i];
+    const core::Pose& nominal = robot.nominal.pose;
+    p_.setPen(cosmetic(faded(c_.robot(i), 0.85), 1.4));
+    p_.drawPolygon(map_.outline({nominal.x, nominal.y}, robot_radius, robot_radius));
+    const double c = std::cos(nominal.theta), s = std::sin(nominal.theta);
+    p_.drawLine(at(nominal.x + robot_radius * c, nominal.y + robot_radius * s),
+                at(nominal.x + 1.55 * robot_radius * c, nominal.y + 1.55 * robot_radius * s));
+    if (robot.is(app::avoiding)) {  // where avoidance sends it meanwhile
+      const QPointF there = at(robot.reference.pose.x, robot.reference.pose.y);
+      p_.setPen(cosmetic(c_.robot(i), 1.8));
+      p_.drawLine(there - QPointF(4, 4), there + QPointF(4, 4));
+      p_.drawLine(there - QPointF(4, -4), there + QPointF(4, -4));
+    }
+  }
+}
+
+void ArenaPainter::robots() {
+  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
+    const auto pose = scene_.pose(i);
+    if (!pose) continue;
+    const std::uint8_t mode = scene_.record->robots[i].mode;
+    const QPointF centre = at(pose->x, pose->y);
+    const double radius = robot_radius * map_.scale_at({pose->x, pose->y});
+    const bool dragged = scene_.ghost && scene_.ghost->robot == static_cast<int>(i);
+
+    if (scene_.selected == static_cast<int>(i) || scene_.hovered == static_cast<int>(i)) {
+      const bool selected = scene_.selected == static_cast<int>(i);
+      p_.setBrush(Qt::NoBrush);
+      p_.setPen(cosmetic(faded(c_.text, selected ? 0.9 : 0.4), selected ? 1.6 : 1.2));
+      p_.drawEllipse(centre, radius + 6, radius + 6);
+    }
+    robot(*pose, i, mode & app::lost ? 0.35 : dragged ? 0.5 : 1.0);
+    const ModeLook mode_look = look(mode, c_);
+    if (!mode_look.symbol.isEmpty()) {
+      p_.setBrush(Qt::NoBrush);
+      p_.setPen(cosmetic(mode_look.colour, 2.6));
+      p_.drawEllipse(centre, radius + 2.2, radius + 2.2);
+      badge(centre + QPointF(0.8, -0.8) * (radius + 5), mode_look.symbol, mode_look.colour);
+    }
+  }
+}
+
+void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) {
+  p_.save();
+  p_.setOpacity(opacity);
+  const QColor body = c_.robot(i), ink = ink_on(body);
+  const QPointF centre = at(pose.x, pose.y);
+  p_.setPen(cosmetic(c_.dark ? QColor(0x101214) : QColor(Qt::white), 1.2));
+  p_.setBrush(body);
+  p_.drawPolygon(map_.outline({pose.x, pose.y}, robot_radius, robot_radius));
+
+  // The notch: a wedge at the rim, where the robot looks to.
+  const auto rim = [&](double radius, double turn) {
+    return at(pose.x + radius * std::cos(pose.theta + turn), pose.y + radius * std::sin(pose.theta + turn));
+  };
+  p_.setPen(Qt::NoPen);
+  p_.setBrush(ink);
+  p_.drawPolygon(QPolygonF{{rim(robot_radius, 0.0), rim(0.62 * robot_radius, 0.75), rim(0.62 * robot_radius, -0.75)}});
+
+  QFont font = p_.font();
+  font.setBold(true);
+  const double radius = robot_radius * map_.scale_at({pose.x, pose.y});
+  font.setPointSizeF(std::max(font.pointSizeF(), 0.45 * radius));  // zoomed in, the number grows with its robot
+  p_.setFont(font);
+  p_.setPen(ink);
+  const QPointF back = (centre - rim(robot_radius, 0.0)) * 0.16;  // the number stands clear of the notch
+  p_.drawText(QRectF(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius)),
+              Qt::AlignCenter | Qt::TextDontClip, QString::number(i + 1));
+  p_.restore();
+}
+
+void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& colour) {
+  p_.save();
+  const double r = p_.fontMetrics().height() * 0.5;
+  p_.setPen(cosmetic(c_.floor, 1.2));
+  p_.setBrush(colour);
+  p_.drawEllipse(centre, r, r);
+  if (symbol == QStringLiteral("■")) {  // drawn: fonts do not agree on its size
+    p_.fillRect(QRectF(centre - QPointF(r, r) * 0.42, QSizeF(r, r) * 0.84), ink_on(colour));
+  } else {
+    p_.setPen(ink_on(colour));
+    QFont font = p_.font();
+    font.setBold(true);
+    p_.setFont(font);
+    p_.drawText(QRectF(centre - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter, symbol);
+  }
+  p_.restore();
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <QPainter>
+
+#include "ui/arena/arena_map.h"
+#include "ui/arena/arena_scene.h"
+#include "ui/palette.h"
+
+namespace skein::ui {
+
+/// Draws an ArenaScene, from the floor up.
+class ArenaPainter {
+ public:
+  ArenaPainter(QPainter& painter, const ArenaScene& scene, const ArenaMap& map, const Colours& colours)
+      : p_(painter), scene_(scene), map_(map), c_(colours) {}
+
+  void paint(const QRectF& widget);
+
+ private:
+  void floor(const QRectF& widget);
+  void grid();
+  void bounds_and_path();
+  void obstacles();
+  void trails();
+  void regions();
+  void couplings();
+  void references();
+  void robots();
+  void robot(const core::Pose& pose, std::size_t i, double opacity);
+  void badge(QPointF centre, const QString& symbol, const QColor& colour);
+  void ghost();
+  void kick();
+  void ruler();
+  void note(QPointF centre, const QString& text);
+  void scale_bar(const QRectF& widget);
+  void legend(const QRectF& widget);
+  void chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
+  void banner_and_hint(const QRectF& widget);
+
+  QPointF at(double x, double y) const { return map_.to_screen({x, y}); }
+
+  QPainter& p_;
+  const ArenaScene& scene_;
+  const ArenaMap& map_;
+  const Colours& c_;
+};
+
+}  // namespace skein::ui

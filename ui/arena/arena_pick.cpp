@@ -1,0 +1,101 @@
+// What is under the pointer, and what is said of it.
+#include <QToolTip>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/arena/arena_view.h"
+#include "ui/modes.h"
+
+namespace skein::ui {
+namespace {
+
+/// From a point to a line between two others.
+double distance_to(QPointF point, QPointF a, QPointF b) {
+  const QPointF way = b - a;
+  const double length2 = QPointF::dotProduct(way, way);
+  const double s = length2 > 0.0 ? std::clamp(QPointF::dotProduct(point - a, way) / length2, 0.0, 1.0) : 0.0;
+  const QPointF off = point - (a + way * s);
+  return std::hypot(off.x(), off.y());
+}
+
+}  // namespace
+
+int ArenaView::robot_under(QPointF screen) const {
+  const QPointF floor = map_.to_floor(screen);
+  // Zoomed out, a robot is small: some pixels around it still catch it.
+  const double reach = std::max(robot_radius, 12.0 / map_.scale_at(floor));
+  return scene_.robot_at(floor.x(), floor.y(), reach);
+}
+
+int ArenaView::obstacle_under(QPointF screen) const {
+  const QPointF floor = map_.to_floor(screen);
+  return scene_.obstacle_at(floor.x(), floor.y());
+}
+
+std::optional<std::array<int, 2>> ArenaView::coupling_under(QPointF screen) const {
+  if (!scene_.show_couplings || !scene_.record) return std::nullopt;
+  constexpr double reach = 6.0;  // [px]
+  std::optional<std::array<int, 2>> nearest;
+  double least = reach;
+  const auto robots = static_cast<int>(scene_.experiment.robots.size());
+  for (int i = 0; i < robots; ++i)
+    for (int j = i + 1; j < robots; ++j) {
+      const std::vector<QPointF> line = scene_.coupling_line(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+      for (std::size_t k = 1; k < line.size(); ++k) {
+        const double away = distance_to(screen, map_.to_screen(line[k - 1]), map_.to_screen(line[k]));
+        if (away >= least) continue;
+        least = away;
+        nearest = {i, j};
+      }
+    }
+  return nearest;
+}
+
+bool ArenaView::movable(int robot) const {
+  return robot >= 0 && scene_.experiment.robots[static_cast<std::size_t>(robot)].simulated();
+}
+
+bool ArenaView::may_take(int robot, QPoint where) {
+  if (movable(robot)) return true;
+  emit refused(why_not(robot));
+  if (!where.isNull()) QToolTip::showText(where, why_not(robot), this);
+  return false;
+}
+
+QString ArenaView::why_not(int robot) const {
+  return tr("Robot %1 is a real one: put it in its new place by hand.").arg(robot + 1);
+}
+
+QString ArenaView::tip_at(QPoint where) const {
+  if (!scene_.record) return {};
+  const int robot = robot_under(where), obstacle = obstacle_under(where);
+  if (robot < 0 && obstacle >= 0) {
+    const core::Obstacle& o = scene_.obstacles[static_cast<std::size_t>(obstacle)];
+    return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>"
+              "Drag to move it, wheel to resize it; drag it off the floor, or press Delete, to take it away.")
+        .arg(obstacle + 1)
+        .arg(o.x, 0, 'f', 3)
+        .arg(o.y, 0, 'f', 3)
+        .arg(o.radius, 0, 'f', 3);
+  }
+  if (robot < 0) {
+    const auto pair = coupling_under(where);
+    return pair ? tr("Coupling of robots %1 and %2. Click to switch it off or on.")
+                      .arg((*pair)[0] + 1)
+                      .arg((*pair)[1] + 1)
+                : QString();
+  }
+  const auto i = static_cast<std::size_t>(robot);
+  const core::Pose pose = scene_.pose(i).value_or(core::Pose{});
+  return tr("<b>Robot %1</b> (tag %2): %3<br>x %4 m, y %5 m, heading %6°<br>%7")
+      .arg(robot + 1)
+      .arg(scene_.experiment.robots[i].tag)
+      .arg(mode_text(scene_.record->robots[i].mode))
+      .arg(pose.x, 0, 'f', 3)
+      .arg(pose.y, 0, 'f', 3)
+      .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)
+      .arg(movable(robot) ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")
+                          : why_not(robot));
+}
+
+}  // namespace skein::ui

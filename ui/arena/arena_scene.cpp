@@ -1,0 +1,91 @@
+#include "ui/arena/arena_scene.h"
+
+#include <cmath>
+
+#include "core/reference/reference.h"
+
+namespace skein::ui {
+
+void ArenaScene::reset(const app::Experiment& of) {
+  experiment = of;
+  record.reset();
+  trails.assign(experiment.robots.size(), {});
+  forget_gesture();
+  ruler.reset();
+  obstacles = experiment.obstacles;
+  couplings.assign(experiment.robots.size() * experiment.robots.size(), 0.0);
+  selected_obstacle = -1;
+  hovered_coupling.reset();
+  hovered = -1;
+  if (selected >= static_cast<int>(experiment.robots.size())) selected = -1;
+  picture = {};
+
+  lines = app::make_reference(experiment)->lines();
+}
+
+void ArenaScene::take(const app::TickRecord& newest) {
+  const bool jumped = record && newest.t < record->t;
+  record = newest;
+  for (const app::Event& event : newest.events)
+    if (event.kind == app::Event::Kind::obstacle) {
+      const auto number = static_cast<std::size_t>(event.robot);
+      if (number >= obstacles.size()) obstacles.resize(number + 1);
+      obstacles[number] = {event.values[0], event.values[1], event.values[2]};
+    }
+  for (std::size_t i = 0; i < trails.size() && i < newest.robots.size(); ++i) {
+    auto& trail = trails[i];
+    if (jumped) trail.clear();
+    while (!trail.empty() && trail.front().t < newest.t - trail_seconds) trail.pop_front();
+    const auto at = pose(i);
+    if (!at || newest.robots[i].is(app::lost)) continue;
+    const double way = trail.empty() ? 1.0 : std::hypot(at->x - trail.back().x, at->y - trail.back().y);
+    constexpr double still = 0.0005, carried = 0.03;  // a tick at full speed is 4 mm
+    if (way > still) trail.push_back({newest.t, at->x, at->y, way > carried});
+  }
+}
+
+std::optional<core::Pose> ArenaScene::pose(std::size_t i) const {
+  if (!record || i >= record->robots.size()) return std::nullopt;
+  const app::RobotRecord& robot = record->robots[i];
+  if (std::isfinite(robot.truth.x)) return robot.truth;
+  const bool seen = robot.measurement.captured_at > -1e8;
+  if (!seen || !std::isfinite(robot.pose.x)) return std::nullopt;
+  return robot.pose;
+}
+
+int ArenaScene::robot_at(double x, double y, double reach) const {
+  int nearest = -1;
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    const auto at = pose(i);
+    if (!at) continue;
+    const double away = std::hypot(at->x - x, at->y - y);
+    if (away > reach) continue;
+    reach = away;
+    nearest = static_cast<int>(i);
+  }
+  return nearest;
+}
+
+int ArenaScene::obstacle_at(double x, double y) const {
+  for (std::size_t k = obstacles.size(); k-- > 0;)  // the last one is drawn on top
+    if (std::hypot(obstacles[k].x - x, obstacles[k].y - y) < obstacles[k].radius) return static_cast<int>(k);
+  return -1;
+}
+
+std::vector<QPointF> ArenaScene::coupling_line(std::size_t i, std::size_t j) const {
+  const auto one = pose(i), other = pose(j);
+  if (!one || !other) return {};
+  const QPointF a(one->x, one->y), b(other->x, other->y), way = b - a;
+  if (j == i + 1) return {a, b};
+  constexpr double bow = 0.16;  // of its length
+  constexpr int pieces = 12;
+  const QPointF across(-way.y(), way.x());
+  std::vector<QPointF> line;
+  for (int k = 0; k <= pieces; ++k) {
+    const double s = static_cast<double>(k) / pieces;
+    line.push_back(a + way * s + across * (4 * bow * s * (1 - s)));
+  }
+  return line;
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <QImage>
+#include <QPointF>
+#include <QString>
+#include <array>
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
+
+namespace skein::ui {
+
+inline constexpr double robot_radius = 0.035;  ///< of an e-puck [m]
+
+/// Where a robot has been: times of the experiment, so that a pause does not wipe it out.
+struct TrailPoint {
+  double t, x, y;
+  bool jump;  ///< a hand carried it here: no line from the point before
+};
+
+/// A run that this one is compared with, at the same time: where its robots have been; the last pose is where they are.
+struct OtherRun {
+  QString name;
+  std::vector<std::vector<core::Pose>> trails;
+};
+
+/// What the arena shows: the experiment, the newest record, and what the operator is about to do.
+struct ArenaScene {
+  static constexpr double trail_seconds = 20.0;
+
+  app::Experiment experiment;
+  std::optional<app::TickRecord> record;
+  std::vector<std::vector<core::Pose>> lines;  ///< what the reference drives along
+  std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
+
+  std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
+  /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their borders.
+  std::vector<double> couplings;
+
+  std::optional<OtherRun> compared;
+
+  bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
+  QImage picture;
+
+  int selected = -1, hovered = -1;  ///< robots from 0
+  struct Ghost {
+    int robot;
+    core::Pose pose;
+  };
+  std::optional<Ghost> ghost;  ///< where a robot that is being dragged would be put
+  struct Kick {
+    int robot;
+    QPointF way, velocity;  ///< the arrow out of the robot [m], and what it stands for [m/s]
+  };
+  std::optional<Kick> kick;
+  struct GhostObstacle {
+    int number;  ///< -1: a new one
+    core::Obstacle obstacle;
+    bool leaves;  ///< let go here, it is taken away
+  };
+  std::optional<GhostObstacle> ghost_obstacle;
+  struct Ruler {
+    QPointF from, to;  ///< on the floor [m]
+  };
+  std::optional<Ruler> ruler;
+  int selected_obstacle = -1;
+  std::optional<std::array<int, 2>> hovered_coupling;
+  QString banner;  ///< across the top: "STOPPED by operator"
+  bool banner_alarms = false;
+  QString alert;  ///< a warning or an alarm that lasts, below the banner
+  QColor alert_colour;
+  QString hint;  ///< at the bottom: what can be done here
+
+  void reset(const app::Experiment& of);
+  void take(const app::TickRecord& record);
+
+  /// Where robot i is: the truth where there is one, else the pose that the law used. Empty: never seen.
+  std::optional<core::Pose> pose(std::size_t i) const;
+  /// The robot on this point of the floor, or -1; `reach` is how far from its middle still counts [m].
+  int robot_at(double x, double y, double reach = robot_radius) const;
+  /// The obstacle on this point of the floor, or -1.
+  int obstacle_at(double x, double y) const;
+  /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that
+  /// it does not hide behind those between them. Empty: one of them was never seen.
+  std::vector<QPointF> coupling_line(std::size_t i, std::size_t j) const;
+  void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }
+};
+
+}  // namespace skein::ui

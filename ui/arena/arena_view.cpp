@@ -1,0 +1,351 @@
+#include "ui/arena/arena_view.h"
+
+#include <QApplication>
+#include <QHelpEvent>
+#include <QKeyEvent>
+#include <QMouseEvent>
+#include <QToolTip>
+#include <QWheelEvent>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/arena/arena_painter.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr double zoom_step = 1.2;
+constexpr double notch = 120.0;       // of a mouse wheel, in Qt's unit
+constexpr qint64 same_turn_ms = 400;  // the wheel keeps to a robot that drives away from under the pointer
+
+}  // namespace
+
+ArenaView::ArenaView(QWidget* parent) : QWidget(parent) {
+  setObjectName(QStringLiteral("arena"));
+  setAccessibleName(tr("Arena"));
+  setAccessibleDescription(
+      tr("The robots seen from above. Drag a simulated robot to move it, turn it with the wheel. With the keyboard: a "
+         "number selects a robot, arrows move it, Page Up and Page Down turn it."));
+  setMouseTracking(true);
+  setFocusPolicy(Qt::ClickFocus);
+  setAttribute(Qt::WA_OpaquePaintEvent);
+}
+
+void ArenaView::show_experiment(const app::Experiment& experiment) {
+  end_gesture();
+  turn_.reset();
+  scene_.reset(experiment);
+  camera_ = nullptr;
+  choose_sheet();
+}
+
+void ArenaView::set_camera(ArenaMap::Camera camera) {
+  camera_ = std::move(camera);
+  choose_sheet();
+}
+
+void ArenaView::take(const app::Picture& picture) {
+  const bool first = scene_.picture.isNull();
+  scene_.picture =
+      QImage(picture.grey.data(), picture.width, picture.height, picture.width, QImage::Format_Grayscale8).copy();
+  if (first) choose_sheet();
+  if (scene_.show_picture) update();
+}
+
+void ArenaView::choose_sheet() {
+  if (scene_.show_picture && camera_ && !scene_.picture.isNull())
+    map_.show_picture(scene_.picture.size(), camera_);
+  else
+    map_.show_plan(scene_.experiment.arena_width, scene_.experiment.arena_height);
+  update();
+}
+
+void ArenaView::set_other(std::optional<OtherRun> other) {
+  scene_.compared = std::move(other);
+  update();
+}
+
+void ArenaView::set_banner(const QString& text, bool alarms) {
+  if (scene_.banner == text && scene_.banner_alarms == alarms) return;
+  scene_.banner = text;
+  scene_.banner_alarms = alarms;
+  update();
+}
+
+void ArenaView::set_alert(const QString& text, const QColor& colour) {
+  if (scene_.alert == text && scene_.alert_colour == colour) return;
+  scene_.alert = text;
+  scene_.alert_colour = colour;
+  update();
+}
+
+void ArenaView::set_hint(const QString& text) {
+  if (scene_.hint == text) return;
+  scene_.hint = text;
+  update();
+}
+
+void ArenaView::show_picture(bool on) {
+  scene_.show_picture = on;
+  choose_sheet();
+}
+
+void ArenaView::show_regions(bool on) {
+  scene_.show_regions = on;
+  update();
+}
+
+void ArenaView::show_trails(bool on) {
+  scene_.show_trails = on;
+  update();
+}
+
+void ArenaView::show_couplings(bool on) {
+  scene_.show_couplings = on;
+  update();
+}
+
+void ArenaView::set_coupling(std::size_t i, std::size_t j, double strength) {
+  const std::size_t pair = i * scene_.experiment.robots.size() + j;
+  if (pair < scene_.couplings.size()) scene_.couplings[pair] = strength;
+}
+
+void ArenaView::show_grid(bool on) {
+  scene_.show_grid = on;
+  update();
+}
+
+void ArenaView::set_tool(ArenaTool tool) {
+  end_gesture();
+  if (tool != ArenaTool::measure) scene_.ruler.reset();
+  tool_ = tool;
+}
+
+void ArenaView::fit() {
+  map_.fit();
+  update();
+}
+
+void ArenaView::zoom_in() {
+  map_.zoom(zoom_step, rect().center());
+  update();
+}
+
+void ArenaView::zoom_out() {
+  map_.zoom(1 / zoom_step, rect().center());
+  update();
+}
+
+void ArenaView::select(int robot) {
+  if (scene_.selected == robot) return;
+  scene_.selected = robot;
+  emit selected(robot);
+  update();
+}
+
+void ArenaView::refresh() {
+  if (turn_ && turn_->by != 0.0) {
+    if (const auto pose = scene_.pose(static_cast<std::size_t>(turn_->robot))) {
+      const double theta = core::wrap_angle(turn_->asked.value_or(pose->theta) + turn_->by);
+      turn_->asked = theta;
+      turn_->by = 0.0;
+      emit move_wanted(turn_->robot, {pose->x, pose->y, theta});
+    }
+  } else if (turn_ && turn_->since.elapsed() > same_turn_ms) {
+    turn_.reset();
+  }
+  if (!scene_.record || scene_.record->now == painted_t_) return;
+  painted_t_ = scene_.record->now;
+  update();
+}
+
+void ArenaView::paintEvent(QPaintEvent*) {
+  QPainter painter(this);
+  painter.setFont(font());
+  const Colours c = colours(palette());
+  ArenaPainter(painter, scene_, map_, c).paint(rect());
+}
+
+void ArenaView::resizeEvent(QResizeEvent*) {
+  map_.resize(size());
+}
+
+std::unique_ptr<ArenaGesture> ArenaView::begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global) {
+  const QPointF floor = map_.to_floor(screen);
+  if (tool_ == ArenaTool::measure) return measure(scene_, floor);
+  const int robot = robot_under(screen), obstacle = obstacle_under(screen);
+  const bool takes_obstacle = obstacle >= 0 && (robot < 0 || tool_ == ArenaTool::obstacle);
+  scene_.selected_obstacle = takes_obstacle ? obstacle : -1;
+  if (takes_obstacle) return drag_obstacle(scene_, obstacle, floor);
+  if (tool_ == ArenaTool::obstacle) return drop_obstacle(scene_, floor);
+  select(robot);
+  if (robot >= 0) {
+    if (!may_take(robot, global)) return nullptr;
+    const bool kicks = tool_ == ArenaTool::kick || modifiers & Qt::ShiftModifier;
+    return kicks ? kick_robot(scene_, robot) : drag_robot(scene_, robot, floor);
+  }
+  if (const auto pair = coupling_under(screen)) emit coupling_clicked((*pair)[0], (*pair)[1]);
+  return nullptr;
+}
+
+void ArenaView::mousePressEvent(QMouseEvent* event) {
+  if (event->button() == Qt::MiddleButton || event->button() == Qt::RightButton) {
+    end_gesture();
+    panned_ = event->position();
+    setCursor(Qt::SizeAllCursor);
+    return;
+  }
+  if (event->button() != Qt::LeftButton) return;
+  pressed_ = event->position().toPoint();
+  moving_ = false;
+  gesture_ = begin_gesture(event->position(), event->modifiers(), event->globalPosition().toPoint());
+  if (gesture_ && tool_ == ArenaTool::hand) setCursor(Qt::ClosedHandCursor);
+  update();
+}
+
+void ArenaView::mouseMoveEvent(QMouseEvent* event) {
+  if (panned_) {
+    map_.pan(event->position() - *panned_);
+    panned_ = event->position();
+    update();
+    return;
+  }
+  if (!gesture_) return hover(event->position());
+  moving_ =
+      moving_ || (event->position().toPoint() - pressed_).manhattanLength() >= QApplication::startDragDistance() / 2;
+  if (!moving_) return;
+  gesture_->move(map_.to_floor(event->position()));
+  update();
+}
+
+void ArenaView::hover(QPointF screen) {
+  const int robot = robot_under(screen);
+  const auto coupling = robot < 0 && tool_ == ArenaTool::hand && obstacle_under(screen) < 0
+                            ? coupling_under(screen)
+                            : std::optional<std::array<int, 2>>();
+  if (tool_ == ArenaTool::measure || tool_ == ArenaTool::obstacle)
+    setCursor(Qt::CrossCursor);
+  else if (robot >= 0)
+    setCursor(movable(robot) ? Qt::OpenHandCursor : Qt::ForbiddenCursor);
+  else if (obstacle_under(screen) >= 0)
+    setCursor(Qt::OpenHandCursor);
+  else
+    setCursor(coupling ? Qt::PointingHandCursor : Qt::ArrowCursor);
+  if (robot == scene_.hovered && coupling == scene_.hovered_coupling) return;
+  scene_.hovered = robot;
+  scene_.hovered_coupling = coupling;
+  update();
+}
+
+void ArenaView::mouseReleaseEvent(QMouseEvent* event) {
+  if (panned_ && event->button() != Qt::LeftButton) {
+    panned_.reset();
+    unsetCursor();
+    return;
+  }
+  if (!gesture_ || event->button() != Qt::LeftButton) return;
+  gesture_->release({[this](int robot, const core::Pose& pose) { emit move_wanted(robot, pose); },
+                     [this](int robot, QPointF velocity) { emit kick_wanted(robot, velocity); },
+                     [this](int number, const core::Obstacle& o) { emit obstacle_wanted(number, o); }});
+  end_gesture();
+}
+
+void ArenaView::mouseDoubleClickEvent(QMouseEvent* event) {
+  if (event->button() == Qt::LeftButton && tool_ == ArenaTool::hand && robot_under(event->position()) < 0 &&
+      obstacle_under(event->position()) < 0)
+    fit();
+  else
+    mousePressEvent(event);
+}
+
+void ArenaView::end_gesture() {
+  gesture_.reset();
+  scene_.forget_gesture();
+  unsetCursor();
+  update();
+}
+
+void ArenaView::keyPressEvent(QKeyEvent* event) {
+  // What the mouse does to the robot or obstacle that is selected, for those who have none.
+  const bool fine = event->modifiers() & Qt::ShiftModifier;
+  const double way = fine ? 0.002 : 0.02, angle = (fine ? 1.0 : 15.0) * core::pi / 180.0;
+  const int robot = scene_.selected;
+  if (event->key() >= Qt::Key_1 && event->key() <= Qt::Key_9) {
+    const int asked = event->key() - Qt::Key_1;
+    if (asked < static_cast<int>(scene_.experiment.robots.size())) select(asked);
+    return;
+  }
+  const auto step = event->key() == Qt::Key_Left    ? QPointF(-way, 0)
+                    : event->key() == Qt::Key_Right ? QPointF(way, 0)
+                    : event->key() == Qt::Key_Up    ? QPointF(0, way)
+                    : event->key() == Qt::Key_Down  ? QPointF(0, -way)
+                                                    : QPointF();
+  if (robot >= 0 && !step.isNull()) return nudge(robot, step);
+  if (robot >= 0 && (event->key() == Qt::Key_PageUp || event->key() == Qt::Key_PageDown)) {
+    if (may_take(robot, {})) turn(robot, event->key() == Qt::Key_PageUp ? angle : -angle);
+    return;
+  }
+  if (event->key() == Qt::Key_Delete && scene_.selected_obstacle >= 0) {
+    emit obstacle_wanted(scene_.selected_obstacle, {});
+    scene_.selected_obstacle = -1;
+    return;
+  }
+  QWidget::keyPressEvent(event);
+}
+
+void ArenaView::nudge(int robot, QPointF by) {
+  const auto pose = scene_.pose(static_cast<std::size_t>(robot));
+  if (!pose || !may_take(robot, {})) return;
+  const QPointF to = inside_arena(scene_, QPointF(pose->x, pose->y) + by, robot_radius);
+  emit move_wanted(robot, {to.x(), to.y(), pose->theta});
+}
+
+void ArenaView::resize_obstacle(int number, double factor) {
+  core::Obstacle obstacle = scene_.obstacles[static_cast<std::size_t>(number)];
+  obstacle.radius = std::clamp(obstacle.radius * factor, 0.01, 0.3);
+  emit obstacle_wanted(number, obstacle);
+}
+
+void ArenaView::wheelEvent(QWheelEvent* event) {
+  // Some platforms turn Shift + wheel sideways.
+  const QPoint delta = event->angleDelta();
+  const double notches = (delta.y() != 0 ? delta.y() : delta.x()) / notch;
+  event->accept();
+  if (event->modifiers() & Qt::ControlModifier) {
+    map_.zoom(std::pow(zoom_step, notches), event->position());
+    update();
+    return;
+  }
+  const int robot = turn_ ? turn_->robot : robot_under(event->position());
+  if (const int obstacle = obstacle_under(event->position()); robot < 0 && obstacle >= 0)
+    return resize_obstacle(obstacle, std::pow(1.1, notches));
+  if (robot < 0 || !may_take(robot, {})) return;
+  const double degrees = event->modifiers() & Qt::ShiftModifier ? 1.0 : 15.0;
+  turn(robot, notches * degrees * core::pi / 180.0);
+}
+
+void ArenaView::turn(int robot, double by) {
+  if (!turn_ || turn_->robot != robot) turn_ = Turn{robot, 0.0, std::nullopt, {}};
+  turn_->by += by;
+  turn_->since.start();
+  select(robot);
+}
+
+void ArenaView::leaveEvent(QEvent*) {
+  scene_.hovered = -1;
+  scene_.hovered_coupling.reset();
+  update();
+}
+
+bool ArenaView::event(QEvent* event) {
+  if (event->type() != QEvent::ToolTip) return QWidget::event(event);
+  const auto* help = static_cast<QHelpEvent*>(event);
+  const QString tip = tip_at(help->pos());
+  if (tip.isEmpty())
+    QToolTip::hideText();
+  else
+    QToolTip::showText(help->globalPos(), tip, this);
+  return true;
+}
+
+}  // namespace skein::ui

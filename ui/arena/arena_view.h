@@ -1,0 +1,113 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QWidget>
+#include <memory>
+#include <optional>
+
+#include "app/session.h"
+#include "ui/arena/arena_gestures.h"
+#include "ui/arena/arena_map.h"
+#include "ui/arena/arena_scene.h"
+
+namespace skein::ui {
+
+/// The arena, seen from above, and the operator's hand in it: simulated robots are dragged, turned with the mouse wheel
+/// and kicked, obstacles dropped and dragged, distances measured, couplings switched with a click.
+class ArenaView final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit ArenaView(QWidget* parent = nullptr);
+
+  void show_experiment(const app::Experiment& experiment);
+  /// Where floor points stand in the camera's picture; none: there is no camera.
+  void set_camera(ArenaMap::Camera camera);
+  void take(const app::TickRecord& record) { scene_.take(record); }
+  void take(const app::Picture& picture);
+  void set_other(std::optional<OtherRun> other);  ///< drawn pale
+  void set_banner(const QString& text, bool alarms);
+  void set_alert(const QString& text, const QColor& colour);
+  void set_hint(const QString& text);
+
+  bool shows_picture() const { return scene_.show_picture; }
+  void show_picture(bool on);
+  void show_regions(bool on);
+  void show_trails(bool on);
+  void show_couplings(bool on);
+  void show_grid(bool on);
+  void set_tool(ArenaTool tool);
+  ArenaTool tool() const { return tool_; }
+  /// Of robots i < j, from 0: how wide the line between them is, 0 (off: a dotted trace) to about 1.
+  void set_coupling(std::size_t i, std::size_t j, double strength);
+  void fit();
+  void zoom_in();
+  void zoom_out();
+
+  const ArenaMap& map() const { return map_; }
+  const ArenaScene& scene() const { return scene_; }
+  QSize minimumSizeHint() const override { return {320, 240}; }
+  QSize sizeHint() const override { return {620, 500}; }
+
+ public slots:
+  void select(int robot);  ///< from 0; -1: none
+  void refresh();          ///< thirty times a second: paints what is new, sends what the wheel has turned
+
+ signals:
+  void move_wanted(int robot, const skein::core::Pose& pose);
+  void kick_wanted(int robot, QPointF velocity);                            ///< [m/s]
+  void obstacle_wanted(int number, const skein::core::Obstacle& obstacle);  ///< -1: a new one; radius 0: away with it
+  void coupling_clicked(int i, int j);
+  void selected(int robot);
+  void refused(const QString& why);
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
+  void mousePressEvent(QMouseEvent*) override;
+  void mouseMoveEvent(QMouseEvent*) override;
+  void mouseReleaseEvent(QMouseEvent*) override;
+  void mouseDoubleClickEvent(QMouseEvent*) override;
+  void wheelEvent(QWheelEvent*) override;
+  void leaveEvent(QEvent*) override;
+  void keyPressEvent(QKeyEvent*) override;
+  bool event(QEvent*) override;
+
+ private:
+  int robot_under(QPointF screen) const;
+  int obstacle_under(QPointF screen) const;
+  std::optional<std::array<int, 2>> coupling_under(QPointF screen) const;
+  bool movable(int robot) const;
+  bool may_take(int robot, QPoint where);
+  QString why_not(int robot) const;
+  QString tip_at(QPoint where) const;
+  std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
+  void hover(QPointF screen);
+  void turn(int robot, double by);
+  void nudge(int robot, QPointF by);
+  void resize_obstacle(int number, double factor);
+  void end_gesture();
+  void choose_sheet();
+
+  ArenaMap map_;
+  ArenaMap::Camera camera_;
+  ArenaScene scene_;
+  double painted_t_ = -1.0;
+
+  ArenaTool tool_ = ArenaTool::hand;
+  std::unique_ptr<ArenaGesture> gesture_;
+  QPoint pressed_;       // where the gesture began, on the screen
+  bool moving_ = false;  // far enough from there not to be a click
+  std::optional<QPointF> panned_;
+
+  // Several notches of the wheel come between two ticks: the next one turns on from what the last one asked for.
+  struct Turn {
+    int robot;
+    double by;
+    std::optional<double> asked;
+    QElapsedTimer since;
+  };
+  std::optional<Turn> turn_;
+};
+
+}  // namespace skein::ui

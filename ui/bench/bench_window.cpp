@@ -1,0 +1,286 @@
+// skein bench ui: what the window costs, and what it costs the control thread.
+#include <sys/resource.h>
+#include <time.h>
+
+#include <QAbstractEventDispatcher>
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QEvent>
+#include <QEventLoop>
+#include <QSettings>
+#include <QTemporaryDir>
+#include <QTimer>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "app/experiment/experiment_file.h"
+#include "app/session.h"
+#include "ui/arena/arena_view.h"
+#include "ui/bench/bench_display.h"
+#include "ui/main/main_window.h"
+#include "ui/plots/plots_panel.h"
+#include "ui/window.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr double half_an_hour = 1800.0, four_hours = 14400.0;  // what the plots hold before anything is measured [s]
+constexpr int status_device_failed = 3;
+
+double seconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Since this process was started; the kernel keeps it to a hundredth of a second.
+double process_age() {
+  std::ifstream stat("/proc/self/stat");
+  std::string text;
+  std::getline(stat, text);
+  std::istringstream fields(text.substr(text.rfind(')') + 2));
+  std::string field;
+  for (int k = 3; k <= 22; ++k) fields >> field;
+  return seconds(CLOCK_BOOTTIME) - std::stod(field) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+double process_cpu() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto of = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return of(usage.ru_utime) + of(usage.ru_stime);
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+void wait(double how_long) {
+  QEventLoop loop;
+  QTimer::singleShot(static_cast<int>(1e3 * how_long), &loop, &QEventLoop::quit);
+  loop.exec();
+}
+
+void report(const char* what, double value, const char* unit, const char* target = "") {
+  std::printf("%-62s %9.2f %-5s %s\n", what, value, unit, target);
+  std::fflush(stdout);
+}
+
+/// The paper's experiment for any number of robots; the couplings shrink with the group, as (18f, g) ask.
+app::Experiment group_of(std::size_t robots, double duration) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.duration = duration;
+  experiment.perturbations.clear();
+  if (robots == experiment.robots.size()) return experiment;
+  const double share = 3.0 / static_cast<double>(robots - 1);
+  experiment.robots.resize(robots, experiment.robots.front());
+  for (std::size_t i = 0; i < robots; ++i) experiment.robots[i].tag = static_cast<int>(i + 1);
+  core::CouplingGains& gains = experiment.controller.gains;
+  const double k_xx = gains.k_xx.largest(), k_tt = gains.k_tt.largest(), k_yy = gains.k_yy.largest();
+  gains.k_xx = core::PairTable(robots, k_xx * share);
+  gains.k_tt = core::PairTable(robots, k_tt * share);
+  gains.k_yy = core::PairTable(robots, k_yy * share);
+  return experiment;
+}
+
+class Recording final : public app::RecordSink {
+ public:
+  void record(const app::TickRecord& record) override { records.push_back(record); }
+  std::vector<app::TickRecord> records;
+};
+
+/// A run that ends where the one that is measured begins.
+class PastRun final : public app::RecordSink {
+ public:
+  PastRun(PlotsPanel& plots, double duration) : plots_(plots), duration_(duration) {}
+  void record(const app::TickRecord& record) override {
+    row_ = record;
+    row_.t -= duration_;
+    plots_.take(row_);
+  }
+
+ private:
+  PlotsPanel& plots_;
+  double duration_;
+  app::TickRecord row_;
+};
+
+/// How late each tick began, against the deadlines that the earliest of them stands for. [ms]
+std::vector<double> lateness(const std::vector<std::pair<std::int64_t, double>>& ticks, double period) {
+  std::vector<double> late;
+  for (const auto& [tick, now] : ticks) late.push_back(1e3 * (now - static_cast<double>(tick) * period));
+  const double earliest = late.empty() ? 0.0 : *std::min_element(late.begin(), late.end());
+  for (double& value : late) value -= earliest;
+  return late;
+}
+
+std::vector<double> headless_lateness(const app::Experiment& experiment, double how_long) {
+  Recording recording;
+  auto session = app::Session::open(experiment, app::Session::Clock::wall, {false, {&recording}});
+  (*session)->start();
+  std::this_thread::sleep_for(std::chrono::duration<double>(how_long));
+  (*session)->close();
+  std::vector<std::pair<std::int64_t, double>> ticks;
+  for (const app::TickRecord& row : recording.records) ticks.emplace_back(row.tick, row.now);
+  return lateness(ticks, experiment.period());
+}
+
+/// The window with everything open and so much behind it.
+class Stage {
+ public:
+  Stage(const app::Experiment& experiment, double history) : experiment_(experiment) {
+    window_.resize(1280, 800);
+    window_.show();
+    window_.open(experiment, true);
+    fill(history);
+    QObject::connect(&window_.live(), &LiveSession::record_taken, &window_, [this](const app::TickRecord& record) {
+      if (record.phase == app::Phase::running) ticks_.emplace_back(record.tick, record.now);
+    });
+    QObject::connect(&window_.live(), &LiveSession::frame, &window_, [this] { end_of_frame(); });
+    auto* dispatcher = QAbstractEventDispatcher::instance();
+    QObject::connect(dispatcher, &QAbstractEventDispatcher::awake, &window_,
+                     [this] { awake_since_ = seconds(CLOCK_MONOTONIC); });
+    QObject::connect(dispatcher, &QAbstractEventDispatcher::aboutToBlock, &window_, [this] {
+      busy_ += seconds(CLOCK_MONOTONIC) - awake_since_;
+      awake_since_ = seconds(CLOCK_MONOTONIC);
+    });
+  }
+  ~Stage() {
+    window_.close();
+    for (int k = 0; k < 100 && window_.isVisible(); ++k) wait(0.05);
+  }
+
+  void measure(double how_long, bool resized) {
+    wait(2.0);  // the first frames lay everything out
+    ticks_.clear();
+    frames_ms_.clear();
+    frames_cpu_ms_.clear();
+    const double cpu = process_cpu(), began = seconds(CLOCK_MONOTONIC);
+    QTimer resizing;
+    int k = 0;
+    QObject::connect(&resizing, &QTimer::timeout, &window_, [&] {
+      ++k;
+      window_.resize(1280 + 10 * (k % 16), 800 + 8 * (k % 16));
+    });
+    if (resized) resizing.start(100);
+    wait(how_long);
+    resizing.stop();
+    elapsed_ = seconds(CLOCK_MONOTONIC) - began;
+    cpu_share_ = (process_cpu() - cpu) / elapsed_;
+  }
+
+  double frames_per_second() const { return static_cast<double>(frames_ms_.size()) / elapsed_; }
+  double cpu_share() const { return cpu_share_; }
+  double frame_ms(double share) const { return percentile(frames_ms_, share); }
+  double frame_cpu_ms(double share) const { return percentile(frames_cpu_ms_, share); }
+  std::vector<double> late() const { return lateness(ticks_, experiment_.period()); }
+
+ private:
+  void fill(double history) {
+    app::Experiment before = experiment_;
+    before.duration = history;
+    auto* plots = window_.findChild<PlotsPanel*>();
+    plots->show_all_plots();
+    PastRun past(*plots, history);
+    auto session = app::Session::open(before, app::Session::Clock::virtual_, {false, {&past}});
+    (*session)->run();
+    plots->set_span(history > half_an_hour ? 0.0 : half_an_hour);  // 0: all there is
+  }
+
+  /// All that the window's thread did since the last one: reading records, painting, the plots' own timer.
+  void end_of_frame() {
+    const double cpu = seconds(CLOCK_THREAD_CPUTIME_ID), now = seconds(CLOCK_MONOTONIC);
+    busy_ += now - awake_since_;
+    awake_since_ = now;
+    frames_ms_.push_back(1e3 * std::exchange(busy_, 0.0));
+    frames_cpu_ms_.push_back(1e3 * (cpu - std::exchange(cpu_before_, cpu)));
+  }
+
+  app::Experiment experiment_;
+  MainWindow window_;
+  std::vector<std::pair<std::int64_t, double>> ticks_;
+  std::vector<double> frames_ms_, frames_cpu_ms_;
+  double awake_since_ = seconds(CLOCK_MONOTONIC), busy_ = 0.0, cpu_before_ = 0.0;
+  double elapsed_ = 1.0, cpu_share_ = 0.0;
+};
+
+/// The time at which a widget was painted first.
+class FirstPaint final : public QObject {
+ public:
+  using QObject::QObject;
+  double age = 0.0;
+
+ protected:
+  bool eventFilter(QObject*, QEvent* event) override {
+    if (age == 0.0 && event->type() == QEvent::Paint) age = process_age();
+    return false;
+  }
+};
+
+double first_frame() {
+  MainWindow window;
+  FirstPaint paint;
+  window.findChild<ArenaView*>()->installEventFilter(&paint);
+  window.resize(1280, 800);
+  window.show();
+  window.open(app::paper_experiment(), true);
+  while (paint.age == 0.0) wait(0.005);
+  window.close();
+  for (int k = 0; k < 100 && window.isVisible(); ++k) wait(0.05);
+  return paint.age;
+}
+
+}  // namespace
+
+int bench_window(int& argc, char** argv, double how_long) {
+  const BenchDisplay display;
+  QApplication application(argc, argv);
+  const QTemporaryDir settings;  // the user's own stay as they are
+  if (!settings.isValid()) return status_device_failed;
+  QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
+  prepare(application);
+
+  report("start to first frame", first_frame(), "s", "<= 1");
+  std::printf("platform: %s, each measurement %g s\n", qPrintable(QApplication::platformName()), how_long);
+  const app::Experiment four = group_of(4, 36000.0);
+  std::vector<double> without = headless_lateness(four, how_long);
+  {
+    Stage stage(four, half_an_hour);
+    stage.measure(how_long, false);
+    report("4 robots, all plots, 30 min: frame in the UI thread, p99", stage.frame_ms(0.99), "ms", "<= 16");
+    report("  median", stage.frame_ms(0.5), "ms");
+    report("  of it the thread's own CPU time, median", stage.frame_cpu_ms(0.5), "ms");
+    report("    p99", stage.frame_cpu_ms(0.99), "ms");
+    report("  frames a second", stage.frames_per_second(), "1/s", ">= 30");
+    report("  CPU of the whole program", 100.0 * stage.cpu_share(), "%", "<= 50 of one core");
+    stage.measure(how_long, true);
+    report("being resized ten times a second: frame, p99", stage.frame_ms(0.99), "ms");
+    const std::vector<double> with = stage.late(), after = headless_lateness(four, how_long);
+    without.insert(without.end(), after.begin(), after.end());
+    report("control thread's lateness, headless, p99", percentile(without, 0.99), "ms");
+    report("  with the window open and being resized, p99", percentile(with, 0.99), "ms");
+    report("  difference", percentile(with, 0.99) - percentile(without, 0.99), "ms", "< 0.2");
+  }
+  const auto measure_history = [how_long](const char* title, const app::Experiment& experiment, double history) {
+    Stage stage(experiment, history);
+    stage.measure(how_long, false);
+    std::printf("%s\n", title);
+    report("  frames a second", stage.frames_per_second(), "1/s", ">= 30");
+    report("  frame in the UI thread, p99", stage.frame_ms(0.99), "ms", experiment.robots.size() == 4 ? "<= 16" : "");
+    report("  of it the thread's own CPU time, median", stage.frame_cpu_ms(0.5), "ms");
+    report("    p99", stage.frame_cpu_ms(0.99), "ms");
+    report("  CPU of the whole program", 100.0 * stage.cpu_share(), "%");
+  };
+  measure_history("4 robots, all plots, 4 h of history", four, four_hours);
+  measure_history("20 robots, all plots, 30 min of history", group_of(20, 36000.0), half_an_hour);
+  return 0;
+}
+
+}  // namespace skein::ui

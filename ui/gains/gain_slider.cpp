@@ -1,0 +1,217 @@
+#include "ui/gains/gain_slider.h"
+
+#include <QGridLayout>
+#include <QPainter>
+#include <QSignalBlocker>
+#include <QStyle>
+#include <QWheelEvent>
+#include <algorithm>
+#include <cmath>
+
+#include "app/record/event.h"
+#include "ui/palette.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int rest_ms = 120;
+constexpr double room_beyond_border = 1.25;
+
+struct Words {
+  const char *symbol, *unit, *role, *what;
+};
+
+Words words(core::GainName gain) {
+  switch (gain) {
+    case core::GainName::k_xx:
+      return {"<i>k</i><sub>xx</sub>", "m/s", QT_TRANSLATE_NOOP("GainSlider", "forward"),
+              QT_TRANSLATE_NOOP("GainSlider", "Coupling of the forward errors x_e")};
+    case core::GainName::k_tt:
+      return {"<i>k</i><sub>θθ</sub>", "rad/s", QT_TRANSLATE_NOOP("GainSlider", "heading"),
+              QT_TRANSLATE_NOOP("GainSlider", "Coupling of the heading errors θ_e")};
+    case core::GainName::k_yy:
+      return {"<i>k</i><sub>yy</sub>", "rad/s", QT_TRANSLATE_NOOP("GainSlider", "sideways"),
+              QT_TRANSLATE_NOOP("GainSlider", "Coupling of the sideways errors y_e")};
+    default:  // slopes and weights have no slider
+      break;
+  }
+  return {"", "", "", ""};
+}
+
+QString number(double value) {
+  return QString::number(value, 'f', 4);
+}
+
+}  // namespace
+
+BorderSlider::BorderSlider(QWidget* parent) : QSlider(Qt::Horizontal, parent) {
+  setRange(0, steps);
+  setPageStep(steps / 20);
+  setSingleStep(steps / 100);
+}
+
+void BorderSlider::set_marks(double border, double border_now, double now) {
+  if (border == border_ && border_now == border_now_ && now == now_) return;
+  border_ = border;
+  border_now_ = border_now;
+  now_ = now;
+  update();
+}
+
+QSize BorderSlider::sizeHint() const {
+  return {120, 26};
+}
+
+void BorderSlider::paintEvent(QPaintEvent*) {
+  QPainter p(this);
+  p.setRenderHint(QPainter::Antialiasing);
+  const Colours c = colours(palette());
+  constexpr double knob = 7.5;
+  // The same way along the track as QSlider's own mouse handling takes: half a knob at either end.
+  const QRectF track(knob, height() / 2.0 - 3, width() - 2 * knob, 6);
+  const auto x = [&](double share) { return track.left() + std::clamp(share, 0.0, 1.0) * track.width(); };
+
+  p.setPen(Qt::NoPen);
+  p.setBrush(c.dark ? c.panel.lighter(170) : c.panel.darker(118));
+  p.drawRoundedRect(track, 3, 3);
+  QColor forbidden = c.alarm;
+  forbidden.setAlphaF(0.25F);
+  p.setBrush(forbidden);
+  p.drawRoundedRect(QRectF(QPointF(x(border_), track.top()), track.bottomRight()), 3, 3);
+  forbidden.setAlphaF(0.6F);
+  p.setBrush(forbidden);
+  p.drawRoundedRect(QRectF(QPointF(x(border_now_), track.top()), track.bottomRight()), 3, 3);
+  p.setBrush(isEnabled() ? c.accent : c.faint_text);
+  p.drawRoundedRect(QRectF(track.topLeft(), QPointF(x(now_), track.bottom())), 3, 3);  // what holds now
+  p.setPen(QPen(c.alarm, 2));
+  p.drawLine(QPointF(x(border_), track.top() - 5), QPointF(x(border_), track.bottom() + 5));
+
+  p.setPen(QPen(hasFocus() ? c.accent : c.axis, hasFocus() ? 2.0 : 1.2));
+  p.setBrush(c.dark ? c.panel.lighter(240) : QColor(Qt::white));
+  p.drawEllipse(QPointF(x(static_cast<double>(value()) / steps), track.center().y()), knob - 1, knob - 1);
+}
+
+void BorderSlider::wheelEvent(QWheelEvent* event) {
+  // Scrolling past must not change a gain of driving robots.
+  if (hasFocus())
+    QSlider::wheelEvent(event);
+  else
+    event->ignore();
+}
+
+GainSlider::GainSlider(core::GainName gain, QWidget* parent)
+    : QWidget(parent),
+      gain_(gain),
+      slider_(new BorderSlider(this)),
+      spin_(new QDoubleSpinBox(this)),
+      now_text_(new QLabel(this)),
+      border_text_(new QLabel(this)) {
+  const Words w = words(gain);
+  const QString name = QString::fromLatin1(app::name(gain));
+  auto* symbol = new QLabel(QString::fromUtf8(w.symbol), this);
+  symbol->setToolTip(tr(w.what));
+  QFont font = symbol->font();
+  font.setPointSizeF(font.pointSizeF() * 1.25);
+  symbol->setFont(font);
+  symbol->setMinimumWidth(34);
+
+  slider_->setObjectName(QStringLiteral("slider_") + name);
+  slider_->setAccessibleName(tr("%1 slider").arg(name));
+  slider_->setToolTip(tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere "
+                         "along the reference.")
+                          .arg(tr(w.what)));
+  spin_->setObjectName(QStringLiteral("spin_") + name);
+  spin_->setAccessibleName(name);
+  spin_->setDecimals(4);
+  spin_->setSuffix(QStringLiteral(" ") + QString::fromLatin1(w.unit));
+  spin_->setKeyboardTracking(false);
+  spin_->setAlignment(Qt::AlignRight);
+  now_text_->setObjectName(QStringLiteral("now_") + name);
+  border_text_->setObjectName(QStringLiteral("border_") + name);
+  auto* role = new QLabel(tr(w.role), this);
+  role->setToolTip(tr(w.what));
+
+  auto* layout = new QGridLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setHorizontalSpacing(6);
+  layout->setVerticalSpacing(1);
+  layout->addWidget(symbol, 0, 0);
+  layout->addWidget(role, 0, 1);
+  layout->addWidget(spin_, 0, 2);
+  layout->addWidget(slider_, 1, 0, 1, 3);
+  layout->addWidget(now_text_, 2, 0, 1, 2);
+  layout->addWidget(border_text_, 2, 2, Qt::AlignRight);
+  layout->setColumnStretch(1, 1);
+
+  rest_.setSingleShot(true);
+  rest_.setInterval(rest_ms);
+  connect(&rest_, &QTimer::timeout, this, [this] { emit wanted(gain_, spin_->value()); });
+  connect(slider_, &QSlider::valueChanged, this, [this](int step) { choose(top_ * step / BorderSlider::steps); });
+  connect(slider_, &QSlider::sliderReleased, this, [this] {
+    if (rest_.isActive()) rest_.start(0);
+  });
+  connect(spin_, &QDoubleSpinBox::valueChanged, this, [this](double value) { choose(value); });
+}
+
+void GainSlider::choose(double value) {
+  const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
+  spin_->setValue(value);
+  if (!slider_->isSliderDown()) slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
+  show_text();
+  rest_.start();
+}
+
+void GainSlider::reset(double value, double border) {
+  rest_.stop();
+  border_ = border_now_ = border;
+  set_range(std::max(border, value) * room_beyond_border);
+  now_ = value;
+  set_target(value);
+  show_text();
+}
+
+void GainSlider::set_range(double top) {
+  const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
+  // Two significant digits: a range that reads well, and steps that do.
+  const double digit = top > 0 ? std::pow(10.0, std::floor(std::log10(top)) - 1) : 0.1;
+  top_ = std::max(digit, std::ceil(top / digit) * digit);
+  const double value = spin_->value();
+  spin_->setRange(0.0, top_);
+  spin_->setSingleStep(digit);
+  slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
+}
+
+void GainSlider::set_border(double border, double border_now) {
+  if (border == border_ && border_now == border_now_) return;
+  border_ = border;
+  border_now_ = border_now;
+  if (border > top_ && !slider_->isSliderDown()) set_range(border * room_beyond_border);
+  show_text();
+}
+
+void GainSlider::set_now(double value) {
+  if (value == now_) return;
+  now_ = value;
+  show_text();
+}
+
+void GainSlider::set_target(double value) {
+  if (slider_->isSliderDown() || rest_.isActive()) return;
+  const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
+  spin_->setValue(value);
+  slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
+  show_text();
+}
+
+void GainSlider::show_text() {
+  slider_->set_marks(border_ / top_, border_now_ / top_, now_ / top_);
+  const bool on_its_way = std::abs(now_ - spin_->value()) > 0.5e-4;
+  now_text_->setText(on_its_way ? tr("now %1 …").arg(number(now_)) : tr("now %1").arg(number(now_)));
+  border_text_->setText(tr("border %1").arg(number(border_)));
+  border_text_->setToolTip(
+      tr("The largest value that (18f) and (18g) leave over the whole reference. Now they would leave "
+         "%1: the reference asks for less here than elsewhere.")
+          .arg(number(border_now_)));
+}
+
+}  // namespace skein::ui

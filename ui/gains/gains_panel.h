@@ -1,0 +1,80 @@
+#pragma once
+
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QPushButton>
+#include <QTabWidget>
+#include <QToolButton>
+#include <QUndoStack>
+#include <QWidget>
+#include <array>
+#include <functional>
+
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
+#include "ui/gains/gain_presets.h"
+#include "ui/gains/gain_slider.h"
+#include "ui/gains/margin_bars.h"
+#include "ui/gains/pair_table.h"
+#include "ui/gains/schedule_editor.h"
+
+namespace skein::ui {
+
+/// The three coupling gains, their schedule, and what they leave to tracking. Every change can be undone.
+class GainsPanel final : public QWidget {
+  Q_OBJECT
+
+ public:
+  using Border = std::function<double(core::GainName)>;
+
+  explicit GainsPanel(QWidget* parent = nullptr);
+  void show_experiment(const app::Experiment& experiment, const Border& border);
+  void take(const app::TickRecord& record);
+  void set_borders(const Border& over_all, const Border& now);
+  /// How much delay from camera to wheels the loops bear, in words, beside what was measured; `short_`: not enough.
+  void show_delay_margin(const QString& text, bool short_ = false);
+  /// How the pairs are asked for: now and whenever one of them is changed.
+  void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
+  void refresh_pairs();
+  /// Couples two robots that are not, and the other way round.
+  void switch_pair(int i, int j);
+  /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
+  void set_before_start(bool before);
+  QUndoStack& undo_stack() { return undo_; }
+  /// How long a change of a gain shall take during a run; 0: as fast as it may. [s]
+  double ramp() const { return ramp_->value(); }
+
+ signals:
+  void wanted(skein::core::GainName gain, double value);
+  void pair_wanted(skein::core::GainName gain, int i, int j, double value);
+  void couple_wanted(int i, int j, bool on);
+  /// "key=value" of the experiment file, to be set up again with.
+  void experiment_wanted(const QString& set);
+
+ private:
+  GainSlider* slider(core::GainName gain) const { return sliders_[static_cast<std::size_t>(gain)]; }
+  void change(core::GainName gain, double value);
+  void change_pair(core::GainName gain, int i, int j, double value);
+  void couple_pair(int i, int j, bool on);
+  void use(const GainPreset& preset);
+  void fill_presets();
+  void keep_as_preset();
+
+  app::Experiment experiment_;
+  std::array<GainSlider*, 3> sliders_{};
+  std::array<double, 3> targets_{};  // what the session aims at
+  QUndoStack undo_;
+  QToolButton *undo_button_, *redo_button_, *presets_;
+  QPushButton* reset_;
+  QComboBox* coupling_;
+  QDoubleSpinBox* ramp_;
+  QTabWidget* tabs_;
+  MarginBars* margins_;
+  QLabel* delay_;
+  PairTable* pairs_;
+  PairModel::Ask ask_;
+  ScheduleEditor* schedule_;
+};
+
+}  // namespace skein::ui

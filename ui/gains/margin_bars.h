@@ -1,0 +1,39 @@
+#pragma once
+
+#include <QWidget>
+#include <cstddef>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
+
+namespace skein::ui {
+
+/// What (18f) and (18g) leave to tracking, robot by robot: k_x of v_max, k_theta of omega_max. The reference and the
+/// couplings have the rest; an empty bar is the end of the certificate.
+class MarginBars final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit MarginBars(QWidget* parent = nullptr);
+  void show_experiment(const app::Experiment& experiment);
+  void take(const app::TickRecord& record);
+  QSize sizeHint() const override;
+  QSize minimumSizeHint() const override { return sizeHint(); }
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+
+ private:
+  struct Bar {
+    double left, of;  // [m/s] or [rad/s]
+    bool holds;
+  };
+  void paint_bar(QPainter& p, const QRectF& where, const Bar& bar) const;
+
+  std::size_t robots_ = 0;
+  double v_max_ = 1.0, omega_max_ = 1.0;
+  std::vector<Bar> forward_, turning_;  // of every robot
+};
+
+}  // namespace skein::ui

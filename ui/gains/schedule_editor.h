@@ -1,0 +1,68 @@
+#pragma once
+
+#include <QAbstractTableModel>
+#include <QPushButton>
+#include <QTableView>
+#include <QWidget>
+#include <optional>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+
+namespace skein::ui {
+
+/// The experiment's changes of its gains, one a row: when, to what, within how long. An empty cell: as it is.
+class ScheduleModel final : public QAbstractTableModel {
+  Q_OBJECT
+
+ public:
+  enum Column { t, k_xx, k_tt, k_yy, ramp, columns };
+
+  using QAbstractTableModel::QAbstractTableModel;
+  void show(const std::vector<app::GainChange>& changes);
+  void add(double at);
+  void remove(int row);
+  /// As the value of the file's key gain_change; rows in the order of t.
+  QString as_toml() const;
+  /// Some gain of some pairs differs from the others': a table of single numbers cannot hold it.
+  bool differs_per_pair() const { return per_pair_; }
+
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override { return parent.isValid() ? 0 : columns; }
+  QVariant data(const QModelIndex& index, int role) const override;
+  bool setData(const QModelIndex& index, const QVariant& value, int role) override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+  Qt::ItemFlags flags(const QModelIndex& index) const override;
+
+ signals:
+  void edited();
+
+ private:
+  std::vector<std::array<std::optional<double>, columns>> rows_;
+  bool per_pair_ = false;
+};
+
+/// Lets the operator change the schedule before the start.
+class ScheduleEditor final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit ScheduleEditor(QWidget* parent = nullptr);
+  void show_experiment(const app::Experiment& experiment);
+  /// Changes are possible only before the start; what holds then is the file's.
+  void set_editable(bool editable);
+
+ signals:
+  void wanted(const QString& gain_change);  ///< the value of the file's key
+
+ private:
+  void dress();
+
+  ScheduleModel model_;
+  QTableView* table_;
+  QPushButton *add_, *remove_, *apply_;
+  std::vector<app::GainChange> changes_;
+  bool editable_ = true, edited_ = false;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,260 @@
+#include "ui/plots/plot_rows.h"
+
+#include <QCoreApplication>
+
+#include "core/geometry/pose.h"
+
+namespace skein::ui {
+namespace {
+
+QString tr(const char* text) {
+  return QCoreApplication::translate("PlotRows", text);
+}
+
+using app::TickRecord;
+constexpr double ms = 1e3;
+constexpr std::size_t most_coupled = 6;  // robots whose 15 pairs can be told apart in one plot
+
+/// Of robot i, unless it is lost.
+template <typename Value>
+auto known(Value value) {
+  return [value](const TickRecord& record, std::size_t i) {
+    if (i >= record.robots.size() || record.robots[i].is(app::lost)) return app::none;
+    return static_cast<double>(value(record.robots[i]));
+  };
+}
+
+}  // namespace
+
+std::optional<std::pair<std::size_t, std::size_t>> robots_of(PlotRow::Of of, std::size_t curve, std::size_t robots) {
+  if (of == PlotRow::Of::robot) return std::pair(curve, curve);
+  if (of == PlotRow::Of::pair) return std::pair(curve, curve + 1);
+  if (of != PlotRow::Of::couple) return std::nullopt;
+  std::size_t i = 0;
+  for (; i + 1 < robots && curve >= robots - 1 - i; ++i) curve -= robots - 1 - i;
+  return std::pair(i, i + 1 + curve);
+}
+
+std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
+  using Of = PlotRow::Of;
+  const app::ControllerSpec& law = experiment.controller;
+  std::vector<PlotRow> rows;
+  const auto add = [&rows](PlotRow row) { rows.push_back(std::move(row)); };
+
+  add({"e_x",
+       "e",
+       "x",
+       tr("[m]"),
+       tr("Tracking error along x, in the world frame"),
+       Of::robot,
+       0.02,
+       false,
+       true,
+       {},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.nominal.pose.x - r.pose.x; })});
+  add({"e_y",
+       "e",
+       "y",
+       tr("[m]"),
+       tr("Tracking error along y, in the world frame"),
+       Of::robot,
+       0.02,
+       false,
+       true,
+       {},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.nominal.pose.y - r.pose.y; })});
+  add({"e_theta",
+       "e",
+       "θ",
+       tr("[rad]"),
+       tr("Tracking error of the heading"),
+       Of::robot,
+       0.1,
+       false,
+       true,
+       {},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return core::wrap_angle(r.nominal.pose.theta - r.pose.theta); })});
+  add({"delta",
+       "δ",
+       "i,j",
+       tr("[m]"),
+       tr("Formation error of neighbours: how much too close"),
+       Of::pair,
+       0.02,
+       false,
+       true,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t i) { return i < record.delta.size() ? record.delta[i] : app::none; }});
+  add({"V",
+       "V",
+       "",
+       tr("[–]"),
+       tr("Lyapunov function"),
+       Of::group,
+       0.002,
+       true,
+       true,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return record.V; }});
+  add({"V_dot",
+       "V̇",
+       "",
+       tr("[1/s]"),
+       tr("dV/dt, if the law's commands were carried out exactly"),
+       Of::group,
+       0.001,
+       false,
+       false,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return record.V_dot; }});
+  add({"v",
+       "v",
+       "",
+       tr("[m/s]"),
+       tr("Commanded speed, and its limits"),
+       Of::robot,
+       0.02,
+       false,
+       false,
+       {-law.v_max, law.v_max},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.command.v; })});
+  add({"omega",
+       "ω",
+       "",
+       tr("[rad/s]"),
+       tr("Commanded turning rate, and its limits"),
+       Of::robot,
+       0.2,
+       false,
+       false,
+       {-law.omega_max, law.omega_max},
+       {},
+       0,
+       known([](const app::RobotRecord& r) { return r.command.omega; })});
+  std::vector<double> shield;
+  if (experiment.shield.enabled) shield.push_back(experiment.shield.distance);
+  add({"min_distance",
+       "d",
+       "min",
+       tr("[m]"),
+       tr("Distance of the closest pair, and the shield's"),
+       Of::group,
+       0.1,
+       true,
+       false,
+       std::move(shield),
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return record.min_distance; }});
+  add({"period",
+       "T",
+       "",
+       tr("[ms]"),
+       tr("Time since the tick before, and what it should be"),
+       Of::group,
+       60.0,
+       true,
+       false,
+       {ms * experiment.period()},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return ms * record.period; }});
+  add({"compute_time",
+       "T",
+       "tick",
+       tr("[ms]"),
+       tr("Time that the tick took"),
+       Of::group,
+       0.01,
+       true,
+       false,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t) { return ms * record.compute_time; }});
+
+  const std::size_t n = experiment.robots.size();
+  for (const core::GainName gain : core::gain_names) {
+    const bool xx = gain == core::GainName::k_xx, tt = gain == core::GainName::k_tt;
+    add({app::name(gain),
+         "k",
+         xx   ? "xx"
+         : tt ? "θθ"
+              : "yy",
+         xx ? tr("[m/s]") : tr("[rad/s]"),
+         n > most_coupled ? tr("Coupling gain, the largest of all pairs") : tr("Coupling gain of each pair"),
+         n > most_coupled ? Of::group : Of::couple,
+         0.1 * (xx ? law.v_max : law.omega_max),
+         true,
+         false,
+         {},
+         {},
+         0,
+         [gain, n](const TickRecord& record, std::size_t curve) {
+           if (n > most_coupled) return record.gain(gain);
+           const auto [i, j] = *robots_of(Of::couple, curve, n);
+           return record.pair_gain(gain, i, j);
+         }});
+  }
+  add({"latency",
+       "T",
+       "stage",
+       tr("[ms]"),
+       tr("Time that each stage from frame to answer took"),
+       Of::stage,
+       0.2,
+       true,
+       false,
+       {},
+       {},
+       0,
+       [](const TickRecord& record, std::size_t stage) { return ms * record.latency.of[stage]; }});
+
+  std::size_t next = 0;
+  for (PlotRow& row : rows) {
+    row.first = next;
+    if (row.of == Of::robot)
+      for (std::size_t i = 0; i < n; ++i) row.curves.push_back(QString::number(i + 1));
+    if (row.of == Of::pair)
+      for (std::size_t i = 0; i + 1 < n; ++i) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(i + 2));
+    if (row.of == Of::couple)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(j + 1));
+    if (row.of == Of::stage)
+      for (const char* stage : {"capture", "dequeue", "detect", "hand over", "estimate", "law", "write", "answer"})
+        row.curves.push_back(tr(stage));
+    if (row.of == Of::group) row.curves.push_back(QString());
+    next += row.curves.size();
+  }
+  return rows;
+}
+
+std::size_t curve_count(const std::vector<PlotRow>& rows) {
+  return rows.empty() ? 0 : rows.back().first + rows.back().curves.size();
+}
+
+bool is_sample(const app::TickRecord& record) {
+  return record.phase != app::Phase::ready && record.phase != app::Phase::staging;
+}
+
+void sample(const std::vector<PlotRow>& rows, const app::TickRecord& record, std::vector<double>& values) {
+  values.clear();
+  for (const PlotRow& row : rows)
+    for (std::size_t i = 0; i < row.curves.size(); ++i) values.push_back(row.value(record, i));
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,320 @@
+#include "ui/plots/plot_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/plots/math_title.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr std::size_t most_named = 8;   // curves that a legend has room for: of more the pointer tells the names
+constexpr std::size_t times_every = 6;  // plots
+
+/// So many names a line, for the right end of a plot's head.
+QCPLegend* compact_legend(int columns) {
+  auto* legend = new QCPLegend;
+  legend->setFillOrder(QCPLegend::foColumnsFirst);
+  legend->setWrap(columns);
+  legend->setIconSize(12, 8);
+  legend->setIconTextPadding(3);
+  legend->setRowSpacing(0);
+  legend->setColumnSpacing(7);
+  legend->setMargins(QMargins(0, 0, 8, 0));
+  return legend;
+}
+
+}  // namespace
+
+PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
+  setObjectName(QStringLiteral("plot"));
+  setAccessibleName(tr("Plots over time"));
+  setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
+  setMouseTracking(true);
+  setPlottingHint(QCP::phFastPolylines);  // stretch by stretch: of a thousand points an eighth of the time
+  // The cursor moves with the mouse: it has a picture of its own, and the curves below stay as they are.
+  addLayer(QStringLiteral("cursor"), layer(QStringLiteral("axes")), QCustomPlot::limAbove);
+  layer(QStringLiteral("cursor"))->setMode(QCPLayer::lmBuffered);
+  plotLayout()->setRowSpacing(0);
+  plotLayout()->setMargins(QMargins(0, 5, 0, 3));
+}
+
+void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots) {
+  const QCPRange before = shown_.empty() ? QCPRange(0, 1) : time();
+  markers_.drop_lines();
+  shown_.clear();
+  clearItems();
+  clearGraphs();
+  plotLayout()->clear();
+  delete sides_;
+  sides_ = new QCPMarginGroup(this);
+  rows_ = all;
+  robots_.resize(robots, true);
+  const auto last = std::find(shown.rbegin(), shown.rend(), true);
+  bool robots_named = false, couples_named = false;
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    if (!shown[row]) continue;
+    using Of = PlotRow::Of;
+    const Of of = rows_[row].of;
+    const bool first = (of == Of::couple && !couples_named) || (of == Of::robot && !robots_named);
+    const bool names_curves = (of == Of::pair || of == Of::stage || first) && rows_[row].curves.size() <= most_named;
+    robots_named = robots_named || of == Of::robot;
+    couples_named = couples_named || of == Of::couple;
+    // The times stand below the last plot, and, where one has to scroll to it, here and there on the way.
+    const bool last_one = row + 1 == static_cast<std::size_t>(shown.rend() - last);
+    add_row(row, last_one, last_one || shown_.size() % times_every == times_every - 1, names_curves);
+  }
+  for (const Shown& from : shown_)
+    for (const Shown& to : shown_)
+      if (from.rect != to.rect)
+        connect(from.rect->axis(QCPAxis::atBottom), qOverload<const QCPRange&>(&QCPAxis::rangeChanged),
+                to.rect->axis(QCPAxis::atBottom), qOverload<const QCPRange&>(&QCPAxis::setRange));
+  markers_.draw_lines();
+  style();
+  set_time(before.lower, before.upper);
+  setMinimumHeight(needed_height());
+}
+
+void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_curves) {
+  const PlotRow& spec = rows_[row];
+  const int place = 2 * static_cast<int>(shown_.size());
+  Shown s{};
+  s.row = row;
+  s.rect = new QCPAxisRect(this);
+  auto* head = new QCPLayoutGrid;
+  plotLayout()->addElement(place, 0, head);  // first: what goes into it learns its plot from it
+  s.title = new MathTitle(this, spec.symbol, spec.index, spec.unit);
+  s.title->setMarginGroup(QCP::msLeft, sides_);
+  head->addElement(0, 0, s.title);
+  head->addElement(0, 1, new QCPLayoutElement(this));  // takes up what is left between title and legend
+  head->setColumnStretchFactor(1, 1000);
+  if (names_curves) head->addElement(0, 2, s.legend = compact_legend(spec.of == PlotRow::Of::stage ? 3 : 8));
+  plotLayout()->addElement(place + 1, 0, s.rect);
+  plotLayout()->setRowStretchFactor(place, 0.001);
+  s.rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides_);
+  s.rect->setMinimumMargins(QMargins(4, 3, 8, last ? 0 : 5));
+  s.rect->setRangeDrag(Qt::Horizontal);
+  s.rect->setRangeZoom(Qt::Horizontal);
+  QCPAxis* time = s.rect->axis(QCPAxis::atBottom);
+  QCPAxis* value = s.rect->axis(QCPAxis::atLeft);
+  time->setTickLabels(has_times);
+  time->ticker()->setTickCount(6);
+  if (last) time->setLabel(tr("t [s]"));
+  time->setLabelPadding(0);
+  value->ticker()->setTickCount(3);
+  value->setNumberFormat(QStringLiteral("g"));
+  value->setNumberPrecision(4);
+
+  const auto graph = [&] {
+    QCPGraph* made = addGraph(time, value);
+    made->removeFromLegend();
+    return made;
+  };
+  for (std::size_t c = 0; c < spec.curves.size(); ++c) s.others.push_back(graph());
+  for (std::size_t c = 0; c < spec.curves.size(); ++c) {
+    s.graphs.push_back(graph());
+    if (!names_curves) continue;
+    // Of many pairs the legend has room for the first robot's number only.
+    const bool few = spec.of != PlotRow::Of::pair || spec.curves.size() < 6;
+    s.graphs[c]->setName(few ? spec.curves[c] : QString::number(c + 1));
+    s.graphs[c]->addToLegend(s.legend);
+  }
+  for (const double limit : spec.limits) {
+    QCPItemStraightLine* at = line(s.rect, QStringLiteral("grid"));
+    at->point1->setTypeX(QCPItemPosition::ptAxisRectRatio);
+    at->point2->setTypeX(QCPItemPosition::ptAxisRectRatio);
+    at->point1->setCoords(0.0, limit);
+    at->point2->setCoords(1.0, limit);
+    s.limits.push_back(at);
+  }
+  for (QCPItemStraightLine** made : {&s.cursor, &s.playhead}) {
+    *made = line(s.rect, QStringLiteral("cursor"));
+    (*made)->point1->setTypeY(QCPItemPosition::ptAxisRectRatio);
+    (*made)->point2->setTypeY(QCPItemPosition::ptAxisRectRatio);
+    (*made)->setVisible(false);
+  }
+  shown_.push_back(std::move(s));
+}
+
+QCPItemStraightLine* PlotView::line(QCPAxisRect* rect, const QString& layer) {
+  auto* made = new QCPItemStraightLine(this);
+  made->setClipAxisRect(rect);
+  made->setLayer(layer);
+  made->setSelectable(false);
+  for (QCPItemPosition* position : made->positions()) {
+    position->setAxisRect(rect);
+    position->setAxes(rect->axis(QCPAxis::atBottom), rect->axis(QCPAxis::atLeft));
+    position->setType(QCPItemPosition::ptPlotCoords);
+  }
+  return made;
+}
+
+void PlotView::set_time(double from, double to) {
+  if (!shown_.empty()) shown_[0].rect->axis(QCPAxis::atBottom)->setRange(from, to);
+}
+
+QCPRange PlotView::time() const {
+  return shown_.empty() ? QCPRange(0, 1) : shown_[0].rect->axis(QCPAxis::atBottom)->range();
+}
+
+bool PlotView::drawn(const PlotRow& row, std::size_t curve) const {
+  const auto of = robots_of(row.of, curve, robots_.size());
+  return !of || (robots_[of->first] && robots_[of->second]);
+}
+
+void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t curve) {
+  const QCPRange range = time();
+  const auto columns = static_cast<std::size_t>(std::max(50, width()));
+  history.points(curve, range.lower, range.upper, columns, points_);
+  QVector<QCPGraphData> drawn_points;
+  drawn_points.reserve(static_cast<qsizetype>(points_.size()));
+  for (const PlotHistory::Point& point : points_) drawn_points.push_back({point.t, point.value});
+  graph->data()->set(drawn_points, true);
+}
+
+void PlotView::draw(const PlotHistory& history, const PlotHistory* other, const QRect& within) {
+  for (Shown& s : shown_) {
+    const PlotRow& row = rows_[s.row];
+    s.rect->setVisible(within.isEmpty() || s.rect->outerRect().intersects(within));  // with its axes and curves
+    if (!s.rect->visible()) continue;
+    for (std::size_t c = 0; c < row.curves.size(); ++c) {
+      const bool visible = drawn(row, c);
+      s.graphs[c]->setVisible(visible);
+      s.others[c]->setVisible(visible && other != nullptr);
+      if (!visible) continue;
+      fill(s.graphs[c], history, row.first + c);
+      if (other) fill(s.others[c], *other, row.first + c);
+    }
+    fit(s, history, other);
+  }
+}
+
+void PlotView::fit(Shown& shown, const PlotHistory& history, const PlotHistory* other) {
+  const PlotRow& row = rows_[shown.row];
+  const QCPRange range = time();
+  double low = row.from_zero ? 0.0 : -row.least, high = row.least;
+  for (std::size_t c = 0; c < row.curves.size(); ++c) {
+    if (!drawn(row, c)) continue;
+    for (const PlotHistory* from : {&history, other}) {
+      if (!from) continue;
+      const PlotHistory::Range values = from->range(row.first + c, range.lower, range.upper);
+      if (values.low > values.high) continue;
+      low = std::min(low, values.low);
+      high = std::max(high, values.high);
+    }
+  }
+  // A limit is in the picture once something comes near it.
+  for (const double limit : row.limits) {
+    if (limit > 0 && high > 0.6 * limit) high = std::max(high, 1.05 * limit);
+    if (limit < 0 && low < 0.6 * limit) low = std::min(low, 1.05 * limit);
+  }
+  // In steps of a tenth of the height: a range that moved with every sample would make the curves swim.
+  const double step = std::pow(10.0, std::floor(std::log10(high - low))) / 2;
+  const double room = row.from_zero ? 0.0 : 0.3 * step;
+  low = std::floor((low - room) / step) * step;
+  high = std::ceil((high + 0.3 * step) / step) * step;
+  shown.rect->axis(QCPAxis::atLeft)->setRange(low, high);
+}
+
+void PlotView::set_cursor(std::optional<double> t) {
+  for (Shown& s : shown_) {
+    s.cursor->setVisible(t.has_value());
+    s.cursor->point1->setCoords(t.value_or(0.0), 0.0);
+    s.cursor->point2->setCoords(t.value_or(0.0), 1.0);
+  }
+  layer(QStringLiteral("cursor"))->replot();
+}
+
+void PlotView::set_playhead(std::optional<double> t) {
+  for (Shown& s : shown_) {
+    s.playhead->setVisible(t.has_value());
+    s.playhead->point1->setCoords(t.value_or(0.0), 0.0);
+    s.playhead->point2->setCoords(t.value_or(0.0), 1.0);
+  }
+  layer(QStringLiteral("cursor"))->replot();
+}
+
+int PlotView::row_at(const QPoint& where) const {
+  for (const Shown& s : shown_)
+    if (s.rect->rect().contains(where)) return static_cast<int>(s.row);
+  return -1;
+}
+
+double PlotView::time_at(const QPoint& where) const {
+  return shown_.empty() ? 0.0 : shown_[0].rect->axis(QCPAxis::atBottom)->pixelToCoord(where.x());
+}
+
+void PlotView::show_robots(const std::vector<bool>& robots) {
+  robots_ = robots;
+}
+
+void PlotView::select(int robot) {
+  selected_ = robot;
+  style_curves();
+}
+
+void PlotView::set_colours(const Colours& colours) {
+  colours_ = colours;
+  style();
+}
+
+void PlotView::style() {
+  const Colours& c = colours_;
+  setBackground(c.plot);
+  const QFont text = font();
+  for (Shown& s : shown_) {
+    for (QCPAxis* axis : s.rect->axes()) {
+      axis->setBasePen(QPen(c.axis));
+      axis->setTickPen(QPen(c.axis));
+      axis->setSubTickPen(QPen(c.axis));
+      axis->setSubTicks(false);
+      axis->setTickLabelFont(text);
+      axis->setTickLabelColor(c.text);
+      axis->setLabelFont(text);
+      axis->setLabelColor(c.text);
+      axis->grid()->setPen(QPen(c.plot_grid));
+      axis->grid()->setZeroLinePen(QPen(c.axis, 1));
+    }
+    s.title->set_colour(c.text);
+    for (QCPItemStraightLine* limit : s.limits) limit->setPen(QPen(c.warning, 1, Qt::DashLine));
+    s.cursor->setPen(QPen(c.faint_text, 1));
+    s.playhead->setPen(QPen(c.accent, 2));
+    if (!s.legend) continue;
+    s.legend->setFont(text);
+    s.legend->setTextColor(c.text);
+    s.legend->setBrush(Qt::NoBrush);
+    s.legend->setBorderPen(Qt::NoPen);
+  }
+  style_curves();
+}
+
+void PlotView::style_curves() {
+  for (Shown& s : shown_) {
+    const PlotRow& row = rows_[s.row];
+    for (std::size_t i = 0; i < row.curves.size(); ++i) {
+      const auto of = robots_of(row.of, i, robots_.size());
+      const bool single = row.of == PlotRow::Of::group;
+      QColor colour = single ? colours_.text : row.of == PlotRow::Of::pair ? colours_.pair(i) : colours_.robot(i);
+      constexpr std::size_t hues = 7;  // then they come round again, dashed
+      const auto style = row.of == PlotRow::Of::couple && i >= hues ? Qt::DashLine : Qt::SolidLine;
+      const bool crowd = row.curves.size() > most_named;  // thin lines without smooth edges cost a fifth
+      double width = crowd ? 1.0 : 1.5;
+      const auto chosen = static_cast<std::size_t>(selected_);
+      const bool has_robots = of.has_value();
+      const bool belongs = of && (of->first == chosen || of->second == chosen);
+      QColor pale = colour;
+      pale.setAlphaF(0.38F);
+      if (selected_ >= 0 && has_robots) {
+        width = belongs ? 2.6 : crowd ? 1.0 : 1.2;
+        colour.setAlphaF(belongs ? 1.0F : 0.45F);
+      }
+      s.graphs[i]->setAntialiased(!crowd);
+      s.others[i]->setAntialiased(!crowd);
+      s.graphs[i]->setPen(QPen(colour, width, style));
+      s.graphs[i]->setLayer(selected_ >= 0 && has_robots && belongs ? QStringLiteral("axes") : QStringLiteral("main"));
+      s.others[i]->setPen(QPen(pale, 2.2));
+    }
+  }
+}
+
+}  // namespace skein::ui

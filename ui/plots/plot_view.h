@@ -1,0 +1,76 @@
+#pragma once
+
+#include <qcustomplot.h>
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "ui/palette.h"
+#include "ui/plots/event_markers.h"
+#include "ui/plots/plot_history.h"
+#include "ui/plots/plot_rows.h"
+
+namespace skein::ui {
+
+class MathTitle;
+
+/// Some rows of plots, one below the other along one time: curves out of a PlotHistory, those of a run that they are
+/// compared with paler behind them, limits, events, a cursor.
+class PlotView final : public QCustomPlot {
+  Q_OBJECT
+
+ public:
+  explicit PlotView(QWidget* parent = nullptr);
+
+  void set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots);
+  void show_robots(const std::vector<bool>& robots);  ///< of each, whether its curves are drawn
+  void select(int robot);                             ///< from 0, drawn bold; -1: all alike
+  void set_colours(const Colours& colours);
+
+  void set_time(double from, double to);
+  QCPRange time() const;
+  /// Takes the curves of what is seen now; `other`: a run to compare with, or nothing. Rows that lie outside `within`,
+  /// in pixels of this widget, are left out; empty: none is.
+  void draw(const PlotHistory& history, const PlotHistory* other, const QRect& within = {});
+
+  EventMarkers& markers() { return markers_; }
+  /// A line through all plots; none: no line.
+  void set_cursor(std::optional<double> t);
+  void set_playhead(std::optional<double> t);
+  /// The row (of all) at this height; -1: between two.
+  int row_at(const QPoint& where) const;
+  double time_at(const QPoint& where) const;
+
+  int needed_height() const { return static_cast<int>(shown_.size()) * 84 + 40; }
+  QSize minimumSizeHint() const override { return {200, 200}; }
+
+ private:
+  struct Shown {
+    std::size_t row;  // of all
+    QCPAxisRect* rect;
+    MathTitle* title;
+    QCPLegend* legend;  // or none
+    std::vector<QCPGraph*> graphs, others;
+    std::vector<QCPItemStraightLine*> limits;
+    QCPItemStraightLine *cursor, *playhead;
+  };
+  void add_row(std::size_t row, bool last, bool has_times, bool names_curves);
+  QCPItemStraightLine* line(QCPAxisRect* rect, const QString& layer);
+  void style();
+  void style_curves();
+  bool drawn(const PlotRow& row, std::size_t curve) const;
+  void fill(QCPGraph* graph, const PlotHistory& history, std::size_t curve);
+  void fit(Shown& shown, const PlotHistory& history, const PlotHistory* other);
+
+  std::vector<PlotRow> rows_;
+  std::vector<Shown> shown_;
+  std::vector<bool> robots_;
+  std::vector<PlotHistory::Point> points_;
+  EventMarkers markers_;
+  Colours colours_;
+  int selected_ = -1;
+  QCPMarginGroup* sides_ = nullptr;
+};
+
+}  // namespace skein::ui

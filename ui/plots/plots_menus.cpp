@@ -1,0 +1,117 @@
+// The buttons above the plots, and their menus.
+#include <QComboBox>
+#include <QHBoxLayout>
+#include <QMenu>
+#include <QToolButton>
+
+#include "ui/plots/plot_view.h"
+#include "ui/plots/plots_panel.h"
+
+namespace skein::ui {
+namespace {
+
+QToolButton* menu_button(const QString& text, const QString& name, const QString& tip, QMenu* menu) {
+  auto* button = new QToolButton;
+  button->setObjectName(name);
+  button->setText(text);
+  button->setAccessibleName(text);
+  button->setToolTip(tip);
+  button->setMenu(menu);
+  button->setPopupMode(QToolButton::InstantPopup);
+  button->setAutoRaise(true);
+  return button;
+}
+
+}  // namespace
+
+void PlotsPanel::build_tools(QHBoxLayout* tools) {
+  span_box_->setObjectName(QStringLiteral("plot_span"));
+  span_box_->setAccessibleName(tr("Time seen"));
+  span_box_->setToolTip(tr("How much of the time is seen"));
+  for (const auto& [text, seconds] : {std::pair{tr("10 s"), 10.0},
+                                      {tr("1 min"), 60.0},
+                                      {tr("5 min"), 300.0},
+                                      {tr("30 min"), 1800.0},
+                                      {tr("All"), 0.0}})
+    span_box_->addItem(text, seconds);
+  span_box_->setCurrentIndex(span_box_->findData(span_));
+  connect(span_box_, &QComboBox::activated, this, [this] { set_span(span_box_->currentData().toDouble()); });
+
+  auto* freeze = new QToolButton;
+  freeze->setObjectName(QStringLiteral("freeze_plots"));
+  freeze->setText(tr("Hold"));
+  freeze->setAccessibleName(tr("Hold the plots"));
+  freeze->setToolTip(tr("The picture stands still to be read; the run goes on, and nothing of it is lost"));
+  freeze->setAutoRaise(true);
+  connect(freeze, &QToolButton::clicked, this, [this] { live_ ? leave_live() : go_live(); });
+
+  connect(plots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_plots_menu);
+  connect(robots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_robots_menu);
+  auto* save = new QMenu(this);
+  save->addAction(tr("What is seen …"), this, [this] { emit save_wanted(false); });
+  save->addAction(tr("Everything …"), this, [this] { emit save_wanted(true); });
+  tools->addWidget(span_box_);
+  tools->addWidget(freeze);
+  tools->addWidget(menu_button(tr("Plots"), QStringLiteral("choose_plots"), tr("Which plots are drawn"), plots_menu_));
+  tools->addWidget(
+      menu_button(tr("Robots"), QStringLiteral("choose_robots"), tr("Whose curves are drawn"), robots_menu_));
+  tools->addWidget(menu_button(tr("Save"), QStringLiteral("save_plots"), tr("As PDF, PNG or CSV"), save));
+  tools->addStretch();
+}
+
+void PlotsPanel::fill_plots_menu() {
+  plots_menu_->clear();
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].name, rows_[row].what));
+    action->setCheckable(true);
+    action->setChecked(shown_[row]);
+    connect(action, &QAction::toggled, this, [this, name = rows_[row].name](bool on) {
+      QStringList names = shown();
+      on ? names.append(name) : static_cast<void>(names.removeAll(name));
+      if (!names.isEmpty()) show_plots(names);
+    });
+  }
+  plots_menu_->addSeparator();
+  plots_menu_->addAction(tr("All"), this, &PlotsPanel::show_all_plots);
+  plots_menu_->addAction(tr("The usual ones"), this, [this] { show_plots({}); });
+}
+
+void PlotsPanel::fill_robots_menu() {
+  robots_menu_->clear();
+  const auto choose = [this](const std::vector<bool>& robots) {
+    robots_ = robots;
+    view_->show_robots(robots_);
+    refresh();
+  };
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    QAction* action = robots_menu_->addAction(tr("Robot %1").arg(i + 1));
+    action->setCheckable(true);
+    action->setChecked(robots_[i]);
+    connect(action, &QAction::toggled, this, [this, i, choose](bool on) {
+      std::vector<bool> robots = robots_;
+      robots[i] = on;
+      choose(robots);
+    });
+  }
+  robots_menu_->addSeparator();
+  robots_menu_->addAction(tr("All"), this, [this, choose] { choose(std::vector<bool>(robots_.size(), true)); });
+  robots_menu_
+      ->addAction(tr("Only the selected one"), this,
+                  [this, choose] {
+                    std::vector<bool> robots(robots_.size(), false);
+                    if (selected_ >= 0) robots[static_cast<std::size_t>(selected_)] = true;
+                    choose(robots);
+                  })
+      ->setEnabled(selected_ >= 0);
+}
+
+void PlotsPanel::context_menu(const QPoint& where) {
+  auto* menu = new QMenu(this);
+  menu->setAttribute(Qt::WA_DeleteOnClose);
+  menu->addAction(tr("Save what is seen …"), this, [this] { emit save_wanted(false); });
+  menu->addAction(tr("Save everything …"), this, [this] { emit save_wanted(true); });
+  menu->addAction(tr("Back to live"), this, &PlotsPanel::go_live)->setEnabled(!live_);
+  menu->popup(view_->mapToGlobal(where));
+}
+
+}  // namespace skein::ui

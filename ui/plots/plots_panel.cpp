@@ -1,0 +1,293 @@
+#include "ui/plots/plots_panel.h"
+
+#include <QComboBox>
+#include <QHBoxLayout>
+#include <QMenu>
+#include <QScrollArea>
+#include <QScrollBar>
+#include <QToolTip>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/modes.h"
+#include "ui/plots/plot_view.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int replot_ms = 60;                    // at most some 16 pictures a second
+constexpr std::size_t most_bytes = 256'000'000;  // of curves: four hours of four robots at 25 Hz
+
+std::size_t most_samples(std::size_t curves) {
+  constexpr std::size_t least = 49152, most = 524288, sample_bytes = 9;
+  return std::clamp(most_bytes / (sample_bytes * std::max<std::size_t>(1, curves)), least, most);
+}
+
+}  // namespace
+
+PlotsPanel::PlotsPanel(QWidget* parent)
+    : QWidget(parent),
+      view_(new PlotView),
+      scroll_(new QScrollArea(this)),
+      live_button_(new QPushButton(tr("Back to live"), this)),
+      span_box_(new QComboBox(this)),
+      plots_menu_(new QMenu(this)),
+      robots_menu_(new QMenu(this)) {
+  setObjectName(QStringLiteral("plots"));
+  live_button_->setObjectName(QStringLiteral("live"));
+  live_button_->setAccessibleName(live_button_->text());
+  live_button_->hide();
+  scroll_->setObjectName(QStringLiteral("plot_scroll"));
+  scroll_->setWidget(view_);
+  scroll_->setWidgetResizable(true);
+  scroll_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scroll_->setFrameShape(QFrame::NoFrame);
+  scroll_->setFocusPolicy(Qt::NoFocus);
+  auto* tools = new QHBoxLayout;
+  tools->setContentsMargins(4, 2, 4, 2);
+  tools->setSpacing(2);
+  build_tools(tools);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setSpacing(0);
+  layout->addLayout(tools);
+  layout->addWidget(scroll_, 1);
+
+  view_->set_colours(colours(palette()));
+  view_->setContextMenuPolicy(Qt::CustomContextMenu);
+  view_->installEventFilter(this);
+  connect(view_, &QWidget::customContextMenuRequested, this, &PlotsPanel::context_menu);
+  connect(view_, &QCustomPlot::mouseWheel, this, &PlotsPanel::leave_live);
+  connect(live_button_, &QPushButton::clicked, this, &PlotsPanel::go_live);
+  connect(scroll_->verticalScrollBar(), &QScrollBar::valueChanged, this, &PlotsPanel::replot_now);
+  connect(&timer_, &QTimer::timeout, this, &PlotsPanel::replot_if_due);
+  timer_.start(replot_ms);
+}
+
+PlotsPanel::~PlotsPanel() = default;
+
+void PlotsPanel::show_experiment(const app::Experiment& experiment) {
+  rows_ = plot_rows(experiment);
+  const std::size_t curves = curve_count(rows_);
+  history_ = PlotHistory(curves, most_samples(curves));
+  other_.reset();
+  playhead_.reset();
+  robots_.assign(experiment.robots.size(), true);
+  t_ = 0.0;
+  selected_ = -1;
+  view_->markers().clear();
+  view_->select(-1);
+  rebuild();
+  go_live();
+}
+
+void PlotsPanel::rebuild() {
+  shown_.assign(rows_.size(), false);
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    shown_[row] = wanted_.isEmpty() ? rows_[row].usual : wanted_.contains(rows_[row].name);
+  view_->set_rows(rows_, shown_, robots_.size());
+  view_->show_robots(robots_);
+  if (playhead_) view_->set_playhead(playhead_);
+  refresh();
+}
+
+QStringList PlotsPanel::shown() const {
+  QStringList names;
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    if (shown_[row]) names << rows_[row].name;
+  return names;
+}
+
+void PlotsPanel::show_plots(const QStringList& names) {
+  wanted_ = names;
+  rebuild();
+}
+
+void PlotsPanel::show_all_plots() {
+  QStringList names;
+  for (const PlotRow& row : rows_) names << row.name;
+  show_plots(names);
+}
+
+void PlotsPanel::take(const app::TickRecord& record) {
+  if (!is_sample(record)) return;
+  note_events(record);
+  const bool new_time = record.t > t_ || history_.empty();
+  dirty_ = dirty_ || new_time || !record.events.empty();
+  if (new_time) store_values(record);
+}
+
+void PlotsPanel::note_events(const app::TickRecord& record) {
+  for (const app::Event& event : record.events)
+    if (severity(event) != Severity::note)
+      view_->markers().add(record.t, QString::fromStdString(app::describe(event)),
+                           colour(severity(event), colours(palette())));
+}
+
+void PlotsPanel::store_values(const app::TickRecord& record) {
+  t_ = record.t;
+  sample(rows_, record, values_);
+  history_.add(t_, values_);
+}
+
+void PlotsPanel::show_run(const std::vector<app::TickRecord>& rows) {
+  for (const app::TickRecord& row : rows) take(row);
+  set_span(0.0);
+}
+
+void PlotsPanel::set_playhead(double t) {
+  playhead_ = t;
+  view_->set_playhead(t);
+}
+
+void PlotsPanel::compare(const std::vector<app::TickRecord>* rows) {
+  other_.reset();
+  refresh();
+  if (!rows) return;
+  other_.emplace(history_.curves(), most_samples(history_.curves()));
+  double last = -1.0;
+  for (const app::TickRecord& row : *rows) {
+    if (row.t <= last || !is_sample(row)) continue;
+    last = row.t;
+    sample(rows_, row, values_);
+    other_->add(row.t, values_);
+  }
+}
+
+void PlotsPanel::select(int robot) {
+  if (selected_ == robot) return;
+  selected_ = robot;
+  view_->select(robot);
+  refresh();
+}
+
+void PlotsPanel::set_span(double seconds) {
+  span_ = seconds;
+  span_box_->setCurrentIndex(span_box_->findData(seconds));
+  go_live();
+}
+
+/// How long one picture stands: until a curve has moved by a good part of a pixel, and so long that pictures take a
+/// fifth of this thread at most. What the operator does is seen at once: it makes the picture dirty itself.
+int PlotsPanel::rest_ms() const {
+  constexpr double share_of_a_pixel = 0.25, longest = 1000.0, rests_for_work = 4.0;
+  if (!live_) return replot_ms;
+  const double moved = 1e3 * share_of_a_pixel * view_->time().size() / std::max(1, view_->width());
+  return static_cast<int>(std::clamp(std::max(moved, rests_for_work * cost_ms_), double(replot_ms), longest));
+}
+
+void PlotsPanel::replot_if_due() {
+  if (!dirty_ || !isVisible() || window()->isMinimized()) return;
+  if (!hurry_ && since_replot_.isValid() && !since_replot_.hasExpired(rest_ms())) return;
+  replot_now();
+}
+
+void PlotsPanel::replot_now() {
+  dirty_ = hurry_ = false;
+  since_replot_.start();
+  if (live_) follow_time();
+  const QRect seen(view_->mapFrom(scroll_->viewport(), QPoint()), scroll_->viewport()->size());
+  view_->draw(history_, other_ ? &*other_ : nullptr, seen);
+  view_->replot(QCustomPlot::rpQueuedRefresh);
+  cost_ms_ = 1e-6 * static_cast<double>(since_replot_.nsecsElapsed());
+}
+
+void PlotsPanel::follow_time() {
+  const double begin = history_.empty() ? 0.0 : std::min(0.0, history_.first_time());
+  if (span_ > 0.0) {
+    const double end = std::max(t_, begin + span_);
+    view_->set_time(end - span_, end);
+  } else {
+    view_->set_time(history_.empty() ? 0.0 : history_.first_time(), std::max(t_, begin + 10.0));
+  }
+}
+
+void PlotsPanel::leave_live() {
+  live_ = false;
+  refresh();
+  live_button_->setText(playhead_ ? tr("Whole run") : tr("Back to live"));
+  place_button();
+  live_button_->show();
+  live_button_->raise();
+}
+
+void PlotsPanel::show_time(double t) {
+  const double half = view_->time().size() / 2;
+  leave_live();
+  view_->set_time(t - half, t + half);
+}
+
+void PlotsPanel::go_live() {
+  live_ = true;
+  refresh();
+  live_button_->hide();
+}
+
+/// What the cursor reads: the time, the values of the plot under it, and what happened there.
+QString PlotsPanel::values_at(const QPoint& where) const {
+  const int row = view_->row_at(where);
+  if (row < 0) return {};
+  const PlotRow& spec = rows_[static_cast<std::size_t>(row)];
+  const double t = view_->time_at(where);
+  QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
+  for (std::size_t c = 0; c < spec.curves.size(); ++c) {
+    if (const auto of = robots_of(spec.of, c, robots_.size()); of && !(robots_[of->first] && robots_[of->second]))
+      continue;
+    const double value = history_.value(spec.first + c, t);
+    QString text = std::isnan(value) ? tr("–") : QStringLiteral("%1 %2").arg(value, 0, 'g', 4).arg(spec.unit);
+    if (other_ && !std::isnan(other_->value(spec.first + c, t)))
+      text += tr(" (other run: %1)").arg(other_->value(spec.first + c, t), 0, 'g', 4);
+    lines << (spec.curves[c].isEmpty() ? text : QStringLiteral("%1: %2").arg(spec.curves[c], text));
+  }
+  const QString events = view_->markers().text_at(where.x());
+  if (!events.isEmpty()) lines << events.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
+  return lines.join(QStringLiteral("<br>"));
+}
+
+bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::MouseMove) {
+    const auto* move = static_cast<QMouseEvent*>(event);
+    if (move->buttons() & Qt::LeftButton) {
+      leave_live();
+    } else {
+      const QPoint where = move->position().toPoint();
+      const bool over = view_->row_at(where) >= 0;
+      view_->set_cursor(over ? std::optional(view_->time_at(where)) : std::nullopt);
+      QToolTip::showText(move->globalPosition().toPoint(), values_at(where), view_);
+    }
+  }
+  if (event->type() == QEvent::Leave) view_->set_cursor(std::nullopt);
+  if (event->type() == QEvent::MouseButtonDblClick) {
+    if (playhead_)
+      emit time_wanted(view_->time_at(static_cast<QMouseEvent*>(event)->position().toPoint()));
+    else
+      go_live();
+  }
+  return QWidget::eventFilter(watched, event);
+}
+
+void PlotsPanel::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) {
+    view_->set_colours(colours(palette()));
+    refresh();
+  }
+  QWidget::changeEvent(event);
+}
+
+void PlotsPanel::showEvent(QShowEvent* event) {
+  refresh();
+  QWidget::showEvent(event);
+}
+
+void PlotsPanel::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  refresh();
+  place_button();
+}
+
+void PlotsPanel::place_button() {
+  live_button_->adjustSize();
+  live_button_->move(width() - live_button_->width() - 16, height() - live_button_->height() - 44);
+}
+
+}  // namespace skein::ui

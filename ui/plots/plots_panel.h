@@ -1,0 +1,115 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QPushButton>
+#include <QStringList>
+#include <QTimer>
+#include <QWidget>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
+#include "ui/plots/plot_history.h"
+#include "ui/plots/plot_rows.h"
+
+class QComboBox;
+class QHBoxLayout;
+class QMenu;
+class QScrollArea;
+class QToolButton;
+
+namespace skein::ui {
+
+class PlotView;
+
+/// A run's numbers as they come, along one time: errors, V, commands with their limits, period and what a tick costs.
+/// The operator chooses plots, robots and how much time is seen, stops the picture, reads values at the mouse, and
+/// saves what is seen or everything. Half an hour costs no more to draw than a minute.
+class PlotsPanel final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit PlotsPanel(QWidget* parent = nullptr);
+  ~PlotsPanel() override;
+
+  void show_experiment(const app::Experiment& experiment);
+  void take(const app::TickRecord& record);
+  /// A whole run at once; a line marks where its replay is.
+  void show_run(const std::vector<app::TickRecord>& rows);
+  void set_playhead(double t);
+  /// Draws another run paler behind this one; null: none.
+  void compare(const std::vector<app::TickRecord>* rows);
+
+  void select(int robot);  ///< from 0, drawn bold; -1: all alike
+  void go_live();
+  void show_time(double t);  ///< in the middle, and the picture stands still
+  bool is_live() const { return live_; }
+  /// How much of the time is seen; 0: all there is. [s]
+  void set_span(double seconds);
+  double span() const { return span_; }
+
+  QStringList shown() const;  ///< names of the plots that are drawn
+  void show_plots(const QStringList& names);
+  void show_all_plots();
+
+  /// As .pdf or .png, dark on white whatever the screen looks like; as .csv what is seen, or everything. The answer
+  /// says what went wrong; empty: nothing.
+  QString save(const QString& file, bool everything = false);
+
+  const PlotHistory& history() const { return history_; }
+  const std::vector<PlotRow>& rows() const { return rows_; }
+  PlotView& view() { return *view_; }
+  QSize sizeHint() const override { return {430, 600}; }
+  QSize minimumSizeHint() const override { return {260, 300}; }
+
+ signals:
+  void save_wanted(bool everything);
+  void time_wanted(double t);  ///< a replay is to go there
+
+ protected:
+  void changeEvent(QEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
+  void showEvent(QShowEvent*) override;
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
+ private:
+  void build_tools(QHBoxLayout* tools);
+  void rebuild();
+  void store_values(const app::TickRecord& record);
+  void note_events(const app::TickRecord& record);
+  void refresh() { dirty_ = hurry_ = true; }  // at the next look: the operator waits for it
+  void replot_if_due();
+  void replot_now();
+  int rest_ms() const;
+  void follow_time();
+  void leave_live();
+  void place_button();
+  void fill_plots_menu();
+  void fill_robots_menu();
+  void context_menu(const QPoint& where);
+  QString values_at(const QPoint& where) const;
+  QString save_csv(const QString& file, double from, double to) const;
+
+  PlotView* view_;
+  QScrollArea* scroll_;
+  QPushButton* live_button_;
+  QComboBox* span_box_;
+  QMenu *plots_menu_, *robots_menu_;
+  std::vector<PlotRow> rows_;
+  std::vector<bool> shown_, robots_;
+  QStringList wanted_;  // chosen by the operator; empty: the usual ones
+  PlotHistory history_;
+  std::optional<PlotHistory> other_;
+  std::vector<double> values_;
+  QTimer timer_;
+  QElapsedTimer since_replot_;
+  double cost_ms_ = 0.0;  // of the last picture
+  std::optional<double> playhead_;
+  double t_ = 0.0, span_ = 60.0;
+  int selected_ = -1;
+  bool live_ = true, dirty_ = false, hurry_ = false;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <QString>
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/record/tick_record.h"
+
+namespace skein::ui {
+
+/// The rows of a run as they came in, for saving: everything from Start to the end. Bounded, so that a window left open
+/// over a weekend does not eat the memory; what went missing is counted.
+class RunHistory {
+ public:
+  using Rows = std::vector<std::shared_ptr<const app::TickRecord>>;
+
+  /// `bytes` is what the rows may take in all: by default 74 minutes of four robots at 25 Hz.
+  explicit RunHistory(std::size_t bytes = std::size_t{256} << 20) : bytes_(bytes) {}
+
+  void clear();
+  /// Keeps the record if it is a row of the run: from the tick that starts it to the one that ends it.
+  void add(const app::TickRecord& record);
+
+  std::size_t size() const { return rows_.size(); }
+  std::size_t dropped() const { return dropped_; }
+  /// What is there now. Cheap, and good for another thread: rows never change.
+  Rows rows() const { return {rows_.begin(), rows_.end()}; }
+
+ private:
+  std::size_t bytes_;
+  std::deque<std::shared_ptr<const app::TickRecord>> rows_;
+  std::size_t dropped_ = 0;
+  bool started_ = false;
+};
+
+/// Writes rows as CSV. The answer says what went wrong; empty: nothing did.
+QString write_csv(const RunHistory::Rows& rows, const app::Experiment& experiment, const QString& file);
+
+}  // namespace skein::ui

@@ -1,0 +1,133 @@
+#include "ui/robots/robot_buttons.h"
+
+#include <QHBoxLayout>
+#include <algorithm>
+
+namespace skein::ui {
+namespace {
+
+constexpr const char* action_ending = "_action";  // the button itself is named without
+
+void say(QAction* action, const QString& text, const QString& tip, bool enabled) {
+  action->setText(text);
+  action->setToolTip(tip);
+  action->setEnabled(enabled);
+}
+
+/// A screen reader says what the action says.
+class NamedButton final : public QToolButton {
+ public:
+  NamedButton(QAction* action, QWidget* parent) : QToolButton(parent) {
+    setDefaultAction(action);
+    setObjectName(action->objectName().chopped(QLatin1String(action_ending).size()));
+    setFocusPolicy(Qt::StrongFocus);
+    setAutoRaise(false);
+    const auto name = [this, action] {
+      setAccessibleName(action->text());
+      setVisible(action->isVisible());
+    };
+    name();
+    QObject::connect(action, &QAction::changed, this, name);
+  }
+};
+
+}  // namespace
+
+RobotButtons::RobotButtons(QWidget* parent)
+    : QWidget(parent),
+      hold_(make(QStringLiteral("hold_robot"))),
+      test_(make(QStringLiteral("test_robot"))),
+      connect_(make(QStringLiteral("connect_robot"))) {
+  setObjectName(QStringLiteral("robot_buttons"));
+  auto* layout = new QHBoxLayout(this);
+  layout->setContentsMargins(6, 2, 6, 2);
+  for (QAction* action : {hold_, test_, connect_}) layout->addWidget(new NamedButton(action, this));
+  layout->addStretch();
+  connect(hold_, &QAction::triggered, this, [this] { emit hold(selected_, !held_.contains(selected_)); });
+  connect(test_, &QAction::triggered, this, [this] { emit test(selected_); });
+  connect(connect_, &QAction::triggered, this, &RobotButtons::connect_again);
+  dress();
+}
+
+QAction* RobotButtons::make(const QString& name) {
+  auto* action = new QAction(this);
+  action->setObjectName(name + QLatin1String(action_ending));
+  addAction(action);
+  return action;
+}
+
+void RobotButtons::show_experiment(const app::Experiment& experiment) {
+  specs_ = experiment.robots;
+  links_.clear();
+  held_.clear();
+  if (selected_ >= static_cast<int>(specs_.size())) selected_ = -1;
+  dress();
+}
+
+void RobotButtons::take(const app::TickRecord& record) {
+  for (const app::Event& event : record.events) {
+    if (event.kind == app::Event::Kind::hold) held_.insert(event.robot);
+    if (event.kind == app::Event::Kind::release) held_.erase(event.robot);
+  }
+}
+
+void RobotButtons::show_state(const std::vector<app::RobotStatus>& links, app::Phase phase, bool open, bool busy) {
+  links_ = links;
+  phase_ = phase;
+  open_ = open;
+  busy_ = busy;
+  dress();
+}
+
+void RobotButtons::show_testing(bool testing) {
+  testing_ = testing;
+  dress();
+}
+
+void RobotButtons::select_robot(int robot) {
+  selected_ = robot;
+  dress();
+}
+
+void RobotButtons::dress() {
+  const bool over = phase_ == app::Phase::stopped || phase_ == app::Phase::finished;
+  const bool is_held = held_.contains(selected_);
+  say(hold_,
+      selected_ < 0 ? tr("Hold a robot")
+      : is_held     ? tr("Let robot %1 go").arg(selected_ + 1)
+                    : tr("Hold robot %1").arg(selected_ + 1),
+      selected_ < 0 ? tr("Select a robot first: here, or in the arena")
+                    : tr("Makes this one stand, out of the group; the others drive on. In danger: STOP."),
+      open_ && selected_ >= 0 && !over);
+  dress_test();
+  const bool any_link = std::any_of(specs_.begin(), specs_.end(),
+                                    [](const auto& spec) { return spec.link != app::RobotSpec::Link::sim; });
+  connect_->setVisible(any_link);
+  const bool rests = !open_ || phase_ == app::Phase::ready || over;
+  say(connect_, tr("Connect again"),
+      rests ? tr("Sets the experiment up again, and connects to every robot anew; a link that is lost meanwhile is "
+                 "tried again by itself")
+            : tr("A link that is lost is tried again by itself; anew only before a start, or after STOP"),
+      rests && !busy_);
+}
+
+void RobotButtons::dress_test() {
+  const auto i = static_cast<std::size_t>(selected_);
+  const bool none = selected_ < 0 || i >= specs_.size();
+  const bool simulated = !none && specs_[i].link == app::RobotSpec::Link::sim;
+  const bool up = !none && i < links_.size() && links_[i].link == "up";
+  const QString text = none ? tr("Test a robot") : tr("Test robot %1").arg(selected_ + 1);
+  const QString why_not = none                          ? tr("Select a robot first: here, or in the arena")
+                          : simulated                   ? tr("This robot is simulated: it has neither link nor battery")
+                          : testing_                    ? tr("One at a time")
+                          : !open_                      ? tr("No experiment is open")
+                          : phase_ != app::Phase::ready ? tr("Robots are tested before a start, while they stand")
+                          : !up                         ? tr("Its link is not up")
+                                                        : QString();
+  say(test_, testing_ ? tr("Testing …") : text,
+      why_not.isEmpty() ? tr("Turns each wheel about 1 cm forward, and says whether the robot does as it is told")
+                        : why_not,
+      why_not.isEmpty());
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,203 @@
+#include "ui/robots/robots_model.h"
+
+#include <QFont>
+#include <QRegularExpression>
+#include <cmath>
+
+#include "ui/modes.h"
+
+namespace skein::ui {
+namespace {
+
+/// Words to the left, numbers to the right, names in the middle; the header stands over them.
+int alignment(int column) {
+  if (column <= RobotsModel::tag) return Qt::AlignCenter;
+  const bool words = column == RobotsModel::link || column == RobotsModel::mode || column == RobotsModel::found ||
+                     column == RobotsModel::firmware;
+  return static_cast<int>(Qt::AlignVCenter | (words ? Qt::AlignLeft : Qt::AlignRight));
+}
+
+}  // namespace
+
+void RobotsModel::show_experiment(const app::Experiment& experiment) {
+  beginResetModel();
+  specs_ = experiment.robots;
+  robots_.clear();
+  links_.clear();
+  stop_asked_ = false;
+  endResetModel();
+}
+
+void RobotsModel::take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked,
+                       const std::set<int>& held) {
+  held_ = held;
+  robots_ = record.robots;
+  links_ = links;
+  stop_asked_ = stop_asked;
+  if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
+}
+
+void RobotsModel::set_colours(const Colours& colours) {
+  colours_ = colours;
+  if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
+}
+
+int RobotsModel::rowCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : static_cast<int>(specs_.size());
+}
+
+int RobotsModel::columnCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : columns;
+}
+
+QVariant RobotsModel::data(const QModelIndex& index, int role) const {
+  const auto i = static_cast<std::size_t>(index.row());
+  if (!index.isValid() || i >= specs_.size()) return {};
+  switch (role) {
+    case Qt::DisplayRole:
+      return text(i, index.column());
+    case Qt::ToolTipRole:
+      return tip(i, index.column());
+    case Qt::ForegroundRole:
+      return ink(i, index.column());
+    case Qt::BackgroundRole:
+      return index.column() == robot ? QVariant(colours_.robot(i)) : QVariant();
+    case Qt::FontRole:
+      if (index.column() == robot) {
+        QFont bold;
+        bold.setBold(true);
+        return bold;
+      }
+      return {};
+    case Qt::TextAlignmentRole:
+      return alignment(index.column());
+    default:
+      return {};
+  }
+}
+
+QString RobotsModel::text(std::size_t i, int column) const {
+  if (column == robot) return QString::number(i + 1);
+  if (column == tag) return QString::number(specs_[i].tag);
+  if (column == link || column == round_trip || column == battery || column == firmware) {
+    if (i >= links_.size()) return nothing();
+    const app::RobotStatus& status = links_[i];
+    if (column == firmware) {
+      static const QRegularExpression number(QStringLiteral("\\d+(\\.\\d+)*"));  // the tip has all of it
+      const QString version = QString::fromStdString(status.version);
+      const QRegularExpressionMatch match = number.match(version);
+      return version.isEmpty() ? nothing() : match.hasMatch() ? match.captured() : version;
+    }
+    if (column == battery) {
+      const QString volts = std::isfinite(status.battery) ? tr("%1 V").arg(status.battery, 0, 'f', 2) : QString();
+      if (status.battery_low) return volts.isEmpty() ? tr("low!") : tr("%1 !").arg(volts);
+      return volts.isEmpty() ? nothing() : volts;
+    }
+    if (column == link) {
+      const QString state = QString::fromStdString(status.link);
+      const bool told = stop_asked_ && specs_[i].link != app::RobotSpec::Link::sim;
+      return told && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
+    }
+    return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing();
+  }
+  if (i >= robots_.size()) return nothing();
+  const app::RobotRecord& record = robots_[i];
+  if (column == mode) return held_.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
+  if (column == found) return found_text(record);
+  if (column == tag_age) {
+    if (!(record.pose_age < 1e6)) return nothing();
+    return record.pose_age < 10 ? tr("%1 ms").arg(record.pose_age * 1000, 0, 'f', 0)
+                                : tr("%1 s").arg(record.pose_age, 0, 'f', 0);
+  }
+  return QStringLiteral("%1 / %2").arg(record.wheels.left, 0, 'f', 0).arg(record.wheels.right, 0, 'f', 0);
+}
+
+QString RobotsModel::tip(std::size_t i, int column) const {
+  if ((column == link || column == round_trip || column == firmware) && i < links_.size()) {
+    const app::RobotStatus& status = links_[i];
+    QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');
+    if (specs_[i].link == app::RobotSpec::Link::device)
+      tip += QString::fromStdString(specs_[i].address) + QLatin1Char('\n');
+    if (!status.version.empty()) tip += QString::fromStdString(status.version) + QLatin1Char('\n');
+    if (status.exchanges > 0)
+      tip += tr("%1 exchanges, %2 timeouts, %3 reconnects")
+                 .arg(status.exchanges)
+                 .arg(status.timeouts)
+                 .arg(status.reconnects);
+    return tip.trimmed();
+  }
+  if (column == robot) return tr("Robot %1, tag %2").arg(i + 1).arg(specs_[i].tag);
+  return text(i, column);
+}
+
+QVariant RobotsModel::ink(std::size_t i, int column) const {
+  if (column == robot) return ink_on(colours_.robot(i));
+  if (column == battery && i < links_.size() && links_[i].battery_low) return colours_.alarm;
+  if (column == link && i < links_.size()) {
+    const auto& link_state = links_[i].link;
+    const bool well = link_state == "up" || link_state == "simulated" || link_state == "recorded";
+    if (!well) return colours_.alarm;
+  }
+  if (i >= robots_.size()) return {};
+  if (column == mode && !look(robots_[i].mode, colours_).symbol.isEmpty()) {
+    // The colour of a ring is too pale for text on white; the gravest two are not.
+    if (robots_[i].is(app::lost)) return colours_.alarm;
+    if (robots_[i].is(app::avoiding) || robots_[i].is(app::shielded)) return colours_.warning;
+  }
+  if ((column == tag_age || column == found) && !(robots_[i].pose_age <= old_pose)) return colours_.alarm;
+  return {};
+}
+
+QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation != Qt::Horizontal) return {};
+  if (role == Qt::TextAlignmentRole) return alignment(section);
+  if (role == Qt::DisplayRole) switch (section) {
+      case robot:
+        return tr("#");
+      case tag:
+        return tr("Tag");
+      case link:
+        return tr("Link");
+      case round_trip:
+        return tr("Reply");
+      case battery:
+        return tr("Battery");
+      case mode:
+        return tr("Mode");
+      case found:
+        return tr("Found");
+      case tag_age:
+        return tr("Age");
+      case wheels:
+        return tr("Wheels");
+      case firmware:
+        return tr("Firmware");
+      default:
+        return {};
+    }
+  if (role == Qt::ToolTipRole) switch (section) {
+      case robot:
+        return tr("Robot");
+      case round_trip:
+        return tr("Round trip: from a command to the robot's answer, median");
+      case battery:
+        return tr("As the robot says it, about every 10 s");
+      case mode:
+        return tr("What governs the robot now");
+      case found:
+        return tr(
+            "Where its pose comes from: acquired (seen for the first time), tracked (where it was expected),\n"
+            "recovered (found again), bridged (not seen for a moment, and carried on), lost, or a simulation");
+      case tag_age:
+        return tr("Tag age: since the pose that is in use was captured");
+      case firmware:
+        return tr("As the robot says it");
+      case wheels:
+        return tr("Left / right wheel, motor steps per second");
+      default:
+        return {};
+    }
+  return {};
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,98 @@
+#include "ui/robots/robots_panel.h"
+
+#include <QEvent>
+#include <QHeaderView>
+#include <QSignalBlocker>
+#include <QStyledItemDelegate>
+#include <algorithm>
+
+namespace skein::ui {
+namespace {
+
+/// What is coloured keeps its colour in the row that is selected.
+class KeepColours final : public QStyledItemDelegate {
+ public:
+  using QStyledItemDelegate::QStyledItemDelegate;
+
+ protected:
+  void initStyleOption(QStyleOptionViewItem* option, const QModelIndex& index) const override {
+    QStyledItemDelegate::initStyleOption(option, index);
+    option->state &= ~QStyle::State_HasFocus;
+    if (index.column() == RobotsModel::robot) option->state &= ~QStyle::State_Selected;
+    option->palette.setBrush(QPalette::HighlightedText, option->palette.brush(QPalette::Text));
+  }
+};
+
+}  // namespace
+
+RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
+  setObjectName(QStringLiteral("robots"));
+  setAccessibleName(tr("Robots"));
+  setModel(&model_);
+  model_.set_colours(colours(palette()));
+  setItemDelegate(new KeepColours(this));
+  setSelectionBehavior(SelectRows);
+  setSelectionMode(SingleSelection);
+  setFrameShape(NoFrame);
+  setShowGrid(false);
+  setAlternatingRowColors(true);
+  setWordWrap(false);
+  setTabKeyNavigation(false);
+  setHorizontalScrollMode(ScrollPerPixel);
+  verticalHeader()->hide();
+  verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
+  horizontalHeader()->setHighlightSections(false);
+  // Wide enough for what usually stands there; fixed, so that numbers do not make columns dance.
+  const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 12; };
+  setColumnWidth(RobotsModel::robot, width(QStringLiteral("00")));
+  setColumnWidth(RobotsModel::tag, width(tr("Tag")));
+  setColumnWidth(RobotsModel::link, width(tr("connecting")));
+  setColumnWidth(RobotsModel::round_trip, width(QStringLiteral("000.0 ms")));
+  setColumnWidth(RobotsModel::battery, width(tr("Battery")));
+  setColumnWidth(RobotsModel::found, width(tr("simulated")));
+  setColumnWidth(RobotsModel::firmware, width(tr("Firmware")));
+  setColumnWidth(RobotsModel::tag_age, width(QStringLiteral("0000 ms")));
+  setColumnWidth(RobotsModel::wheels, width(QStringLiteral("−000 / −000")));
+  horizontalHeader()->setSectionResizeMode(RobotsModel::mode, QHeaderView::Stretch);
+  connect(&model_, &QAbstractItemModel::modelReset, this, &RobotsPanel::hide_empty_columns);
+  connect(&model_, &QAbstractItemModel::dataChanged, this, &RobotsPanel::hide_empty_columns);
+  connect(selectionModel(), &QItemSelectionModel::currentRowChanged, this,
+          [this](const QModelIndex& now) { emit picked(now.isValid() ? now.row() : -1); });
+}
+
+/// What only robots with a link have takes no room where there are none, nor do tags that say the robots' numbers.
+void RobotsPanel::hide_empty_columns() {
+  bool same = true;
+  for (int row = 0; row < model_.rowCount(); ++row)
+    same = same && model_.index(row, RobotsModel::tag).data() == model_.index(row, RobotsModel::robot).data();
+  if (isColumnHidden(RobotsModel::tag) != same) setColumnHidden(RobotsModel::tag, same);
+  for (const int column : {RobotsModel::round_trip, RobotsModel::battery, RobotsModel::firmware}) {
+    bool empty = true;
+    for (int row = 0; row < model_.rowCount(); ++row)
+      empty = empty && model_.index(row, column).data().toString() == RobotsModel::nothing();
+    if (isColumnHidden(column) != empty) setColumnHidden(column, empty);
+  }
+}
+
+void RobotsPanel::select_robot(int robot) {
+  const QSignalBlocker quiet(selectionModel());
+  if (robot < 0) {
+    clearSelection();
+    setCurrentIndex({});
+  } else {
+    selectRow(robot);
+  }
+  viewport()->update();
+}
+
+QSize RobotsPanel::sizeHint() const {
+  const int rows = std::clamp(model_.rowCount(), 2, 8);
+  return {500, horizontalHeader()->sizeHint().height() + rows * verticalHeader()->defaultSectionSize() + 4};
+}
+
+void RobotsPanel::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) model_.set_colours(colours(palette()));
+  QTableView::changeEvent(event);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <QTableView>
+
+#include "ui/robots/robots_model.h"
+
+namespace skein::ui {
+
+/// The table of robots; a click selects the robot everywhere.
+class RobotsPanel final : public QTableView {
+  Q_OBJECT
+
+ public:
+  explicit RobotsPanel(QWidget* parent = nullptr);
+  RobotsModel& robots() { return model_; }
+  void select_robot(int robot);  ///< from 0; -1: none
+  QSize sizeHint() const override;
+  QSize minimumSizeHint() const override { return {260, 70}; }
+
+ signals:
+  void picked(int robot);
+
+ protected:
+  void changeEvent(QEvent*) override;
+
+ private:
+  void hide_empty_columns();
+  RobotsModel model_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,57 @@
+#include "ui/run/stop_guard.h"
+
+#include <QAbstractButton>
+#include <QApplication>
+#include <QKeyEvent>
+#include <QLineEdit>
+#include <QMouseEvent>
+#include <QPlainTextEdit>
+#include <QToolButton>
+
+namespace skein::ui {
+
+namespace {
+
+/// Return presses the button that has the focus: Space, which would elsewhere, is STOP here.
+bool press_focused_button() {
+  auto* button = qobject_cast<QAbstractButton*>(QApplication::focusWidget());
+  if (!button || !button->isEnabled()) return false;
+  auto* tool = qobject_cast<QToolButton*>(button);
+  if (tool && tool->menu() && tool->popupMode() == QToolButton::InstantPopup)
+    tool->showMenu();
+  else
+    button->click();
+  return true;
+}
+
+}  // namespace
+
+StopGuard::StopGuard(std::function<bool()> stop, QWidget* button, QObject* parent)
+    : QObject(parent), stop_(std::move(stop)), button_(button) {
+  qApp->installEventFilter(this);
+}
+
+bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::KeyPress && (watched->isWidgetType() || watched->isWindowType())) {
+    const auto* key = static_cast<const QKeyEvent*>(event);
+    if (key->key() == Qt::Key_Return || key->key() == Qt::Key_Enter)
+      return watched->isWidgetType() && !QApplication::activePopupWidget() && !key->isAutoRepeat() &&
+             key->modifiers() == Qt::NoModifier && press_focused_button();
+    if (key->key() != Qt::Key_Space && key->key() != Qt::Key_Escape) return false;
+    const bool stopped_something = !key->isAutoRepeat() && stop_();  // a key held down stops once
+    if (stopped_something) return true;
+    // Space must not press a button: held down for STOP, it would go on to press whichever has the focus.
+    const QWidget* focus = QApplication::focusWidget();
+    const bool types = qobject_cast<const QLineEdit*>(focus) || qobject_cast<const QPlainTextEdit*>(focus);
+    return key->key() == Qt::Key_Space && !types;
+  }
+  if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
+    // An open menu would take the press only to close itself.
+    const auto* press = static_cast<const QMouseEvent*>(event);
+    const QPoint where = button_->mapFromGlobal(press->globalPosition().toPoint());
+    if (QApplication::activePopupWidget() && button_->rect().contains(where)) stop_();
+  }
+  return false;
+}
+
+}  // namespace skein::ui
