@@ -2,13 +2,13 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#include <QAbstractEventDispatcher>
 #include <QApplication>
 #include <QElapsedTimer>
 #include <QEvent>
 #include <QEventLoop>
 #include <QSettings>
 #include <QTemporaryDir>
+#include <QThread>
 #include <QTimer>
 #include <algorithm>
 #include <cstdio>
@@ -132,6 +132,28 @@ std::vector<double> headless_lateness(const app::Experiment& experiment, double 
   return lateness(ticks, experiment.period());
 }
 
+/// Knows how long its thread was busy with events; those of other threads do not count.
+class TimedApplication final : public QApplication {
+ public:
+  using QApplication::QApplication;
+  bool notify(QObject* receiver, QEvent* event) override {
+    if (QThread::currentThread() != thread()) return QApplication::notify(receiver, event);
+    if (depth_++ == 0) since_ = seconds(CLOCK_MONOTONIC);
+    const bool done = QApplication::notify(receiver, event);
+    if (--depth_ == 0) busy_ += seconds(CLOCK_MONOTONIC) - since_;
+    return done;
+  }
+  /// [s] since the last call, up to now, from within an event or not.
+  double take_busy() {
+    if (depth_ > 0) busy_ += seconds(CLOCK_MONOTONIC) - std::exchange(since_, seconds(CLOCK_MONOTONIC));
+    return std::exchange(busy_, 0.0);
+  }
+
+ private:
+  int depth_ = 0;
+  double since_ = 0.0, busy_ = 0.0;
+};
+
 /// The window with everything open and so much behind it.
 class Stage {
  public:
@@ -144,13 +166,6 @@ class Stage {
       if (record.phase == app::Phase::running) ticks_.emplace_back(record.tick, record.now);
     });
     QObject::connect(&window_.live(), &LiveSession::frame, &window_, [this] { end_of_frame(); });
-    auto* dispatcher = QAbstractEventDispatcher::instance();
-    QObject::connect(dispatcher, &QAbstractEventDispatcher::awake, &window_,
-                     [this] { awake_since_ = seconds(CLOCK_MONOTONIC); });
-    QObject::connect(dispatcher, &QAbstractEventDispatcher::aboutToBlock, &window_, [this] {
-      busy_ += seconds(CLOCK_MONOTONIC) - awake_since_;
-      awake_since_ = seconds(CLOCK_MONOTONIC);
-    });
   }
   ~Stage() {
     window_.close();
@@ -196,10 +211,8 @@ class Stage {
 
   /// All that the window's thread did since the last one: reading records, painting, the plots' own timer.
   void end_of_frame() {
-    const double cpu = seconds(CLOCK_THREAD_CPUTIME_ID), now = seconds(CLOCK_MONOTONIC);
-    busy_ += now - awake_since_;
-    awake_since_ = now;
-    frames_ms_.push_back(1e3 * std::exchange(busy_, 0.0));
+    const double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
+    frames_ms_.push_back(1e3 * static_cast<TimedApplication*>(qApp)->take_busy());
     frames_cpu_ms_.push_back(1e3 * (cpu - std::exchange(cpu_before_, cpu)));
   }
 
@@ -207,7 +220,7 @@ class Stage {
   MainWindow window_;
   std::vector<std::pair<std::int64_t, double>> ticks_;
   std::vector<double> frames_ms_, frames_cpu_ms_;
-  double awake_since_ = seconds(CLOCK_MONOTONIC), busy_ = 0.0, cpu_before_ = 0.0;
+  double cpu_before_ = 0.0;
   double elapsed_ = 1.0, cpu_share_ = 0.0;
 };
 
@@ -241,7 +254,7 @@ double first_frame() {
 
 int bench_window(int& argc, char** argv, double how_long) {
   const BenchDisplay display;
-  QApplication application(argc, argv);
+  TimedApplication application(argc, argv);
   const QTemporaryDir settings;  // the user's own stay as they are
   if (!settings.isValid()) return status_device_failed;
   QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
