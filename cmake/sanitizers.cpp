@@ -2,6 +2,10 @@
 // see. Our code between them stays checked. An object library, since the sanitizer's runtime looks the function up when
 // the program starts.
 #if defined(__SANITIZE_THREAD__)
+extern "C" const char* __tsan_default_options();
+extern "C" const char* __tsan_default_options() {
+  return "die_after_fork=0";  // QProcess starts programs from windows that have threads
+}
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
   return "race:libavcodec.so\n"

@@ -88,8 +88,9 @@ struct CameraCalibration::Work {
       tl::expected<vision::Intrinsics, std::string> found =
           tl::unexpected(std::string("show the board from more sides"));
       if (now.size() >= fewest_views) {
+        const int columns = width, rows = height;
         lock.unlock();
-        found = vision::solve_intrinsics(now, width, height);
+        found = vision::solve_intrinsics(now, columns, rows);
         lock.lock();
       }
       solved_of = of;
