@@ -8,7 +8,8 @@ extern "C" const char* __tsan_default_options() {
 }
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
-  return "race:libavcodec.so\n"
+  return "race:dl_deallocate_tls\n"  // the loader frees what threads of TBB kept for themselves
+         "race:libavcodec.so\n"
          "race:libavutil.so\n"
          "race:libavformat.so\n"
          "race:libswscale.so\n"
