@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "app/calibration/board_views.h"
-#include "app/commands/camera_words.h"
+#include "app/calibration/camera_words.h"
 #include "vision/calibration.h"
 #include "vision/frame_source.h"
 #include "vision/intrinsics.h"

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "app/commands/camera_words.h"
+#include "app/calibration/camera_words.h"
 #include "vision/floor_calibration.h"
 #include "vision/frame_source.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/camera_words.h"
+#include "app/calibration/camera_words.h"
 #include "vision/board.h"
 
 namespace skein::app {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/camera_words.h"
+#include "app/calibration/camera_words.h"
 #include "app/experiment/experiment.h"
 
 namespace skein::app {

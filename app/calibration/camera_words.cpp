@@ -1,4 +1,4 @@
-#include "app/commands/camera_words.h"
+#include "app/calibration/camera_words.h"
 
 #include <fmt/format.h>
 
