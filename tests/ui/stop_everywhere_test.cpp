@@ -90,6 +90,17 @@ TEST_F(StopEverywhere, InEveryState) {
     ASSERT_TRUE(eventually([&] { return stopped(); })) << "paused";
     run_again();
   }
+  app::Experiment away = app::paper_experiment();
+  away.robots[0].start = core::Pose{-0.3, -0.2, 2.0};
+  for (const By way : ways) {
+    ASSERT_TRUE(eventually([&] { return !live().is_busy(); }));
+    window.open(away, false);
+    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+    const_cast<LiveSession&>(live()).stage();  // as the check list does for robots that nobody can put anywhere
+    ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::staging; }));
+    stop(way);
+    ASSERT_TRUE(eventually([&] { return stopped(); })) << "staging, way " << static_cast<int>(way);
+  }
   // Finished: nothing moves, and nothing is undone.
   app::Experiment brief = app::paper_experiment();
   brief.duration = 0.4;
