@@ -82,13 +82,15 @@ void Couplings::set_all(const OperatorCommand& command, bool ready, EventList& e
   if (same) return;
   table(wanted_, name).fill(value);
   schedule_.move(name, value, rate(name, ready));
-  for_each_pair(any_off_ ? off_.robots() : 0, [&](std::size_t i, std::size_t j) {
-    if (!coupled(i, j)) schedule_.move(name, i, j, 0.0, rate(name, ready));
-  });
   const double seconds = ready ? 0.0 : command.seconds;
-  for_each_pair(seconds > 0.0 ? off_.robots() : 0, [&](std::size_t i, std::size_t j) {
-    if (coupled(i, j)) go(name, i, j, value, ready, seconds);
-  });
+  if (any_off_ || seconds > 0.0) {
+    for_each_pair(off_.robots(), [&](std::size_t i, std::size_t j) {
+      if (!coupled(i, j))
+        schedule_.move(name, i, j, 0.0, rate(name, ready));
+      else if (seconds > 0.0)
+        go(name, i, j, value, ready, seconds);
+    });
+  }
   if (ready) {
     schedule_.step(1.0);
     all_before_start_[static_cast<std::size_t>(name)] = value;
@@ -215,8 +217,8 @@ void Couplings::step(double dt, core::Gains& gains) noexcept {
   gains.k_yy = now.k_yy;
   // Two ramps of different length may ask for more on the way than at either end.
   const double share = asked_ ? core::held_share(GainName::k_yy, limits_, now, demand_) : 1.0;
-  for_each_pair(share < 1.0 ? off_.robots() : 0,
-                [&](std::size_t i, std::size_t j) { gains.k_yy.set(i, j, share * now.k_yy(i, j)); });
+  if (share < 1.0)
+    for_each_pair(off_.robots(), [&](std::size_t i, std::size_t j) { gains.k_yy.set(i, j, share * now.k_yy(i, j)); });
   if (!shapes_change_) return;
   gains.c_xx = now.c_xx;
   gains.c_tt = now.c_tt;

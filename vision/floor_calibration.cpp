@@ -162,6 +162,13 @@ const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorM
   return worst;
 }
 
+std::string wrong_tag_height(const Calibration& calibration) {
+  const double camera = calibration.world_from_camera->position.z();
+  if (calibration.tag_height < camera) return {};
+  return fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
+                     1e3 * calibration.tag_height, 1e3 * camera);
+}
+
 std::optional<double> tag_height_of(const Calibration& calibration, const std::vector<Eigen::Vector2d>& corners) {
   if (!calibration.world_from_camera || corners.size() != 4) return {};
   Corners seen{};

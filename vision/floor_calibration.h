@@ -63,6 +63,9 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
 /// six marks and more.
 const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorMark>& marks);
 
+/// None, or why the robots' tags cannot be as high as the calibration says: not below its camera.
+std::string wrong_tag_height(const Calibration& calibration);
+
 /// The height of the plane in which a tag that was seen would have an edge of calibration.tag_size [m]: how high the
 /// robots carry theirs. None where there is no such plane between the floor and the camera.
 std::optional<double> tag_height_of(const Calibration& calibration, const std::vector<Eigen::Vector2d>& corners);

@@ -37,10 +37,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   if (!result) return tl::unexpected(result.error());
   result->tag_size = question.tag_size;
   result->tag_height = question.tag_height;
-  if (const double camera = result->world_from_camera->position.z(); question.tag_height >= camera)
-    return tl::unexpected(
-        fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
-                    1e3 * question.tag_height, 1e3 * camera));
+  if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return tl::unexpected(wrong);
   const auto check = vision::check_floor(*result, marks);
   if (!check) return tl::unexpected(check.error());
   if (!goes_on()) return tl::unexpected(std::string("ended"));

@@ -187,10 +187,7 @@ int calibrate_floor(const FloorRequest& request) {
   if (!result) return complain(result.error(), device_failed);
   if (request.tag_size > 0.0) result->tag_size = request.tag_size;
   if (request.tag_height >= 0.0) result->tag_height = request.tag_height;
-  if (const double camera = result->world_from_camera->position.z(); result->tag_height >= camera)
-    return complain(fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
-                                mm(result->tag_height), mm(camera)),
-                    wrong_input);
+  if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return complain(wrong, wrong_input);
   if (request.measure_height >= 0) {
     const auto& ids = looked->sight.ids;
     const auto found = std::find(ids.begin(), ids.end(), request.measure_height);

@@ -11,7 +11,6 @@
 namespace skein::app {
 namespace {
 
-constexpr double wheel_speed = 200, wheel_time = 0.4;  // one wheel alone: 80 steps, 10 mm [steps/s, s]
 constexpr double way_speed = 300, way_time = 1.6;      // 480 steps, 62 mm
 constexpr double turn_speed = 250, turn_time = 1.6;    // 400 steps each, 110 degrees
 constexpr double standing = 0.6, settled = 0.2;        // how long it stands; from when on its poses count [s]
@@ -156,7 +155,7 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   }
   // What each wheel rolled, from how the tag turned and went ahead.
   const core::DifferentialDrive& drive = believed_.robots[robot].drive;
-  const double expected_way = wheel_speed * wheel_time * drive.metres_per_step() * 1e3;
+  const double expected_way = one_wheel_speed * one_wheel_time * drive.metres_per_step() * 1e3;
   for (const auto& [moved, is_left] : {std::pair(&with_left, true), std::pair(&*with_right, false)}) {
     const double arc = 0.5 * moved->turned() * drive.track, way = moved->forward();
     const double rolled_left = 1e3 * (way - arc), rolled_right = 1e3 * (way + arc);
@@ -249,13 +248,13 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   looked_ = true;
   if (const auto stood = stand(); !stood) return tl::unexpected(stood.error());
 
-  const auto left = drive(robot, wheel_speed, 0.0, wheel_time);
+  const auto left = drive(robot, one_wheel_speed, 0.0, one_wheel_time);
   if (!left) return tl::unexpected(left.error());
-  const auto right = drive(robot, 0.0, wheel_speed, wheel_time);
+  const auto right = drive(robot, 0.0, one_wheel_speed, one_wheel_time);
   if (!right) return tl::unexpected(right.error());
   result.left_steps = left->left;
   result.right_steps = right->right;
-  result.faults = encoder_faults(left->left, left->right, right->right, right->left, wheel_speed * wheel_time);
+  result.faults = encoder_faults(left->left, left->right, right->right, right->left, one_wheel_speed * one_wheel_time);
   if (plant_.camera()) {
     const std::size_t wheels_at_fault = result.faults.size();
     judge_camera(robot, *left, *right, result);

@@ -13,8 +13,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int speed = 200;                   // [steps/s]
-constexpr double turning_time = 0.4;         // 80 steps, 10 mm [s]
 constexpr double command_period = 0.04;      // below the silence that stops the robot [s]
 constexpr double acknowledge_timeout = 2.0;  // [s]
 
@@ -56,7 +54,7 @@ struct Examined {
   tl::expected<Steps, std::string> turn(int left, int right) const {
     const auto before = counters();
     if (!before) return before;
-    int ticks = static_cast<int>(std::lround(turning_time / command_period));
+    int ticks = static_cast<int>(std::lround(one_wheel_time / command_period));
     if (const auto told = tell(left, right, [&] { return --ticks <= 0; }); !told) {
       links.command(robot, 0, 0);
       return tl::unexpected(told.error());
@@ -95,14 +93,14 @@ std::vector<std::string> encoder_faults(double left, double right_with_left, dou
 tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links, std::size_t link,
                                                    const std::function<std::string()>& keep_on) {
   const Examined examined{links, link, keep_on};
-  const auto left = examined.turn(speed, 0);
+  const auto left = examined.turn(one_wheel_speed, 0);
   if (!left) return tl::unexpected(left.error());
-  const auto right = examined.turn(0, speed);
+  const auto right = examined.turn(0, one_wheel_speed);
   if (!right) return tl::unexpected(right.error());
   WheelCheck check;
   check.left_steps = left->left;
   check.right_steps = right->right;
-  check.faults = encoder_faults(left->left, left->right, right->right, right->left, speed * turning_time);
+  check.faults = encoder_faults(left->left, left->right, right->right, right->left, one_wheel_speed * one_wheel_time);
   const comms::LinkStatus status = links.status().at(link);
   check.version = status.version;
   check.battery = status.battery.volts;

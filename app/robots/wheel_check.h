@@ -11,6 +11,10 @@
 
 namespace skein::app {
 
+/// One wheel alone is told this, for so long: 80 steps, about 10 mm. [steps/s, s]
+inline constexpr int one_wheel_speed = 200;
+inline constexpr double one_wheel_time = 0.4;
+
 /// What is wrong with a wheel that was told to turn alone, by what both did; empty: nothing. `still` is said of one
 /// that did nothing: "'s encoder is silent".
 std::string wheel_fault(const char* wheel, double its_own, double other, double expected, const char* still,

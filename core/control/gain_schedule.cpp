@@ -46,16 +46,25 @@ PairTable& table(CouplingGains& gains, GainName name) noexcept {
   return const_cast<PairTable&>(table(static_cast<const CouplingGains&>(gains), name));
 }
 
+namespace {
+
+/// What (18f) or (18g) leaves one gain's row of robot i, beside the gain that shares the bound.
+double left_to(GainName name, std::size_t i, const Gains& gains, const CouplingGains& couplings,
+               const ReferenceDemand& demand) noexcept {
+  if (name == GainName::k_xx) return free_v(gains, i) - demand.v;
+  const GainName partner = name == GainName::k_tt ? GainName::k_yy : GainName::k_tt;
+  return free_omega(gains, i) - demand.turning - table(couplings, partner).row_sum(i);
+}
+
+}  // namespace
+
 double gain_border(GainName name, const Gains& gains, const CouplingGains& others,
                    const ReferenceDemand& demand) noexcept {
   if (gains.robots() < 2) return 0.0;
   const auto partners = static_cast<double>(gains.robots() - 1);
   double border = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < gains.robots(); ++i) {
-    const double left = name == GainName::k_xx
-                            ? free_v(gains, i) - demand.v
-                            : free_omega(gains, i) - demand.turning -
-                                  table(others, name == GainName::k_tt ? GainName::k_yy : GainName::k_tt).row_sum(i);
+    const double left = left_to(name, i, gains, others, demand);
     border = std::min(border, left / partners);
   }
   return std::max(0.0, border);
@@ -81,10 +90,7 @@ double held_share(GainName name, const Gains& gains, const CouplingGains& coupli
   double share = 1.0;
   for (std::size_t i = 0; i < gains.robots(); ++i) {
     const double taken = table(couplings, name).row_sum(i);
-    const double left = name == GainName::k_xx
-                            ? free_v(gains, i) - demand.v
-                            : free_omega(gains, i) - demand.turning -
-                                  table(couplings, name == GainName::k_tt ? GainName::k_yy : GainName::k_tt).row_sum(i);
+    const double left = left_to(name, i, gains, couplings, demand);
     if (taken > left + rounding) share = std::min(share, std::max(0.0, left) / taken);
   }
   return share;
