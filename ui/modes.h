@@ -4,8 +4,8 @@
 #include <QString>
 #include <cstdint>
 
-#include "app/record/event.h"
-#include "app/record/tick_record.h"
+#include "app/run/event.h"
+#include "app/run/tick_record.h"
 #include "ui/palette.h"
 
 namespace skein::ui {

@@ -8,14 +8,15 @@
 #include <fstream>
 #include <memory>
 
+#include "app/bench/bench.h"
 #include "app/bench/bench_links.h"
-#include "app/commands/command_line.h"
-#include "app/commands/commands.h"
-#include "app/control_tick.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "app/record/statistics.h"
-#include "app/session.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/session/session.h"
+#include "app/tick/control_tick.h"
 #include "core/avoidance/avoidance.h"
 #include "core/control/coordination_law.h"
 #include "core/simulation/random.h"

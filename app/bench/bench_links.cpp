@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "app/commands/command_line.h"
+#include "app/run/interrupted.h"
 #include "comms/asercom.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/link_supervisor.h"

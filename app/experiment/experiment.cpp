@@ -47,6 +47,15 @@ std::int64_t Experiment::ticks() const noexcept {
   return std::llround(duration * rate);
 }
 
+std::optional<std::string> real_time_reason(const Experiment& experiment) {
+  if (experiment.camera.source != "none")
+    return fmt::format("the camera \"{}\" lives in real time", experiment.camera.source);
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i)
+    if (experiment.robots[i].link != RobotSpec::Link::sim)
+      return fmt::format("robot {} has a link, which lives in real time", i + 1);
+  return {};
+}
+
 std::string robot_name(const Experiment& experiment, std::size_t robot) {
   const std::string& name = experiment.robots[robot].name;
   return fmt::format("robot {}{}", robot + 1, name.empty() ? "" : " (" + name + ")");

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/record/event.h"
+#include "app/run/event.h"
 #include "core/avoidance/potential_field.h"
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
@@ -218,6 +218,10 @@ struct Experiment {
 
 /// What messages call a robot: "robot 2", or "robot 2 (anna)".
 std::string robot_name(const Experiment& experiment, std::size_t robot);
+
+/// Why this experiment can neither be stepped nor go at another speed than real time, if it cannot: a link or a camera
+/// has its own time.
+std::optional<std::string> real_time_reason(const Experiment& experiment);
 
 /// What the tick's parts are made of.
 std::shared_ptr<const core::Path> make_path(const PathSpec& path);

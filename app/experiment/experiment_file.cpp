@@ -8,13 +8,14 @@
 #include <iterator>
 #include <sstream>
 
+#include "app/embedded/embedded.h"
 #include "app/experiment/experiment_checks.h"
 #include "app/experiment/experiment_sets.h"
 #include "app/experiment/experiment_tables.h"
 #include "app/experiment/known_robots.h"
 #include "app/experiment/sample_file.h"
+#include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
-#include "app/record/embedded.h"
 
 namespace skein::app {
 namespace {
@@ -60,19 +61,6 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   if (!experiment.source.empty() && !experiment.source.ends_with('\n')) experiment.source += '\n';
   experiment.directory = directory;
   return experiment;
-}
-
-tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path) {
-  const auto unreadable = [&](const std::string& why) {
-    return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
-  };
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return unreadable("it is a directory");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return unreadable(std::strerror(errno));
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad()) return unreadable(std::strerror(errno));
-  return text;
 }
 
 tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,

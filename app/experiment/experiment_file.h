@@ -21,7 +21,4 @@ tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string
 /// The paper's experiment, built in (the text of resources/experiments/platoon.toml).
 Experiment paper_experiment();
 
-/// The whole of a text file; the problem says why it cannot be read.
-tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path);
-
 }  // namespace skein::app

@@ -10,8 +10,8 @@
 #include <fstream>
 #include <map>
 
-#include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_robots.h"
+#include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
 #include "comms/link_address.h"
 

@@ -6,7 +6,7 @@
 #include <tl/expected.hpp>
 
 #include "app/experiment/experiment.h"
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 
 namespace skein::app {
 

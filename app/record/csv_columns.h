@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 
 namespace skein::app {
 

@@ -10,7 +10,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 
 namespace skein::app {
 

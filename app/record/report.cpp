@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/record/embedded.h"
+#include "app/embedded/embedded.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 

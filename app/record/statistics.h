@@ -9,8 +9,8 @@
 
 #include "app/experiment/experiment.h"
 #include "app/record/histogram.h"
-#include "app/record/tick_record.h"
-#include "app/session.h"
+#include "app/run/status.h"
+#include "app/run/tick_record.h"
 
 namespace skein::app {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "app/control_tick.h"
+#include "app/tick/control_tick.h"
 #include "core/simulation/simulated_robot.h"
 
 namespace skein::test {

@@ -137,7 +137,7 @@ std::vector<Include> includes_of(const string& text) {
 /// Why `path` may not include `header`; nothing where it may.
 std::optional<string> objection(const string& path, const string& header) {
   const string room = room_of(path);
-  const bool is_program = path == "app/main.cpp";
+  const bool is_program = path == "app/program/main.cpp";
   const string target = header.find('/') == string::npos ? string() : room_of(header);
 
   if (arrows.contains(target)) {

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <thread>
 
-#include "app/record/replay.h"
+#include "app/replay/replay.h"
 #include "operator.h"
 #include "ui/run/event_log.h"
 

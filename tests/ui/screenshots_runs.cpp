@@ -16,7 +16,7 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_file.h"
-#include "app/session.h"
+#include "app/session/session.h"
 #include "shown_board.h"
 #include "ui/arena/arena_view.h"
 #include "ui/calibration/calibration_dialog.h"

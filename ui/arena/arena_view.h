@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "app/session.h"
+#include "app/session/session.h"
 #include "ui/arena/arena_gestures.h"
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_scene.h"

@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "app/experiment/experiment_file.h"
-#include "app/session.h"
+#include "app/session/session.h"
 #include "ui/arena/arena_view.h"
 #include "ui/bench/bench_display.h"
 #include "ui/main/main_window.h"

@@ -13,7 +13,7 @@
 #include <QTimer>
 #include <memory>
 
-#include "app/calibration/camera_calibration.h"
+#include "app/tools/camera_calibration.h"
 #include "ui/calibration/calibration_picture.h"
 #include "ui/calibration/floor_page.h"
 #include "ui/palette.h"

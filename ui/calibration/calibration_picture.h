@@ -3,7 +3,7 @@
 #include <QImage>
 #include <QWidget>
 
-#include "app/calibration/camera_calibration.h"
+#include "app/tools/camera_calibration.h"
 
 namespace skein::ui {
 

@@ -11,8 +11,8 @@
 #include <future>
 #include <optional>
 
-#include "app/calibration/camera_calibration.h"
-#include "app/calibration/floor_survey.h"
+#include "app/tools/camera_calibration.h"
+#include "app/tools/floor_survey.h"
 
 namespace skein::ui {
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/record/event.h"
+#include "app/run/event.h"
 #include "ui/palette.h"
 
 namespace skein::ui {

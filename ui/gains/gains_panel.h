@@ -12,7 +12,7 @@
 #include <functional>
 
 #include "app/experiment/experiment.h"
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 #include "ui/gains/gain_presets.h"
 #include "ui/gains/gain_slider.h"
 #include "ui/gains/margin_bars.h"

@@ -6,7 +6,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
-#include "app/record/event.h"
+#include "app/run/event.h"
 
 namespace skein::ui {
 namespace {

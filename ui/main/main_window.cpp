@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-#include "app/commands/command_line.h"
+#include "app/run/interrupted.h"
 #include "ui/arena/arena_view.h"
 #include "ui/calibration/calibration_dialog.h"
 #include "ui/gains/gains_panel.h"

@@ -8,7 +8,7 @@
 #include <functional>
 #include <future>
 
-#include "app/readiness.h"
+#include "app/session/readiness.h"
 #include "ui/modes.h"
 #include "ui/palette.h"
 #include "ui/run/live_session.h"

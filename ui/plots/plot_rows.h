@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 
 namespace skein::ui {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 #include "ui/plots/plot_history.h"
 #include "ui/plots/plot_rows.h"
 

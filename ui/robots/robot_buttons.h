@@ -5,7 +5,7 @@
 #include <QWidget>
 #include <set>
 
-#include "app/session.h"
+#include "app/session/session.h"
 
 namespace skein::ui {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
-#include "app/record/tick_record.h"
-#include "app/session.h"
+#include "app/run/tick_record.h"
+#include "app/session/session.h"
 #include "ui/palette.h"
 
 namespace skein::ui {

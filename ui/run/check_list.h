@@ -5,7 +5,7 @@
 #include <QWidget>
 #include <vector>
 
-#include "app/readiness.h"
+#include "app/session/readiness.h"
 
 namespace skein::ui {
 

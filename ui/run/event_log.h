@@ -8,7 +8,7 @@
 #include <QTableView>
 #include <deque>
 
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 #include "ui/modes.h"
 
 namespace skein::ui {

@@ -208,7 +208,7 @@ QString LiveSession::set_speed(double speed) {
 }
 
 QString LiveSession::real_time_reason() const {
-  return QString::fromStdString(app::Session::real_time_reason(experiment_).value_or(std::string()));
+  return QString::fromStdString(app::real_time_reason(experiment_).value_or(std::string()));
 }
 
 QString LiveSession::record_to(const QString& file) {

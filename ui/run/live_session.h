@@ -9,7 +9,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/record/csv_file.h"
-#include "app/session.h"
+#include "app/session/session.h"
 #include "ui/plots/run_history.h"
 
 namespace skein::ui {

@@ -5,7 +5,7 @@
 #include <QTimer>
 #include <memory>
 
-#include "app/record/replay.h"
+#include "app/replay/replay.h"
 
 namespace skein::ui {
 

@@ -7,7 +7,7 @@
 #include <QWidget>
 
 #include "app/experiment/experiment.h"
-#include "app/record/tick_record.h"
+#include "app/run/tick_record.h"
 #include "ui/run/time_line.h"
 
 namespace skein::ui {

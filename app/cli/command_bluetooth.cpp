@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/cli/commands.h"
+#include "app/experiment/known_robots.h"
+#include "app/experiment/text_file.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "comms/bluez.h"
+
+namespace skein::app {
+namespace {
+
+bool not_interrupted() {
+  return !interrupted();
+}
+
+KnownRobot known(const comms::BluetoothRobot& robot) {
+  KnownRobot known;
+  known.spec.name = robot.name;
+  known.spec.tag = -1;
+  known.spec.link = RobotSpec::Link::device;
+  known.spec.address = comms::to_text(robot.link());
+  known.spec.adapter = robot.adapter;
+  known.spec.motor = robot.model();
+  return known;
+}
+
+void print(const comms::BluetoothRobot& robot) {
+  fmt::print("# {}, {}\n{}\n", robot.name, robot.paired ? "paired" : "not paired", as_toml(known(robot)));
+}
+
+/// Adds the robots to the file of robots, and says so.
+int save(const std::string& file, const std::vector<comms::BluetoothRobot>& found) {
+  const std::string path = known_robots_file(file);
+  std::string text;
+  std::vector<KnownRobot> there, more;
+  if (std::filesystem::exists(path)) {
+    const auto read = read_text(path);
+    auto robots = load_known_robots(path);
+    if (!read || !robots) {
+      for (const Problem& problem : robots ? read.error() : robots.error())
+        fmt::print(stderr, "{}\n", problem.message());
+      return wrong_input;
+    }
+    text = *read;
+    there = std::move(*robots);
+  }
+  for (const comms::BluetoothRobot& robot : found) more.push_back(known(robot));
+  const Added added = with_robots(text, there, more);
+  if (added.robots > 0)
+    if (const auto saved = save_known_robots(path, added.text); !saved) {
+      fmt::print(stderr, "skein: {}\n", saved.error());
+      return wrong_input;
+    }
+  fmt::print("# {}: {} robots added, {} were there\n", path, added.robots, found.size() - added.robots);
+  return done;
+}
+
+/// Refuses what cannot be an adapter before anybody looks for it.
+bool possible(const std::string& adapter) {
+  const auto checked = comms::check_adapter(adapter);
+  if (!checked) fmt::print(stderr, "skein: {}\n", checked.error());
+  return checked.has_value();
+}
+
+}  // namespace
+
+int scan_robots(const RobotsRequest& request) {
+  if (!possible(request.adapter)) return wrong_input;
+  const auto robots = comms::scan_robots({request.adapter, request.seconds, not_interrupted});
+  if (!robots) {
+    fmt::print(stderr, "skein: {}\n", robots.error());
+    return device_failed;
+  }
+  for (const comms::BluetoothRobot& robot : *robots) print(robot);
+  if (robots->empty()) {
+    fmt::print(stderr,
+               "skein: no robot was heard. Is it switched on and in range? An e-puck2 is heard only when its "
+               "button is held while it is switched on\n");
+    return device_failed;
+  }
+  return request.save ? save(request.file, *robots) : done;
+}
+
+int pair_robots(const RobotsRequest& request) {
+  if (!possible(request.adapter)) return wrong_input;
+  int status = done;
+  std::vector<comms::BluetoothRobot> paired;
+  for (const std::string& name : request.words) {
+    const auto robot = comms::pair_robot({.robot = name, .adapter = request.adapter, .keep_on = not_interrupted});
+    if (robot) {
+      print(*robot);
+      paired.push_back(*robot);
+      continue;
+    }
+    fmt::print(stderr, "skein: {}: {}\n", name, robot.error());
+    status = device_failed;
+  }
+  const int saved = request.save && !paired.empty() ? save(request.file, paired) : done;
+  return saved != done ? saved : status;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,274 @@
+#include "app/cli/command_calibrate.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/tools/board_views.h"
+#include "vision/floor_calibration.h"
+#include "vision/frame_source.h"
+#include "vision/intrinsics.h"
+#include "vision/sheet.h"
+
+namespace skein::app {
+namespace {
+
+int complain(const std::string& text, int status) {
+  fmt::print(stderr, "skein: {}\n", text);
+  return status;
+}
+
+bool at_terminal(bool quiet) {
+  return !quiet && isatty(STDERR_FILENO) != 0;
+}
+
+/// A source, with what a camera made of what it was asked for. None, and `status` says why.
+std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraWords& words,
+                                          const vision::Calibration* calibration, int& status) {
+  auto options = words.read(name);
+  if (const std::string wrong = wrong_source(name); !wrong.empty() || !options) {
+    status = complain(wrong.empty() ? options.error() : wrong, wrong_input);
+    return nullptr;
+  }
+  if (calibration != nullptr) options->width = calibration->width, options->height = calibration->height;
+  auto source = vision::open_source(name, *options);
+  if (!source) {
+    status = complain(source.error(), device_failed);
+    return nullptr;
+  }
+  for (const std::string& notice : (*source)->status().notices) fmt::print(stderr, "skein: {}\n", notice);
+  return std::move(*source);
+}
+
+void name_skipped(const vision::FrameSource& source) {
+  for (const std::string& skipped : source.skipped()) fmt::print(stderr, "skein: skipped {}\n", skipped);
+}
+
+/// Millimetres from metres, for people.
+double mm(double metres) {
+  return 1e3 * metres;
+}
+
+struct Looked {
+  vision::Calibration calibration;
+  std::vector<vision::FloorMark> marks;
+  vision::FloorSight sight;
+};
+
+/// What calibrate floor and check begin with; `status` says why not.
+std::optional<Looked> look(const FloorRequest& request, bool need_world, int& status) {
+  Looked looked;
+  auto calibration = vision::load_calibration(request.camera);
+  if (!calibration) {
+    status = complain(calibration.error(), wrong_input);
+    return {};
+  }
+  looked.calibration = *calibration;
+  if (need_world && !looked.calibration.world_from_camera) {
+    status = complain(request.camera + ": has no world frame yet: skein calibrate floor", wrong_input);
+    return {};
+  }
+  auto marks = vision::load_floor_marks(request.marks);
+  if (!marks) {
+    status = complain(marks.error(), wrong_input);
+    return {};
+  }
+  looked.marks = std::move(*marks);
+  const auto source = open(request.source, request.words, &looked.calibration, status);
+  if (!source) return {};
+  auto sight = vision::look_at_floor(*source, looked.calibration, request.frames, [](int) { return !interrupted(); });
+  name_skipped(*source);
+  if (!sight) {
+    status = complain(sight.error(), device_failed);
+    return {};
+  }
+  looked.sight = std::move(*sight);
+  enter(looked.sight, looked.marks);
+  for (const vision::FloorMark& mark : looked.marks)
+    if (!mark.seen) fmt::print(stderr, "skein: {} is not seen\n", mark.name);
+  return looked;
+}
+
+void print_residuals(const vision::FloorCheck& check) {
+  for (const vision::FloorResidual& r : check.residuals)
+    fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", r.mark->name, r.mark->x, r.mark->y,
+               mm(std::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
+  fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.residuals.size(), mm(check.rms), mm(check.worst));
+}
+
+}  // namespace
+
+int calibrate_intrinsics(const IntrinsicsRequest& request) {
+  if (const std::string problem = vision::check(request.board); !problem.empty()) return complain(problem, wrong_input);
+  int status = done;
+  const auto source = open(request.source, request.words, nullptr, status);
+  if (!source) return status;
+  const bool stills = source->stills();
+  const bool live = request.source.starts_with("v4l2:");
+  BoardViews seen(request.board, *source, live);
+  vision::Frame frame;
+  // A camera is watched until it has seen enough; of a film, which is over when it is over, the best views are taken.
+  const bool terminal = at_terminal(request.quiet);
+  bool shown = false;
+  const auto show = [&] {
+    const vision::Coverage& covered = *seen.coverage();
+    // Of a camera at a terminal: in the same place again, a line more than the picture has rows.
+    if (terminal && live && std::exchange(shown, true))
+      fmt::print(stderr, "\033[{}A\033[J", vision::Coverage::rows + 1);
+    fmt::print(stderr, "{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(), 100.0 * covered.share(),
+               live ? fmt::format("; {} at most, Ctrl-C when it is enough", request.views) : "", covered.text());
+  };
+  if (live && !request.quiet) fmt::print(stderr, "{}: show the board\n", source->describe());
+  while (!interrupted() && (!live || static_cast<int>(seen.views().size()) < request.views)) {
+    const auto more = source->read(frame);
+    if (!more) return complain(more.error(), device_failed);
+    if (!*more) break;
+    const auto look = seen.look(frame);
+    if (!look) return complain(look.error(), device_failed);
+    const vision::Coverage& first = *seen.coverage();
+    if (*look == BoardViews::Look::other_size)
+      fmt::print(stderr, "skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
+                 frame.height, first.width, first.height);
+    if (*look == BoardViews::Look::no_board && stills) fmt::print(stderr, "skein: {}: no board\n", frame.source);
+    if (*look == BoardViews::Look::view && (terminal || (live && !request.quiet))) show();
+  }
+  const std::optional<vision::Coverage>& coverage = seen.coverage();
+  std::vector<vision::BoardView> views = std::move(seen.views());
+  name_skipped(*source);
+  if (!coverage) return complain(source->describe() + ": no picture", device_failed);
+  if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
+  const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
+  if (!result) return complain(result.error(), device_failed);
+  if (const auto saved = vision::save_calibration(result->calibration, request.out); !saved)
+    return complain(saved.error(), wrong_input);
+  if (request.quiet) return done;
+  int rejected = 0;
+  int outliers = 0;
+  std::size_t corners = 0;
+  for (const vision::BoardView& view : result->views) {
+    fmt::print("view {}: {} corners, {:.3f} px{}{}\n", view.source, view.corners.size(), view.rms,
+               view.outliers > 0 ? fmt::format(", {} left out", view.outliers) : "",
+               view.rejected ? ", view left out" : "");
+    rejected += view.rejected ? 1 : 0;
+    outliers += view.outliers;
+    if (!view.rejected) corners += view.corners.size();
+  }
+  const vision::Calibration& c = result->calibration;
+  fmt::print("coverage:\n{}", coverage->text());
+  fmt::print(
+      "frames: {}\nviews: {}\nviews_left_out: {}\ncorners: {}\ncorners_left_out: {}\ncoverage: {:.2f}\nrms_px: {:.4f}\n"
+      "fx: {:.3f}\nfy: {:.3f}\nfocal_sigma: {:.3f}\ncx: {:.3f}\ncy: {:.3f}\ncentre_sigma: {:.3f}\n"
+      "distortion: {:.5f}\ncalibration: {}\n",
+      seen.frames(), result->views.size() - static_cast<std::size_t>(rejected), rejected, corners, outliers,
+      coverage->share(), result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma,
+      fmt::join(c.distortion, " "), request.out);
+  if (result->focal_sigma > 0.01 * c.fx)
+    fmt::print(stderr, "skein: the focal length is known to {:.0f} px only: show the board tilted, near and far\n",
+               result->focal_sigma);
+  if (coverage->share() < 0.6)
+    fmt::print(
+        stderr,
+        "skein: only {:.0f} % of the picture was covered: distortion is a guess elsewhere; show the board there\n",
+        100.0 * coverage->share());
+  return done;
+}
+
+int calibrate_floor(const FloorRequest& request) {
+  int status = done;
+  auto looked = look(request, /*need_world=*/false, status);
+  if (!looked) return status;
+  auto result = vision::solve_floor(looked->calibration, looked->marks);
+  if (!result) return complain(result.error(), device_failed);
+  if (request.tag_size > 0.0) result->tag_size = request.tag_size;
+  if (request.tag_height >= 0.0) result->tag_height = request.tag_height;
+  if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return complain(wrong, wrong_input);
+  if (request.measure_height >= 0) {
+    const auto& ids = looked->sight.ids;
+    const auto found = std::find(ids.begin(), ids.end(), request.measure_height);
+    const auto height =
+        found == ids.end()
+            ? std::nullopt
+            : vision::tag_height_of(*result, looked->sight.corners[static_cast<std::size_t>(found - ids.begin())]);
+    if (!height)
+      return complain(fmt::format("tag {}: {}", request.measure_height,
+                                  found == ids.end() ? "is not seen"
+                                                     : "its size cannot be explained by any height: check --tag-size"),
+                      device_failed);
+    result->tag_height = *height;
+  }
+  const auto check = vision::check_floor(*result, looked->marks);
+  if (!check) return complain(check.error(), device_failed);
+  const std::string out = request.out.empty() ? request.camera : request.out;
+  if (const auto saved = vision::save_calibration(*result, out); !saved) return complain(saved.error(), wrong_input);
+  if (!request.quiet) {
+    print_residuals(*check);
+    const Eigen::Vector3d& p = result->world_from_camera->position;
+    fmt::print("camera: {:.4f} {:.4f} {:.4f}\ntag_height: {:.4f}\ntag_size: {:.4f}\ncalibration: {}\n", p.x(), p.y(),
+               p.z(), result->tag_height, result->tag_size, out);
+  }
+  if (const vision::FloorMark* odd = vision::suspect(looked->calibration, looked->marks))
+    fmt::print(stderr, "skein: {}: the others agree without it: check its place\n", odd->name);
+  else if (check->worst > 5e-3)
+    fmt::print(stderr, "skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",
+               mm(check->worst));
+  return done;
+}
+
+int calibrate_check(const FloorRequest& request) {
+  int status = done;
+  const auto looked = look(request, /*need_world=*/true, status);
+  if (!looked) return status;
+  const auto check = vision::check_floor(looked->calibration, looked->marks);
+  if (!check) return complain(check.error(), device_failed);
+  if (!request.quiet) print_residuals(*check);
+  if (request.limit > 0.0 && check->worst > request.limit)
+    return complain(fmt::format("a mark is off by {:.2f} mm; allowed: {:.2f} mm", mm(check->worst), mm(request.limit)),
+                    expectation_failed);
+  return done;
+}
+
+std::vector<int> parse_ids(const std::string& text) {
+  std::vector<int> ids;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto number = [&](int& value) {
+    const auto [behind, error] = std::from_chars(at, end, value);
+    at = behind;
+    return error == std::errc{} && value >= 0 && value < 10000;
+  };
+  while (at != end) {
+    int first = 0;
+    if (!number(first)) return {};
+    int last = first;
+    if (at != end && *at == '-' && (++at, !number(last) || last < first)) return {};
+    for (int id = first; id <= last; ++id) ids.push_back(id);
+    if (at == end) return ids;
+    if (*at++ != ',') return {};
+  }
+  return {};
+}
+
+int print_tags(const TagsRequest& request) {
+  tl::expected<std::vector<vision::Page>, std::string> pages;
+  if (request.is_board) {
+    pages = vision::board_sheet(request.board, request.paper);
+  } else {
+    const std::vector<int> ids = parse_ids(request.ids);
+    if (ids.empty()) return complain(fmt::format("ids \"{}\"; allowed: such as 1-4,7", request.ids), wrong_input);
+    pages = vision::tag_sheet({ids, 1e-3 * request.size_mm, request.paper, request.copies});
+  }
+  if (!pages) return complain(pages.error(), wrong_input);
+  const auto written = vision::write_sheet(*pages, request.out);
+  if (!written) return complain(written.error(), wrong_input);
+  for (const std::string& file : *written) fmt::print("{}\n", file);
+  return done;
+}
+
+}  // namespace skein::app

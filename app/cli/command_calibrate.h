@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/tools/camera_words.h"
+#include "vision/board.h"
+
+namespace skein::app {
+
+/// The bodies of `skein calibrate` and `skein tags`; each returns an ExitStatus and says what went wrong on stderr.
+
+struct IntrinsicsRequest {
+  std::string source;
+  CameraWords words;
+  vision::Board board;
+  std::string out;  ///< the calibration that is written
+  int views = 60;   ///< of a film or a camera, at most
+  bool quiet = false;
+};
+int calibrate_intrinsics(const IntrinsicsRequest& request);
+
+struct FloorRequest {
+  std::string source;
+  CameraWords words;
+  std::string camera;                         ///< calibration file
+  std::string marks;                          ///< file of what lies where
+  std::string out;                            ///< floor: the calibration that is written; empty: `camera`
+  int frames = 25;                            ///< looked at, and averaged
+  double tag_height = -1.0, tag_size = -1.0;  ///< of the robots' tags [m]; negative: as the calibration has it
+  int measure_height = -1;                    ///< tag whose height is measured by how large it looks
+  double limit = 0.0;                         ///< check: the largest residual allowed [m]; 0: any
+  bool quiet = false;
+};
+int calibrate_floor(const FloorRequest& request);
+int calibrate_check(const FloorRequest& request);
+
+struct TagsRequest {
+  std::string out = "tags.pdf";  ///< .pdf or .svg
+  std::string ids = "1-4";       ///< "1-4,7"
+  double size_mm = 60.0;
+  int copies = 1;
+  std::string paper = "A4";
+  bool is_board = false;  ///< a calibration board instead of tags
+  vision::Board board;
+};
+int print_tags(const TagsRequest& request);
+
+/// "1-4,7" as numbers; none where it is something else.
+std::vector<int> parse_ids(const std::string& text);
+
+}  // namespace skein::app

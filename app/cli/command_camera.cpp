@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/cli/commands.h"
+#include "app/run/exit_status.h"
+#include "vision/camera_controls.h"
+
+namespace skein::app {
+namespace {
+
+std::string text_of(const vision::CameraControl& control) {
+  std::string text = fmt::format("  {} = {}", control.name, control.value);
+  if (control.choices.empty()) {
+    text += fmt::format("  ({} to {}", control.least, control.most);
+    if (control.step != 1) text += fmt::format(" in steps of {}", control.step);
+  } else {
+    std::vector<std::string> choices;
+    for (const auto& [value, name] : control.choices) choices.push_back(fmt::format("{}: {}", value, name));
+    text += fmt::format("  ({}", fmt::join(choices, ", "));
+  }
+  return text + fmt::format("; default {}{})", control.standard, control.settable ? "" : "; cannot be set now");
+}
+
+int list_one(const std::string& device) {
+  const auto camera = vision::describe_camera(device);
+  if (!camera) {
+    fmt::print(stderr, "skein: {}\n", camera.error());
+    return device_failed;
+  }
+  fmt::print("{}: {} ({})\nformats:\n", device, camera->card, camera->driver);
+  for (const vision::CameraFormat& format : camera->formats) {
+    std::vector<std::string> rates;
+    for (const double rate : format.rates) rates.push_back(fmt::format("{:.4g}", rate));
+    fmt::print("  {} {}x{}{}{}\n", format.format, format.width, format.height,
+               rates.empty() ? "" : ", frames/s: ", fmt::join(rates, " "));
+  }
+  fmt::print("controls:\n");
+  for (const vision::CameraControl& control : camera->controls) fmt::print("{}\n", text_of(control));
+  return done;
+}
+
+}  // namespace
+
+int list_cameras(const std::string& device) {
+  if (!device.empty()) return list_one(device);
+  std::vector<std::string> devices;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
+    if (entry.path().filename().string().starts_with("video")) devices.push_back(entry.path().string());
+  std::sort(devices.begin(), devices.end());
+  int cameras = 0;
+  for (const std::string& name : devices)
+    if (const auto camera = vision::describe_camera(name)) {
+      fmt::print("v4l2:{}: {} ({})\n", name, camera->card, camera->driver);
+      ++cameras;
+    }
+  if (cameras > 0) return done;
+  fmt::print(stderr, "skein: no camera at /dev/video*\n");
+  return device_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,276 @@
+#include "app/cli/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <fstream>
+
+#include "app/bench/bench.h"
+#include "app/cli/command_line_robots.h"
+#include "app/cli/command_line_vision.h"
+#include "app/cli/commands.h"
+#include "app/experiment/fault_file.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/session/safety_net.h"
+#include "comms/crash_stop.h"
+#include "comms/emulator/emulate.h"
+
+namespace skein::app {
+namespace {
+
+/// What all commands that run or check an experiment have in common.
+struct ExperimentOptions {
+  std::string file;
+  std::vector<std::string> sets;
+  std::string duration, seed;
+
+  void add_to(CLI::App& command, bool required) {
+    auto* option = command.add_option(
+        "experiment", file,
+        required ? "experiment file (TOML)" : "experiment file (TOML), or a recorded run (CSV) to be played");
+    if (required) option->required();
+    command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  void add_run_length(CLI::App& command) {
+    command.add_option("--duration", duration, "seconds of the experiment, instead of the file's")->type_name("S");
+    command.add_option("--seed", seed, "seed of all that is random, instead of the file's")->type_name("N");
+  }
+  ExperimentRequest request() const {
+    ExperimentRequest result{file, sets};
+    if (!duration.empty()) result.sets.push_back("duration=" + duration);
+    if (!seed.empty()) result.sets.push_back("seed=" + seed);
+    return result;
+  }
+};
+
+/// What `skein emulate --faults` was given, "random" or a file, as faults; says what is wrong with the file on stderr.
+bool read_faults(const std::string& source, comms::EmulateOptions& options) {
+  constexpr double a_day = 86400.0, seconds_between_faults = 10.0;
+  if (source.empty()) return true;
+  if (source == "random") {
+    options.faults = comms::random_faults(options.robots, a_day, seconds_between_faults, options.seed);
+    return true;
+  }
+  auto faults = load_faults(source, options.robots);
+  if (faults) {
+    options.faults = std::move(*faults);
+    return true;
+  }
+  for (const Problem& problem : faults.error()) fmt::print(stderr, "{}\n", problem.message());
+  return false;
+}
+
+int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+  CLI::App program{
+      "Skein: real-time lab control for groups of unicycle robots.\n"
+      "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
+  program.set_version_flag("--version", "skein " SKEIN_VERSION);
+  program.require_subcommand(0, 1);
+  ExperimentOptions window_experiment;
+  window_experiment.add_to(program, false);
+  window_experiment.add_run_length(program);
+
+  CLI::App& run_command = *program.add_subcommand("run", "Runs an experiment without a window");
+  ExperimentOptions run_experiment;
+  RunRequest run_request;
+  run_experiment.add_to(run_command, true);
+  run_experiment.add_run_length(run_command);
+  run_command.add_option("--csv", run_request.csv, "write every tick to this file")->type_name("FILE");
+  run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json there")
+      ->type_name("DIR");
+  run_command.add_option("--video", run_request.video, "keep the camera's frames in this film, lossless (Matroska)")
+      ->type_name("FILE.MKV");
+  run_command
+      .add_option(
+          "--speed", run_request.speed,
+          "max: as fast as the machine goes, in step (the default where nothing is real); realtime: at the file's rate")
+      ->check(CLI::IsMember({"max", "realtime"}));
+  run_command.add_flag("--quiet", run_request.quiet, "no progress, no summary");
+  run_command.add_flag("--json", run_request.json, "print the summary as one JSON object");
+
+  CLI::App& check_command = *program.add_subcommand(
+      "check", "Says everything that is wrong with an experiment file, and certifies its gains");
+  ExperimentOptions check_experiment;
+  check_experiment.add_to(check_command, true);
+
+  CLI::App& replay_command = *program.add_subcommand(
+      "replay", "Runs a recorded CSV through the same tick and says whether every command comes out bit for bit");
+  std::string replay_file;
+  replay_command.add_option("file", replay_file, "a CSV written by `skein run --csv` or by the window")->required();
+  std::string replay_film;
+  replay_command.add_option("--video", replay_film,
+                            "the film of the same run (`skein run --video`): every pose is found in it once more");
+
+  CLI::App& sweep_command = *program.add_subcommand(
+      "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
+  SweepRequest sweep_request;
+  sweep_command.add_option("study", sweep_request.file, "study file (TOML), see docs/studies.md")->required();
+  sweep_command.add_option("--runs", sweep_request.runs, "how many runs, instead of the file's")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->type_name("N");
+  sweep_command.add_option("--seed", sweep_request.seed, "seed of the first run; the next ones count on")
+      ->type_name("N");
+  sweep_command
+      .add_option("--only", sweep_request.only, "the one run with this seed, and the `skein run` that repeats it")
+      ->type_name("SEED");
+  sweep_command.add_option("--set", sweep_request.sets, "key=value: any key of the experiment; repeatable")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sweep_command.add_option("--threads", sweep_request.threads, "default: one a core")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  sweep_command.add_option("--csv", sweep_request.csv, "one row a run")->type_name("FILE");
+  sweep_command.add_flag("--json", sweep_request.json, "print the summary as one JSON object");
+  sweep_command.add_flag("--quiet", sweep_request.quiet, "no progress, no summary");
+
+  CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
+  TrackRequest track_request;
+  track_command.add_option("source", track_request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+  track_command.add_option("--camera", track_request.camera, "calibration file; without one, pixels only")
+      ->type_name("CAL.TOML");
+  track_command.add_option("--csv", track_request.csv, "one row a detection; default: stdout")->type_name("FILE");
+  track_command.add_option("--record", track_request.record, "keep the frames in this film, lossless (Matroska)")
+      ->type_name("FILE.MKV");
+  track_command.add_flag("--list-controls", track_request.list_controls,
+                         "of a camera: its formats, rates and controls, and nothing else");
+  track_request.words.add_to(track_command, /*calibrated=*/false);
+  track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
+
+  CLI::App& camera_command = *program.add_subcommand("camera", "Looks after real cameras");
+  camera_command.require_subcommand(1);
+  CLI::App& list_command =
+      *camera_command.add_subcommand("list", "Which cameras there are; of one, its formats, rates and controls");
+  std::string camera_device;
+  list_command.add_option("device", camera_device, "such as /dev/video0");
+
+  VisionCommands vision_commands;
+  vision_commands.add_to(program);
+
+  CLI::App& emulate_command = *program.add_subcommand(
+      "emulate",
+      "Runs emulated e-pucks until it is interrupted, on pseudo-terminals unless told otherwise, and says how to reach "
+      "them");
+  comms::EmulateOptions emulate_options;
+  std::string model = "epuck2";
+  auto* robots_option = emulate_command.add_option("--robots", emulate_options.robots, "how many")
+                            ->check(CLI::Range(1, 64))
+                            ->capture_default_str();
+  emulate_command.add_option("--model", model, "epuck1 or epuck2")
+      ->check(CLI::IsMember({"epuck1", "epuck2"}))
+      ->capture_default_str();
+  emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
+      ->type_name("DIR");
+  emulate_command
+      .add_option(
+          "--listen", emulate_options.listen,
+          "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1), or tcp:ADDRESS:PORT for an e-puck2 with WiFi: a robot listens "
+          "there; repeatable, one robot each")
+      ->type_name("WHERE")
+      ->excludes(robots_option);
+  emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
+
+  std::string faults;
+  emulate_command.add_option("--faults", faults, "what goes wrong: a file (TOML, see docs/emulator.md), or random")
+      ->type_name("FILE|random");
+  emulate_command.add_option("--seed", emulate_options.seed, "seed of what is random in the faults")
+      ->capture_default_str();
+
+  RobotCommands robot_commands;
+  robot_commands.add_to(program);
+
+  CLI::App& guard_command =
+      *program.add_subcommand("guard", "Started by a run with real robots: stops them when the run is killed");
+  std::string marker;
+  guard_command.add_option("marker", marker, "the file that names the robots")->required();
+
+  CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
+  std::string bench_what;
+  bench_command
+      .add_option(
+          "what", bench_what,
+          "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (6 minutes); default: all but ui")
+      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "loopback", "ui"}));
+  double bench_seconds = 60.0;
+  bench_command.add_option("--seconds", bench_seconds, "links, ui: how long each measurement takes")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
+  }
+
+  // The emulator waits for signals in its own way.
+  if (emulate_command) {
+    emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
+    if (!emulate_options.listen.empty()) emulate_options.robots = emulate_options.listen.size();
+    if (!read_faults(faults, emulate_options)) return wrong_input;
+    return comms::emulate(emulate_options);
+  }
+  if (guard_command) return guard(marker, STDIN_FILENO);
+  catch_interrupts();
+  comms::stop_robots_on_crash();
+  if (run_command) {
+    look_after_bad_ends();
+    run_request.experiment = run_experiment.request();
+    return run(run_request);
+  }
+  if (check_command) return check(check_experiment.request());
+  if (replay_command) return replay(replay_file, replay_film);
+  if (sweep_command) return sweep(sweep_request);
+  if (track_command) return track(track_request);
+  if (const auto status = vision_commands.run()) return *status;
+  if (const auto status = robot_commands.run()) return *status;
+  if (list_command) return list_cameras(camera_device);
+  if (bench_command && bench_what == "ui") {
+    if (bench_window) return bench_window(bench_seconds, argc, argv);
+    fmt::print(stderr, "skein: this program was built without a window\n");
+    return wrong_input;
+  }
+  if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
+
+  if (!show_window) {
+    fmt::print(stderr, "skein: this program was built without a window; try: skein run EXPERIMENT, skein --help\n");
+    return wrong_input;
+  }
+  look_after_bad_ends();
+  if (const std::string& file = window_experiment.file; file.ends_with(".csv")) {
+    if (!window_experiment.request().sets.empty()) {
+      fmt::print(stderr, "skein: {}: a recorded run is played as it is, without --set, --duration and --seed\n", file);
+      return wrong_input;
+    }
+    if (!std::ifstream(file)) {
+      fmt::print(stderr, "skein: {}: cannot be opened: {}\n", file, std::strerror(errno));
+      return wrong_input;
+    }
+    return show_window({{}, {}, file}, argc, argv);
+  }
+  const auto experiment = load(window_experiment.request());
+  return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
+}
+
+}  // namespace
+
+int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+  try {
+    return parse_and_do(argc, argv, show_window, bench_window);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "skein: {}\n", error.what());
+  } catch (...) {
+    fmt::print(stderr, "skein: an unknown error\n");
+  }
+  return device_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,63 @@
+#include "app/cli/command_line_robots.h"
+
+namespace skein::app {
+
+void RobotCommands::add_to(CLI::App& program) {
+  CLI::App& robots = *program.add_subcommand("robots", "Looks after real robots");
+  robots.require_subcommand(1);
+  const auto add = [&](const char* name, const char* what) {
+    CLI::App* const command = robots.add_subcommand(name, what);
+    command
+        ->add_option("--file", request_.file,
+                     "of robots; default: robots.toml here, else $XDG_CONFIG_HOME/skein/robots.toml")
+        ->type_name("ROBOTS.TOML");
+    return command;
+  };
+  constexpr const char* which =
+      "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST, a robot's name in the file of robots, a file of robots or an "
+      "experiment file for all of its";
+
+  list_ = add("list", "Which robots are known, from the file of robots");
+
+  stop_ = add("stop", "Stops robots, whatever state they were left in; exit status 3 when one does not acknowledge");
+  stop_->add_option("robots", request_.words,
+                    std::string(which) + "; default: all known robots, and those of every run that was killed");
+
+  test_ = add("test",
+              "Asks robots for version and battery, turns each wheel 10 mm, and says what is wrong with them; with a "
+              "camera it looks at their tags, and measures their wheels on a way of 6 cm and half a turn");
+  test_->add_option("robots", request_.words, which)->required();
+  CLI::Option* const camera =
+      test_->add_option("--camera", request_.camera, "v4l2:DEVICE; default: the camera of the experiment file")
+          ->type_name("SOURCE");
+  CLI::Option* const calibration =
+      test_->add_option("--calibration", request_.calibration, "its calibration file")->type_name("CAL.TOML");
+  camera->needs(calibration);
+  calibration->needs(camera);
+  test_->add_flag("--save", request_.save, "put tag, version, wheel diameter and track into the file of robots");
+
+  const auto adapter = [&](CLI::App* command) {
+    command->add_option("--adapter", request_.adapter, "hci1, or its address; default: all")->type_name("ADAPTER");
+    command->add_flag("--save", request_.save, "add them to the file of robots");
+  };
+  scan_ = add("scan", "Looks for e-pucks by Bluetooth and prints them as tables of a file of robots");
+  scan_->add_option("--seconds", request_.seconds, "how long; a whole inquiry takes 10.24 s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  adapter(scan_);
+
+  pair_ = add("pair", "Pairs with e-pucks: an e-puck1 is told its number as PIN, an e-puck2 pairs by itself");
+  pair_->add_option("robots", request_.words, "names (e-puck_1234) or Bluetooth addresses")->required();
+  adapter(pair_);
+}
+
+std::optional<int> RobotCommands::run() {
+  if (*list_) return list_robots(request_.file);
+  if (*stop_) return stop_robots(request_.words, request_.file);
+  if (*test_) return test_robots(request_);
+  if (*scan_) return scan_robots(request_);
+  if (*pair_) return pair_robots(request_);
+  return {};
+}
+
+}  // namespace skein::app

@@ -1,0 +1,115 @@
+#include "app/cli/command_line_vision.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/run/exit_status.h"
+
+namespace skein::app {
+
+void VisionCommands::BoardWords::add_to(CLI::App& command) {
+  command.add_option("--board", kind, "charuco or chessboard")
+      ->check(CLI::IsMember({"charuco", "chessboard"}))
+      ->capture_default_str();
+  command.add_option("--squares", squares, "squares of the board, black and white: columns x rows")
+      ->type_name("CxR")
+      ->capture_default_str();
+  command.add_option("--square", square_mm, "edge of a square [mm]")->type_name("MM")->capture_default_str();
+  command.add_option("--marker", marker_mm, "ChArUco: edge of a marker [mm]")->type_name("MM")->capture_default_str();
+  command.add_option("--bits", bits, "ChArUco: markers of so many bits a side, OpenCV's DICT_nXn_1000")
+      ->check(CLI::Range(4, 7))
+      ->capture_default_str();
+}
+
+bool VisionCommands::BoardWords::read(vision::Board& board) const {
+  board.kind = kind == "charuco" ? vision::Board::Kind::charuco : vision::Board::Kind::chessboard;
+  board.square = 1e-3 * square_mm;
+  board.marker = 1e-3 * marker_mm;
+  board.bits = bits;
+  int read = 0;
+  if (std::sscanf(squares.c_str(), "%dx%d%n", &board.columns, &board.rows, &read) == 2 &&
+      read == static_cast<int>(squares.size()))
+    return true;
+  fmt::print(stderr, "skein: --squares {}; allowed: columns x rows, such as 12x8\n", squares);
+  return false;
+}
+
+void VisionCommands::add_to(CLI::App& program) {
+  CLI::App& calibrate = *program.add_subcommand("calibrate", "Finds out what the camera does and where it is");
+  calibrate.require_subcommand(1);
+
+  intrinsics_ = calibrate.add_subcommand(
+      "intrinsics", "Focal length, centre and distortion of a camera, from pictures of a board (`skein tags board`)");
+  intrinsics_->add_option("source", intrinsics_request_.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+  intrinsics_->add_option("--out", intrinsics_request_.out, "calibration to write")->type_name("CAL.TOML")->required();
+  intrinsics_->add_option("--views", intrinsics_request_.views, "of a film or camera, how many views at most")
+      ->check(CLI::Range(3, 1000))
+      ->capture_default_str();
+  intrinsics_request_.words.add_to(*intrinsics_, /*calibrated=*/false);
+  intrinsics_->add_flag("--quiet", intrinsics_request_.quiet, "no progress, no summary");
+  calibration_board_.add_to(*intrinsics_);
+
+  const auto floor_words = [](CLI::App& command, FloorRequest& request) {
+    command.add_option("source", request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+    command.add_option("--camera", request.camera, "calibration file")->type_name("CAL.TOML")->required();
+    command.add_option("--marks", request.marks, "what lies where on the floor (see docs/calibration.md)")
+        ->type_name("MARKS.TOML")
+        ->required();
+    command.add_option("--frames", request.frames, "frames to look at and average")
+        ->check(CLI::Range(1, 10000))
+        ->capture_default_str();
+    request.words.add_to(command, /*calibrated=*/true);
+    command.add_flag("--quiet", request.quiet, "no summary");
+  };
+  floor_ = calibrate.add_subcommand(
+      "floor", "The world frame of a camera that hangs, from tags or points on the floor whose places are known");
+  floor_words(*floor_, floor_request_);
+  floor_->add_option("--out", floor_request_.out, "calibration to write; default: the one that was read")
+      ->type_name("CAL.TOML");
+  floor_->add_option("--tag-height", tag_height_mm_, "how high the robots carry their tags [mm]")
+      ->type_name("MM")
+      ->check(CLI::Range(0.0, 10000.0));
+  floor_->add_option("--tag-size", tag_size_mm_, "edge of the robots' tags [mm]")
+      ->type_name("MM")
+      ->check(CLI::Range(5.0, 2000.0));
+  floor_
+      ->add_option("--measure-height", floor_request_.measure_height,
+                   "measure that height by how large this robot's tag looks")
+      ->type_name("TAG")
+      ->check(CLI::Range(0, 586));
+
+  check_ = calibrate.add_subcommand("check", "How far a calibration is off, mark by mark, in millimetres on the floor");
+  floor_words(*check_, check_request_);
+  check_->add_option("--limit", limit_mm_, "exit with status 1 if a mark is farther off [mm]")
+      ->type_name("MM")
+      ->check(CLI::Range(0.001, 10000.0));
+
+  tags_ = program.add_subcommand("tags", "Writes sheets to print: tags for robots, or a calibration board");
+  tags_->require_subcommand(0, 1);
+  tags_->add_option("ids", tags_request_.ids, "tags of the family 36h11, such as 1-4,7")->capture_default_str();
+  tags_->add_option("--size", tags_request_.size_mm, "edge of the black square [mm]")
+      ->type_name("MM")
+      ->capture_default_str();
+  tags_->add_option("--copies", tags_request_.copies, "of every tag")->check(CLI::Range(1, 100))->capture_default_str();
+  tags_->fallthrough();
+  tags_->add_option("--paper", tags_request_.paper, "A4, A3, A2, A1, A0 or letter")->capture_default_str();
+  tags_->add_option("--out", tags_request_.out, "a name that ends in .pdf or .svg")->capture_default_str();
+  board_ = tags_->add_subcommand("board", "A calibration board instead of tags");
+  printed_board_.add_to(*board_);
+}
+
+std::optional<int> VisionCommands::run() {
+  if (*intrinsics_)
+    return calibration_board_.read(intrinsics_request_.board) ? calibrate_intrinsics(intrinsics_request_) : wrong_input;
+  floor_request_.tag_height = tag_height_mm_ < 0.0 ? -1.0 : 1e-3 * tag_height_mm_;
+  floor_request_.tag_size = 1e-3 * tag_size_mm_;
+  check_request_.limit = 1e-3 * limit_mm_;
+  if (*floor_) return calibrate_floor(floor_request_);
+  if (*check_) return calibrate_check(check_request_);
+  if (!*tags_) return {};
+  tags_request_.is_board = static_cast<bool>(*board_);
+  return printed_board_.read(tags_request_.board) ? print_tags(tags_request_) : wrong_input;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "app/cli/command_calibrate.h"
+
+namespace skein::app {
+
+/// The words of `skein calibrate` and `skein tags` on the command line.
+class VisionCommands {
+ public:
+  void add_to(CLI::App& program);
+  /// Does what was asked for and returns its ExitStatus; none: another command was.
+  std::optional<int> run();
+
+ private:
+  /// A board in the words of people: millimetres.
+  struct BoardWords {
+    std::string kind = "charuco";
+    std::string squares = "12x8";
+    double square_mm = 20.0, marker_mm = 15.0;
+    int bits = 5;
+    void add_to(CLI::App& command);
+    bool read(vision::Board& board) const;
+  };
+  CLI::App *intrinsics_ = nullptr, *floor_ = nullptr, *check_ = nullptr, *tags_ = nullptr, *board_ = nullptr;
+  IntrinsicsRequest intrinsics_request_;
+  FloorRequest floor_request_, check_request_;
+  TagsRequest tags_request_;
+  BoardWords calibration_board_, printed_board_;
+  double tag_height_mm_ = -1.0, tag_size_mm_ = -1.0, limit_mm_ = 0.0;
+};
+
+}  // namespace skein::app

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include "app/cli/commands.h"
+#include "app/experiment/certificate.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_file.h"
+#include "app/record/report.h"
+#include "app/record/statistics.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/session/session.h"
+
+namespace skein::app {
+namespace {
+
+/// Tells a person at a terminal how far the run is; says nothing into a pipe.
+class Progress final : public RecordSink {
+ public:
+  Progress(const Experiment& experiment, bool quiet)
+      : duration_(experiment.duration), shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
+  ~Progress() override {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  void record(const TickRecord& record) override {
+    if (!shown_ || record.tick % 25 != 0) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    fmt::print(stderr, "\r\033[K{:.1f} s of {:g} s, tracking error {:.1f} mm", record.t, duration_,
+               1e3 * record.tracking_error());
+  }
+
+ private:
+  double duration_;
+  bool shown_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+void complain(const std::string& text) {
+  fmt::print(stderr, "skein: {}\n", text);
+}
+
+}  // namespace
+
+bool anything_real(const Experiment& experiment) {
+  const bool real_robot = std::any_of(experiment.robots.begin(), experiment.robots.end(),
+                                      [](const RobotSpec& robot) { return !robot.simulated(); });
+  return real_robot || (experiment.camera.source != "none" && experiment.camera.source != "synthetic");
+}
+
+std::optional<Experiment> load(const ExperimentRequest& request) {
+  if (request.file.empty()) return paper_experiment();
+  auto experiment = load_experiment(request.file, request.sets);
+  if (experiment) return std::move(*experiment);
+  for (const Problem& problem : experiment.error()) fmt::print(stderr, "{}\n", problem.message());
+  return {};
+}
+
+int run(const RunRequest& request) {
+  const auto experiment = load(request.experiment);
+  if (!experiment) return wrong_input;
+  const bool real = anything_real(*experiment);
+  if (real && request.speed == "max") {
+    complain("--speed max: only a run in which nothing is real can go faster than real time; allowed here: realtime");
+    return wrong_input;
+  }
+  const auto clock = real || request.speed == "realtime" ? Session::Clock::wall : Session::Clock::virtual_;
+  if (!request.report.empty())
+    if (auto possible = check_report(request.report); !possible) {
+      complain(possible.error());
+      return wrong_input;
+    }
+
+  Statistics statistics(*experiment);
+  Progress progress(*experiment, request.quiet);
+  SessionOptions options;
+  options.sinks = {&statistics, &progress};
+  options.video = request.video;
+  options.guard = true;
+  std::vector<std::unique_ptr<CsvFile>> files;
+  try {
+    for (const std::string& path :
+         {request.csv, request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()}) {
+      if (path.empty()) continue;
+      files.push_back(std::make_unique<CsvFile>(path, *experiment));
+      options.sinks.push_back(files.back().get());
+    }
+  } catch (const std::exception& error) {
+    complain(error.what());
+    return wrong_input;
+  }
+
+  auto session = Session::open(*experiment, clock, options);
+  if (!session) {
+    complain(session.error());
+    return device_failed;
+  }
+  if (const auto why = (*session)->unguarded())
+    complain(fmt::format("{}: should this program be killed, nothing stops the robots", *why));
+  const Phase end = (*session)->run([] { return !interrupted(); });
+  (*session)->close();
+
+  Statistics::Summary summary = statistics.summary();
+  summary.stopped = end != Phase::finished;
+  summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
+  summary.failure = (*session)->failure().value_or("");
+  const CameraStatus camera = (*session)->camera();
+  for (const std::string& notice : camera.notices) complain(notice);
+  if (camera.outages > 0) complain(fmt::format("the camera failed {} times: {}", camera.outages, camera.reason));
+  summary.camera_outages = camera.outages;
+  summary.camera_damaged = camera.damaged;
+  const VideoStatus video = (*session)->video();
+  summary.video_frames = video.frames;
+  summary.video_dropped = video.dropped;
+  summary.video_problem = video.problem;
+  summary.dropped_rows = static_cast<std::int64_t>((*session)->dropped_rows());
+  for (const auto& file : files) {
+    try {
+      file->finish();
+    } catch (const std::exception& error) {  // whether the robots stand must be told all the same
+      if (summary.failure.empty()) summary.failure = error.what();
+    }
+  }
+  const std::vector<RobotStatus> robots = (*session)->robots();
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    if (experiment->robots[i].link != RobotSpec::Link::sim) summary.links.emplace_back(static_cast<int>(i), robots[i]);
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    if (!robots[i].stop_acknowledged) summary.not_stopped.push_back(static_cast<int>(i));
+
+  if (!request.report.empty())
+    if (auto written = write_report(request.report, *experiment, summary); !written) {
+      complain(written.error());
+      return wrong_input;
+    }
+  if (!request.quiet) fmt::print("{}", request.json ? as_json(summary) + "\n" : as_lines(summary));
+
+  for (const int robot : summary.not_stopped)
+    complain(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",
+                         robot + 1));
+  if (!summary.failure.empty()) complain(summary.failure);
+  if (summary.dropped_rows > 0)
+    complain(fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
+  if (!video.problem.empty()) complain("the film of the run is not complete: " + video.problem);
+  if (!summary.failure.empty() || !video.problem.empty() || !summary.not_stopped.empty()) return device_failed;
+  std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
+  if (summary.stopped)
+    failed.insert(failed.begin(), fmt::format("stopped at {:g} s of {:g} s", summary.duration, experiment->duration));
+  for (const std::string& sentence : failed) complain(sentence);
+  return failed.empty() ? done : expectation_failed;
+}
+
+}  // namespace skein::app

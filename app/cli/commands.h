@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/tools/camera_words.h"
+
+namespace skein::app {
+
+/// The bodies of the subcommands; each returns an ExitStatus and says what went wrong on stderr.
+
+/// Where an experiment comes from on the command line.
+struct ExperimentRequest {
+  std::string file;               ///< empty: the paper's experiment
+  std::vector<std::string> sets;  ///< --set, with --duration and --seed
+};
+/// Loads it, or prints every problem to stderr.
+std::optional<Experiment> load(const ExperimentRequest& request);
+
+struct RunRequest {
+  ExperimentRequest experiment;
+  std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
+  bool quiet = false, json = false;
+};
+int run(const RunRequest& request);
+
+int check(const ExperimentRequest& request);
+int replay(const std::string& csv, const std::string& film);
+
+struct TrackRequest {
+  std::string source, camera, csv, record;
+  CameraWords words;
+  bool list_controls = false;
+  bool quiet = false;
+};
+int track(const TrackRequest& request);
+
+struct SweepRequest {
+  std::string file, csv;
+  std::vector<std::string> sets;
+  std::optional<std::int64_t> runs;
+  std::optional<std::uint64_t> seed, only;  ///< only: the one run with this seed
+  unsigned threads = 0;                     ///< 0: as many as there are cores
+  bool quiet = false, json = false;
+};
+int sweep(const SweepRequest& request);
+
+/// What a camera can do and how it is set; without a device, which there are.
+int list_cameras(const std::string& device);
+
+/// Whether a robot or the camera of an experiment is no simulation, so that it runs in real time.
+bool anything_real(const Experiment& experiment);
+
+struct RobotsRequest {
+  std::vector<std::string> words;   ///< which robots, see named_robots()
+  std::string file;                 ///< of robots; empty: known_robots_file() says which
+  std::string camera, calibration;  ///< source and calibration file; empty: that of the experiment, if there is one
+  std::string adapter;              ///< "hci1", or its address; empty: all
+  double seconds = 12.0;            ///< how long to look for robots
+  bool save = false;                ///< into the file of robots
+};
+
+/// Robots by words of the command line, with what is wrong on stderr: link addresses, names of the file of robots,
+/// files of robots, experiment files.
+struct NamedRobots {
+  std::vector<RobotSpec> robots;
+  std::optional<Experiment> experiment;  ///< where an experiment file is the only word
+};
+std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, const std::string& file);
+
+/// The robots of the file of robots, as a table.
+int list_robots(const std::string& file);
+
+/// Stops robots, whatever state they were left in; without words all known ones and those of every run that was killed.
+/// `device_failed` when one has not acknowledged.
+int stop_robots(const std::vector<std::string>& words, const std::string& file = {});
+
+/// Looks for robots by Bluetooth and prints them as tables of a file of robots; `device_failed` if there is none.
+int scan_robots(const RobotsRequest& request);
+
+/// Pairs with robots, named by name or address; prints them likewise; `device_failed` if one was not paired.
+int pair_robots(const RobotsRequest& request);
+
+/// Asks robots who they are, turns their wheels a little, and names what is wrong with them; `device_failed` if
+/// something is. See robot_test.h.
+int test_robots(const RobotsRequest& request);
+
+/// Says on stderr which runs ended without stopping their robots, if any did, and offers to stop them where somebody
+/// sits at a terminal.
+void look_after_bad_ends();
+
+}  // namespace skein::app

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+/// Files of resources/ that are part of the program (see CMakeLists.txt here), so that it finds them wherever it is
+/// installed.
+namespace skein::app::embedded {
+
+extern const std::string_view platoon_toml;  ///< resources/experiments/platoon.toml
+extern const std::string_view figure3_gp;    ///< resources/figures/figure3.gp
+extern const std::string_view figure4_gp;    ///< resources/figures/figure4.gp
+
+}  // namespace skein::app::embedded

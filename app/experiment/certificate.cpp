@@ -1,0 +1,257 @@
+#include "app/experiment/certificate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <span>
+
+namespace skein::app {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+void keep_smallest(Certificate::Worst& worst, double value, double t) noexcept {
+  if (value < worst.value) worst = {value, t};
+}
+void keep_largest(Certificate::Worst& worst, double value, double t) noexcept {
+  if (value > worst.value) worst = {value, t};
+}
+
+void keep_smallest(Certificate::Theorem::Least& least, double value, double t, std::size_t robot) noexcept {
+  if (value < least.value) least = {value, t, robot};
+}
+
+/// Since when each case of the theorem has held without a break, and the least velocities since then.
+class CaseWatch {
+ public:
+  CaseWatch(double v_max, double omega_max) : nothing_v_(nothing * v_max), nothing_omega_(nothing * omega_max) {}
+
+  void see(double t, std::span<const core::Twist> twists) {
+    for (std::size_t i = 0; i < twists.size(); ++i) {
+      const double v = std::abs(twists[i].v), omega = std::abs(twists[i].omega);
+      keep_smallest(v_.least, v, t, i);
+      keep_smallest(omega_.least, omega, t, i);
+      see(v_, v > nothing_v_, v, t, i);
+      see(omega_, omega > nothing_omega_, omega, t, i);
+    }
+  }
+
+  Certificate::Theorem found(bool continuous_omega) const {
+    using Case = Certificate::Theorem::Case;
+    Certificate::Theorem theorem{v_.least, omega_.least, continuous_omega, 0.0, Case::neither};
+    const auto take = [&](Case holds, const Since& since) {
+      theorem.holds = holds;
+      theorem.from = since.from;
+      (holds == Case::moving ? theorem.v : theorem.omega) = since.after;
+    };
+    if (v_.after.value < infinite)
+      take(Case::moving, v_);
+    else if (omega_.after.value < infinite && continuous_omega)
+      take(Case::stopping, omega_);
+    return theorem;
+  }
+
+ private:
+  static constexpr double nothing = 1e-3;  // of a limit: between two ticks it may be a little smaller than at both
+
+  struct Since {
+    double from = 0.0;  // [s]
+    Certificate::Theorem::Least least{infinite, 0.0, 0}, after{infinite, 0.0, 0};
+  };
+  static void see(Since& since, bool nonzero, double value, double t, std::size_t robot) {
+    if (!nonzero) {
+      since.from = std::nextafter(t, infinite);  // later than this tick
+      since.after = {infinite, 0.0, 0};
+    } else if (t >= since.from) {
+      keep_smallest(since.after, value, t, robot);
+    }
+  }
+
+  double nothing_v_, nothing_omega_;
+  Since v_, omega_;
+};
+
+std::string as_text(const Certificate::Theorem& theorem) {
+  using Case = Certificate::Theorem::Case;
+  const std::string v =
+      fmt::format("{:.4g} m/s, robot {} at t = {:g} s", theorem.v.value, theorem.v.robot + 1, theorem.v.t);
+  const std::string omega = fmt::format("{:.4g} rad/s, robot {} at t = {:g} s", theorem.omega.value,
+                                        theorem.omega.robot + 1, theorem.omega.t);
+  const std::string from = theorem.from > 0.0 ? fmt::format(" from t = {:.4g} s on", theorem.from) : "";
+  if (theorem.holds == Case::moving)
+    return fmt::format("case 1{}, v_ref is nonzero (smallest: {}), bounded and uniformly continuous", from, v);
+  if (theorem.holds == Case::stopping)
+    return fmt::format(
+        "case 2{}, v_ref vanishes ({}) while omega_ref is nonzero (smallest: {}) and uniformly continuous", from, v,
+        omega);
+  return fmt::format(
+      "does not apply: v_ref vanishes ({}), against case 1, and omega_ref {}, against case 2; errors stay "
+      "bounded but need not vanish",
+      v, theorem.continuous_omega ? fmt::format("vanishes ({})", omega) : "jumps along the path");
+}
+
+std::array<std::pair<core::PairTable*, core::GainName>, core::pair_names.size()> parts_of(core::Gains& g) {
+  using Name = core::GainName;
+  return {{{&g.k_xx, Name::k_xx},
+           {&g.k_tt, Name::k_tt},
+           {&g.k_yy, Name::k_yy},
+           {&g.c_xx, Name::c_xx},
+           {&g.c_tt, Name::c_tt},
+           {&g.c_yy, Name::c_yy},
+           {&g.l_xx, Name::l_xx},
+           {&g.l_tt, Name::l_tt}}};
+}
+
+void put(core::CouplingGains now, core::Gains& gains) {
+  for (const auto& [target, name] : parts_of(gains)) *target = core::table(now, name);
+}
+
+void begin(const GainChange& change, core::GainSchedule& schedule, double ramp) {
+  for (const core::GainName name : core::pair_names)
+    if (change[name]) schedule.ramp(name, *change[name], ramp);
+}
+
+/// The gains at the start, and those that each change leads to.
+std::vector<core::Gains> all_gains(const Experiment& experiment) {
+  std::vector<core::Gains> all{make_gains(experiment)};
+  core::GainSchedule schedule(experiment.controller.gains);
+  for (const GainChange& change : experiment.gain_changes) {
+    begin(change, schedule, 0.0);
+    schedule.step(experiment.period());
+    all.push_back(all.front());
+    put(schedule.now(), all.back());
+  }
+  return all;
+}
+
+}  // namespace
+
+bool Certificate::holds() const noexcept {
+  constexpr double rounding = -1e-12;
+  return std::all_of(robots.begin(), robots.end(), [](const Robot& r) {
+    return r.k_x.value > 0.0 && r.k_theta.value > 0.0 && r.b.value >= 0.0 && r.f.value >= rounding &&
+           r.g.value >= rounding && r.v.value < 1.0 && r.omega.value < 1.0 && r.wheel.value <= 1.0;
+  });
+}
+
+Certificate certify(const Experiment& experiment) {
+  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
+  core::Gains gains = make_gains(experiment);
+  core::GainSchedule schedule(experiment.controller.gains);
+  const std::size_t n = experiment.robots.size();
+
+  Certificate certificate;
+  certificate.fixed = gains.policy == core::GainPolicy::fixed;
+  certificate.v_max = experiment.controller.v_max;
+  certificate.omega_max = experiment.controller.omega_max;
+  Certificate::Robot start;
+  start.k_x.value = start.k_theta.value = start.b.value = start.f.value = start.g.value = infinite;
+  start.v.value = start.omega.value = start.wheel.value = -infinite;
+  certificate.robots.assign(n, start);
+
+  CaseWatch cases(certificate.v_max, certificate.omega_max);
+
+  std::vector<core::ReferencePoint> points(n);
+  std::vector<core::Twist> twists(n);
+  std::size_t next_change = 0;
+  for (std::int64_t k = 0; k < experiment.ticks(); ++k) {
+    const double t = static_cast<double>(k) / experiment.rate;
+    for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change)
+      begin(experiment.gain_changes[next_change], schedule, experiment.gain_changes[next_change].ramp);
+    if (k > 0) schedule.step(experiment.period());
+    put(schedule.now(), gains);
+    reference->at(t, points);
+    for (std::size_t i = 0; i < n; ++i) twists[i] = points[i].twist;
+    core::use_policy(gains, twists);
+    cases.see(t, twists);
+    for (std::size_t i = 0; i < n; ++i) {
+      Certificate::Robot& robot = certificate.robots[i];
+      const core::CommandLimits limits = make_limits(experiment, i);
+      const double v = std::abs(twists[i].v), omega = std::abs(twists[i].omega);
+      keep_smallest(robot.k_x, gains.k_x[i], t);
+      keep_smallest(robot.k_theta, gains.k_theta[i], t);
+      const core::Margins margins = core::margins(gains, i, twists[i]);
+      keep_smallest(robot.b, margins.b, t);
+      keep_smallest(robot.f, margins.f, t);
+      keep_smallest(robot.g, margins.g, t);
+      keep_largest(robot.v, v / limits.v_max, t);
+      keep_largest(robot.omega, omega / limits.omega_max, t);
+      keep_largest(robot.wheel, (v + 0.5 * limits.drive.track * omega) / limits.drive.max_wheel_speed(), t);
+    }
+  }
+  certificate.theorem = cases.found(reference->smooth());
+  certificate.delay = smallest_delay_margin(experiment);
+  return certificate;
+}
+
+Certificate::Delay smallest_delay_margin(const Experiment& experiment) {
+  constexpr int samples = 500;
+  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
+  const std::size_t n = experiment.robots.size();
+
+  // Of every robot the straightest, the tightest and the fastest piece, once each: they are mostly the same for all.
+  struct Place {
+    core::Twist twist;
+    double t;
+    std::size_t robot;
+  };
+  std::vector<Place> places;
+  const auto add = [&](const Place& place) {
+    const auto same = [&](const Place& p) {
+      return std::abs(p.twist.v - place.twist.v) < 1e-9 &&
+             std::abs(std::abs(p.twist.omega) - std::abs(place.twist.omega)) < 1e-9;
+    };
+    if (std::none_of(places.begin(), places.end(), same)) places.push_back(place);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    Place straight{reference->at(i, 0.0).twist, 0.0, i}, tight = straight, fast = straight;
+    for (int k = 1; k < samples; ++k) {
+      const double t = experiment.duration * k / samples;
+      const Place place{reference->at(i, t).twist, t, i};
+      const auto turn = [](const Place& p) { return std::abs(p.twist.omega); };
+      if (turn(place) < turn(straight)) straight = place;
+      if (turn(place) > turn(tight)) tight = place;
+      if (place.twist.v > fast.twist.v) fast = place;
+    }
+    for (const Place& place : {straight, tight, fast}) add(place);
+  }
+  Certificate::Delay least;
+  least.margin = {infinite, true};
+  for (core::Gains& gains : all_gains(experiment))
+    for (const Place& place : places) {
+      core::use_policy(gains, std::vector<core::Twist>(n, place.twist));
+      const core::DelayMargin margin = core::delay_margin(gains, place.robot, place.twist, experiment.period());
+      if (margin.delay < least.margin.delay) least = {margin, place.t, place.robot};
+    }
+  return least;
+}
+
+std::string as_lines(const Certificate& certificate) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  for (std::size_t i = 0; i < certificate.robots.size(); ++i) {
+    const Certificate::Robot& r = certificate.robots[i];
+    fmt::format_to(out, "robot_{}_smallest_k_x: {:.4g} m/s ({:.0f} % of v_max) at t = {:g} s\n", i + 1, r.k_x.value,
+                   100.0 * r.k_x.value / certificate.v_max, r.k_x.t);
+    fmt::format_to(out, "robot_{}_smallest_k_theta: {:.4g} rad/s ({:.0f} % of omega_max) at t = {:g} s\n", i + 1,
+                   r.k_theta.value, 100.0 * r.k_theta.value / certificate.omega_max, r.k_theta.t);
+    if (certificate.fixed) {
+      fmt::format_to(out, "robot_{}_smallest_margin_f: {:.4g} m/s at t = {:g} s\n", i + 1, r.f.value, r.f.t);
+      fmt::format_to(out, "robot_{}_smallest_margin_g: {:.4g} rad/s at t = {:g} s\n", i + 1, r.g.value, r.g.t);
+    }
+    fmt::format_to(
+        out, "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
+        i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
+  }
+  fmt::format_to(out, "theorem_1: {}\n", as_text(certificate.theorem));
+  fmt::format_to(out, "delay_margin: {}{:.4g} s (robot {} at t = {:g} s)\n",
+                 certificate.delay.margin.unbounded ? "more than " : "", certificate.delay.margin.delay,
+                 certificate.delay.robot + 1, certificate.delay.t);
+  fmt::format_to(out, "conditions_18: {}\n", certificate.holds() ? "hold over the whole reference" : "VIOLATED");
+  return text;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,196 @@
+#include "app/replay/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <span>
+
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_reader.h"
+#include "app/replay/replay_film.h"
+#include "app/run/operator_command.h"
+#include "app/tick/control_tick.h"
+
+namespace skein::app {
+namespace {
+
+/// What the operator did at a recorded tick.
+std::vector<OperatorCommand> commands_of(const TickRecord& row) {
+  std::vector<OperatorCommand> commands;
+  for (const Event& event : row.events)
+    if (const auto command = command_of(event, true)) commands.push_back(*command);
+  return commands;
+}
+
+bool contains(const EventList& events, Event::Kind kind) {
+  for (const Event& event : events)
+    if (event.kind == kind) return true;
+  return false;
+}
+
+bool same_bits(double a, double b) noexcept {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+/// When the newest frame that a tick knew of was taken; a frame in which nobody was seen need not be known.
+double newest_capture(const TickRecord& row) noexcept {
+  double newest = core::Measurement{}.captured_at;
+  for (const RobotRecord& robot : row.robots) newest = std::fmax(newest, robot.measurement.captured_at);
+  return newest;
+}
+
+struct Value {
+  const char* name;
+  double recorded, again;
+};
+
+/// Compares values of one robot at one tick, notes the first that differs; false: one did.
+template <std::size_t N>
+bool same(const Value (&values)[N], const TickRecord& row, std::size_t robot, ReplayResult& result) {
+  for (const Value& value : values) {
+    if (same_bits(value.recorded, value.again)) continue;
+    if (result.first.empty())
+      result.first = fmt::format("tick {} (t = {} s), r{}_{}: recorded {}, replayed {}", row.tick, row.t, robot + 1,
+                                 value.name, value.recorded, value.again);
+    return false;
+  }
+  return true;
+}
+
+void compare_poses(const TickRecord& recorded, std::span<const core::Measurement> again, ReplayResult& result) {
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    const core::Measurement &a = recorded.robots[i].measurement, &b = again[i];
+    ++result.poses;
+    if (std::isnan(a.captured_at)) continue;  // nobody had seen it yet
+    const Value values[] = {{"x_meas", a.pose.x, b.pose.x},
+                            {"y_meas", a.pose.y, b.pose.y},
+                            {"theta_meas", a.pose.theta, b.pose.theta},
+                            {"t_meas", a.captured_at, b.captured_at},
+                            {"sigma_xy", a.sigma_xy, b.sigma_xy},
+                            {"sigma_theta", a.sigma_theta, b.sigma_theta}};
+    result.poses_different += same(values, recorded, i, result) ? 0 : 1;
+  }
+}
+
+void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& result) {
+  for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
+    const RobotRecord& a = recorded.robots[i];
+    const RobotRecord& b = again.robots[i];
+    const Value values[] = {{"v", a.command.v, b.command.v},
+                            {"omega", a.command.omega, b.command.omega},
+                            {"wheel_left", a.wheels.left, b.wheels.left},
+                            {"wheel_right", a.wheels.right, b.wheels.right}};
+    ++result.commands;
+    result.different += same(values, recorded, i, result) ? 0 : 1;
+  }
+}
+
+/// What a row needs to be shown and no file has.
+void complete(TickRecord& row, const TickRecord& again) {
+  row.phase = again.phase;
+  row.pair_gains = again.pair_gains;  // older files have none
+  for (std::size_t i = 0; i < row.robots.size(); ++i) {
+    row.robots[i].k_x = again.robots[i].k_x;
+    row.robots[i].k_theta = again.robots[i].k_theta;
+    row.robots[i].margins = again.robots[i].margins;
+  }
+}
+
+/// `run`, if there is one, gets experiment and rows.
+tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std::string& file, const std::string& film,
+                                                    RecordedRun* run) {
+  auto reader = CsvReader::open(csv, file);
+  if (!reader) return tl::unexpected(reader.error());
+  const auto experiment = parse_experiment(reader->head().source, file + " (experiment)");
+  if (!experiment) return tl::unexpected(experiment.error().front().message());
+  if (experiment->robots.size() != reader->robots())
+    return tl::unexpected(fmt::format("{}: {} robots in its experiment, but {} in its columns", file,
+                                      experiment->robots.size(), reader->robots()));
+  ReplayResult result;
+  result.experiment = reader->head().name;
+  if (!reader->head().intact)
+    result.warnings.push_back("the experiment in the file has been changed since it was recorded");
+  if (reader->head().version != SKEIN_VERSION)
+    result.warnings.push_back(fmt::format("recorded by skein {}, replayed by " SKEIN_VERSION, reader->head().version));
+
+  if (run) run->experiment = *experiment;
+  std::optional<ReplayFilm> frames;
+  if (!film.empty()) {
+    auto opened = ReplayFilm::open(film, *experiment);
+    if (!opened) return tl::unexpected(opened.error());
+    frames = std::move(*opened);
+    result.filmed = true;
+  }
+
+  ControlTick tick(*experiment);
+  std::vector<core::Measurement> measurements(experiment->robots.size());
+  std::vector<double> delays(experiment->robots.size());
+  TickRecord row;
+  std::int64_t last_tick = 0;
+  while (true) {
+    const auto more = reader->next(row);
+    if (!more) return tl::unexpected(more.error());
+    if (!*more) break;
+    if (frames) {
+      if (const auto seen = frames->advance(newest_capture(row), measurements); !seen)
+        return tl::unexpected(seen.error());
+      compare_poses(row, measurements, result);
+    } else {
+      for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = row.robots[i].measurement;
+    }
+    const std::vector<OperatorCommand> commands = commands_of(row);
+    for (std::size_t i = 0; i < delays.size(); ++i)
+      delays[i] = std::isnan(row.robots[i].actuation_delay) ? 0.0 : row.robots[i].actuation_delay;
+    TickInput input;
+    input.now = row.now;
+    input.elapsed = static_cast<int>(std::max<std::int64_t>(1, row.tick - last_tick));
+    input.stop = contains(row.events, Event::Kind::stop);
+    input.measurements = measurements;
+    input.delays = delays;
+    input.commands = commands;
+    for (const Event& event : row.events)
+      if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move) input.events.add(event);
+    const TickRecord& again = tick.step(input);
+    compare(row, again, result);
+    if (run) {
+      run->rows.push_back(row);
+      complete(run->rows.back(), again);
+    }
+    last_tick = row.tick;
+    ++result.ticks;
+  }
+  if (frames) {
+    result.frames = frames->frames();
+    result.missing_frames = frames->missing();
+    if (result.missing_frames > 0)
+      result.warnings.push_back(
+          fmt::format("the film lacks {} frames that its recorder was too slow for", result.missing_frames));
+  }
+  return result;
+}
+
+}  // namespace
+
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film) {
+  return replay_into(csv, file, film, nullptr);
+}
+
+tl::expected<RecordedRun, std::string> load_run(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return tl::unexpected(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
+  RecordedRun run;
+  run.file = file;
+  auto check = replay_into(in, file, {}, &run);
+  if (!check) return tl::unexpected(check.error());
+  run.check = std::move(*check);
+  if (run.rows.empty()) return tl::unexpected(fmt::format("{}: it has no rows", file));
+  return run;
+}
+
+}  // namespace skein::app

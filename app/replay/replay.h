@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <istream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/run/tick_record.h"
+
+namespace skein::app {
+
+/// A recorded run, put through the same tick once more.
+struct ReplayResult {
+  std::string experiment;  ///< its name
+  std::int64_t ticks = 0;
+  std::int64_t commands = 0;         ///< compared: one a robot and tick
+  std::int64_t different = 0;        ///< that did not come out bit for bit
+  bool filmed = false;               ///< the poses came from a film
+  std::int64_t frames = 0;           ///< of it that were worked off
+  std::int64_t missing_frames = 0;   ///< that its recorder had dropped
+  std::int64_t poses = 0;            ///< compared: one a robot and tick
+  std::int64_t poses_different = 0;  ///< that did not come out bit for bit
+  std::string first;                 ///< where the first difference is, and what it is; empty: there is none
+  std::vector<std::string> warnings;
+};
+
+/// Feeds the measurements, times and operator's commands of a run's CSV to a new tick and compares every command (v,
+/// omega and both wheels) with the recorded one. `file` stands for the stream in messages. The error says where the
+/// file cannot be read.
+/// With the film of the run (`skein run --video`), the measurements come from it instead, through the same tracker, and
+/// are compared with the recorded ones too. Empty: none.
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file,
+                                               const std::string& film = {});
+
+/// A recorded run with all that the window shows of one.
+struct RecordedRun {
+  std::string file;
+  Experiment experiment;         ///< as the file embeds it
+  std::vector<TickRecord> rows;  ///< as recorded; phase, margins and tracking gains, which no file has, as replayed
+  ReplayResult check;
+};
+
+/// Reads a run and replays it. The error says what cannot be read, and where.
+tl::expected<RecordedRun, std::string> load_run(const std::string& file);
+
+}  // namespace skein::app

@@ -1,0 +1,46 @@
+#include "app/replay/replay_film.h"
+
+#include <fmt/format.h>
+
+#include "app/session/camera_rig.h"
+
+namespace skein::app {
+
+tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, const Experiment& experiment) {
+  auto source = vision::open_source("video:" + path);
+  if (!source) return tl::unexpected(source.error());
+  const auto calibration_note = (*source)->notes().find("CALIBRATION");
+  if (!(*source)->recorded() || calibration_note == (*source)->notes().end())
+    return tl::unexpected(
+        fmt::format("{}: carries no capture times and no calibration; allowed: a film that "
+                    "`skein run --video` has kept",
+                    path));
+  const auto calibration = vision::parse_calibration(calibration_note->second, path + " (CALIBRATION)");
+  if (!calibration) return tl::unexpected(calibration.error());
+  if (!calibration->world_from_camera)
+    return tl::unexpected(fmt::format("{}: its calibration has no world frame", path));
+  std::vector<int> wanted = wanted_tags(experiment);
+  vision::TagTracker tracker(*calibration, {.tags = wanted});
+  return ReplayFilm(std::move(*source), std::move(tracker), std::move(wanted));
+}
+
+tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core::Measurement> newest) {
+  while (!ended_) {
+    if (!has_next_) {
+      const auto read = source_->read(next_);
+      if (!read) return tl::unexpected(read.error());
+      ended_ = !*read;
+      has_next_ = *read;
+      if (ended_) break;
+    }
+    if (next_.captured_at > time) break;
+    missing_ += next_.index - last_index_ - 1;
+    last_index_ = next_.index;
+    take(tracker_.process(next_), wanted_, newest);
+    ++frames_;
+    has_next_ = false;
+  }
+  return {};
+}
+
+}  // namespace skein::app

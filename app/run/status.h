@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/run/tick_record.h"
+
+namespace skein::app {
+
+/// What the camera saw last, for the window.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> grey;  ///< row by row, 0 black
+};
+
+/// One robot's link as the window and the summary show it.
+struct RobotStatus {
+  std::string link;                                 ///< "simulated", "up", "stale", "failed" ...
+  std::string reason;                               ///< the newest thing that went wrong
+  double round_trip = none, round_trip_p99 = none;  ///< median and 99th percentile of the last 256 [s]
+  std::uint64_t exchanges = 0, timeouts = 0, resynchronisations = 0, reconnects = 0;
+  std::uint64_t bytes_sent = 0, bytes_received = 0;
+  double battery = none;           ///< [V]; none: not known, or an old e-puck1, which says only whether it is low
+  bool battery_low = false;        ///< charge it
+  std::string battery_text{};      ///< the same in words: "3.90 V", "good", "unknown"
+  std::string version{};           ///< of its firmware, as it says it; empty: it did not
+  bool stop_acknowledged = false;  ///< after close()
+};
+
+/// What a check of one robot's wheels has found.
+struct WheelCheck {
+  std::size_t robot = 0;
+  std::string version{};  ///< of its firmware; empty: it did not say
+  double battery = none;  ///< [V]; none: not known
+  bool battery_low = false;
+  int left_steps = 0, right_steps = 0;  ///< that each wheel's counter said when it alone was told to turn
+  std::vector<std::string> faults{};    ///< a sentence each; empty: the robot does as it is told
+};
+
+/// How a real camera has been doing.
+struct CameraStatus {
+  bool up = true;                    ///< false: it does not deliver, and is opened again and again
+  std::int64_t outages = 0;          ///< times that it stopped delivering
+  std::int64_t damaged = 0;          ///< frames that could not be used
+  std::int64_t passed_over = 0;      ///< whole frames that a newer one had overtaken
+  std::string reason;                ///< of the last outage
+  std::vector<std::string> notices;  ///< what could not be set as it was asked for
+};
+
+/// The film that a session keeps of its camera's frames.
+struct VideoStatus {
+  std::int64_t frames = 0;   ///< kept
+  std::int64_t dropped = 0;  ///< not kept, since the disk or the encoder was too slow, or after the problem
+  std::string problem;       ///< why the film ends early; the run goes on all the same
+};
+
+}  // namespace skein::app

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "app/run/event.h"
+#include "comms/link_status.h"
+#include "core/control/gains.h"
+#include "core/control/tracking_error.h"
+#include "core/estimation/measurement.h"
+#include "core/kinematics/differential_drive.h"
+
+namespace skein::app {
+
+/// No value: an empty cell of the CSV.
+inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+/// What governs a robot at a tick; those that apply are added up (bits).
+enum Mode : std::uint8_t {
+  staging = 1,
+  tracking = 2,
+  avoiding = 4,  ///< follows a modified reference
+  shielded = 8,  ///< the shield changed its forward speed
+  limited = 16,  ///< box or wheels changed what the law asked for
+  stopped = 32,  ///< commanded to stand: not running, paused, STOP, lost
+  lost = 64,     ///< no pose within the bridge time
+};
+
+/// What is known of a robot's link at a tick; nothing of one that has none.
+struct LinkRecord {
+  std::optional<comms::LinkState> state;
+  double round_trip = none;                      ///< median of the last 256; wall clock only [s]
+  double battery = none;                         ///< wall clock only [V]
+  double left_steps = none, right_steps = none;  ///< that the robot has counted since the link's first reading [steps]
+  double round_trip_p99 = none;                  ///< of the last 256; this and the next: wall clock only [s]
+  double bytes = none;                           ///< to and from the robot
+  double losses = none, reconnects = none;       ///< answers that did not come in time; times that it was opened again
+};
+
+/// What took something from what the law asked for; those that did are added up (bits).
+enum Limit : std::uint8_t {
+  limit_v = 1,       ///< |v| <= v_max (14)
+  limit_omega = 2,   ///< |omega| <= omega_max (14)
+  limit_wheels = 4,  ///< what a wheel can do
+};
+
+/// One robot at one tick. Poses in the world frame.
+struct RobotRecord {
+  core::Measurement measurement;       ///< the newest one at hand
+  double pose_age = none;              ///< now - captured_at [s]
+  core::Pose pose;                     ///< the pose the law used
+  double sigma_xy = none;              ///< its standard deviation in the worst direction, when measured [m]
+  double actuation_delay = 0.0;        ///< from the tick to the moment the wheels obey: what `pose` is meant for [s]
+  core::Pose truth{none, none, none};  ///< simulated robots only
+  core::ReferencePoint nominal;        ///< of the formation
+  core::ReferencePoint reference;      ///< after avoidance
+  core::TrackingError error{none, none, none};  ///< (4), from pose and reference; none while lost
+  core::Twist law;                              ///< what (15) gave, before any limit
+  core::Twist command;                          ///< after limits and shield
+  core::WheelSpeeds wheels;                     ///< sent [steps/s]
+  double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
+  core::Margins margins{};                      ///< of (18), now
+  std::uint8_t mode = stopped;
+  LinkRecord link;          ///< as it was last looked at: within 20 ms, on the virtual clock after the tick before
+  std::uint8_t limits = 0;  ///< of `Limit`
+
+  bool is(Mode m) const noexcept { return (mode & m) != 0; }
+};
+
+/// Where a run is.
+enum class Phase : std::uint8_t {
+  ready,  ///< waits for Start; robots stand
+  running,
+  paused,    ///< the reference stands still, robots stand
+  stopped,   ///< STOP: latched; the run is over
+  finished,  ///< the duration is over
+  staging,   ///< robots drive to their starts; then ready again, or finished
+};
+
+/// The stages of the way from a camera's frame to a robot's answer.
+enum class Stage : std::uint8_t {
+  capture,      ///< the frame's time stamp to its arrival: exposure, read-out, transfer
+  dequeue,      ///< to the grey picture
+  detect,       ///< to the poses
+  hand_over,    ///< to the beginning of the tick
+  estimate,     ///< the tick's first part: where the robots are
+  law,          ///< its second part: reference, law, limits, shield, wheels
+  write,        ///< to the last robot's command in the system's hands
+  acknowledge,  ///< to the last robot's answer
+};
+inline constexpr std::size_t stages = 8;
+
+constexpr const char* name(Stage stage) noexcept {
+  constexpr const char* names[stages] = {"capture",  "dequeue", "detect", "hand_over",
+                                         "estimate", "law",     "write",  "acknowledge"};
+  return names[static_cast<std::size_t>(stage)];
+}
+
+/// How long each stage took of the tick BEFORE the record's, since its robots have answered by now. [s]; none: not
+/// known, or no such stage
+struct Latency {
+  std::array<double, stages> of{none, none, none, none, none, none, none, none};
+  double total = none;  ///< from the frame's arrival to its command written: dequeue ... write
+
+  double& operator[](Stage stage) noexcept { return of[static_cast<std::size_t>(stage)]; }
+  double operator[](Stage stage) const noexcept { return of[static_cast<std::size_t>(stage)]; }
+};
+
+/// Everything about one tick: the CSV row, the plot sample, the replay's input, what tests compare.
+struct TickRecord {
+  Phase phase = Phase::ready;
+  double now = 0.0;                           ///< session's clock [s]
+  double t = 0.0;                             ///< time of the experiment [s]
+  std::int64_t tick = 0;                      ///< t * rate; jumps where deadlines were missed
+  double k_xx = 0.0, k_tt = 0.0, k_yy = 0.0;  ///< the largest of all pairs
+  std::array<core::PairTable, 3> pair_gains;  ///< of each pair, in the order of core::gain_names
+  double V = 0.0, V_dot = 0.0;                ///< (19), (20)
+  std::vector<double> delta;                  ///< (37) for neighbours i, i+1: size n-1 [m]
+  double min_distance = none;                 ///< between any two robots, true poses where known [m]
+  double period = none;                       ///< since the tick before [s]
+  double compute_time = none;  ///< that the tick took [s]; none on the virtual clock, so that runs repeat to the bit
+  Latency latency;             ///< wall clock only, as compute_time
+  EventList events;
+  std::vector<RobotRecord> robots;
+
+  /// The largest of all pairs.
+  double gain(core::GainName name) const noexcept {
+    return name == core::GainName::k_xx ? k_xx : name == core::GainName::k_tt ? k_tt : k_yy;
+  }
+  /// Of robots i != j, from 0; where the record has no gains of pairs, the largest of all.
+  double pair_gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {
+    const core::PairTable& table = pair_gains[static_cast<std::size_t>(name)];
+    return std::max(i, j) < table.robots() ? table(i, j) : gain(name);
+  }
+
+  /// Largest position error of all robots that are not lost, from the references after avoidance. [m]
+  double tracking_error() const noexcept {
+    double largest = 0.0;
+    for (const RobotRecord& r : robots)
+      if (!r.is(lost)) largest = std::fmax(largest, std::hypot(r.error.x, r.error.y));
+    return largest;
+  }
+  /// Largest |delta|. [m]
+  double formation_error() const noexcept {
+    double largest = 0.0;
+    for (const double d : delta) largest = std::fmax(largest, std::abs(d));
+    return largest;
+  }
+};
+
+/// Takes the records of a run, one after the other.
+class RecordSink {
+ public:
+  virtual ~RecordSink() = default;
+  virtual void record(const TickRecord& record) = 0;
+};
+
+}  // namespace skein::app

@@ -1,0 +1,236 @@
+#include "app/session/camera_rig.h"
+
+#include <fmt/format.h>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace skein::app {
+namespace {
+
+/// Edge of the black square of the tags that the synthetic camera draws: what fits on an e-puck without a plate. [m]
+constexpr double synthetic_tag_size = 0.04;
+
+tl::expected<vision::Calibration, std::string> find_calibration(const Experiment& experiment) {
+  if (!experiment.camera.calibration.empty())
+    return vision::load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
+        .and_then([&](vision::Calibration c) -> tl::expected<vision::Calibration, std::string> {
+          if (c.world_from_camera) return c;
+          return tl::unexpected(
+              fmt::format("camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor",
+                          experiment.camera.calibration));
+        });
+  if (experiment.camera.source == "synthetic") {
+    vision::Calibration calibration = vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
+    calibration.tag_size = synthetic_tag_size;
+    return calibration;
+  }
+  return tl::unexpected(
+      fmt::format("camera.calibration is missing: {} needs a calibration file", experiment.camera.source));
+}
+
+}  // namespace
+
+std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
+  constexpr int tags = 587;  // of the family 36h11
+  std::vector<int> wanted;
+  for (const RobotSpec& robot : experiment.robots) wanted.push_back(robot.tag);
+  for (int tag = 0; every && tag < tags; ++tag)
+    if (std::find(wanted.begin(), wanted.end(), tag) == wanted.end()) wanted.push_back(tag);
+  return wanted;
+}
+
+void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest) {
+  for (const vision::TagPose& tag : seen)
+    for (std::size_t i = 0; i < newest.size(); ++i)
+      if (wanted[i] == tag.tag) newest[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
+}
+
+tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
+                                                                      SimulatedWorld& world, bool pictures,
+                                                                      std::vector<int> wanted) {
+  auto calibration = find_calibration(experiment);
+  if (!calibration) return tl::unexpected(calibration.error());
+  std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
+  if (experiment.camera.source == "synthetic") {
+    rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
+  } else {
+    vision::SourceOptions options{calibration->width, calibration->height, experiment.rate};
+    for (const auto& [name, value] :
+         {std::pair("exposure", experiment.camera.exposure), std::pair("gain", experiment.camera.gain),
+          std::pair("focus", experiment.camera.focus)})
+      if (!std::isnan(value)) options.controls.emplace_back(name, value);
+    options.keep_waiting = [&ending = rig->ending_] { return !ending.load(std::memory_order_relaxed); };
+    auto source = vision::open_source(experiment.camera.source, options);
+    if (!source) return tl::unexpected(source.error());
+    rig->source_ = std::move(*source);
+    rig->live_ = experiment.camera.source.starts_with("v4l2:");
+  }
+  return rig;
+}
+
+CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world,
+                     vision::Calibration calibration, bool pictures, std::vector<int> wanted)
+    : experiment_(experiment),
+      clock_(clock),
+      world_(world),
+      calibration_(std::move(calibration)),
+      wanted_(std::move(wanted)),
+      tracker_(calibration_, {.tags = wanted_}),
+      pictures_(pictures),
+      poses_(experiment.robots.size()),
+      seen_{std::vector<core::Measurement>(wanted_.size()), {}},
+      sights_(seen_),
+      ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+
+CameraRig::~CameraRig() {
+  end();
+  if (ready_ >= 0) ::close(ready_);
+}
+
+tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
+  auto recorder = vision::Recorder::open(path, {{"PROGRAM", "skein " SKEIN_VERSION},
+                                                {"SOURCE", experiment_.camera.source},
+                                                {"EXPERIMENT", experiment_.source},
+                                                {"CALIBRATION", vision::format_calibration(calibration_)}});
+  if (!recorder) return tl::unexpected(recorder.error());
+  recorder_ = std::move(*recorder);
+  return {};
+}
+
+VideoStatus CameraRig::video() const {
+  if (!recorder_) return {};
+  const vision::RecorderStatus status = recorder_->status();
+  return {status.written, status.dropped, status.problem};
+}
+
+void CameraRig::tell(EventList& events) noexcept {
+  if (!recorder_ || told_of_film_ || !recorder_->broken()) return;
+  events.add({.kind = Event::Kind::film_broken});
+  told_of_film_ = true;
+}
+
+void CameraRig::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
+}
+
+CameraStatus CameraRig::camera() const {
+  if (!source_) return {};
+  const vision::SourceStatus status = source_->status();
+  return {status.up, status.outages, status.damaged, status.passed_over, status.reason, status.notices};
+}
+
+void CameraRig::end() {
+  ending_.store(true, std::memory_order_relaxed);
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+  if (recorder_) recorder_->finish();
+}
+
+void CameraRig::thread(const std::stop_token& stop) {
+  try {
+    // Half a period out of step with the control thread, as far as a camera that nobody triggers can be.
+    double deadline = clock_.now() + 0.5 * experiment_.period();
+    while (!stop.stop_requested()) {
+      if (!live_) {
+        deadline += experiment_.period() * std::max(1.0, std::ceil((clock_.now() - deadline) / experiment_.period()));
+        std::this_thread::sleep_until(clock_.at(deadline));
+      }
+      if (!capture()) break;
+      work_off();
+    }
+  } catch (const std::exception& error) {
+    reason_ = fmt::format("camera: {}", error.what());
+  }
+  if (!reason_.empty()) failed_.store(true, std::memory_order_release);
+}
+
+void CameraRig::look() {
+  if (failed()) return;
+  if (capture())
+    work_off();
+  else
+    failed_.store(true, std::memory_order_release);
+}
+
+bool CameraRig::capture() {
+  if (synthetic_) {
+    const double now = clock_.now();
+    world_.advance(now);
+    world_.poses(poses_);
+    tags_.clear();
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
+    synthetic_->render(tags_, now, frame_);
+    seen_.times = {now, clock_.now(), none, none};
+    seen_.times.grey_at = seen_.times.arrived_at;
+    return true;
+  }
+  const auto read = source_->read(frame_);
+  if (!read)
+    reason_ = read.error();
+  else if (!*read)
+    reason_ = fmt::format("{}: the stream is at its end", experiment_.camera.source);
+  if (!reason_.empty()) return false;
+  const double now = clock_.now();
+  frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : now;
+  const bool stamped = live_ && frame_.arrived_at > 0.0;
+  seen_.times = {frame_.captured_at, stamped ? clock_.from_monotonic(frame_.arrived_at) : now, now, none};
+  return true;
+}
+
+void CameraRig::work_off() {
+  take(tracker_.process(frame_), wanted_, seen_.tags);
+  seen_.times.ready_at = clock_.now();
+  sights_.draft() = seen_;
+  sights_.publish();
+  ready_at_.store(seen_.times.ready_at, std::memory_order_release);
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
+  // On the virtual clock there is time to wait for the disk.
+  if (recorder_ && clock_.wall()) recorder_->offer(frame_);
+  if (recorder_ && !clock_.wall()) recorder_->add(frame_);
+  if (!pictures_) return;
+  Picture& picture = picture_.draft();
+  picture.width = frame_.width;
+  picture.height = frame_.height;
+  picture.grey = frame_.grey;
+  picture_.publish();
+}
+
+bool CameraRig::newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept {
+  if (!sights_.take()) return false;
+  std::copy_n(sights_.value().tags.begin(), std::min(measurements.size(), wanted_.size()), measurements.begin());
+  times = sights_.value().times;
+  return true;
+}
+
+void CameraRig::wait_for_frame(double since, double until) noexcept {
+  for (double now = clock_.now(); ready_at_.load(std::memory_order_acquire) < since && now < until;
+       now = clock_.now()) {
+    std::uint64_t rings = 0;
+    [[maybe_unused]] const auto read = ::read(ready_, &rings, sizeof rings);
+    if (ready_at_.load(std::memory_order_acquire) >= since) return;
+    const timespec timeout{.tv_sec = 0, .tv_nsec = static_cast<long>(std::min(until - now, 0.9) * 1e9)};
+    pollfd ready{.fd = ready_, .events = POLLIN, .revents = 0};
+    ::ppoll(&ready, 1, &timeout, nullptr);
+  }
+}
+
+bool CameraRig::picture(Picture& out) {
+  if (!picture_.take()) return false;
+  out = picture_.value();
+  return true;
+}
+
+std::array<double, 2> CameraRig::pixel(double x, double y) const {
+  const auto p = vision::pixel_from_world(calibration_, {x, y, calibration_.tag_height});
+  return p ? std::array{p->x(), p->y()} : std::array{none, none};
+}
+
+}  // namespace skein::app

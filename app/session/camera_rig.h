@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/run/session_clock.h"
+#include "app/run/status.h"
+#include "app/session/newest.h"
+#include "app/session/simulated_world.h"
+#include "vision/calibration.h"
+#include "vision/frame_source.h"
+#include "vision/recorder.h"
+#include "vision/synthetic_camera.h"
+#include "vision/tracker.h"
+
+namespace skein::app {
+
+/// The tags that an experiment looks for, those of its robots, in their order; `every`: and behind them all others that
+/// there are.
+std::vector<int> wanted_tags(const Experiment& experiment, bool every = false);
+/// What a frame showed becomes the newest measurement of each wanted tag that was seen in it.
+void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest);
+
+/// When a frame went through its stations. Session's clock; none: not known. [s]
+struct FrameTimes {
+  double captured_at = none;  ///< the camera's stamp
+  double arrived_at = none;   ///< the driver handed it over
+  double grey_at = none;      ///< the picture is in the tracker's hands
+  double ready_at = none;     ///< its poses are known
+};
+
+/// The camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
+/// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
+class CameraRig {
+ public:
+  /// `wanted`: the tags to look for.
+  static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
+                                                                    SimulatedWorld& world, bool pictures,
+                                                                    std::vector<int> wanted);
+  ~CameraRig();
+
+  /// Keeps every frame, as the tracker got it, in a film. Before the first frame.
+  tl::expected<void, std::string> keep(const std::string& path);
+  /// Any thread.
+  VideoStatus video() const;
+  CameraStatus camera() const;
+  /// An event, once, when the film has broken off. The control thread's.
+  void tell(EventList& events) noexcept;
+
+  /// Wall clock: starts the thread.
+  void start();
+  void end();
+  /// Virtual clock: takes and works off one frame now.
+  void look();
+
+  /// Overwrites the measurement of every wanted tag that was seen since, as far as there is room, and says when; false:
+  /// nothing new. The control thread's.
+  bool newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept;
+  /// Waits until the newest frame was ready at `since` or later, at most until `until`. Wall clock only; the control
+  /// thread's. [s, session's clock]
+  void wait_for_frame(double since, double until) noexcept;
+
+  bool picture(Picture& out);
+  std::array<double, 2> pixel(double x, double y) const;
+
+  /// True once the camera has failed for good; then `reason` says why.
+  bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
+  const std::string& reason() const noexcept { return reason_; }
+
+ private:
+  CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world, vision::Calibration calibration,
+            bool pictures, std::vector<int> wanted);
+  void thread(const std::stop_token& stop);
+  bool capture();  // false: the stream is over or broken, reason_ says which
+  void work_off();
+
+  const Experiment& experiment_;
+  SessionClock& clock_;
+  SimulatedWorld& world_;
+  vision::Calibration calibration_;
+  std::vector<int> wanted_;
+  vision::TagTracker tracker_;
+  std::unique_ptr<vision::SyntheticCamera> synthetic_;
+  std::unique_ptr<vision::FrameSource> source_;
+  std::unique_ptr<vision::Recorder> recorder_;
+  bool told_of_film_ = false;  // the control thread's
+  bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
+  bool pictures_;
+
+  vision::Frame frame_;
+  std::vector<core::Pose> poses_;
+  std::vector<vision::SyntheticTag> tags_;
+  struct Sight {
+    std::vector<core::Measurement> tags;
+    FrameTimes times;
+  };
+  Sight seen_;  // by the camera's side
+  Newest<Sight> sights_;
+  std::atomic<double> ready_at_{-1e9};  // of the newest frame
+  int ready_ = -1;                      // eventfd: rung for every frame that was worked off
+  Newest<Picture> picture_;
+  std::string reason_;
+  std::atomic<bool> failed_{false}, ending_{false};
+  std::jthread thread_;
+};
+
+}  // namespace skein::app

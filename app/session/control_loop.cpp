@@ -1,0 +1,277 @@
+#include "app/session/control_loop.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace skein::app {
+namespace {
+
+constexpr double delay_share = 0.02;  // of a new delay in the mean: two seconds' worth of ticks
+
+}  // namespace
+
+ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
+                         std::function<void(const TickRecord&)> report)
+    : experiment_(experiment),
+      clock_(clock),
+      plant_(plant),
+      report_(std::move(report)),
+      tick_(experiment),
+      out_(tick_.record()),
+      newest_(experiment.robots.size()),
+      truth_(experiment.robots.size(), core::Pose{none, none, none}),
+      wheels_(experiment.robots.size()),
+      command_times_(experiment.robots.size()),
+      delays_(experiment.robots.size()),
+      pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]) {
+  publish_couplings();
+}
+
+void ControlLoop::publish_couplings() noexcept {
+  const Couplings& couplings = tick_.couplings();
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
+    for (std::size_t j = 0; j < experiment_.robots.size(); ++j) {
+      if (i == j) continue;
+      PairState& state = pairs_[pair(i, j)];
+      for (const core::GainName name : core::gain_names) {
+        const auto k = static_cast<std::size_t>(name);
+        state.now[k].store(core::table(couplings.now(), name)(i, j), std::memory_order_relaxed);
+        state.target[k].store(core::table(couplings.target(), name)(i, j), std::memory_order_relaxed);
+      }
+      state.coupled.store(couplings.coupled(i, j), std::memory_order_relaxed);
+    }
+}
+
+void ControlLoop::cycle(double now, int elapsed) {
+  TickInput input;
+  perturb(elapsed, input.events);
+  plant_.tell(input.events);
+  complete_latency();
+  const Latency tick_before = latency_;
+  new_frame_ = plant_.measure(now, newest_, truth_, frame_);
+
+  const std::size_t obeyed = take_commands(input.events);
+  input.now = now;
+  input.elapsed = elapsed;
+  input.stop = stop_.load(std::memory_order_acquire);
+  input.measurements = newest_;
+  input.truth = truth_;
+  input.delays = delays_;
+  input.commands = {obeyed_.data(), obeyed};
+
+  const double began = clock_.now();
+  tick_.see(input);
+  const double estimated = clock_.now();
+  const TickRecord& record = tick_.decide(input);
+  decided_at_ = clock_.now();
+
+  for (std::size_t i = 0; i < wheels_.size(); ++i) wheels_[i] = record.robots[i].wheels;
+  plant_.act(wheels_);
+
+  out_ = record;
+  plant_.fill_links(out_.robots);
+  if (clock_.runs()) {
+    out_.compute_time = decided_at_ - began;
+    out_.latency = tick_before;
+    latency_ = {};
+    latency_[Stage::estimate] = estimated - began;
+    latency_[Stage::law] = decided_at_ - estimated;
+    if (new_frame_) {
+      latency_[Stage::capture] = frame_.arrived_at - frame_.captured_at;
+      latency_[Stage::dequeue] = frame_.grey_at - frame_.arrived_at;
+      latency_[Stage::detect] = frame_.ready_at - frame_.grey_at;
+      latency_[Stage::hand_over] = began - frame_.ready_at;
+    }
+  }
+  publish_couplings();
+  const auto unseen =
+      std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
+  unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),
+                std::memory_order_release);
+  constexpr double looks_elsewhere = 0.2;  // [rad]
+  away_.store(std::any_of(record.robots.begin(), record.robots.end(),
+                          [&](const RobotRecord& r) {
+                            return core::distance(r.pose, r.nominal.pose) > experiment_.staging.within ||
+                                   std::abs(core::wrap_angle(r.pose.theta - r.nominal.pose.theta)) > looks_elsewhere;
+                          }),
+              std::memory_order_release);
+  report_(out_);
+  phase_.store(record.phase, std::memory_order_release);
+}
+
+/// The tick before this one: by now its commands are written and answered, or late.
+void ControlLoop::complete_latency() noexcept {
+  if (!clock_.wall() || std::isnan(decided_at_)) return;
+  plant_.command_times(decided_at_, command_times_);
+  double written_at = none, answered_at = none;
+  bool first = true;
+  for (std::size_t i = 0; i < command_times_.size(); ++i) {
+    const auto [written, answered] = command_times_[i];
+    if (written == 0.0) continue;  // no link
+    const auto last = [first](double a, double b) { return first ? b : a >= b || std::isnan(a) ? a : b; };
+    written_at = last(written_at, written);
+    answered_at = last(answered_at, answered);
+    first = false;
+    // Wheels obey when the command arrives: half of the way there and back.
+    const double delay = 0.5 * (written + answered) - decided_at_;
+    if (!std::isnan(delay)) delays_[i] += delays_[i] == 0.0 ? delay : delay_share * (delay - delays_[i]);
+  }
+  latency_[Stage::write] = written_at - decided_at_;
+  latency_[Stage::acknowledge] = answered_at - written_at;
+  if (new_frame_) latency_.total = written_at - frame_.arrived_at;
+}
+
+/// What happens to the simulated robots before this tick looks at them: the file's perturbations and the operator's
+/// hand.
+void ControlLoop::perturb(int elapsed, EventList& events) {
+  const double t = tick_.next_time(elapsed);
+  const bool running = phase() == Phase::running;
+  for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
+    const Perturbation& p = experiment_.perturbations[next_perturbation_];
+    // Half a nanosecond: t is a quotient, and the file's number a decimal.
+    if (t < p.t - 0.5e-9) break;
+    if (!plant_.simulated(p.robot)) continue;
+    const core::Pose pose = plant_.pose(p.robot);
+    plant_.move(p.robot, {pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
+    events.add({Event::Kind::perturb, static_cast<int>(p.robot), {}, {p.dx, p.dy, p.dtheta}});
+  }
+  do_actions(t, running, events);
+  for (Gesture gesture; hand_.pop(gesture);) carry_out(gesture, events);
+}
+
+void ControlLoop::carry_out(const Gesture& gesture, EventList& events) {
+  const auto& [x, y, theta] = gesture.value;
+  if (gesture.kind == Event::Kind::move)
+    plant_.move(gesture.robot, gesture.value);
+  else
+    plant_.kick(gesture.robot, x, y);
+  events.add({gesture.kind, static_cast<int>(gesture.robot), {}, {x, y, theta}});
+}
+
+/// The file's actions that are due, as if the operator had asked for them; those of t = 0 while the robots still stand.
+void ControlLoop::do_actions(double t, bool running, EventList& events) {
+  due_count_ = 0;
+  const std::vector<OperatorAction>& actions = experiment_.actions;
+  for (; next_action_ < actions.size() && due_count_ < due_.size(); ++next_action_) {
+    const auto& [when, event] = actions[next_action_];
+    if (when > 0.0 && (!running || t < when - 0.5e-9)) return;
+    const auto robot = static_cast<std::size_t>(std::max(0, event.robot));
+    if (const auto command = command_of(event, false))
+      due_[due_count_++] = *command;
+    else
+      carry_out({robot, event.kind, {event.values[0], event.values[1], event.values[2]}}, events);
+  }
+}
+
+/// What the operator asks of this tick. A step is a resume (or the start) now and a pause at the tick that follows: the
+/// record of it can be replayed like any other.
+std::size_t ControlLoop::take_commands(const EventList& events) {
+  std::size_t count = 0;
+  // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
+  for (const Event& event : events)
+    if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
+      obeyed_[count++] = {.kind = OperatorCommand::Kind::hold, .number = static_cast<std::size_t>(event.robot)};
+  for (std::size_t k = 0; k < due_count_; ++k) obeyed_[count++] = due_[k];
+  const bool ends_step = std::exchange(stepping_, false);
+  if (ends_step) obeyed_[count++] = {.kind = OperatorCommand::Kind::pause};
+  bool asked_more = false;
+  while (count + 1 < obeyed_.size() && commands_.pop(obeyed_[count])) ++count, asked_more = true;
+  const Phase now = phase();
+  if (!ends_step && !asked_more && steps_.load(std::memory_order_acquire) > 0) {
+    steps_.fetch_sub(1, std::memory_order_acq_rel);
+    stepping_ = now == Phase::ready || now == Phase::paused;
+    if (stepping_)
+      obeyed_[count++] = {now == Phase::ready ? OperatorCommand::Kind::start : OperatorCommand::Kind::resume, {}, 0.0};
+  }
+  return count;
+}
+
+void ControlLoop::cycle_virtual() {
+  const double now = static_cast<double>(virtual_ticks_++) / experiment_.rate;
+  clock_.set(now);
+  cycle(now, 1);
+}
+
+void ControlLoop::start_thread() {
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    try {
+      thread(stop);
+    } catch (const std::exception& error) {
+      reason_ = fmt::format("the control thread failed: {}", error.what());
+      failed_.store(true, std::memory_order_release);
+      plant_.stop();
+    }
+  });
+}
+
+void ControlLoop::end_thread() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ControlLoop::thread(const std::stop_token& stop) {
+  // Real-time priority where the system grants it; without it the deadlines are kept as well as an ordinary thread can.
+  sched_param priority{};
+  priority.sched_priority = 20;
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+
+  const double period = experiment_.period();
+  TickTimer timer(period, clock_.now() + period);
+  int elapsed = 1;
+  auto last = std::chrono::steady_clock::now();
+  while (!stop.stop_requested()) {
+    if (speed() != 1.0) {
+      pace(last, stop);
+      const double now = timer.window().latest;
+      clock_.set(now);
+      cycle(now, 1);
+      timer = TickTimer(period, now + period);
+      elapsed = 1;
+      continue;
+    }
+    clock_.run();
+    const TickTimer::Window window = timer.window();
+    std::this_thread::sleep_until(clock_.at(window.earliest));
+    if (window.latest > window.earliest) plant_.wait_for_frame(window.since, window.latest);
+    cycle(clock_.now(), elapsed);
+    if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
+    // Deadlines that have passed by now are missed, and the next tick says how many.
+    elapsed = timer.ticked(clock_.now());
+  }
+}
+
+/// Waits until a paced simulation's next tick is due, or the operator asks for something: at a tenth of real time
+/// nobody waits for a tick to see a button obeyed. `last`: when the tick before was due.
+void ControlLoop::pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto slice = std::chrono::milliseconds(10);
+  constexpr auto most_behind = std::chrono::milliseconds(100);  // made good; what is more only makes the run slower
+  while (true) {
+    const auto due = last + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(experiment_.period() / speed()));
+    const auto now = Clock::now();
+    if (now >= due) {
+      last = std::max(due, now - most_behind);
+      return;
+    }
+    if (stop.stop_requested() || asked()) {
+      last = now;
+      return;
+    }
+    std::this_thread::sleep_until(std::min(due, now + slice));
+  }
+}
+
+bool ControlLoop::asked() const noexcept {
+  const Phase now = phase();
+  const bool over = now == Phase::stopped || now == Phase::finished;
+  const bool steps = steps_.load(std::memory_order_acquire) > 0 && (now == Phase::ready || now == Phase::paused);
+  return (stop_asked() && !over) || steps || commands_.read_available() > 0 || hand_.read_available() > 0;
+}
+
+}  // namespace skein::app

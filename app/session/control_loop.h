@@ -1,0 +1,128 @@
+#pragma once
+
+#include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <chrono>
+#include <functional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/run/session_clock.h"
+#include "app/session/plant.h"
+#include "app/session/tick_timer.h"
+#include "app/tick/control_tick.h"
+
+namespace skein::app {
+
+/// Drives the tick: measure, tick, act, report, 25 times a second or as fast as the virtual clock goes. The same
+/// `cycle` in both.
+class ControlLoop {
+ public:
+  /// `report` gets every record on the control thread; it must neither wait nor allocate on the wall clock.
+  ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
+              std::function<void(const TickRecord&)> report);
+
+  // --- any one controlling thread ---
+  /// False when too much is asked at once (the queue of 64 is full).
+  bool post(const OperatorCommand& command) { return commands_.push(command); }
+  bool post_move(std::size_t robot, const core::Pose& pose) { return hand_.push({robot, Event::Kind::move, pose}); }
+  bool post_kick(std::size_t robot, double vx, double vy) {
+    return hand_.push({robot, Event::Kind::kick, {vx, vy, 0.0}});
+  }
+  /// From ready or paused: one tick of the experiment, and paused again.
+  void step() noexcept { steps_.fetch_add(1, std::memory_order_acq_rel); }
+  /// Wall clock: how much faster than real time a simulation runs. Other than 1, it is paced: every tick runs at
+  /// exactly its time, none is skipped, and one that cannot be in time delays the rest. Not with anything that lives in
+  /// real time.
+  void set_speed(double speed) noexcept { speed_.store(speed, std::memory_order_release); }
+  double speed() const noexcept { return speed_.load(std::memory_order_acquire); }
+  /// Any thread: STOP, latched.
+  void stop() noexcept { stop_.store(true, std::memory_order_release); }
+  bool stop_asked() const noexcept { return stop_.load(std::memory_order_acquire); }
+
+  /// Wall clock: runs cycles at absolute deadlines until told to end. An exception in it is a stop and a failure.
+  void start_thread();
+  void end_thread();
+  /// Virtual clock: one tick.
+  void cycle_virtual();
+
+  Phase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
+  /// The first robot whose pose is not known now, from 0; -1: all are.
+  int unseen() const noexcept { return unseen_.load(std::memory_order_acquire); }
+  /// The couplings of the latest tick: their present gains, where these are going, and which pairs are switched off.
+  double gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {
+    return pairs_[pair(i, j)].now[static_cast<std::size_t>(name)].load(std::memory_order_relaxed);
+  }
+  double target(core::GainName name, std::size_t i, std::size_t j) const noexcept {
+    return pairs_[pair(i, j)].target[static_cast<std::size_t>(name)].load(std::memory_order_relaxed);
+  }
+  bool coupled(std::size_t i, std::size_t j) const noexcept {
+    return pairs_[pair(i, j)].coupled.load(std::memory_order_relaxed);
+  }
+  /// Whether some robot whose pose is known stands farther from its start than `staging.within`, or looks elsewhere.
+  bool away() const noexcept { return away_.load(std::memory_order_acquire); }
+  /// Set when the control thread died; the reason may be read then.
+  bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
+  const std::string& reason() const noexcept { return reason_; }
+  const TickRecord& prototype() const noexcept { return tick_.record(); }
+
+ private:
+  struct Gesture {
+    std::size_t robot;
+    Event::Kind kind;  // move or kick
+    core::Pose value;  // the pose, or in x and y the velocity
+  };
+  struct PairState {
+    std::array<std::atomic<double>, 3> now{}, target{};
+    std::atomic<bool> coupled{true};
+  };
+  std::size_t pair(std::size_t i, std::size_t j) const noexcept { return i * experiment_.robots.size() + j; }
+  void publish_couplings() noexcept;
+  void thread(const std::stop_token& stop);
+  void pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
+  bool asked() const noexcept;
+  void cycle(double now, int elapsed);
+  void complete_latency() noexcept;
+  std::size_t take_commands(const EventList& events);
+  void perturb(int elapsed, EventList& events);
+  void do_actions(double t, bool running, EventList& events);
+  void carry_out(const Gesture& gesture, EventList& events);
+
+  const Experiment& experiment_;
+  SessionClock& clock_;
+  Plant& plant_;
+  std::function<void(const TickRecord&)> report_;
+  ControlTick tick_;
+  TickRecord out_;
+
+  boost::lockfree::spsc_queue<OperatorCommand, boost::lockfree::capacity<64>> commands_;
+  boost::lockfree::spsc_queue<Gesture, boost::lockfree::capacity<64>> hand_;
+  std::array<OperatorCommand, 192> obeyed_{};
+  std::vector<core::Measurement> newest_;
+  std::vector<core::Pose> truth_;
+  std::vector<core::WheelSpeeds> wheels_;
+  FrameTimes frame_;          // the newest frame's
+  bool new_frame_ = false;    // it came since the tick before
+  Latency latency_;           // of this tick, as far as it is known
+  double decided_at_ = none;  // when this tick's commands were given
+  std::vector<comms::CommandTimes> command_times_;
+  std::vector<double> delays_;  // from a robot's command to the moment its wheels obey, a moving mean
+  std::size_t next_perturbation_ = 0, next_action_ = 0;
+  std::array<OperatorCommand, 96> due_{};  // of the file's actions; what is more waits for the next tick
+  std::size_t due_count_ = 0;
+  std::int64_t virtual_ticks_ = 0;
+
+  std::atomic<bool> stop_{false}, failed_{false}, away_{false};
+  std::atomic<double> speed_{1.0};
+  std::atomic<int> steps_{0};
+  bool stepping_ = false;  // the next tick ends a step
+  std::atomic<Phase> phase_{Phase::ready};
+  std::atomic<int> unseen_{0};
+  std::unique_ptr<PairState[]> pairs_;
+  std::string reason_;
+  std::jthread thread_;
+};
+
+}  // namespace skein::app

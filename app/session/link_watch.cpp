@@ -1,0 +1,67 @@
+#include "app/session/link_watch.h"
+
+#include <fmt/format.h>
+
+namespace skein::app {
+
+LinkWatch::LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall) : bridge_(bridge), wall_(wall) {
+  for (const std::size_t robot : robots) cells_.emplace_back(robot);
+}
+
+std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>& links) {
+  std::optional<std::string> lost;
+  for (std::size_t k = 0; k < links.size() && k < cells_.size(); ++k) {
+    const comms::LinkStatus& link = links[k];
+    Cell& cell = cells_[k];
+    cell.state.store(link.state, std::memory_order_relaxed);
+    cell.left.store(static_cast<double>(link.left_steps), std::memory_order_relaxed);
+    cell.right.store(static_cast<double>(link.right_steps), std::memory_order_relaxed);
+    if (wall_) {  // what the machine's speed decides is no part of a run that repeats to the bit
+      if (link.exchanges > 0) {
+        cell.round_trip.store(link.rtt_median, std::memory_order_relaxed);
+        cell.round_trip_p99.store(link.rtt_p99, std::memory_order_relaxed);
+      }
+      cell.bytes.store(static_cast<double>(link.bytes_sent + link.bytes_received), std::memory_order_relaxed);
+      cell.losses.store(static_cast<double>(link.timeouts), std::memory_order_relaxed);
+      cell.reconnects.store(static_cast<double>(link.reconnects), std::memory_order_relaxed);
+      cell.battery.store(link.battery.volts, std::memory_order_relaxed);
+    }
+    const bool up = link.state == comms::LinkState::up;
+    if (!up && link.out_for > bridge_) {
+      cell.reported.store(link.state, std::memory_order_release);
+      if (!lost)
+        lost = fmt::format("robot {}: the link is {}{}{}", cell.robot + 1, comms::to_text(link.state),
+                           link.reason.empty() ? "" : ": ", link.reason);
+    } else if (up) {
+      cell.reported.store(comms::LinkState::up, std::memory_order_release);
+    }
+  }
+  return lost;
+}
+
+void LinkWatch::tell(EventList& events) noexcept {
+  for (Cell& cell : cells_) {
+    const comms::LinkState reported = cell.reported.load(std::memory_order_acquire);
+    const bool came_or_went = (reported == comms::LinkState::up) != (cell.told == comms::LinkState::up);
+    if (!came_or_went || events.size() == EventList::capacity) continue;
+    cell.told = reported;
+    events.add({Event::Kind::link, static_cast<int>(cell.robot), {}, {static_cast<double>(reported), 0.0, 0.0}});
+  }
+}
+
+void LinkWatch::fill(std::vector<RobotRecord>& robots) const noexcept {
+  for (const Cell& cell : cells_) {
+    LinkRecord& link = robots[cell.robot].link;
+    link.state = cell.state.load(std::memory_order_relaxed);
+    link.round_trip = cell.round_trip.load(std::memory_order_relaxed);
+    link.battery = cell.battery.load(std::memory_order_relaxed);
+    link.left_steps = cell.left.load(std::memory_order_relaxed);
+    link.right_steps = cell.right.load(std::memory_order_relaxed);
+    link.round_trip_p99 = cell.round_trip_p99.load(std::memory_order_relaxed);
+    link.bytes = cell.bytes.load(std::memory_order_relaxed);
+    link.losses = cell.losses.load(std::memory_order_relaxed);
+    link.reconnects = cell.reconnects.load(std::memory_order_relaxed);
+  }
+}
+
+}  // namespace skein::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/run/tick_record.h"
+#include "comms/link_status.h"
+
+namespace skein::app {
+
+/// Carries what is known of the links to the control thread without a lock, and says which of them are lost.
+class LinkWatch {
+ public:
+  /// `robots`: the robot of each link. `bridge`: how long a link may be out of reach [s]. `wall`: the run's clock.
+  LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall);
+
+  /// Takes in the links' status. Returns a sentence about the first link that is lost, if one is. One thread.
+  std::optional<std::string> look(const std::vector<comms::LinkStatus>& links);
+
+  /// Adds an event for every link that was lost or came back since the last call, as far as there is room. The control
+  /// thread's.
+  void tell(EventList& events) noexcept;
+  /// Fills in what is known of the links. The control thread's.
+  void fill(std::vector<RobotRecord>& robots) const noexcept;
+
+ private:
+  struct Cell {
+    explicit Cell(std::size_t of) : robot(of) {}
+    std::size_t robot;
+    std::atomic<comms::LinkState> state{comms::LinkState::up};
+    std::atomic<comms::LinkState> reported{comms::LinkState::up};  // "up" until it is lost
+    std::atomic<double> round_trip{none}, round_trip_p99{none}, battery{none}, left{none}, right{none}, bytes{none},
+        losses{none}, reconnects{none};
+    comms::LinkState told = comms::LinkState::up;  // the control thread's
+  };
+
+  std::deque<Cell> cells_;  // atomics cannot move
+  double bridge_;
+  bool wall_;
+};
+
+}  // namespace skein::app

@@ -1,0 +1,215 @@
+#include "app/session/plant.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "app/session/safety_net.h"
+#include "app/session/wheel_check.h"
+
+namespace skein::app {
+namespace {
+
+constexpr double open_timeout = 15.0;      // a Bluetooth connection takes a few seconds, a robot may be asked twice [s]
+constexpr double close_timeout = 1.0;      // for the stops to be acknowledged [s]
+constexpr double lock_step_timeout = 2.0;  // an emulated robot answers in well under a millisecond [s]
+constexpr double heartbeat = 0.05;         // at a slow rate a lost link is noticed as soon as at 25 Hz [s]
+constexpr double battery_period = 10.0;    // [s]
+
+}  // namespace
+
+Plant::Plant(const Experiment& experiment, SessionClock& clock, bool every_tag)
+    : experiment_(experiment), clock_(clock), world_(experiment), tags_(wanted_tags(experiment, every_tag)) {}
+
+Plant::~Plant() {
+  close();
+}
+
+tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& experiment, SessionClock& clock,
+                                                              const SessionOptions& options) {
+  std::unique_ptr<Plant> plant(new Plant(experiment, clock, options.every_tag));
+
+  std::vector<core::MotorModel> emulated;
+  std::vector<std::size_t> emulated_robots;
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    if (experiment.robots[i].link == RobotSpec::Link::sim) continue;
+    plant->linked_.push_back(i);
+    if (experiment.robots[i].link != RobotSpec::Link::loopback) continue;
+    emulated.push_back(experiment.robots[i].motor);
+    emulated_robots.push_back(i);
+  }
+  if (!emulated.empty()) {
+    SimulatedWorld& world = plant->world_;
+    plant->emulator_ = std::make_unique<comms::PtyEmulator>(
+        emulated,
+        [&world, &clock, emulated_robots](std::size_t k, const core::WheelSpeeds& actual) {
+          world.turn(emulated_robots[k], clock.now(), actual);
+        },
+        [&clock] { return clock.now(); }, std::string{}, options.faults, experiment.seed);
+  }
+  if (!plant->linked_.empty()) {
+    std::vector<comms::LinkAddress> addresses;
+    std::size_t next_emulated = 0;
+    for (const std::size_t i : plant->linked_) {
+      const std::string name = robot_name(experiment, i);
+      if (experiment.robots[i].link == RobotSpec::Link::loopback) {
+        addresses.push_back({comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name});
+        continue;
+      }
+      auto address = link_of(experiment, i);
+      if (!address) return tl::unexpected(address.error());
+      addresses.push_back(*address);
+    }
+    comms::LinkOptions link_options;
+    link_options.reply_timeout = experiment.links.reply_timeout;
+    link_options.command_silence = experiment.command_silence();
+    link_options.heartbeat = heartbeat;
+    link_options.ask_version = true;
+    link_options.battery_period = battery_period;
+    // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
+    if (!clock.wall()) {
+      link_options.command_silence = link_options.heartbeat = link_options.battery_period = 0.0;
+      link_options.reply_timeout = lock_step_timeout;
+    }
+    plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, link_options);
+    plant->watch_.emplace(plant->linked_, experiment.failure.link_bridge, clock.wall());
+    if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
+  }
+  if (experiment.camera.source != "none") {
+    auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_);
+    if (!camera) return tl::unexpected(camera.error());
+    if (!options.video.empty())
+      if (auto begun = (*camera)->keep(options.video); !begun) return tl::unexpected(begun.error());
+    plant->camera_ = std::move(*camera);
+    if (clock.wall()) plant->camera_->start();
+  } else if (!options.video.empty()) {
+    return tl::unexpected(
+        fmt::format("{}: there is no camera to make a film of (camera.source = \"none\")", options.video));
+  }
+  return plant;
+}
+
+bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame) {
+  world_.advance(now);
+  bool looked = false;
+  if (camera_) {
+    if (!clock_.wall()) camera_->look();
+    looked = camera_->newest(newest, frame);
+  } else {
+    for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
+      if (simulated(i)) newest[i] = world_.measure(i, now);
+  }
+  world_.poses(truth);
+  return looked;
+}
+
+void Plant::wait_for_frame(double since, double until) noexcept {
+  if (camera_) camera_->wait_for_frame(since, until);
+}
+
+void Plant::command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept {
+  std::fill(robots.begin(), robots.end(), comms::CommandTimes{});
+  if (!links_) return;
+  const auto since = [&](double monotonic) {
+    const double at = clock_.from_monotonic(monotonic);
+    return at < given_at ? none : at;
+  };
+  for (std::size_t k = 0; k < linked_.size(); ++k) {
+    const comms::CommandTimes times = links_->times(k);
+    robots[linked_[k]] = {since(times.written), since(times.answered)};
+  }
+}
+
+void Plant::act(std::span<const core::WheelSpeeds> wheels) {
+  const bool stopped = stopped_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < wheels.size(); ++i)
+    if (experiment_.robots[i].link == RobotSpec::Link::sim)
+      world_.command(i, stopped ? core::WheelSpeeds{} : wheels[i]);
+  if (!links_ || stopped) return;
+  const std::size_t tested = tested_.load(std::memory_order_acquire);
+  for (std::size_t k = 0; k < linked_.size(); ++k) {
+    if (linked_[k] == tested) continue;
+    const core::WheelSpeeds& w = wheels[linked_[k]];
+    links_->command(k, static_cast<int>(w.left), static_cast<int>(w.right));
+  }
+  acts_.fetch_add(1, std::memory_order_release);
+  if (!clock_.wall() && !links_->wait_acknowledged(lock_step_timeout))
+    unacknowledged_.store(true, std::memory_order_release);
+}
+
+tl::expected<WheelCheck, std::string> Plant::check_wheels(std::size_t robot,
+                                                          const std::function<std::string()>& keep_on) {
+  const auto link = std::find(linked_.begin(), linked_.end(), robot);
+  if (!links_ || link == linked_.end()) return tl::unexpected(std::string("it has no link"));
+  tested_.store(robot, std::memory_order_release);
+  // A tick that is under way has not seen that yet: the one after it has.
+  for (const std::uint64_t acts = acts_.load(std::memory_order_acquire); acts_.load() < acts + 2;) {
+    if (std::string reason = keep_on(); !reason.empty()) {
+      tested_.store(nobody, std::memory_order_release);
+      return tl::unexpected(std::move(reason));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  auto check = app::check_wheels(*links_, static_cast<std::size_t>(link - linked_.begin()), keep_on);
+  tested_.store(nobody, std::memory_order_release);
+  return check;
+}
+
+void Plant::stop() noexcept {
+  stopped_.store(true, std::memory_order_release);
+  if (links_) links_->emergency_stop();
+  try {
+    world_.stop();
+  } catch (...) {  // a mutex that cannot be locked; the control thread's next act stops the simulated robots as well
+  }
+}
+
+std::vector<RobotStatus> Plant::robots() const {
+  std::vector<RobotStatus> all(experiment_.robots.size());
+  for (RobotStatus& robot : all) {
+    robot.link = "simulated";
+    robot.stop_acknowledged = true;
+  }
+  if (!links_) return all;
+  const std::vector<comms::LinkStatus> links = final_status_.empty() ? links_->status() : final_status_;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const comms::LinkStatus& link = links[k];
+    RobotStatus& robot = all[linked_[k]];
+    robot.link = comms::to_text(link.state);
+    robot.reason = link.reason;
+    if (link.exchanges > 0) robot.round_trip = link.rtt_median, robot.round_trip_p99 = link.rtt_p99;
+    robot.exchanges = link.exchanges;
+    robot.timeouts = link.timeouts;
+    robot.resynchronisations = link.resynchronisations;
+    robot.reconnects = link.reconnects;
+    robot.bytes_sent = link.bytes_sent;
+    robot.bytes_received = link.bytes_received;
+    robot.battery = link.battery.volts;
+    robot.battery_low = link.battery.low;
+    robot.battery_text = comms::to_text(link.battery);
+    robot.version = link.version;
+    robot.stop_acknowledged = link.stop_acknowledged;
+  }
+  return all;
+}
+
+std::optional<std::string> Plant::failure() {
+  if (camera_ && camera_->failed()) return camera_->reason();
+  if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
+  if (!links_ || !final_status_.empty()) return {};
+  auto lost = watch_->look(links_->status());
+  if (experiment_.failure.link_lost == FailureSpec::LinkLost::others_go_on) return {};
+  return lost;
+}
+
+void Plant::close() {
+  stopped_.store(true, std::memory_order_release);
+  if (camera_) camera_->end();
+  if (links_ && final_status_.empty()) final_status_ = links_->close(close_timeout);
+  world_.stop();
+}
+
+}  // namespace skein::app

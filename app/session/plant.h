@@ -1,0 +1,98 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/run/session_clock.h"
+#include "app/run/status.h"
+#include "app/session/camera_rig.h"
+#include "app/session/link_watch.h"
+#include "app/session/session_options.h"
+#include "app/session/simulated_world.h"
+#include "comms/emulator/pty_emulator.h"
+#include "comms/link_supervisor.h"
+
+namespace skein::app {
+
+/// Everything between a wheel command and a measured pose: what stands at the two ends of the control tick. Simulated
+/// robots, emulated ones and real ones, a camera or none, as the experiment file says for each.
+class Plant {
+ public:
+  static tl::expected<std::unique_ptr<Plant>, std::string> open(const Experiment& experiment, SessionClock& clock,
+                                                                const SessionOptions& options);
+  ~Plant();
+
+  /// The newest pose of each robot at time `now` (and, where `newest` has room, of the other tags), and the true ones
+  /// of those that are simulated. The control thread's. True when a camera's frame has been worked off since the last
+  /// call; `frame` says when it went where.
+  bool measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame);
+  /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all where there
+  /// is no camera. Wall clock only; the control thread's.
+  void wait_for_frame(double since, double until) noexcept;
+  /// When every robot's command that was given since `given_at` was written and answered, on the session's clock; none:
+  /// not yet. Zeros: the robot has no link. The control thread's.
+  void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;
+  /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
+  /// thread's.
+  void act(std::span<const core::WheelSpeeds> wheels);
+  /// Events of links that were lost or came back since the last call, and of a film that broke off. The control
+  /// thread's.
+  void tell(EventList& events) noexcept {
+    if (watch_) watch_->tell(events);
+    if (camera_) camera_->tell(events);
+  }
+  /// What is known of the robots' links. The control thread's.
+  void fill_links(std::vector<RobotRecord>& robots) const noexcept {
+    if (watch_) watch_->fill(robots);
+  }
+  /// Stops everything at once and for good. Any thread.
+  void stop() noexcept;
+
+  /// True where a robot is simulated; `move` puts it somewhere, `kick` sends it sliding [m/s].
+  bool simulated(std::size_t robot) const { return experiment_.robots[robot].simulated(); }
+  void move(std::size_t robot, const core::Pose& pose) { world_.place(robot, pose); }
+  void kick(std::size_t robot, double vx, double vy) { world_.kick(robot, vx, vy); }
+  core::Pose pose(std::size_t robot) const { return world_.pose(robot); }
+
+  /// The tags that the camera looks for, and of which measure() gives the newest measurements: the robots' first.
+  const std::vector<int>& tags() const noexcept { return tags_; }
+  CameraRig* camera() noexcept { return camera_.get(); }
+  const CameraRig* camera() const noexcept { return camera_.get(); }
+
+  std::vector<RobotStatus> robots() const;
+  /// app::check_wheels of a robot that has a link and stands; `act` passes it over meanwhile. Blocks for some
+  /// seconds; one at a time, on a thread of its own, and only while the control thread runs.
+  tl::expected<WheelCheck, std::string> check_wheels(std::size_t robot, const std::function<std::string()>& keep_on);
+  /// Looks after links and camera: why the run cannot go on, if it cannot. Not the control thread's.
+  std::optional<std::string> failure();
+  /// Stops every robot and waits, at most a second, until each has acknowledged.
+  void close();
+
+ private:
+  Plant(const Experiment& experiment, SessionClock& clock, bool every_tag);
+
+  const Experiment& experiment_;
+  SessionClock& clock_;
+  SimulatedWorld world_;
+  std::vector<int> tags_;
+  std::vector<std::size_t> linked_;  // robot of each link
+  std::unique_ptr<comms::PtyEmulator> emulator_;
+  std::unique_ptr<comms::LinkSupervisor> links_;
+  std::vector<comms::LinkStatus> final_status_;  // after close()
+  std::unique_ptr<CameraRig> camera_;            // last: its thread uses the world
+  std::atomic<bool> stopped_{false}, unacknowledged_{false};
+  std::optional<LinkWatch> watch_;
+  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  std::atomic<std::size_t> tested_{nobody};  // the robot that `act` passes over
+  std::atomic<std::uint64_t> acts_{0};       // finished ones
+};
+
+}  // namespace skein::app

@@ -1,0 +1,143 @@
+#include "app/session/readiness.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace skein::app {
+namespace {
+
+using State = Check::State;
+using What = Check::What;
+
+std::string numbers(const std::vector<std::size_t>& robots) {
+  std::vector<std::size_t> from_one(robots);
+  for (std::size_t& robot : from_one) ++robot;
+  return fmt::format("robot{} {}", from_one.size() == 1 ? "" : "s", fmt::join(from_one, ", "));
+}
+
+Check camera(const Experiment& e) {
+  const bool real = e.camera.source.starts_with("v4l2:");
+  if (e.camera.source == "none") return {What::camera, State::holds, "none: poses come from the simulation", real};
+  if (e.camera.calibration.empty() && e.camera.source != "synthetic")
+    return {What::camera, State::fails, "camera.calibration names no file", real};
+  if (const auto file = std::filesystem::path(e.directory) / e.camera.calibration;
+      !e.camera.calibration.empty() && !std::filesystem::exists(file))
+    return {What::camera, State::fails, fmt::format("there is no {}", file.string()), real};
+  return {What::camera, State::holds,
+          e.camera.calibration.empty() ? "the synthetic camera's own" : e.camera.calibration, real};
+}
+
+Check tags(const Experiment& e, const TickRecord* record) {
+  if (!record) return {What::tags, State::waits, "no poses yet", true};
+  std::vector<std::size_t> unseen;
+  for (std::size_t i = 0; i < record->robots.size(); ++i)
+    if (record->robots[i].is(lost)) unseen.push_back(i);
+  if (unseen.empty())
+    return {What::tags, State::holds, fmt::format("all {} robots have a fresh pose", e.robots.size()), true};
+  std::vector<int> ids;
+  for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
+  return {What::tags, State::fails, fmt::format("{}: no tag {} in the picture", numbers(unseen), fmt::join(ids, ", ")),
+          true};
+}
+
+Check links(const Experiment& e, std::span<const RobotStatus> robots) {
+  if (robots.size() != e.robots.size()) return {What::links, State::waits, "not known yet", true};
+  std::vector<std::size_t> down;
+  std::string why;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (robots[i].link == "up" || robots[i].link == "simulated") continue;
+    down.push_back(i);
+    if (why.empty()) why = robots[i].reason.empty() ? robots[i].link : robots[i].reason;
+  }
+  const bool simulated = std::all_of(robots.begin(), robots.end(), [](const auto& r) { return r.link == "simulated"; });
+  if (down.empty()) return {What::links, State::holds, simulated ? "simulated robots need none" : "all up", true};
+  return {What::links, State::fails, fmt::format("{}: {}", numbers(down), why), true};
+}
+
+/// A low battery turns wheels too slowly, and dies in the middle of a run; but the operator may know better.
+Check batteries(std::span<const RobotStatus> robots) {
+  if (robots.empty()) return {What::batteries, State::waits, "not known yet", false};
+  std::vector<std::size_t> low;
+  double lowest = none;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (robots[i].battery_low) low.push_back(i);
+    lowest = std::fmin(lowest, robots[i].battery);
+  }
+  if (!low.empty())
+    return {What::batteries, State::fails,
+            fmt::format("{} {} low: charge", numbers(low), low.size() == 1 ? "is" : "are"), false};
+  return {What::batteries, State::holds,
+          std::isnan(lowest) ? std::string("nobody says that one is low") : fmt::format("{:.2f} V and more", lowest),
+          false};
+}
+
+Check gains(const Certificate* certificate) {
+  if (!certificate) return {What::gains, State::waits, "being worked out", true};
+  double forward = 1.0, turning = 1.0;
+  bool positive = true;
+  for (const Certificate::Robot& r : certificate->robots) {
+    forward = std::min(forward, r.k_x.value / certificate->v_max);
+    turning = std::min(turning, r.k_theta.value / certificate->omega_max);
+    positive = positive && r.b.value >= 0.0;
+  }
+  const bool hold = positive && forward > 0.0 && turning > 0.0;
+  return {What::gains, hold ? State::holds : State::fails,
+          hold ? fmt::format("(18) holds: {:.0f} % of v_max, {:.0f} % of omega_max left", 100 * forward, 100 * turning)
+               : "(18) is violated: weaker couplings are needed",
+          true};
+}
+
+Check reference(const Certificate* certificate) {
+  if (!certificate) return {What::reference, State::waits, "being worked out", true};
+  double v = 0.0, omega = 0.0, wheel = 0.0;
+  for (const Certificate::Robot& r : certificate->robots) {
+    v = std::max(v, r.v.value);
+    omega = std::max(omega, r.omega.value);
+    wheel = std::max(wheel, r.wheel.value);
+  }
+  return {What::reference, v < 1.0 && omega < 1.0 && wheel <= 1.0 ? State::holds : State::fails,
+          fmt::format("v {:.0f} %, omega {:.0f} %, wheels {:.0f} % of their limits", 100 * v, 100 * omega, 100 * wheel),
+          true};
+}
+
+Check places(const TickRecord* record) {
+  if (!record) return {What::places, State::waits, "no poses yet", false};
+  std::vector<std::size_t> away;
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < record->robots.size(); ++i) {
+    const RobotRecord& robot = record->robots[i];
+    if (robot.is(lost)) continue;  // another check's
+    const double distance = core::distance(robot.pose, robot.nominal.pose);
+    const double heading = std::abs(core::wrap_angle(robot.pose.theta - robot.nominal.pose.theta));
+    farthest = std::max(farthest, distance);
+    if (distance > place_reached || heading > heading_reached) away.push_back(i);
+  }
+  if (away.empty())
+    return {What::places, State::holds, fmt::format("everybody within {:.0f} mm", std::ceil(1000 * farthest)), false};
+  return {What::places, State::fails,
+          fmt::format("{} not in place, up to {:.0f} cm away", numbers(away), 100 * farthest), false};
+}
+
+}  // namespace
+
+std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
+                             std::span<const RobotStatus> robots) {
+  return {camera(experiment), tags(experiment, record), links(experiment, robots),
+          batteries(robots),  gains(certificate),       reference(certificate),
+          places(record)};
+}
+
+bool may_start(std::span<const Check> checks) noexcept {
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const Check& check) { return !check.hard || check.state == State::holds; });
+}
+
+bool all_hold(std::span<const Check> checks) noexcept {
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.state == State::holds; });
+}
+
+}  // namespace skein::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/experiment/certificate.h"
+#include "app/run/status.h"
+
+namespace skein::app {
+
+/// One of the things that are looked at before a start.
+struct Check {
+  enum class What { camera, tags, links, batteries, gains, reference, places };
+  enum class State {
+    holds,
+    waits,  ///< not yet known
+    fails,
+  };
+  What what;
+  State state;
+  std::string reason;  ///< why, in words; where it holds, what was found
+  bool hard;           ///< nobody starts without it; what is soft, an operator may overrule
+};
+
+/// A robot counts as standing in its place when it is as near as this: the law brings in the rest without a lurch.
+inline constexpr double place_reached = 0.03;                       ///< [m]
+inline constexpr double heading_reached = 15.0 * core::pi / 180.0;  ///< [rad]
+
+/// Whether an experiment can start, from what is known by now; empty pointers: not known yet. All checks, in the order
+/// in which they are mended.
+std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
+                             std::span<const RobotStatus> robots);
+
+/// Every hard check holds.
+bool may_start(std::span<const Check> checks) noexcept;
+/// Every check holds.
+bool all_hold(std::span<const Check> checks) noexcept;
+
+}  // namespace skein::app

@@ -1,0 +1,168 @@
+// A session's life: opened, run, looked at, closed.
+#include "app/session/session.h"
+
+#include "app/session/session_wiring.h"
+
+namespace skein::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t channel_capacity =
+    500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
+constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
+
+}  // namespace
+
+Session::Session(std::unique_ptr<SessionWiring> wiring) : wiring_(std::move(wiring)) {}
+Session::~Session() {
+  close();
+}
+
+tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experiment& experiment, Clock clock,
+                                                                  SessionOptions options) {
+  auto impl = std::make_unique<SessionWiring>(experiment, clock, std::move(options));
+  SessionWiring& i = *impl;
+  i.gains = make_gains(experiment);
+  i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
+
+  if (i.options.guard) i.net = SafetyNet::spread(i.experiment);
+  auto plant = Plant::open(i.experiment, i.clock, i.options);
+  if (!plant) {
+    if (i.net) i.net->done({});  // those that were reached have been stopped
+    return tl::unexpected(plant.error());
+  }
+  i.plant = std::move(*plant);
+  i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
+                                         [&i](const TickRecord& record) { i.publish(record); });
+  if (i.clock.wall()) {
+    i.recorder_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
+    i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
+    i.recorder_thread = std::jthread([&i](const std::stop_token& token) { i.recorder(token); });
+    i.loop->start_thread();
+  }
+  return std::unique_ptr<Session>(new Session(std::move(impl)));
+}
+
+const Experiment& Session::experiment() const noexcept {
+  return wiring_->experiment;
+}
+std::size_t Session::drain(const std::function<void(const TickRecord&)>& take) {
+  if (!wiring_->window_channel) return 0;
+  wiring_->last_look.store(wiring_->clock.now());
+  return wiring_->window_channel->drain(take);
+}
+
+std::uint64_t Session::dropped_rows() const noexcept {
+  return wiring_->recorder_channel ? wiring_->recorder_channel->dropped() : 0;
+}
+
+std::uint64_t Session::undrained_rows() const noexcept {
+  return wiring_->window_channel ? wiring_->window_channel->dropped() : 0;
+}
+
+bool Session::picture(Picture& out) {
+  return has_camera() && !wiring_->closed && wiring_->plant->camera()->picture(out);
+}
+bool Session::has_camera() const noexcept {
+  return wiring_->experiment.camera.source != "none";
+}
+
+std::array<double, 2> Session::pixel(double x, double y) const {
+  const CameraRig* camera = wiring_->plant->camera();
+  return camera ? camera->pixel(x, y) : std::array{none, none};
+}
+
+std::vector<RobotStatus> Session::robots() const {
+  return wiring_->plant->robots();
+}
+
+CameraStatus Session::camera() const {
+  const CameraRig* camera = wiring_->plant->camera();
+  return camera ? camera->camera() : CameraStatus{};
+}
+
+VideoStatus Session::video() const {
+  const CameraRig* camera = wiring_->plant->camera();
+  return camera ? camera->video() : VideoStatus{};
+}
+
+std::optional<std::string> Session::unguarded() const {
+  return wiring_->net ? std::nullopt : std::optional(wiring_->net.error());
+}
+
+std::optional<std::string> Session::failure() const {
+  const std::lock_guard lock(wiring_->failure_mutex);
+  return wiring_->failure;
+}
+
+Phase Session::run(const std::function<bool()>& keep_on) {
+  SessionWiring& i = *wiring_;
+  const auto over = [&] { return i.loop->phase() == Phase::stopped || i.loop->phase() == Phase::finished; };
+  const auto ask = [&] {
+    if (keep_on && !keep_on()) i.stop();
+  };
+  int turns = 0;
+  const auto turn = [&] {
+    constexpr int between_questions = 16;  // ticks: a fraction of a second even where a camera is rendered
+    if (i.clock.wall() || turns++ % between_questions == 0) ask();
+    if (i.clock.wall()) {
+      std::this_thread::sleep_for(5ms);
+    } else {
+      i.loop->cycle_virtual();
+      i.watch();
+    }
+  };
+  const auto drive_to_starts = [&] {
+    stage();
+    const double give_up = i.clock.now() + i.experiment.staging.timeout;
+    for (bool began = false; !i.loop->failed() && i.loop->phase() != Phase::stopped; turn()) {
+      if (i.loop->phase() == Phase::staging)
+        began = true;
+      else if (began)
+        return;
+      if (i.clock.now() < give_up) continue;
+      i.fail(fmt::format("staging: not everybody has reached its start within {} s", i.experiment.staging.timeout));
+      while (!over() && !i.loop->failed()) turn();
+    }
+  };
+
+  bool away = false;
+  if (i.clock.wall()) {
+    // Nobody drives blind: every robot has to be seen before the start.
+    const double give_up = i.clock.now() + first_sight_timeout;
+    for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed(); turn()) {
+      if (i.clock.now() < give_up) continue;
+      i.fail(fmt::format("robot {}: its tag {} is not seen", unseen + 1,
+                         i.experiment.robots[static_cast<std::size_t>(unseen)].tag));
+      break;
+    }
+    away = i.loop->away();
+  } else {  // simulated robots stand at their starts, unless the file puts them elsewhere
+    away = std::any_of(i.experiment.robots.begin(), i.experiment.robots.end(),
+                       [](const RobotSpec& robot) { return robot.start.has_value(); });
+  }
+  if (away && i.experiment.staging.automatic && !over()) drive_to_starts();
+  start();
+  while (!over() && !i.loop->failed()) turn();
+  if (i.experiment.staging.back && i.loop->phase() == Phase::finished) drive_to_starts();
+  return i.loop->phase();
+}
+
+void Session::close() {
+  SessionWiring& i = *wiring_;
+  if (i.closed) return;
+  i.closed = true;
+  i.stop();
+  i.ends_test = true;
+  if (i.test.valid()) i.test.wait();
+  i.loop->end_thread();
+  i.plant->close();
+  if (i.net) i.net->done(i.plant->robots());
+  if (i.recorder_thread.joinable()) {
+    i.recorder_thread.request_stop();
+    i.recorder_thread.join();
+  }
+}
+
+}  // namespace skein::app

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cmath>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "app/experiment/experiment.h"
+#include "app/run/status.h"
+#include "app/session/control_loop.h"
+#include "app/session/plant.h"
+#include "app/session/record_channel.h"
+#include "app/session/safety_net.h"
+#include "app/session/session_options.h"
+
+namespace skein::app {
+
+inline constexpr auto recorder_period = std::chrono::milliseconds(20);
+inline constexpr auto longest_hold =
+    std::chrono::seconds(1);                   // a paced simulation waits so long for its sinks and its window
+inline constexpr double window_silence = 3.0;  // robots with links do not drive on under a window that hangs [s]
+
+/// The rows of a run: its running ticks, and after the start whatever else something happened in (pause, stop).
+inline bool belongs_to_run(const TickRecord& record, bool started) noexcept {
+  const bool driving_back = record.phase == Phase::staging && record.tick > 0;
+  return record.phase == Phase::running || (record.phase == Phase::staging && !driving_back) ||
+         (started && !driving_back && !record.events.empty());
+}
+
+/// Every arrow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control loop.
+struct SessionWiring {
+  SessionWiring(const Experiment& e, SessionOptions::Clock c, SessionOptions o)
+      : experiment(e), options(std::move(o)), clock(c == SessionOptions::Clock::wall), obstacles(e.obstacles) {}
+
+  void publish(const TickRecord& record) {  // on the control thread
+    if (clock.wall()) {
+      if (!clock.runs()) hold();
+      recorder_channel->push(record);
+      window_channel->push(record);
+    } else {
+      tell_sinks(record);
+    }
+  }
+
+  /// A paced simulation has time: it waits for a slow disk or window rather than lose a row. STOP ends the wait.
+  void hold() const {
+    const auto give_up = std::chrono::steady_clock::now() + longest_hold;
+    while ((recorder_channel->full() || (!std::isnan(last_look.load()) && window_channel->full())) &&
+           !loop->stop_asked() && std::chrono::steady_clock::now() < give_up)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  void tell_sinks(const TickRecord& record) {
+    if (belongs_to_run(record, started))
+      for (RecordSink* sink : options.sinks) sink->record(record);
+    started = started || record.phase == Phase::running || record.phase == Phase::staging;
+  }
+
+  void fail(std::string reason) {
+    {
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::move(reason);
+    }
+    stop();
+  }
+
+  double gain_border(core::GainName name, const core::ReferenceDemand& of) const {
+    return core::gain_border(name, gains, targets(), of);
+  }
+
+  tl::expected<void, std::string> put(std::size_t number, const core::Obstacle& obstacle) {
+    if (number >= obstacles.all().size()) return tl::unexpected(fmt::format("there is no obstacle {}", number + 1));
+    OperatorCommand command{OperatorCommand::Kind::obstacle};
+    command.number = number;
+    command.obstacle = obstacle;
+    if (!loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
+    obstacles.put(number, obstacle);
+    return {};
+  }
+
+  void stop() noexcept {
+    loop->stop();
+    plant->stop();
+  }
+
+  /// Rows to the sinks, an eye on links and camera; a thread of its own, so that a slow disk delays nobody.
+  void recorder(const std::stop_token& token) {
+    while (true) {
+      const bool last = token.stop_requested();
+      try {
+        recorder_channel->drain([this](const TickRecord& record) { tell_sinks(record); });
+      } catch (const std::exception& error) {
+        fail(fmt::format("the record of the run could not be kept: {}", error.what()));
+        return;
+      }
+      if (last) return;
+      watch();
+      std::this_thread::sleep_for(recorder_period);
+    }
+  }
+
+  void watch() {
+    const Phase phase = loop->phase();
+    if (loop->failed()) fail(loop->reason());
+    if (phase == Phase::stopped || phase == Phase::finished) return;
+    if (auto reason = plant->failure()) fail(*reason);
+    const bool moves = phase == Phase::running || phase == Phase::staging;
+    if (real_time && moves && clock.now() - last_look.load() > window_silence)
+      fail(fmt::format("the window has not answered for {:g} s: nobody could see or stop the robots", window_silence));
+  }
+
+  /// Why a robot can be tested no more; empty: it can.
+  std::string test_ends() const {
+    if (loop->stop_asked()) return "STOP was pressed";
+    return ends_test.load() || loop->phase() != Phase::ready ? "the robots no longer stand ready" : "";
+  }
+
+  /// Where the couplings are going.
+  core::CouplingGains targets() const;
+
+  const Experiment experiment;
+  SessionOptions options;
+  SessionClock clock;
+  core::ObstacleField obstacles;  // as the operator wants them
+  core::Gains gains;
+  core::ReferenceDemand demand;
+  tl::expected<SafetyNet, std::string> net;
+  std::unique_ptr<Plant> plant;
+  std::unique_ptr<ControlLoop> loop;
+  std::unique_ptr<RecordChannel> recorder_channel, window_channel;
+  std::jthread recorder_thread;
+  const bool real_time = real_time_reason(experiment).has_value();
+  std::atomic<bool> ends_test{false};
+  std::future<tl::expected<WheelCheck, std::string>> test;  // under way, or not yet asked for
+  std::atomic<double> last_look{none};  // when somebody drained last, on the session's clock [s]; none: nobody does
+  bool started = false;                 // the sinks' thread's
+  bool closed = false;
+  mutable std::mutex failure_mutex;
+  std::optional<std::string> failure;
+};
+
+}  // namespace skein::app

@@ -1,0 +1,72 @@
+#include "app/session/simulated_world.h"
+
+#include "app/run/tick_record.h"
+
+namespace skein::app {
+
+SimulatedWorld::SimulatedWorld(const Experiment& experiment) {
+  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    const RobotSpec& spec = experiment.robots[i];
+    simulated_.push_back(spec.simulated());
+    robots_.emplace_back(spec.drive, spec.motor, experiment.simulation, experiment.seed, i);
+    robots_.back().place(spec.simulated() ? spec.start.value_or(reference->at(i, 0.0).pose)
+                                          : core::Pose{none, none, none});
+  }
+}
+
+void SimulatedWorld::advance_locked(double now) {
+  const double dt = now - now_;
+  if (dt <= 0.0) return;
+  now_ = now;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (simulated_[i]) robots_[i].step(dt);
+}
+
+void SimulatedWorld::advance(double now) {
+  const std::lock_guard lock(mutex_);
+  advance_locked(now);
+}
+
+void SimulatedWorld::command(std::size_t robot, const core::WheelSpeeds& wheels) {
+  const std::lock_guard lock(mutex_);
+  robots_[robot].command(wheels);
+}
+
+void SimulatedWorld::turn(std::size_t robot, double now, const core::WheelSpeeds& actual) {
+  const std::lock_guard lock(mutex_);
+  advance_locked(now);
+  robots_[robot].turn(actual);
+}
+
+void SimulatedWorld::stop() {
+  const std::lock_guard lock(mutex_);
+  for (core::SimulatedRobot& robot : robots_) robot.turn({});
+}
+
+void SimulatedWorld::place(std::size_t robot, const core::Pose& pose) {
+  const std::lock_guard lock(mutex_);
+  robots_[robot].place(pose);
+}
+
+void SimulatedWorld::kick(std::size_t robot, double vx, double vy) {
+  const std::lock_guard lock(mutex_);
+  robots_[robot].kick(vx, vy);
+}
+
+core::Pose SimulatedWorld::pose(std::size_t robot) const {
+  const std::lock_guard lock(mutex_);
+  return robots_[robot].pose();
+}
+
+void SimulatedWorld::poses(std::span<core::Pose> all) const {
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < robots_.size(); ++i) all[i] = robots_[i].pose();
+}
+
+core::Measurement SimulatedWorld::measure(std::size_t robot, double now) {
+  const std::lock_guard lock(mutex_);
+  return robots_[robot].measure(now);
+}
+
+}  // namespace skein::app

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "app/run/status.h"
+#include "comms/link_supervisor.h"
+
+namespace skein::app {
+
+/// One wheel alone is told this, for so long: 80 steps, about 10 mm. [steps/s, s]
+inline constexpr int one_wheel_speed = 200;
+inline constexpr double one_wheel_time = 0.4;
+
+/// What is wrong with a wheel that was told to turn alone, by what both did; empty: nothing. `still` is said of one
+/// that did nothing: "'s encoder is silent".
+std::string wheel_fault(const char* wheel, double its_own, double other, double expected, const char* still,
+                        const char* unit);
+/// The same of both wheels by their encoders [steps]: the left one told to turn alone, then the right one.
+std::vector<std::string> encoder_faults(double left, double right_with_left, double right, double left_with_right,
+                                        double expected);
+
+/// Turns each wheel of a robot about 10 mm forward and compares the counters with the command: wheels that are swapped
+/// or turn backwards, counters that are silent. The robot's link is up, and nobody else tells it anything meanwhile; it
+/// stands when this is over. `keep_on` is asked before every command: a sentence ends the check, as its error. Blocks
+/// for some seconds.
+tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links, std::size_t link,
+                                                   const std::function<std::string()>& keep_on);
+
+}  // namespace skein::app

@@ -1,0 +1,300 @@
+#include "app/tick/control_tick.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/tick/tick_state.h"
+#include "core/control/coordination_law.h"
+#include "core/control/formation.h"
+#include "core/control/lyapunov.h"
+#include "core/estimation/pose_filter.h"
+
+namespace skein::app {
+namespace {
+
+/// A detour keeps this much more distance than the shield asks for, so that the shield stays out of it. [m]
+constexpr double detour_margin = 0.012;
+
+/// Staging looks so far ahead [s].
+constexpr double staging_horizon = 3.0;
+
+/// How many standard deviations a pose is trusted to be off at most.
+constexpr double trusted_deviations = 3.0;
+
+/// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
+/// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
+/// sees.
+double rise_tolerance(const Experiment& e) {
+  const double position = std::max(e.camera.source == "none" ? 0.5e-3 : 1e-3, e.simulation.pose_noise);
+  constexpr double deviations = 8.0, heading_error = 0.3;  // [rad]: its slope by a heading is that heading's error
+  return deviations * (e.controller.k_y * position + heading_error * e.simulation.heading_noise);
+}
+
+}  // namespace
+
+TickState::TickState(const Experiment& e)
+    : experiment(e),
+      reference(make_reference(e)),
+      demand(reference->demand(e.controller.k_y)),
+      gains(make_gains(e)),
+      couplings(e, gains, demand),
+      obstacles(e.obstacles),
+      avoidance(e.robots.size(), obstacles.all().size()),
+      shield(e.robots.size(), obstacles.all().size()),
+      near(e.robots.size()),
+      pairs(e.robots.size()),
+      watch(e.robots.size(), rise_tolerance(e)),
+      shield_touched(new bool[e.robots.size()]()) {
+  const std::size_t n = e.robots.size();
+  for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
+  filters.resize(n);
+  seen_before.resize(n);
+  held.resize(n);
+  off_nominal.resize(n);
+  owed.resize(n);
+  poses.resize(n);
+  midway.resize(n);
+  stands.resize(n);
+  nominal.resize(n);
+  followed.resize(n);
+  followed_twists.resize(n);
+  law.resize(n);
+  commands.resize(n);
+  errors.resize(n);
+  v_limits.resize(n);
+  doubt.resize(n);
+  record.robots.resize(n);
+  record.delta.resize(n > 0 ? n - 1 : 0);
+  record.pair_gains = {gains.k_xx, gains.k_tt, gains.k_yy};
+}
+
+void ControlTick::see(const TickInput& input) noexcept {
+  TickState& tick = *state_;
+  tick.begin(input);
+  tick.estimate(input);
+}
+
+const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
+  TickState& tick = *state_;
+  tick.schedule_gains();
+  tick.follow_reference();
+  tick.apply_law();
+  tick.watch_descent();
+  tick.limit_and_shield();
+  tick.drive_wheels();
+  tick.account(input);
+  if (tick.record.phase == Phase::staging) tick.watch_staging();
+  return tick.record;
+}
+
+/// One robot's newest measurement. A jump that nobody announced is a perturbation like those of the file.
+void TickState::look(std::size_t i) noexcept {
+  const core::Measurement& m = record.robots[i].measurement;
+  const std::optional<core::Pose> expected = filters[i].see(experiment.estimation.filter, m);
+  if (!expected || !running()) return;
+  record.events.add(
+      {Event::Kind::kidnap,
+       static_cast<int>(i),
+       {},
+       {m.pose.x - expected->x, m.pose.y - expected->y, core::wrap_angle(m.pose.theta - expected->theta)}});
+}
+
+/// Every robot's pose at the moment the command of this tick acts. One that has not been seen within the bridge time is
+/// lost.
+void TickState::estimate(const TickInput& input) noexcept {
+  for (const Event& event : input.events)
+    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move)
+      filters[static_cast<std::size_t>(event.robot)].displaced(input.now);
+  for (std::size_t i = 0; i < robots(); ++i) {
+    RobotRecord& robot = record.robots[i];
+    const bool was_lost = robot.is(lost);
+    robot.measurement = input.measurements[i];
+    robot.pose_age = input.now - robot.measurement.captured_at;
+    const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+    robot.actuation_delay =
+        experiment.estimation.actuation_delay.value_or(input.delays.empty() ? 0.0 : input.delays[i]);
+    if (seen) look(i);
+    robot.pose = poses[i] = seen ? filters[i].predict(input.now + robot.actuation_delay) : core::Pose{none, none, none};
+    robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
+    robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
+    doubt[i] = seen ? trusted_deviations *
+                          filters[i].sigma_after(experiment.estimation.filter, std::abs(commands[i].v) * robot.pose_age)
+                    : 0.0;
+    // One that has never been seen was not lost, and its first sight is what everybody expects.
+    if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
+    if (seen) seen_before[i] = true;
+    if (robot.is(lost)) avoidance.reset(i);
+  }
+}
+
+/// The coupling gains of this tick: the file's changes and the operator's, ramped.
+void TickState::schedule_gains() noexcept {
+  if (running()) couplings.follow_file(record.t, record.events);
+  couplings.step(dt, gains);
+}
+
+/// The formation's reference, and what avoidance (29-34) makes of it; then the tracking gains that these leave (36).
+void TickState::follow_reference() noexcept {
+  const bool to_the_starts = record.phase == Phase::staging;
+  reference->at(to_the_starts ? 0.0 : record.t, nominal);
+  if (!running())
+    for (core::ReferencePoint& point : nominal) point.twist = {};
+  if (moving()) {
+    const double most_doubt = *std::max_element(doubt.begin(), doubt.end());
+    const core::Scene scene{poses,
+                            commands,
+                            {shield_touched.get(), robots()},
+                            obstacles.standing(),
+                            experiment.shield.distance + 2.0 * most_doubt + detour_margin,
+                            0.5 * experiment.arena_width - core::robot_radius,
+                            0.5 * experiment.arena_height - core::robot_radius};
+    core::AvoidanceParameters parameters = experiment.avoidance;
+    if (to_the_starts) {
+      parameters.enabled = true;
+      parameters.horizon = std::max(parameters.horizon, staging_horizon);
+    }
+    avoidance.step(parameters, gains, motion_dt, scene, nominal, followed);
+    for (std::size_t i = 0; i < robots(); ++i) {
+      const bool modified = avoidance.state(i) != core::Avoidance::State::nominal;
+      if (modified != off_nominal[i] && running()) note(modified ? Event::Kind::avoid : Event::Kind::clear, i);
+      off_nominal[i] = modified;
+      if (avoidance.stuck(i)) note(Event::Kind::deadlock, i);
+    }
+  } else {
+    std::copy(nominal.begin(), nominal.end(), followed.begin());
+  }
+  for (std::size_t i = 0; i < robots(); ++i) followed_twists[i] = followed[i].twist;
+  core::use_policy(gains, followed_twists);
+}
+
+/// (4) and (15). The error of a robot that is lost or held counts as zero, which takes it out of the group: nobody is
+/// coupled to a guess, or waits for one that stands.
+void TickState::apply_law() noexcept {
+  for (std::size_t i = 0; i < robots(); ++i) {
+    errors[i] = is_out(i) ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
+  }
+  core::coordination_law(gains, errors, followed_twists, law, pairs);
+}
+
+/// The law does not imply (14), and (14) not what the wheels can do; the shield has the last word.
+void TickState::limit_and_shield() noexcept {
+  for (std::size_t i = 0; i < robots(); ++i) {
+    RobotRecord& robot = record.robots[i];
+    robot.limits = 0;
+    if (!moving() || is_out(i)) {
+      robot.mode |= stopped;
+      commands[i] = {};
+      v_limits[i] = 0.0;
+      continue;
+    }
+    robot.mode |= !running() ? staging : followed[i] == nominal[i] ? tracking : avoiding;
+    const core::CommandLimits::Biting biting = limits[i].biting(law[i]);
+    robot.limits = static_cast<std::uint8_t>((biting.v ? limit_v : 0) | (biting.omega ? limit_omega : 0) |
+                                             (biting.wheels ? limit_wheels : 0));
+    commands[i] = limits[i].limit(law[i]);
+    v_limits[i] = limits[i].v_limit(commands[i].omega);
+    if (commands[i] != law[i]) robot.mode |= limited;
+  }
+  // A robot that turns drives, over a tick, as its heading in the middle of it.
+  for (std::size_t i = 0; i < robots(); ++i) {
+    midway[i] = poses[i];
+    midway[i].theta += 0.5 * commands[i].omega * experiment.period();
+  }
+  shield.apply(experiment.shield, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
+               doubt);
+  for (std::size_t i = 0; i < robots(); ++i)
+    if (shield_touched[i]) record.robots[i].mode |= shielded;
+}
+
+/// Twists to step rates. A real motor runs only some rates: what one tick does too much or too little, the next ones
+/// make good.
+void TickState::drive_wheels() noexcept {
+  for (std::size_t i = 0; i < robots(); ++i) {
+    RobotRecord& robot = record.robots[i];
+    const RobotSpec& spec = experiment.robots[i];
+    const core::WheelSpeeds wanted = spec.drive.wheels(commands[i]);
+    core::WheelSpeeds runs;
+    const auto choose = [&](double wish, double& debt, double& command, double& actual) {
+      command = core::nearest_command(spec.motor, wish + debt);
+      actual = core::actual_step_rate(spec.motor, command);
+      debt = spec.motor == core::MotorModel::ideal || robot.is(stopped) ? 0.0 : wish + debt - actual;
+    };
+    if (robot.is(stopped)) owed[i] = {};
+    choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
+    choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
+    filters[i].command(record.now + robot.actuation_delay, spec.drive.twist(runs));
+    watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
+  }
+}
+
+/// (20) forbids that V rises. Says where it does and nothing explains it: neither a hand nor a robot that was lost or
+/// found (within the time in which the filter comes to believe the new pose).
+void TickState::watch_descent() noexcept {
+  constexpr double settles = 0.5;  // [s]
+  for (const Event& event : record.events) switch (event.kind) {
+      case Event::Kind::perturb:
+      case Event::Kind::kidnap:
+      case Event::Kind::move:
+      case Event::Kind::kick:
+      case Event::Kind::hold:
+      case Event::Kind::release:
+      case Event::Kind::lost:
+      case Event::Kind::found:
+        explained_until = record.now + experiment.simulation.latency + settles;
+        break;
+      default:
+        break;
+    }
+  if (!running() || record.now < explained_until) watch.forget();
+  const double rise = watch.step(gains, poses, followed, errors, record.period);
+  if (rise > 0.0) record.events.add({Event::Kind::v_rise, -1, {}, {rise, 0.0, 0.0}});
+}
+
+/// Everything that this tick did, for the log, the plots and the tests.
+void TickState::account(const TickInput& input) noexcept {
+  record.k_xx = gains.k_xx.largest();
+  record.k_tt = gains.k_tt.largest();
+  record.k_yy = gains.k_yy.largest();
+  record.pair_gains[0] = gains.k_xx;  // same sizes: no allocation
+  record.pair_gains[1] = gains.k_tt;
+  record.pair_gains[2] = gains.k_yy;
+  record.V = core::lyapunov(gains, errors);
+  record.V_dot = core::lyapunov_rate(gains, errors);
+  for (std::size_t i = 0; i < robots(); ++i) {
+    RobotRecord& robot = record.robots[i];
+    robot.truth = input.truth.empty() ? core::Pose{none, none, none} : input.truth[i];
+    robot.nominal = nominal[i];
+    robot.reference = followed[i];
+    robot.error = is_out(i) ? core::TrackingError{none, none, none} : errors[i];
+    robot.law = law[i];
+    robot.command = commands[i];
+    robot.k_x = gains.k_x[i];
+    robot.k_theta = gains.k_theta[i];
+    robot.margins = core::margins(gains, i, followed_twists[i]);
+  }
+  for (std::size_t i = 0; i < robots(); ++i) {
+    const RobotRecord& robot = record.robots[i];
+    stands[i] = std::isnan(robot.truth.x) ? robot.pose : robot.truth;
+  }
+  record.min_distance = near.smallest_distance(stands);
+  for (std::size_t i = 0; i + 1 < robots(); ++i)
+    record.delta[i] = core::formation_error(nominal[i].pose, nominal[i + 1].pose, poses[i], poses[i + 1]);
+}
+
+ControlTick::ControlTick(const Experiment& experiment) : state_(std::make_unique<TickState>(experiment)) {}
+ControlTick::~ControlTick() = default;
+
+double ControlTick::next_time(int elapsed) const noexcept {
+  const TickState& tick = *state_;
+  return static_cast<double>(tick.record.tick + (tick.running() ? elapsed : 0)) / tick.experiment.rate;
+}
+
+const Couplings& ControlTick::couplings() const noexcept {
+  return state_->couplings;
+}
+
+const TickRecord& ControlTick::record() const noexcept {
+  return state_->record;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include "app/run/operator_command.h"
+#include "app/run/tick_record.h"
+
+namespace skein::app {
+
+/// Everything that a tick may know.
+struct TickInput {
+  double now = 0.0;   ///< session's clock [s]
+  int elapsed = 1;    ///< ticks since the one before: 1, or more when deadlines were missed
+  bool stop = false;  ///< STOP is latched
+  std::span<const core::Measurement> measurements;  ///< the newest of each robot
+  std::span<const core::Pose> truth;                ///< of each robot, NaN where unknown
+  std::span<const double> delays;  ///< from each robot's command to its wheels, as measured [s]; empty: none
+  std::span<const OperatorCommand> commands;
+  EventList events;  ///< what the world reports: perturbations, moves, links
+};
+
+}  // namespace skein::app

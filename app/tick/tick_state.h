@@ -1,0 +1,90 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/tick/couplings.h"
+#include "app/tick/tick_input.h"
+#include "core/avoidance/avoidance.h"
+#include "core/avoidance/near_robots.h"
+#include "core/control/coordination_law.h"
+#include "core/control/descent_watch.h"
+#include "core/estimation/pose_filter.h"
+
+namespace skein::app {
+
+/// What a tick works on: the experiment's parts, what lasts from tick to tick, and what lasts for one.
+struct TickState {
+  explicit TickState(const Experiment& e);
+
+  // The stages of a tick, in their order.
+  void begin(const TickInput& input) noexcept;
+  void obey(const OperatorCommand& command) noexcept;
+  /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
+  void forget_history() noexcept {
+    for (core::PoseFilter& filter : filters) filter.forget();
+  }
+  void look(std::size_t i) noexcept;
+  void estimate(const TickInput& input) noexcept;
+  void schedule_gains() noexcept;
+  void follow_reference() noexcept;
+  void apply_law() noexcept;
+  void limit_and_shield() noexcept;
+  void drive_wheels() noexcept;
+  void account(const TickInput& input) noexcept;
+
+  void watch_staging() noexcept;
+  void watch_descent() noexcept;
+
+  bool running() const noexcept { return record.phase == Phase::running; }
+  bool moving() const noexcept { return running() || record.phase == Phase::staging; }
+  /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
+  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i]; }
+  std::size_t robots() const noexcept { return record.robots.size(); }
+  void note(Event::Kind kind, std::size_t robot) noexcept {
+    record.events.add({kind, static_cast<int>(robot), {}, {}});
+  }
+  void note_obstacle(std::size_t k, const core::Obstacle& o) noexcept {
+    record.events.add({Event::Kind::obstacle, static_cast<int>(k), {}, {o.x, o.y, o.radius}});
+  }
+
+  // What the experiment says.
+  const Experiment experiment;
+  const std::unique_ptr<const core::Reference> reference;
+  const core::ReferenceDemand demand;
+  std::vector<core::CommandLimits> limits;
+
+  // What lasts from tick to tick.
+  double last_now = none;
+  double dt = 0.0;         // of the experiment, since the tick before; 0 unless running
+  double motion_dt = 0.0;  // the same of everything that drives: while staging as well
+  Phase after_staging = Phase::ready;
+  double stood_for = 0.0;  // at the starts, while staging [s]
+  core::Gains gains;
+  Couplings couplings;
+  core::ObstacleField obstacles;
+  core::Avoidance avoidance;
+  core::Shield shield;
+  core::NearRobots near;
+  core::LawPairs pairs;  // workspace of the law
+  core::DescentWatch watch;
+  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
+  std::vector<core::PoseFilter> filters;
+  std::vector<bool> seen_before;
+  std::vector<bool> held;               // made to stand by the operator
+  std::vector<bool> off_nominal;        // follows a modified reference
+  std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
+
+  // What lasts for one tick.
+  std::vector<core::Pose> poses, midway, stands;
+  std::vector<core::ReferencePoint> nominal, followed;
+  std::vector<core::Twist> followed_twists, law, commands;
+  std::vector<core::TrackingError> errors;
+  std::vector<double> v_limits;
+  std::vector<double> doubt;  // how far off each pose may be [m]
+  std::unique_ptr<bool[]> shield_touched;
+  TickRecord record;
+};
+
+}  // namespace skein::app

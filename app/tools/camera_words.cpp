@@ -1,0 +1,52 @@
+#include "app/tools/camera_words.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "app/run/interrupted.h"
+#include "vision/camera_controls.h"
+
+namespace skein::app {
+
+void CameraWords::add_to(CLI::App& command, bool calibrated) {
+  command
+      .add_option("--set", settings,
+                  "of a camera, repeatable: exposure=SECONDS (0: automatic), gain=, focus=, or a control of its own")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  if (!calibrated)
+    command.add_option("--size", size, "of a camera's frames; default: the calibration's, or as it is set")
+        ->type_name("WxH");
+  command.add_option("--rate", rate, "of a camera [frames/s]; default: as it is set")->check(CLI::Range(0.1, 10000.0));
+}
+
+tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::string& source) const {
+  vision::SourceOptions options;
+  options.keep_waiting = [] { return !interrupted(); };
+  for (const std::string& text : settings) {
+    const auto setting = vision::parse_setting(text);
+    if (!setting) return tl::unexpected("--set " + setting.error());
+    options.controls.push_back(*setting);
+  }
+  int end = 0;
+  const bool is_size = std::sscanf(size.c_str(), "%dx%d%n", &options.width, &options.height, &end) == 2 &&
+                       end == static_cast<int>(size.size()) && options.width > 0 && options.height > 0;
+  if (!size.empty() && !is_size)
+    return tl::unexpected(fmt::format("--size {}; allowed: WIDTHxHEIGHT, such as 1280x960", size));
+  options.rate = rate;
+  const char* const word = !settings.empty() ? "--set" : !size.empty() ? "--size" : rate > 0.0 ? "--rate" : nullptr;
+  if (word != nullptr && !source.starts_with("v4l2:"))
+    return tl::unexpected(fmt::format("{}: {} is no camera; allowed with {}: v4l2:DEVICE", word, source, word));
+  return options;
+}
+
+std::string wrong_source(const std::string& source) {
+  for (const char* kind : {"images:", "video:", "v4l2:"})
+    if (source.starts_with(kind) && source != kind) return {};
+  return fmt::format("source \"{}\"; allowed: images:DIR, video:FILE, v4l2:DEVICE (such as v4l2:/dev/video0)", source);
+}
+
+}  // namespace skein::app

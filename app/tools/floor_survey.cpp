@@ -1,0 +1,58 @@
+#include "app/tools/floor_survey.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "app/tools/camera_words.h"
+#include "vision/floor_calibration.h"
+#include "vision/frame_source.h"
+
+namespace skein::app {
+namespace {
+
+constexpr int frames = 25;  // looked at, and averaged
+
+}  // namespace
+
+tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& question, const std::atomic<bool>& ends) {
+  const auto goes_on = [&ends] { return !ends.load(); };
+  const auto lens = vision::load_calibration(question.calibration);
+  if (!lens) return tl::unexpected(lens.error());
+  if (const std::string wrong = wrong_source(question.source); !wrong.empty()) return tl::unexpected(wrong);
+  auto options = CameraWords{{}, 0.0, question.settings}.read(question.source);
+  if (!options) return tl::unexpected(options.error());
+  options->width = lens->width;
+  options->height = lens->height;
+  options->keep_waiting = goes_on;
+  auto source = vision::open_source(question.source, *options);
+  if (!source) return tl::unexpected(source.error());
+  const auto sight = vision::look_at_floor(**source, *lens, frames, [&](int) { return goes_on(); });
+  if (!sight) return tl::unexpected(sight.error());
+  std::vector<vision::FloorMark> marks;
+  for (const FloorTag& tag : question.tags)
+    marks.push_back({.name = fmt::format("tag {}", tag.id), .tag = tag.id, .x = tag.x, .y = tag.y, .z = tag.z});
+  vision::enter(*sight, marks);
+  auto result = vision::solve_floor(*lens, marks);
+  if (!result) return tl::unexpected(result.error());
+  result->tag_size = question.tag_size;
+  result->tag_height = question.tag_height;
+  if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return tl::unexpected(wrong);
+  const auto check = vision::check_floor(*result, marks);
+  if (!check) return tl::unexpected(check.error());
+  if (!goes_on()) return tl::unexpected(std::string("ended"));
+  if (const auto saved = vision::save_calibration(*result, question.calibration); !saved)
+    return tl::unexpected(saved.error());
+  FloorSurvey survey{question.tags, check->rms, check->worst};
+  for (const vision::FloorResidual& residual : check->residuals) {
+    FloorTag& tag = survey.tags[static_cast<std::size_t>(residual.mark - marks.data())];
+    tag.off_x = residual.dx;
+    tag.off_y = residual.dy;
+  }
+  const Eigen::Vector3d& place = result->world_from_camera->position;
+  survey.camera = {place.x(), place.y(), place.z()};
+  if (const vision::FloorMark* odd = vision::suspect(*lens, marks)) survey.suspect = odd->name;
+  return survey;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,270 @@
+#include "app/tools/robot_test.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "app/session/wheel_check.h"
+
+namespace skein::app {
+namespace {
+
+constexpr double way_speed = 300, way_time = 1.6;      // 480 steps, 62 mm
+constexpr double turn_speed = 250, turn_time = 1.6;    // 400 steps each, 110 degrees
+constexpr double standing = 0.6, settled = 0.2;        // how long it stands; from when on its poses count [s]
+constexpr double first_sight = 10.0, all_parts = 1.6;  // a camera opens; the tracker looks everywhere once [s]
+constexpr double turned_at_least = 0.05;               // a tag on a robot that turns 0.19 rad; noise is 0.001 [rad]
+constexpr double elbow_room = 0.09;                    // between two robots' midpoints [m]
+constexpr double diameter_tolerance = 0.02, track_tolerance = 0.03;
+
+bool known(const core::Pose& pose) {
+  return !std::isnan(pose.x);
+}
+
+std::string in_mm(double metres) {
+  return fmt::format("{:.2f} mm", 1e3 * metres);
+}
+
+}  // namespace
+
+double RobotTest::Moved::forward() const {
+  const double dx = after.x - before.x, dy = after.y - before.y, half = 0.5 * turned();
+  const double heading = before.theta + half;
+  const double chord = dx * std::cos(heading) + dy * std::sin(heading);
+  return std::abs(half) < 1e-6 ? chord : chord * half / std::sin(half);  // along the arc
+}
+
+RobotTest::RobotTest(Plant& plant, SessionClock& clock, const Experiment& believed, std::function<bool()> keep_on)
+    : plant_(plant),
+      clock_(clock),
+      believed_(believed),
+      keep_on_(std::move(keep_on)),
+      wanted_(plant.tags()),
+      newest_(wanted_.size()),
+      truth_(believed.robots.size()),
+      resting_(wanted_.size(), core::Pose{none, none, none}),
+      wheels_(believed.robots.size()),
+      records_(believed.robots.size()),
+      next_tick_(clock.now()) {}
+
+tl::expected<void, std::string> RobotTest::tick() {
+  const double period = believed_.period();
+  if (keep_on_ && !keep_on_()) {
+    plant_.stop();
+    return tl::unexpected(std::string("stopped"));
+  }
+  next_tick_ += period;
+  if (clock_.wall()) {
+    next_tick_ = std::max(next_tick_, clock_.now());
+    std::this_thread::sleep_until(clock_.at(next_tick_));
+  } else {
+    clock_.set(next_tick_);
+  }
+  plant_.measure(clock_.now(), newest_, truth_, frame_);
+  plant_.act(wheels_);
+  if (auto why = plant_.failure()) {
+    plant_.stop();
+    return tl::unexpected(std::move(*why));
+  }
+  plant_.fill_links(records_);
+  return {};
+}
+
+tl::expected<void, std::string> RobotTest::stand() {
+  std::fill(wheels_.begin(), wheels_.end(), core::WheelSpeeds{});
+  const double begun = clock_.now();
+  std::vector<core::Pose> sums(wanted_.size());
+  std::vector<double> heading(wanted_.size()), last(wanted_.size(), -1e9);
+  std::vector<int> counts(wanted_.size());
+  while (clock_.now() < begun + standing) {
+    if (const auto ticked = tick(); !ticked) return ticked;
+    for (std::size_t i = 0; plant_.camera() && i < wanted_.size(); ++i) {
+      const core::Measurement& seen = newest_[i];
+      if (seen.captured_at < begun + settled || seen.captured_at <= last[i]) continue;
+      last[i] = seen.captured_at;
+      if (counts[i]++ == 0) heading[i] = seen.pose.theta;
+      sums[i].x += seen.pose.x;
+      sums[i].y += seen.pose.y;
+      sums[i].theta += core::wrap_angle(seen.pose.theta - heading[i]);
+    }
+  }
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    const double n = counts[i];
+    resting_[i] = counts[i] == 0
+                      ? core::Pose{none, none, none}
+                      : core::Pose{sums[i].x / n, sums[i].y / n, core::wrap_angle(heading[i] + sums[i].theta / n)};
+  }
+  return {};
+}
+
+tl::expected<RobotTest::Manoeuvre, std::string> RobotTest::drive(std::size_t robot, double left, double right,
+                                                                 double seconds) {
+  const std::vector<core::Pose> before = resting_;
+  const LinkRecord begun = records_[robot].link;
+  wheels_[robot] = {left, right};
+  for (int ticks = static_cast<int>(std::lround(seconds / believed_.period())); ticks > 0; --ticks)
+    if (auto ticked = tick(); !ticked) return tl::unexpected(ticked.error());
+  if (auto stood = stand(); !stood) return tl::unexpected(stood.error());
+  const LinkRecord& ended = records_[robot].link;
+  Manoeuvre result{ended.left_steps - begun.left_steps, ended.right_steps - begun.right_steps, {}};
+  for (std::size_t i = 0; i < wanted_.size(); ++i)
+    if (known(before[i]) && known(resting_[i])) result.tags.push_back({wanted_[i], before[i], resting_[i]});
+  return result;
+}
+
+std::string RobotTest::whose(int tag) const {
+  for (std::size_t i = 0; i < believed_.robots.size(); ++i)
+    if (believed_.robots[i].tag == tag) return fmt::format(", which is that of {}", robot_name(believed_, i));
+  return {};
+}
+
+/// Which tag turned with the robot, and what it says of the wheels.
+void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Manoeuvre& right,
+                             RobotTestResult& result) const {
+  const int expected = believed_.robots[robot].tag;
+  const bool seen = std::any_of(left.tags.begin(), left.tags.end(), [&](const Moved& m) { return m.tag == expected; });
+  std::vector<const Moved*> turned;
+  for (const Moved& tag : left.tags)
+    if (std::abs(tag.turned()) > turned_at_least) turned.push_back(&tag);
+  const auto its_own =
+      std::find_if(turned.begin(), turned.end(), [&](const Moved* moved) { return moved->tag == expected; });
+  if (turned.empty()) {
+    result.faults.push_back(seen ? fmt::format("its tag {} is seen and does not turn with it: do its wheels turn, and "
+                                               "is the tag on another robot?",
+                                               expected)
+                            : expected < 0 ? "no tag that the camera sees turns with it"
+                                           : fmt::format("no tag that the camera sees turns with it: is its tag {} "
+                                                         "covered, or outside the picture?",
+                                                         expected));
+    return;
+  }
+  const Moved& with_left = its_own == turned.end() ? *turned.front() : **its_own;
+  result.tag = with_left.tag;
+  if (turned.size() > 1)
+    result.notes.push_back(fmt::format("{} tags turned at once: did somebody move a robot?", turned.size()));
+  if (expected >= 0 && result.tag != expected)
+    result.faults.push_back(
+        fmt::format("the wrong tag: it carries tag {}{}, instead of tag {}", result.tag, whose(result.tag), expected));
+  const auto with_right =
+      std::find_if(right.tags.begin(), right.tags.end(), [&](const Moved& m) { return m.tag == result.tag; });
+  if (with_right == right.tags.end()) {
+    result.notes.push_back(fmt::format("its tag {} was lost on the way", result.tag));
+    return;
+  }
+  // What each wheel rolled, from how the tag turned and went ahead.
+  const core::DifferentialDrive& drive = believed_.robots[robot].drive;
+  const double expected_way = one_wheel_speed * one_wheel_time * drive.metres_per_step() * 1e3;
+  for (const auto& [moved, is_left] : {std::pair(&with_left, true), std::pair(&*with_right, false)}) {
+    const double arc = 0.5 * moved->turned() * drive.track, way = moved->forward();
+    const double rolled_left = 1e3 * (way - arc), rolled_right = 1e3 * (way + arc);
+    const char* const wheel = is_left ? "left" : "right";
+    const std::string wrong = wheel_fault(wheel, is_left ? rolled_left : rolled_right,
+                                          is_left ? rolled_right : rolled_left, expected_way, " does not turn", "mm");
+    const bool said = std::any_of(result.faults.begin(), result.faults.end(), [&](const std::string& fault) {
+      return fault.find(wheel + std::string(" wheel")) != std::string::npos;
+    });
+    if (!wrong.empty() && !said) result.faults.push_back(fmt::format("{}, as the camera sees", wrong));
+  }
+}
+
+/// Whether nobody else's tag is where the robot with this one would drive, straight ahead or (negative) back.
+bool RobotTest::free_way(int tag, double distance) const {
+  const auto own = std::find(wanted_.begin(), wanted_.end(), tag) - wanted_.begin();
+  const core::Pose& at = resting_[static_cast<std::size_t>(own)];
+  const double ahead_x = std::cos(at.theta), ahead_y = std::sin(at.theta);
+  if (std::abs(at.x + distance * ahead_x) > 0.5 * believed_.arena_width - core::robot_radius ||
+      std::abs(at.y + distance * ahead_y) > 0.5 * believed_.arena_height - core::robot_radius)
+    return false;
+  for (std::size_t i = 0; i < resting_.size(); ++i) {
+    if (static_cast<std::ptrdiff_t>(i) == own || !known(resting_[i])) continue;
+    const double dx = resting_[i].x - at.x, dy = resting_[i].y - at.y;
+    const double along = std::clamp(dx * ahead_x + dy * ahead_y, std::min(0.0, distance), std::max(0.0, distance));
+    if (std::hypot(dx - along * ahead_x, dy - along * ahead_y) < elbow_room) return false;
+  }
+  return true;
+}
+
+/// How large its wheels are and how far apart, from what the camera saw against what the encoders counted.
+tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTestResult& result) {
+  const core::DifferentialDrive& drive = believed_.robots[robot].drive;
+  const double distance = way_speed * way_time * drive.metres_per_step();
+  const double sign = free_way(result.tag, distance) ? 1.0 : -1.0;
+  if (sign < 0.0 && !free_way(result.tag, -distance)) {
+    result.notes.push_back(
+        fmt::format("its wheels were not measured: it needs {:.0f} mm ahead of it or behind it, "
+                    "inside the arena and away from other robots",
+                    1e3 * (distance + core::robot_radius)));
+    return {};
+  }
+  double way = 0.0, way_steps = 0.0, turn = 0.0, turn_steps = 0.0;  // all counted positive
+  for (const auto& [left, right, seconds] :
+       {std::tuple(sign * way_speed, sign * way_speed, way_time),
+        std::tuple(-sign * way_speed, -sign * way_speed, way_time), std::tuple(-turn_speed, turn_speed, turn_time),
+        std::tuple(turn_speed, -turn_speed, turn_time)}) {
+    const auto driven = this->drive(robot, left, right, seconds);
+    if (!driven) return tl::unexpected(driven.error());
+    const auto moved =
+        std::find_if(driven->tags.begin(), driven->tags.end(), [&](const Moved& tag) { return tag.tag == result.tag; });
+    if (moved == driven->tags.end()) {
+      result.notes.push_back(fmt::format("its wheels were not measured: its tag {} was lost on the way", result.tag));
+      return {};
+    }
+    if (left == right) {
+      way += std::abs(moved->forward());
+      way_steps += 0.5 * std::abs(driven->left + driven->right);
+    } else {
+      const double steps = driven->right - driven->left;
+      // More than half a turn looks like less the other way round: the files know the angle well enough to tell.
+      const double about = steps * drive.metres_per_step() / drive.track;
+      turn += std::abs(about + core::wrap_angle(moved->turned() - about));
+      turn_steps += std::abs(steps);
+    }
+  }
+  if (way_steps < 100.0 || turn_steps < 100.0 || way <= 0.0 || turn <= 0.0) return {};  // named as a fault already
+  const double diameter = way / way_steps * drive.steps_per_turn / core::pi;
+  const double track = turn_steps * way / way_steps / turn;
+  result.wheel_diameter = diameter;
+  result.track = track;
+  const auto compare = [&](const char* key, double measured, double file, double tolerance) {
+    if (std::abs(measured / file - 1.0) <= tolerance) return;
+    result.faults.push_back(fmt::format("{} is {} by the camera, {:+.1f} % off the {} that are said of it", key,
+                                        in_mm(measured), 1e2 * (measured / file - 1.0), in_mm(file)));
+  };
+  compare("wheel_diameter", diameter, drive.wheel_diameter, diameter_tolerance);
+  compare("track", track, drive.track, track_tolerance);
+  return {};
+}
+
+tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
+  RobotTestResult result;
+  const double begun = clock_.now();
+  const auto seen = [this] {
+    return std::any_of(newest_.begin(), newest_.end(), [](const core::Measurement& m) { return m.captured_at > 0.0; });
+  };
+  while (plant_.camera() && !looked_ && clock_.now() < begun + (seen() ? all_parts : first_sight))
+    if (const auto ticked = tick(); !ticked) return tl::unexpected(ticked.error());
+  looked_ = true;
+  if (const auto stood = stand(); !stood) return tl::unexpected(stood.error());
+
+  const auto left = drive(robot, one_wheel_speed, 0.0, one_wheel_time);
+  if (!left) return tl::unexpected(left.error());
+  const auto right = drive(robot, 0.0, one_wheel_speed, one_wheel_time);
+  if (!right) return tl::unexpected(right.error());
+  result.left_steps = left->left;
+  result.right_steps = right->right;
+  result.faults = encoder_faults(left->left, left->right, right->right, right->left, one_wheel_speed * one_wheel_time);
+  if (plant_.camera()) {
+    const std::size_t wheels_at_fault = result.faults.size();
+    judge_camera(robot, *left, *right, result);
+    const bool only_the_tag = result.faults.empty() || (wheels_at_fault == 0 && result.faults.size() == 1 &&
+                                                        result.tag != believed_.robots[robot].tag);
+    if (result.tag >= 0 && only_the_tag)
+      if (const auto calibrated = calibrate(robot, result); !calibrated) return tl::unexpected(calibrated.error());
+  }
+  result.status = plant_.robots().at(robot);
+  return result;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/run/session_clock.h"
+#include "app/session/plant.h"
+
+namespace skein::app {
+
+/// What one robot was found to be.
+struct RobotTestResult {
+  RobotStatus status;                      ///< version, battery, round trip
+  double left_steps = 0, right_steps = 0;  ///< that each wheel counted while it was told to turn alone [steps]
+  int tag = -1;                            ///< that turned with it; -1: the camera saw none, or there is no camera
+  std::optional<double> wheel_diameter;    ///< from the camera's way against the encoders' [m]
+  std::optional<double> track;             ///< from the camera's turn against the encoders' [m]
+  std::vector<std::string> faults;         ///< a sentence each; empty: none found
+  std::vector<std::string> notes;          ///< what could not be looked at, and why
+};
+
+/// Tests robots one after the other, while all others stand: turns each wheel about 10 mm forward and compares its
+/// encoder, and with a camera the tags, with the command; with a camera it then drives 6 cm forth and back and turns
+/// 110 degrees to and fro, and says how large its wheels are and how far apart. Encoders count the steps that motors
+/// are told to make: swapped motor cables, a wheel that slips, the wrong tag, only a camera sees.
+class RobotTest {
+ public:
+  /// `plant`: opened with SessionOptions::every_tag. `believed`: what the files say of its robots, in their order.
+  /// `keep_on` is asked in every tick; false ends the test.
+  RobotTest(Plant& plant, SessionClock& clock, const Experiment& believed, std::function<bool()> keep_on);
+
+  /// The error: the robot, or the camera, was lost meanwhile, or the test was ended. Everybody stands then.
+  tl::expected<RobotTestResult, std::string> test(std::size_t robot);
+
+ private:
+  /// One tag before and after a manoeuvre, the robot standing.
+  struct Moved {
+    int tag = -1;
+    core::Pose before, after;
+    double forward() const;  // along the mean heading [m]
+    double turned() const { return core::wrap_angle(after.theta - before.theta); }
+  };
+  struct Manoeuvre {
+    double left = 0, right = 0;  // encoders [steps]
+    std::vector<Moved> tags;     // those that were seen before and after
+  };
+
+  tl::expected<void, std::string> tick();
+  tl::expected<void, std::string> stand();
+  tl::expected<Manoeuvre, std::string> drive(std::size_t robot, double left, double right, double seconds);
+  void judge_camera(std::size_t robot, const Manoeuvre& left, const Manoeuvre& right, RobotTestResult& result) const;
+  tl::expected<void, std::string> calibrate(std::size_t robot, RobotTestResult& result);
+  bool free_way(int tag, double distance) const;
+  std::string whose(int tag) const;
+
+  Plant& plant_;
+  SessionClock& clock_;
+  const Experiment& believed_;
+  std::function<bool()> keep_on_;
+  std::vector<int> wanted_;
+  std::vector<core::Measurement> newest_;
+  std::vector<core::Pose> truth_, resting_;  // resting_: mean pose of every tag in the last stand(); NaN: not seen
+  std::vector<core::WheelSpeeds> wheels_;
+  std::vector<RobotRecord> records_;
+  FrameTimes frame_;
+  double next_tick_;
+  bool looked_ = false;  // the camera has shown all there is
+};
+
+}  // namespace skein::app

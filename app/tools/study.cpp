@@ -1,0 +1,261 @@
+#include "app/tools/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/text_file.h"
+#include "app/experiment/toml_table.h"
+#include "core/simulation/random.h"
+
+namespace skein::app {
+namespace {
+
+constexpr double longest = 100.0;            // [m]
+constexpr std::uint64_t stream = 1'000'003;  // of chance: those below belong to the simulated robots
+constexpr int most_tries = 10'000;
+
+void read_span(TomlTable& t, const char* key, Span& span, const Range& range) {
+  const toml::node* const found = t.node(key);
+  if (!found) return;
+  const toml::array* const pair = found->as_array();
+  const auto number = [&](std::size_t k) {
+    return pair && pair->size() == 2 && (*pair)[k].is_number() ? (*pair)[k].value<double>() : std::nullopt;
+  };
+  const auto low = number(0), high = number(1);
+  if (low && high && range.holds(*low) && range.holds(*high) && *low <= *high)
+    span = {*low, *high};
+  else
+    t.refuse(key, *found, fmt::format("[low, high], each {}, low not above high", range.text()));
+}
+
+void read_texts(TomlTable& t, const char* key, std::vector<std::string>& texts) {
+  const toml::node* const found = t.node(key);
+  if (!found) return;
+  const toml::array* const array = found->as_array();
+  const bool good = array && std::all_of(array->begin(), array->end(), [](const auto& e) { return e.is_string(); });
+  if (!good) return t.refuse(key, *found, R"(a list of texts, as in ["duration=60"])");
+  for (const toml::node& element : *array) texts.push_back(*element.value_exact<std::string>());
+}
+
+void read_study(const toml::table& document, Study& study, Problems& problems) {
+  TomlTable t(&document, "", problems);
+  t.text("name", study.name);
+  t.require("experiment", "the experiment file that the study runs, seen from the study's folder");
+  t.text("experiment", study.experiment);
+  read_texts(t, "set", study.sets);
+  t.integer("runs", study.runs, 1, 10'000'000);
+  t.integer("seed", study.seed, 0, std::numeric_limits<std::int64_t>::max() / 2);
+  t.number("recovered_within", study.recovered_within, above(0.0, longest, "m"));
+  t.number("formation_first_over", study.formation_first_over, between(0.0, longest, "m"));
+
+  TomlTable vary = t.table("vary");
+  if (const toml::table* const keys = document["vary"].as_table())
+    for (const auto& [key, value] : *keys) {
+      Span span{};
+      const std::string name(key.str());
+      read_span(vary, name.c_str(), span, between(-1e9, 1e9));
+      study.vary.emplace_back(name, span);
+    }
+  if (t.has("hand")) {
+    Study::Hand hand;
+    TomlTable h = t.table("hand");
+    h.number("t", hand.t, above(0.0, 86400.0, "s"));
+    h.integer("robots", hand.robots, 1, 64);
+    read_span(h, "distance", hand.distance, between(0.0, longest, "m"));
+    h.number("clearance", hand.clearance, between(2.0 * core::robot_radius, longest, "m"));
+    h.finish();
+    study.hand = hand;
+  }
+  if (t.has("field")) {
+    Study::Field field;
+    TomlTable f = t.table("field");
+    f.integer("count", field.count, 1, 1000);
+    read_span(f, "radius", field.radius, above(0.0, longest, "m"));
+    f.number("gap", field.gap, between(0.0, longest, "m"));
+    f.number("clearance", field.clearance, between(core::robot_radius, longest, "m"));
+    f.finish();
+    study.field = field;
+  }
+  if (t.has("scatter")) {
+    Study::Scatter scatter;
+    TomlTable s = t.table("scatter");
+    s.number("distance", scatter.distance, between(0.0, longest, "m"));
+    s.number("heading", scatter.heading, between(0.0, core::pi, "rad"));
+    s.number("clearance", scatter.clearance, between(2.0 * core::robot_radius, longest, "m"));
+    s.finish();
+    study.scatter = scatter;
+  }
+  TomlTable expect = t.table("expect");
+  expect.integer("collisions", study.expect.collisions, 0, 1'000'000'000);
+  expect.number("recovered", study.expect.recovered, between(0.0, 1.0));
+  expect.number("formation_first", study.expect.formation_first, between(0.0, 1.0));
+  expect.finish();
+  t.finish();
+}
+
+struct Dice {
+  core::Random random;
+  double between(const Span& span) { return span[0] + (span[1] - span[0]) * random.uniform(); }
+  double angle() { return core::pi * (1.0 - 2.0 * random.uniform()); }  // (-pi, pi]
+};
+
+tl::expected<std::string, std::string> place_obstacles(const Study::Field& field, const Experiment& e, Dice& dice) {
+  const auto reference = make_reference(e);
+  std::vector<core::Obstacle> placed;
+  std::string text;
+  for (int tries = 0; static_cast<std::int64_t>(placed.size()) < field.count; ++tries) {
+    if (tries == most_tries) return tl::unexpected(std::string("there is no room for so many obstacles"));
+    const double w = 0.5 * e.arena_width, h = 0.5 * e.arena_height;
+    const double radius = dice.between(field.radius), x = dice.between({-w, w}), y = dice.between({-h, h});
+    const auto clear_of = [&](const core::Pose& pose) {
+      return std::hypot(pose.x - x, pose.y - y) >= radius + field.clearance;
+    };
+    bool free = std::all_of(placed.begin(), placed.end(), [&](const core::Obstacle& o) {
+      return std::hypot(o.x - x, o.y - y) >= o.radius + radius + field.gap;
+    });
+    for (std::size_t i = 0; free && i < e.robots.size(); ++i)
+      free = clear_of(reference->at(i, 0.0).pose) && clear_of(reference->at(i, e.duration).pose);
+    if (!free) continue;
+    placed.push_back({x, y, radius});
+    text += fmt::format("{}{{x={}, y={}, radius={}}}", text.empty() ? "" : ", ", x, y, radius);
+  }
+  return "obstacle=[" + text + "]";
+}
+
+tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::Scatter& scatter, const Experiment& e,
+                                                                   Dice& dice) {
+  const auto reference = make_reference(e);
+  const double w = 0.5 * e.arena_width - core::robot_radius, h = 0.5 * e.arena_height - core::robot_radius;
+  std::vector<core::Pose> placed;
+  std::vector<std::string> sets;
+  for (int tries = 0; placed.size() < e.robots.size(); ++tries) {
+    if (tries == most_tries) return tl::unexpected(std::string("there is no room for so many robots"));
+    const core::Pose start = reference->at(placed.size(), 0.0).pose;
+    core::Pose there{dice.between({-w, w}), dice.between({-h, h}), 0.0};
+    if (scatter.distance > 0.0) {
+      const double by = dice.between({0.0, scatter.distance}), direction = dice.angle();
+      there = {start.x + by * std::cos(direction), start.y + by * std::sin(direction), 0.0};
+    }
+    there.theta = core::wrap_angle(start.theta + dice.between({-scatter.heading, scatter.heading}));
+    const bool free =
+        std::abs(there.x) <= w && std::abs(there.y) <= h &&
+        std::all_of(placed.begin(), placed.end(),
+                    [&](const core::Pose& p) { return core::distance(p, there) >= scatter.clearance; }) &&
+        std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
+          return std::hypot(there.x - o.x, there.y - o.y) >= o.radius + scatter.clearance - core::robot_radius;
+        });
+    if (!free) continue;
+    placed.push_back(there);
+    sets.push_back(fmt::format("robot.{}.start=[{}, {}, {}]", placed.size(), there.x, there.y, there.theta));
+  }
+  return sets;
+}
+
+/// Where the robots are when the hand comes: on their places, since nothing has disturbed them yet.
+tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Experiment& e, Dice& dice) {
+  const auto reference = make_reference(e);
+  const std::size_t n = e.robots.size();
+  std::vector<core::Pose> poses;
+  for (std::size_t i = 0; i < n; ++i) poses.push_back(reference->at(i, hand.t).pose);
+  const auto most = static_cast<double>(std::min<std::size_t>(n, static_cast<std::size_t>(hand.robots)));
+  const auto count = 1 + static_cast<std::size_t>(most * dice.random.uniform());
+  std::vector<std::size_t> order(n);
+  for (std::size_t i = 0; i < n; ++i) order[i] = i;
+  for (std::size_t i = 0; i < count; ++i)
+    std::swap(order[i], order[i + static_cast<std::size_t>(static_cast<double>(n - i) * dice.random.uniform())]);
+
+  std::string text;
+  const double from_edge = hand.clearance - core::robot_radius;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t robot = order[k];
+    bool free = false;
+    for (int tries = 0; !free; ++tries) {
+      if (tries == most_tries) return tl::unexpected(fmt::format("there is no room to put robot {} down", robot + 1));
+      const double by = dice.between(hand.distance), direction = dice.angle(), turn = dice.angle();
+      const double dx = by * std::cos(direction), dy = by * std::sin(direction);
+      const core::Pose there{poses[robot].x + dx, poses[robot].y + dy, core::wrap_angle(poses[robot].theta + turn)};
+      free =
+          std::abs(there.x) <= 0.5 * e.arena_width - from_edge && std::abs(there.y) <= 0.5 * e.arena_height - from_edge;
+      for (std::size_t j = 0; free && j < n; ++j)
+        free = j == robot || core::distance(there, poses[j]) >= hand.clearance;
+      for (const core::Obstacle& o : e.obstacles)
+        free = free && std::hypot(there.x - o.x, there.y - o.y) >= o.radius + from_edge;
+      if (!free) continue;
+      poses[robot] = there;
+      text += fmt::format("{}{{t={}, robot={}, dx={}, dy={}, dtheta={}}}", text.empty() ? "" : ", ", hand.t, robot + 1,
+                          dx, dy, turn);
+    }
+  }
+  return "perturb=[" + text + "]";
+}
+
+}  // namespace
+
+tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
+  const auto text = read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  auto document = parse_toml(*text, path);
+  if (!document) return tl::unexpected(document.error());
+  Study study;
+  study.name = std::filesystem::path(path).stem().string();
+  Problems problems(*document, path);
+  read_study(*document, study, problems);
+  if (!problems.empty()) return tl::unexpected(std::move(problems).sorted());
+
+  study.experiment = (std::filesystem::path(path).parent_path() / study.experiment).lexically_normal().string();
+  auto experiment_text = read_text(study.experiment);
+  if (!experiment_text) return tl::unexpected(experiment_text.error());
+  study.text = std::move(*experiment_text);
+  const auto experiment = parse_experiment(study.text, study.experiment, study.sets);
+  if (!experiment) return tl::unexpected(experiment.error());
+  if (const bool simulated = std::all_of(experiment->robots.begin(), experiment->robots.end(),
+                                         [](const RobotSpec& r) { return r.link == RobotSpec::Link::sim; });
+      !simulated || experiment->camera.source != "none")
+    return tl::unexpected(std::vector<Problem>{
+        {path, 0, 0,
+         "experiment: allowed: one whose robots all have link \"sim\" and whose camera is \"none\", so that runs go as "
+         "fast as the machine does and repeat"}});
+  return study;
+}
+
+tl::expected<std::vector<std::string>, std::string> variation(const Study& study, std::uint64_t seed) {
+  Dice dice{core::Random(seed, stream)};
+  std::vector<std::string> sets{fmt::format("seed={}", seed)};
+  for (const auto& [key, span] : study.vary) sets.push_back(fmt::format("{}={}", key, dice.between(span)));
+  const auto with = [&](const auto& chance) -> tl::expected<void, std::string> {
+    std::vector<std::string> so_far = study.sets;
+    so_far.insert(so_far.end(), sets.begin(), sets.end());
+    const auto experiment = parse_experiment(study.text, study.experiment, so_far);
+    if (!experiment) return tl::unexpected(experiment.error().front().message());
+    const auto more = chance(*experiment);
+    if (!more) return tl::unexpected(more.error());
+    sets.insert(sets.end(), more->begin(), more->end());
+    return {};
+  };
+  using Sets = tl::expected<std::vector<std::string>, std::string>;
+  const auto one = [](tl::expected<std::string, std::string> set) -> Sets {
+    if (!set) return tl::unexpected(set.error());
+    return std::vector<std::string>{*std::move(set)};
+  };
+  if (study.field)
+    if (auto done = with([&](const Experiment& e) { return one(place_obstacles(*study.field, e, dice)); }); !done)
+      return tl::unexpected(done.error());
+  if (study.scatter)
+    if (auto done = with([&](const Experiment& e) { return scatter_starts(*study.scatter, e, dice); }); !done)
+      return tl::unexpected(done.error());
+  if (study.hand)
+    if (auto done = with([&](const Experiment& e) { return one(perturb(*study.hand, e, dice)); }); !done)
+      return tl::unexpected(done.error());
+  return sets;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,250 @@
+#include "app/tools/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/experiment/experiment_file.h"
+#include "app/record/statistics.h"
+#include "app/session/session.h"
+
+namespace skein::app {
+namespace {
+
+using namespace std::chrono_literals;
+using Json = nlohmann::ordered_json;
+
+/// How far the robots really are from their places, and since when they have been near enough.
+class Distance final : public RecordSink {
+ public:
+  explicit Distance(double near_enough) : near_enough_(near_enough) {}
+
+  void record(const TickRecord& record) override {
+    if (record.phase == Phase::staging || record.phase == Phase::ready) return;
+    double error = 0.0;
+    for (const RobotRecord& robot : record.robots)
+      error =
+          std::fmax(error, core::distance(robot.nominal.pose, std::isnan(robot.truth.x) ? robot.pose : robot.truth));
+    for (const Event& event : record.events)
+      if (event.kind == Event::Kind::perturb) {
+        if (!since_) since_ = record.t;
+        farthest_ = std::fmax(farthest_, std::hypot(event.values[0], event.values[1]));
+      }
+    if (error > near_enough_) last_far_ = record.t;
+    rows_.push_back({record.t, error});
+  }
+
+  double perturbation() const noexcept { return farthest_; }
+  double final_error() const noexcept {  // of the last second
+    double error = 0.0;
+    for (auto row = rows_.rbegin(); row != rows_.rend() && row->t > rows_.back().t - 1.0; ++row)
+      error = std::fmax(error, row->error);
+    return rows_.empty() ? none : error;
+  }
+  std::optional<double> recovery() const noexcept {
+    const double since = since_.value_or(0.0);
+    if (rows_.empty() || !(final_error() <= near_enough_)) return {};
+    return last_far_ ? std::max(0.0, *last_far_ - since) : 0.0;
+  }
+
+ private:
+  struct Row {
+    double t, error;
+  };
+  double near_enough_;
+  std::vector<Row> rows_;
+  std::optional<double> since_, last_far_;
+  double farthest_ = 0.0;
+};
+
+RunOutcome failed(std::uint64_t seed, std::string why) {
+  RunOutcome outcome;
+  outcome.seed = seed;
+  outcome.min_distance = outcome.obstacle_gap = outcome.final_error = none;
+  outcome.failure = std::move(why);
+  return outcome;
+}
+
+Json json(double value) {
+  return std::isfinite(value) ? Json(std::round(value * 1e6) / 1e6) : Json();
+}
+
+Json json(const SweepSummary& s) {
+  return {{"study", s.name},
+          {"experiment", s.experiment},
+          {"runs", s.runs},
+          {"failed_runs", s.failed_runs},
+          {"collisions", s.collisions},
+          {"runs_with_collisions", s.runs_with_collisions},
+          {"min_distance", json(s.min_distance)},
+          {"min_distance_seed", s.min_distance_seed},
+          {"obstacle_gap", json(s.obstacle_gap)},
+          {"recovered", s.recovered},
+          {"recovered_share", json(s.recovered_share())},
+          {"recovery_p50", json(s.recovery_p50)},
+          {"recovery_p90", json(s.recovery_p90)},
+          {"recovery_p99", json(s.recovery_p99)},
+          {"recovery_max", json(s.recovery_max)},
+          {"final_error_p50", json(s.final_error_p50)},
+          {"final_error_p99", json(s.final_error_p99)},
+          {"final_error_max", json(s.final_error_max)},
+          {"formation_first", s.formation_first},
+          {"formation_first_asked", s.formation_first_asked},
+          {"formation_first_share", json(s.formation_first_share())},
+          {"bad_seeds", s.bad_seeds}};
+}
+
+double share(std::int64_t part, std::int64_t whole) noexcept {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
+}
+
+}  // namespace
+
+RunOutcome run_one(const Study& study, std::uint64_t seed) {
+  auto sets = variation(study, seed);
+  if (!sets) return failed(seed, sets.error());
+  sets->insert(sets->begin(), study.sets.begin(), study.sets.end());
+  const auto experiment = parse_experiment(study.text, study.experiment, *sets);
+  if (!experiment) return failed(seed, experiment.error().front().message());
+
+  Statistics statistics(*experiment);
+  Distance distance(study.recovered_within);
+  auto session = Session::open(*experiment, Session::Clock::virtual_, {false, {&statistics, &distance}});
+  if (!session) return failed(seed, session.error());
+  (*session)->run();
+  (*session)->close();
+
+  const Statistics::Summary summary = statistics.summary();
+  RunOutcome outcome;
+  outcome.seed = seed;
+  outcome.perturbation = distance.perturbation();
+  outcome.collisions = summary.collisions;
+  outcome.min_distance = summary.min_distance;
+  outcome.obstacle_gap = summary.obstacle_gap;
+  outcome.final_error = distance.final_error();
+  outcome.recovery = distance.recovery();
+  // Where references come to rest, a robot that was never off its way has still to arrive.
+  if (outcome.recovery && outcome.perturbation == 0.0 && !std::isnan(summary.arrived))
+    outcome.recovery = summary.arrived;
+  if (outcome.perturbation > study.formation_first_over)
+    outcome.formation_first = std::all_of(summary.perturbations.begin(), summary.perturbations.end(),
+                                          [](const PerturbationResult& p) { return p.formation_first(); });
+  return outcome;
+}
+
+std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress) {
+  std::vector<std::optional<RunOutcome>> outcomes(static_cast<std::size_t>(study.runs));
+  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<bool> ended{false};
+  {
+    std::vector<std::jthread> workers;
+    for (unsigned k = 0; k < threads; ++k)
+      workers.emplace_back([&] {
+        for (std::size_t run = next++; run < outcomes.size() && !ended; run = next++) {
+          const std::uint64_t seed = study.seed + run;
+          try {
+            outcomes[run] = run_one(study, seed);
+          } catch (const std::exception& error) {
+            outcomes[run] = failed(seed, error.what());
+          }
+          ++done;
+        }
+      });
+    while (done < outcomes.size() && !ended) {
+      std::this_thread::sleep_for(10ms);
+      if (!progress(done)) ended = true;
+    }
+  }
+  std::vector<RunOutcome> made;
+  for (std::optional<RunOutcome>& outcome : outcomes)
+    if (outcome) made.push_back(std::move(*outcome));
+  return made;
+}
+
+double quantile(std::vector<double> values, double share_of_all) {
+  if (values.empty()) return none;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(share_of_all * static_cast<double>(values.size())));
+  return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
+}
+
+double SweepSummary::recovered_share() const noexcept {
+  return share(recovered, runs);
+}
+double SweepSummary::formation_first_share() const noexcept {
+  return share(formation_first, formation_first_asked);
+}
+
+SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes) {
+  SweepSummary s;
+  s.name = study.name;
+  s.experiment = study.experiment;
+  s.runs = static_cast<std::int64_t>(outcomes.size());
+  s.min_distance = s.obstacle_gap = none;
+  std::vector<double> recoveries, errors;
+  for (const RunOutcome& o : outcomes) {
+    if (!o.failure.empty() || o.collided() || !o.recovery) s.bad_seeds.push_back(o.seed);
+    if (!o.failure.empty()) {
+      ++s.failed_runs;
+      continue;
+    }
+    s.collisions += o.collisions;
+    s.runs_with_collisions += o.collided();
+    if (!(o.min_distance >= s.min_distance)) s.min_distance = o.min_distance, s.min_distance_seed = o.seed;
+    s.obstacle_gap = std::fmin(s.obstacle_gap, o.obstacle_gap);
+    errors.push_back(o.final_error);
+    if (o.recovery) recoveries.push_back(*o.recovery);
+    s.formation_first_asked += o.formation_first.has_value();
+    s.formation_first += o.formation_first.value_or(false);
+  }
+  s.recovered = static_cast<std::int64_t>(recoveries.size());
+  s.recovery_p50 = quantile(recoveries, 0.5);
+  s.recovery_p90 = quantile(recoveries, 0.9);
+  s.recovery_p99 = quantile(recoveries, 0.99);
+  s.recovery_max = quantile(recoveries, 1.0);
+  s.final_error_p50 = quantile(errors, 0.5);
+  s.final_error_p99 = quantile(errors, 0.99);
+  s.final_error_max = quantile(errors, 1.0);
+  return s;
+}
+
+std::string as_lines(const SweepSummary& summary) {
+  std::string lines;
+  const Json all = json(summary);
+  for (const auto& [key, value] : all.items()) {
+    std::string text;
+    if (value.is_array()) {  // the first few: --csv has them all
+      constexpr std::size_t most = 10;
+      for (std::size_t i = 0; i < std::min(most, value.size()); ++i) text += (i ? " " : "") + value[i].dump();
+      if (value.size() > most) text += fmt::format(" and {} more", value.size() - most);
+    } else {
+      text = value.is_string() ? value.get<std::string>() : value.dump();
+    }
+    lines += fmt::format("{}: {}\n", key, value.is_null() || text.empty() ? "none" : text);
+  }
+  return lines;
+}
+
+std::string as_json(const SweepSummary& summary) {
+  return json(summary).dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+std::vector<std::string> failed_expectations(const Study::Expect& expect, const SweepSummary& summary) {
+  std::vector<std::string> sentences;
+  if (expect.collisions && summary.collisions > *expect.collisions)
+    sentences.push_back(
+        fmt::format("expect.collisions: expected at most {}, found {}", *expect.collisions, summary.collisions));
+  const auto at_least = [&](const char* key, const std::optional<double>& least, double found) {
+    if (least && !(found >= *least))
+      sentences.push_back(fmt::format("expect.{}: expected a share of at least {}, found {:.6g}", key, *least, found));
+  };
+  at_least("recovered", expect.recovered, summary.recovered_share());
+  at_least("formation_first", expect.formation_first, summary.formation_first_share());
+  return sentences;
+}
+
+}  // namespace skein::app

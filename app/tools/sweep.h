@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/tools/study.h"
+
+namespace skein::app {
+
+/// One run of a study.
+struct RunOutcome {
+  std::uint64_t seed = 0;
+  double perturbation = 0.0;  ///< the farthest that a hand put a robot [m]
+  std::int64_t collisions = 0;
+  double min_distance = 0.0;            ///< between two robots, true poses [m]
+  double obstacle_gap = 0.0;            ///< between a robot's edge and an obstacle's; NaN without obstacles [m]
+  double final_error = 0.0;             ///< largest true distance from a place within the last second [m]
+  std::optional<double> recovery;       ///< until every robot was within `recovered_within` for good, from the (first)
+                                        ///< perturbation, or the start; empty: never [s]
+  std::optional<bool> formation_first;  ///< where a perturbation was large enough to ask
+  std::string failure;                  ///< why there is no run, where there is none
+
+  bool collided() const noexcept { return collisions > 0; }
+};
+
+/// One run of a study, on the virtual clock.
+RunOutcome run_one(const Study& study, std::uint64_t seed);
+
+/// All runs of a study over `threads` threads; `progress` is told now and then, on the calling thread, how many are
+/// done, and says no to end it. Outcomes in the order of their seeds; those of runs that were not made are left out.
+std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress);
+
+/// The smallest value of which a share of all are not larger; NaN of nothing.
+double quantile(std::vector<double> values, double share);
+
+/// What came of all runs, as `key: value` lines and as one JSON object.
+struct SweepSummary {
+  std::string name, experiment;
+  std::int64_t runs = 0, failed_runs = 0;
+  std::int64_t collisions = 0, runs_with_collisions = 0;
+  double min_distance = 0.0;
+  std::uint64_t min_distance_seed = 0;
+  double obstacle_gap = 0.0;  ///< NaN without obstacles
+  std::int64_t recovered = 0;
+  double recovery_p50 = 0.0, recovery_p90 = 0.0, recovery_p99 = 0.0, recovery_max = 0.0;  ///< of those that did [s]
+  double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;             ///< [m]
+  std::int64_t formation_first = 0, formation_first_asked = 0;
+  std::vector<std::uint64_t> bad_seeds;  ///< of runs that collided, did not recover or failed
+
+  double recovered_share() const noexcept;
+  double formation_first_share() const noexcept;
+};
+SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes);
+std::string as_lines(const SweepSummary& summary);
+std::string as_json(const SweepSummary& summary);
+
+/// Which of the study's [expect] failed, each as a sentence.
+std::vector<std::string> failed_expectations(const Study::Expect& expect, const SweepSummary& summary);
+
+}  // namespace skein::app

@@ -1,0 +1,86 @@
+// robots.toml on the command line: robots that are tested, listed and stopped by their names.
+#include "app/experiment/known_robots.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "app/cli/commands.h"
+#include "app/run/exit_status.h"
+#include "comms/emulator/pty_emulator.h"
+#include "comms/link_supervisor.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class KnownRobotsCommands : public ::testing::Test {
+ protected:
+  KnownRobotsCommands() : directory(fs::temp_directory_path() / ("skein-robots-" + std::to_string(::getpid()))) {
+    fs::create_directories(directory);
+  }
+  ~KnownRobotsCommands() override { fs::remove_all(directory); }
+  std::string path(const std::string& name) const { return (directory / name).string(); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+
+  fs::path directory;
+};
+
+TEST_F(KnownRobotsCommands, TestedOnesAreSaved) {
+  write("loopback.toml",
+        "rate = 10\n[robot_defaults]\nlink = \"loopback\"\n[camera]\nsource = \"synthetic\"\n[[robot]]\nname = "
+        "\"anna\"\ntag = 9\nwheel_diameter = 0.0415\n");
+  testing::internal::CaptureStdout();
+  RobotsRequest request;
+  request.words = {path("loopback.toml")};
+  request.file = path("robots.toml");
+  request.save = true;
+  EXPECT_EQ(test_robots(request), done);
+  EXPECT_EQ(list_robots(path("robots.toml")), done);
+  const std::string said = testing::internal::GetCapturedStdout();
+  EXPECT_THAT(said, HasSubstr("robot 1 (anna): emulated\nversion: Version 2.0 January 2018 GCtronic\n"));
+  EXPECT_THAT(said, HasSubstr("\ntag: 9\nwheel_diameter: 0.041"));
+  EXPECT_THAT(said, HasSubstr("tcp:192.168.1.20:1000"));
+  const auto known = load_known_robots(path("robots.toml"));
+  ASSERT_TRUE(known);
+  EXPECT_EQ(known->at(0).version, "Version 2.0 January 2018 GCtronic");
+  EXPECT_EQ(known->at(0).spec.tag, 9);
+  EXPECT_NEAR(known->at(0).spec.drive.wheel_diameter / 0.0415, 1.0, 0.005);
+  EXPECT_NEAR(known->at(0).spec.drive.track / 0.053, 1.0, 0.005);
+}
+
+TEST_F(KnownRobotsCommands, AreStoppedByNameAndAllOfThem) {
+  comms::PtyEmulator robots({core::MotorModel::epuck1, core::MotorModel::epuck2}, nullptr, [] { return 0.0; });
+  write("robots.toml", "[[robot]]\nname = \"anna\"\nlink = \"serial:" + robots.device(0) +
+                           "\"\n[[robot]]\nname = \"bert\"\nlink = \"serial:" + robots.device(1) + "\"\n");
+  ::setenv("XDG_STATE_HOME", path("state").c_str(), 1);  // no run has left anything there
+  const auto drive_off = [&] {
+    comms::LinkSupervisor links({{comms::LinkKind::serial, robots.device(0), 0, {}, {}},
+                                 {comms::LinkKind::serial, robots.device(1), 0, {}, {}}},
+                                {.command_silence = 0.0, .close_timeout = 0.0});
+    ASSERT_TRUE(links.start(10.0));
+    for (std::size_t i = 0; i < 2; ++i) links.command(i, 300, 300);
+    ASSERT_TRUE(links.wait_acknowledged(10.0));
+    for (std::size_t i = 0; i < 2; ++i) robots.silence(i, true);  // the host dies
+  };
+  const auto stand = [&](std::size_t i) { return robots.wheels(i) == core::WheelSpeeds{}; };
+  drive_off();
+  for (std::size_t i = 0; i < 2; ++i) robots.silence(i, false);
+  ASSERT_TRUE(!stand(0) && !stand(1));
+  EXPECT_EQ(stop_robots({"bert"}, path("robots.toml")), done);
+  EXPECT_TRUE(!stand(0) && stand(1));
+  EXPECT_EQ(stop_robots({}, path("robots.toml")), done);
+  EXPECT_TRUE(stand(0));
+  EXPECT_EQ(stop_robots({"zoe"}, path("robots.toml")), wrong_input);
+  EXPECT_EQ(stop_robots({}, path("nowhere.toml")), wrong_input);
+  EXPECT_EQ(list_robots(path("nowhere.toml")), wrong_input);
+}
+
+}  // namespace
+}  // namespace skein::app

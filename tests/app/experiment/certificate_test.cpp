@@ -1,0 +1,50 @@
+// What is said of an experiment before it runs follows its gains wherever they go.
+#include "app/experiment/certificate.h"
+
+#include <gtest/gtest.h>
+
+#include "app/experiment/experiment_file.h"
+
+namespace skein::app {
+namespace {
+
+/// The paper's experiment without the changes of its gains.
+Experiment steady() {
+  Experiment e = paper_experiment();
+  e.gain_changes.clear();
+  return e;
+}
+
+TEST(Certificate, JudgesTheDelayWithTheGainsOfEveryChange) {
+  Experiment e = steady();
+  const double coupled = smallest_delay_margin(e).margin.delay;
+  GainChange couple;
+  couple.t = 40.0;
+  couple.ramp = 2.0;
+  for (const core::GainName name : core::gain_names) {
+    couple[name] = core::table(e.controller.gains, name);
+    core::table(e.controller.gains, name).fill(0.0);
+  }
+  const double uncoupled = smallest_delay_margin(e).margin.delay;
+  ASSERT_GT(uncoupled, 1.1 * coupled);
+  e.gain_changes.assign(1, couple);
+  EXPECT_DOUBLE_EQ(smallest_delay_margin(e).margin.delay, coupled);
+}
+
+TEST(Certificate, LooksAtTheMarginsWhereChangesEnd) {
+  Experiment e = steady();
+  const Certificate before = certify(e);
+  ASSERT_TRUE(before.holds());
+  GainChange change;
+  change.t = 10.0;
+  change.ramp = 5.0;
+  change[core::GainName::k_xx] = core::PairTable(e.robots.size(), e.controller.v_max);
+  e.gain_changes.assign(1, change);
+  const Certificate after = certify(e);
+  EXPECT_FALSE(after.holds());
+  EXPECT_LT(after.robots[0].k_x.value, before.robots[0].k_x.value);
+  EXPECT_GT(after.robots[0].k_x.t, 10.0);
+}
+
+}  // namespace
+}  // namespace skein::app

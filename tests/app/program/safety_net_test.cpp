@@ -1,0 +1,196 @@
+// A program that dies: by a signal in any of its threads, killed, or in good order. Its robots stand.
+#include "app/session/safety_net.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <algorithm>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "app/cli/commands.h"
+#include "app/run/exit_status.h"
+#include "comms/emulator/pty_emulator.h"
+#include "comms/emulator/tcp_epuck.h"
+#include "comms/link_supervisor.h"
+
+extern char** environ;
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using core::WheelSpeeds;
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+template <typename Condition>
+bool eventually(Condition&& condition) {
+  const double end = seconds() + 60.0;
+  while (!condition()) {
+    if (seconds() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+class DyingProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    const fs::path state = fs::temp_directory_path() / ("skein-state-" + std::to_string(::getpid()));
+    fs::remove_all(state);
+    ::setenv("XDG_STATE_HOME", state.c_str(), 1);
+    state_ = state;
+  }
+  void TearDown() override {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    fs::remove_all(state_);
+  }
+
+  /// Starts the victim and waits until all robots drive.
+  void start(const std::string& guard) {
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addclose(&files, ends[0]);
+    posix_spawn_file_actions_addclose(&files, ends[1]);
+    std::vector<std::string> words{SKEIN_VICTIM, guard, "serial:" + ptys.device(0), "serial:" + ptys.device(1),
+                                   "tcp:127.0.0.1:" + std::to_string(wifi.port())};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    ASSERT_EQ(::posix_spawn(&pid_, SKEIN_VICTIM, &files, nullptr, arguments.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&files);
+    ::close(ends[1]);
+    char said = 0;
+    ASSERT_EQ(::read(ends[0], &said, 1), 1) << "the victim said nothing";
+    ::close(ends[0]);
+    ASSERT_TRUE(eventually([this] { return drive(); }));
+  }
+  bool drive() const { return ptys.wheels(0).left > 0 && ptys.wheels(1).left > 0 && wifi.wheels().left > 0; }
+  bool stand() const {
+    return ptys.wheels(0) == WheelSpeeds{} && ptys.wheels(1) == WheelSpeeds{} && wifi.wheels() == WheelSpeeds{};
+  }
+  std::vector<pid_t> threads() const {
+    std::vector<pid_t> all;
+    for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(pid_) + "/task"))
+      all.push_back(std::stoi(entry.path().filename()));
+    return all;
+  }
+  bool markers() const { return fs::exists(state_ / "skein") && !fs::is_empty(state_ / "skein"); }
+  int wait_for_the_end() {
+    int status = 0;
+    ::waitpid(std::exchange(pid_, -1), &status, 0);
+    return status;
+  }
+
+  comms::PtyEmulator ptys{{core::MotorModel::epuck1, core::MotorModel::epuck2}, nullptr, seconds};
+  comms::TcpEpuck wifi{seconds};
+  pid_t pid_ = -1;
+  fs::path state_;
+};
+
+TEST_F(DyingProgram, ACrashInAnyThreadStopsTheRobotsFirst) {
+  for (std::size_t thread = 0; thread < 2; ++thread)
+    for (const int signal : {SIGSEGV, SIGABRT}) {
+      start("-");
+      if (HasFatalFailure()) return;
+      std::vector<pid_t> ids = threads();
+      ASSERT_GE(ids.size(), 2u);
+      // The first is the main thread, the last the links'; a sanitizer's own, which takes no signals, is between them.
+      std::sort(ids.begin(), ids.end());
+      const double crashed = seconds();
+      ::syscall(SYS_tgkill, pid_, thread == 0 ? ids.front() : ids.back(), signal);
+      EXPECT_TRUE(eventually([this] { return stand(); })) << "thread " << thread << ", signal " << signal;
+      RecordProperty("stop_ms_" + std::to_string(thread) + "_" + std::to_string(signal),
+                     static_cast<int>(1e3 * (seconds() - crashed)));
+      std::printf("thread %zu, signal %d: all robots stand after %.1f ms\n", thread, signal,
+                  1e3 * (seconds() - crashed));
+      EXPECT_NE(wait_for_the_end(), 0);
+      EXPECT_TRUE(stand());
+    }
+}
+
+TEST_F(DyingProgram, WhenItIsKilledTheGuardStopsTheRobots) {
+  start(SKEIN_PROGRAM);
+  if (HasFatalFailure()) return;
+  EXPECT_TRUE(markers());
+  EXPECT_TRUE(bad_ends().empty()) << "it lives";
+  ::kill(pid_, SIGKILL);
+  wait_for_the_end();
+  EXPECT_TRUE(eventually([this] { return stand(); }));
+  EXPECT_TRUE(eventually([this] { return !markers(); })) << "and nothing is left to say";
+}
+
+TEST_F(DyingProgram, WithoutAGuardTheNextStartKnowsOfItAndStopsThem) {
+  start("/bin/true");
+  if (HasFatalFailure()) return;
+  ::kill(pid_, SIGKILL);
+  wait_for_the_end();
+  EXPECT_TRUE(drive()) << "robots have no watchdog";
+  const std::vector<RunMarker> ends = bad_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].experiment, "victim");
+  EXPECT_EQ(ends[0].robots.size(), 3u);
+  testing::internal::CaptureStderr();
+  look_after_bad_ends();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("\"victim\" ended badly"), std::string::npos) << said;
+  EXPECT_NE(said.find("serial:" + ptys.device(1)), std::string::npos) << said;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(stop_robots({}), done);
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("stopped"), std::string::npos);
+  EXPECT_TRUE(stand());
+  EXPECT_TRUE(bad_ends().empty());
+}
+
+TEST_F(DyingProgram, AGoodEndLeavesNothingBehind) {
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  auto net = SafetyNet::spread("good", robots, SKEIN_PROGRAM);
+  ASSERT_TRUE(net) << net.error();
+  EXPECT_TRUE(markers());
+  RobotStatus stands;
+  stands.stop_acknowledged = true;
+  net->done({stands});
+  EXPECT_FALSE(markers());
+}
+
+TEST_F(DyingProgram, ARobotThatIsNotKnownToStandIsLeftToTheGuard) {
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  {
+    comms::LinkSupervisor link(robots, {.command_silence = 0.0, .close_timeout = 0.0});
+    ASSERT_TRUE(link.start(10.0));
+    link.command(0, 200, 200);
+    ASSERT_TRUE(link.wait_acknowledged(10.0));
+    ptys.silence(0, true);
+  }
+  ptys.silence(0, false);
+  ASSERT_NE(ptys.wheels(0), WheelSpeeds{});
+  auto net = SafetyNet::spread("bad", robots, SKEIN_PROGRAM);
+  ASSERT_TRUE(net) << net.error();
+  net->done({RobotStatus{}});
+  EXPECT_TRUE(eventually([this] { return ptys.wheels(0) == WheelSpeeds{} && !markers(); }));
+}
+
+TEST_F(DyingProgram, WhereTheMarkerCannotBeWrittenTheReasonIsSaid) {
+  ::setenv("XDG_STATE_HOME", "/proc/nowhere", 1);
+  const auto net = SafetyNet::spread("x", {{comms::LinkKind::serial, "/dev/a"}}, SKEIN_PROGRAM);
+  ASSERT_FALSE(net);
+  EXPECT_NE(net.error().find("/proc/nowhere/skein/run-"), std::string::npos) << net.error();
+}
+
+}  // namespace
+}  // namespace skein::app

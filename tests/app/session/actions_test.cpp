@@ -1,0 +1,193 @@
+// [[operator]] tables: a file does what a hand did in the window.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <sstream>
+
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/run_text.h"
+#include "app/record/csv_writer.h"
+#include "app/replay/replay.h"
+#include "app/session/session.h"
+
+namespace skein::app {
+namespace {
+
+class Rows final : public RecordSink {
+ public:
+  void record(const TickRecord& record) override { rows.push_back(record); }
+  std::vector<const TickRecord*> all() const {
+    std::vector<const TickRecord*> result;
+    for (const TickRecord& row : rows) result.push_back(&row);
+    return result;
+  }
+  std::vector<std::string> actions() const {
+    std::vector<std::string> result;
+    for (const TickRecord& row : rows)
+      for (const Event& event : row.events)
+        if (is_action(event.kind)) result.push_back(std::to_string(row.tick) + " " + describe(event));
+    return result;
+  }
+  std::vector<TickRecord> rows;
+};
+
+using Hand = std::function<void(Session&, double)>;  // at time t, asked every 16 ticks; before the start: t = -1
+
+Rows run(const Experiment& experiment, const Hand& hand, std::ostream* csv = nullptr) {
+  Rows rows;
+  std::ostringstream nowhere;
+  CsvWriter writer(csv ? *csv : nowhere, experiment);
+  auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&rows, &writer}});
+  EXPECT_TRUE(session);
+  if (hand) hand(**session, -1.0);
+  (*session)->run([&] {
+    if (hand) hand(**session, rows.rows.empty() ? 0.0 : rows.rows.back().t);
+    return true;
+  });
+  return rows;
+}
+
+Experiment twelve_seconds() {
+  auto experiment = parse_experiment(paper_experiment().source, "platoon.toml", {"duration=12"});
+  EXPECT_TRUE(experiment);
+  return *experiment;
+}
+
+Experiment parsed(const std::string& text) {
+  auto experiment = parse_experiment(text, "done.toml");
+  EXPECT_TRUE(experiment) << experiment.error().front().message();
+  return experiment ? *experiment : Experiment{};
+}
+
+/// One thing after the other, each once.
+Hand busy_hand() {
+  return [done = 0](Session& session, double t) mutable {
+    const auto at = [&](int step, double when) { return done == step && t >= when && ++done; };
+    if (at(0, -1.0)) {
+      session.set_gain(core::GainName::k_yy, 0.05);
+      session.couple(0, 3, false);
+      ASSERT_TRUE(session.add_obstacle({0.7, 0.5, 0.04}));
+    }
+    if (at(1, 2.0)) {
+      ASSERT_TRUE(session.kick_robot(1, 0.4, -0.1));
+    }
+    if (at(2, 3.0)) session.set_gain(core::GainName::k_xx, 1, 2, 0.02, 3.0);
+    if (at(3, 4.0)) {
+      ASSERT_TRUE(session.move_robot(3, {-0.8, -0.6, 1.0}));
+    }
+    if (at(4, 5.0)) {
+      ASSERT_TRUE(session.move_obstacle(0, {0.6, -0.35, 0.05}));
+    }
+    if (at(5, 6.0)) {
+      ASSERT_TRUE(session.hold_robot(0, true));
+    }
+    if (at(6, 7.0)) {
+      ASSERT_TRUE(session.hold_robot(0, false));
+    }
+    if (at(7, 8.0)) session.set_gain(core::GainName::k_tt, 1.0);  // held at the border
+    if (at(8, 9.0)) session.couple(0, 3, true);
+    if (at(9, 10.0)) {
+      ASSERT_TRUE(session.remove_obstacle(0));
+    }
+  };
+}
+
+TEST(Actions, DoWhatAHandDidToTheBit) {
+  const Experiment experiment = twelve_seconds();
+  const Rows by_hand = run(experiment, busy_hand());
+  ASSERT_GE(by_hand.actions().size(), 11u);
+  const Experiment written = parsed(text_as_done(experiment, by_hand.all()));
+  const Rows by_file = run(written, nullptr);
+  EXPECT_EQ(by_file.actions(), by_hand.actions());
+  ASSERT_EQ(by_file.rows.size(), by_hand.rows.size());
+  for (std::size_t k = 0; k < by_hand.rows.size(); ++k) {
+    EXPECT_EQ(by_file.rows[k].k_tt, by_hand.rows[k].k_tt) << k;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const core::Pose &a = by_file.rows[k].robots[i].truth, &b = by_hand.rows[k].robots[i].truth;
+      ASSERT_EQ(a.x, b.x) << "tick " << k << ", robot " << i + 1;
+      ASSERT_EQ(a.y, b.y) << "tick " << k << ", robot " << i + 1;
+    }
+  }
+  // What the file does by itself is not written down once more.
+  EXPECT_EQ(text_as_done(written, by_file.all()), written.source);
+}
+
+TEST(Actions, AreInTheRecordSoThatItCanBeReplayed) {
+  const Experiment experiment = twelve_seconds();
+  const Rows by_hand = run(experiment, busy_hand());
+  std::stringstream csv;
+  run(parsed(text_as_done(experiment, by_hand.all())), nullptr, &csv);
+  const auto again = replay(csv, "run.csv");
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_GT(again->commands, 1000);
+  EXPECT_EQ(again->different, 0) << again->first;
+}
+
+TEST(Actions, PutRobotsWhereTheyStoodAtTheStart) {
+  const Experiment experiment = twelve_seconds();
+  const Rows by_hand = run(experiment, [done = false](Session& session, double) mutable {
+    if (!std::exchange(done, true)) {
+      ASSERT_TRUE(session.move_robot(2, {-0.3, 0.2, 0.5}));
+    }
+  });
+  const core::Pose stood = by_hand.rows.front().robots[2].truth;
+  EXPECT_EQ(stood.x, -0.3);
+  const Rows by_file = run(parsed(text_as_done(experiment, by_hand.all())), nullptr);
+  EXPECT_EQ(by_file.rows.front().robots[2].truth.x, stood.x);
+  EXPECT_EQ(by_file.rows.back().robots[2].truth.x, by_hand.rows.back().robots[2].truth.x);
+}
+
+TEST(Actions, KeepTheirObstaclesNumbersToThemselves) {
+  auto experiment =
+      parsed(twelve_seconds().source + "\n[[operator]]\nt = 5\ndoes = \"obstacle o1 x=0.6 y=0.5 radius=0.04\"\n");
+  auto session = Session::open(experiment, Session::Clock::virtual_);
+  ASSERT_TRUE(session);
+  const auto number = (*session)->add_obstacle({0.0, 0.0, 0.05});
+  ASSERT_TRUE(number);
+  EXPECT_EQ(*number, 1u);
+}
+
+TEST(Actions, AreRefusedWhereTheyMakeNoSense) {
+  const std::vector<std::pair<const char*, const char*>> wrong{
+      {"kick r9 vx=0 vy=0", "allowed: a robot, r1 to r4"},
+      {"kick r2", "allowed: \"move r1"},
+      {"kick r2 vy=0.1 vx=0.2", "allowed: \"move r1"},
+      {"stop", "allowed: \"move r1"},
+      {"pair_gain r1 r1 k_xx 0 -> 0.01", "allowed: two different robots"},
+      {"gain k_zz 0 -> 0.01", "allowed: \"move r1"},
+      {"gain c_xx 0 -> 0.01", "allowed: k_xx, k_tt or k_yy"},
+      {"gain k_xx 0 -> -1", "a value of 0 or more"},
+      {"obstacle o99 x=0 y=0 radius=0.1", "allowed: obstacles o1 to o16"},
+      {"obstacle o1 x=3 y=0 radius=0.1", "allowed: a place inside the arena"},
+      {"move r1 x=nan y=0 theta=0", "allowed: \"move r1"},
+  };
+  for (const auto& [does, why] : wrong) {
+    const auto read = parse_experiment(std::string("[[operator]]\nt = 1\ndoes = \"") + does + "\"\n", "e.toml");
+    ASSERT_FALSE(read) << does;
+    const std::string said = read.error().front().message();
+    EXPECT_NE(said.find("e.toml:3:8: operator.1.does: found \""), std::string::npos) << said;
+    EXPECT_NE(said.find(why), std::string::npos) << said;
+  }
+  const auto read = parse_experiment("[[operator]]\nt = 1", "e.toml");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().front().message(),
+            "e.toml:1:1: operator.1.does: missing, allowed: what happens then, such as \"kick r2 vx=0.3 vy=0\"");
+}
+
+TEST(RunText, WritesGainsAsOneNumberOrForEveryPair) {
+  const Experiment paper = paper_experiment();
+  core::CouplingGains gains = paper.controller.gains;
+  gains.k_xx.fill(0.004);
+  gains.k_tt.set(0, 2, 0.0);
+  const auto text = text_with_gains(paper.source, gains);
+  ASSERT_TRUE(text) << text.error();
+  const Experiment again = parsed(*text);
+  EXPECT_EQ(again.controller.gains.k_xx, gains.k_xx);
+  EXPECT_EQ(again.controller.gains.k_tt, gains.k_tt);
+  EXPECT_EQ(again.controller.gains.k_yy, gains.k_yy);
+  EXPECT_NE(text->find("k_xx = 0.004"), std::string::npos);
+  EXPECT_NE(text->find("[1, 3, 0]"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace skein::app

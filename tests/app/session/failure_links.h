@@ -1,0 +1,107 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/session/link_watch.h"
+#include "comms/asercom.h"
+#include "comms/asercom_session.h"
+#include "comms/emulator/emulated_epuck.h"
+
+namespace skein::test {
+
+/// Four emulated e-pucks, the links to them and a control thread that commands them 25 times a second, in virtual time
+/// and steps of a millisecond: what the links' and the recorder's thread do on the wall clock, without either.
+class FailureLinks {
+ public:
+  static constexpr std::size_t robots = 4;
+  static constexpr double tick = 0.04, look = 0.02, step = 0.001;  // [s]
+
+  explicit FailureLinks(const std::vector<comms::Fault>& faults, double bridge = app::FailureSpec{}.link_bridge)
+      : watch_({0, 1, 2, 3}, bridge, true) {
+    options_.reply_timeout = app::LinksSpec{}.reply_timeout;
+    for (std::size_t i = 0; i < robots; ++i)
+      links_.push_back(std::make_unique<Link>(options_, comms::faults_of(faults, i), i));
+  }
+
+  /// Until `time`, commanding while `ticking`.
+  void run_until(double time, bool ticking = true) {
+    for (; now_ < time - 0.5 * step; now_ = step * ++steps_) {
+      if (ticking && steps_ % 40 == 0) {
+        watch_.tell(events_);
+        for (const app::Event& event : events_) told_.emplace_back(now_, describe(event));
+        events_ = {};
+        // Another one every time: what a robot obeys can be seen.
+        for (auto& link : links_) link->session.command(comms::clamped(300 + steps_ % 80, 300), ++ticket_, now_);
+      }
+      for (auto& link : links_) turn(*link);
+      if (steps_ % 20 == 0) {
+        std::vector<comms::LinkStatus> status;
+        for (auto& link : links_) {
+          status.push_back(link->session.status());
+          status.back().out_for = std::max(0.0, now_ - link->session.out_since());
+        }
+        if (auto lost = watch_.look(status); lost && !lost_at) lost_at = now_, why = *lost;
+      }
+    }
+  }
+  void stop() {
+    for (auto& link : links_) link->session.stop(now_);
+    for (auto& link : links_) turn(*link);
+  }
+
+  double now() const { return now_; }
+  bool stands(std::size_t robot) const { return links_[robot]->robot.wheels() == core::WheelSpeeds{}; }
+  const comms::LinkSession& session(std::size_t robot) const { return links_[robot]->session; }
+  const comms::EmulatedEpuck& robot(std::size_t robot) const { return links_[robot]->robot; }
+  /// What the control thread was told, and when.
+  const std::vector<std::pair<double, std::string>>& told() const { return told_; }
+  std::optional<double> lost_at;  // when a link was found lost: all stop at once, where the file says so
+  std::string why;
+
+ private:
+  struct Link {
+    Link(const comms::LinkOptions& options, std::vector<comms::Fault> faults, std::uint64_t seed)
+        : robot(core::MotorModel::epuck2, 0.0, std::move(faults), seed), session(options) {
+      session.opened(0.0);
+    }
+    comms::EmulatedEpuck robot;
+    comms::AsercomSession session;
+    std::uint64_t breaks = 0;
+    double again_at = 0.0;
+  };
+
+  void turn(Link& link) {
+    link.robot.advance(now_);
+    if (link.robot.breaks() != link.breaks) {
+      link.breaks = link.robot.breaks();
+      link.session.lost("the line hung up", now_);
+      link.again_at = now_ + options_.reconnect_first;
+    }
+    if (!link.session.open() && now_ >= link.again_at && link.robot.connected()) link.session.opened(now_);
+    const auto heard = link.robot.take();
+    if (link.session.open()) link.session.received(heard, now_);
+    link.session.advance(now_);
+    while (link.session.open() && !link.session.output().empty()) {
+      const std::vector<std::uint8_t> bytes(link.session.output().begin(), link.session.output().end());
+      link.session.sent(bytes.size());
+      link.robot.receive(bytes, now_);
+      link.session.received(link.robot.take(), now_);
+    }
+  }
+
+  comms::LinkOptions options_;
+  std::vector<std::unique_ptr<Link>> links_;
+  app::LinkWatch watch_;
+  app::EventList events_;
+  std::vector<std::pair<double, std::string>> told_;
+  double now_ = 0.0;
+  int steps_ = 0;
+  std::uint16_t ticket_ = 0;
+};
+
+}  // namespace skein::test

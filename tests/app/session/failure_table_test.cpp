@@ -1,0 +1,357 @@
+// The failure table of docs/safety.md, row by row: what happens, within which time, and then. Times are checked in
+// virtual time; what threads and processes make of it, without a clock, on the wall clock. Rows that need a process or
+// a window of their own are in safety_net_test.cpp, command_line_test.cpp and tests/ui.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "app/experiment/experiment_file.h"
+#include "app/session/control_loop.h"
+#include "app/session/link_watch.h"
+#include "app/session/session.h"
+#include "app/tick/control_tick.h"
+#include "core/simulation/simulated_robot.h"
+#include "tests/app/session/failure_links.h"
+
+namespace skein::app {
+namespace {
+
+using comms::LinkState;
+
+Experiment others_go_on(std::vector<std::string> sets = {}) {
+  sets.push_back("failure.link_lost=others_go_on");
+  return parse_experiment(paper_experiment().source, "platoon.toml", sets).value();
+}
+
+template <typename Condition>
+bool eventually(Condition&& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+/// Four ideal robots around a tick, one of which the test holds.
+struct Group {
+  explicit Group(const Experiment& e) : experiment(e), tick(e), measured(e.robots.size()) {
+    const auto reference = make_reference(e);
+    for (std::size_t i = 0; i < e.robots.size(); ++i) {
+      robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
+      robots.back().place(reference->at(i, 0.0).pose);
+    }
+  }
+  const TickRecord& step(std::vector<OperatorCommand> commands = {}) {
+    now += experiment.period();
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      robots[i].step(experiment.period());
+      if (std::find(blind.begin(), blind.end(), i) == blind.end()) measured[i] = robots[i].measure(now);
+    }
+    TickInput input;
+    input.now = now;
+    input.measurements = measured;
+    input.commands = commands;
+    const TickRecord& record = tick.step(input);
+    for (std::size_t i = 0; i < robots.size(); ++i) robots[i].command(record.robots[i].wheels);
+    rows.push_back(record);
+    return rows.back();
+  }
+  void steps(int count) {
+    for (int k = 0; k < count; ++k) step();
+  }
+  void start() { step({{OperatorCommand::Kind::start, {}, 0.0}}); }
+
+  Experiment experiment;
+  ControlTick tick;
+  std::vector<core::SimulatedRobot> robots;
+  std::vector<core::Measurement> measured;
+  std::vector<TickRecord> rows;
+  std::vector<std::size_t> blind;  // robots that nobody sees
+  double now = 0.0;
+};
+
+// --- A robot's link is lost: within 200 ms ...
+// ------------------------------------------------------------------------
+
+TEST(FailureTable, ALostLinkIsKnownToTheGroupWithin200ms) {
+  for (const comms::FaultKind kind : {comms::FaultKind::burst, comms::FaultKind::disconnect})
+    for (int offset = 0; offset < 40; ++offset) {
+      const double lost = 1.0 + 0.001 * offset;
+      test::FailureLinks links({{.kind = kind, .robot = 1, .at = lost, .duration = 1.0}});
+      links.run_until(lost + 0.25);
+      ASSERT_TRUE(links.lost_at) << offset;
+      EXPECT_LE(*links.lost_at, lost + 0.16 + 1e-9) << "all stop; " << offset;
+      EXPECT_NE(links.why.find("robot 2: the link is"), std::string::npos) << links.why;
+      ASSERT_EQ(links.told().size(), 1u) << "or the tick is told, and holds the robot";
+      EXPECT_LE(links.told()[0].first, lost + 0.2 + 1e-9) << offset;
+      EXPECT_EQ(links.told()[0].second.substr(0, 7), "link r2");
+      EXPECT_TRUE(links.session(0).up() && links.session(2).up());
+    }
+}
+
+TEST(FailureTable, ALinkThatComesBackStopsItsRobotFirst) {
+  for (const comms::FaultKind kind : {comms::FaultKind::burst, comms::FaultKind::disconnect}) {
+    test::FailureLinks links({{.kind = kind, .robot = 1, .at = 1.0, .duration = 1.0}});
+    links.run_until(1.5);
+    EXPECT_FALSE(links.stands(1)) << "robots have no watchdog";
+    bool stood = false;
+    while (links.now() < 3.0 && !links.session(1).up()) {
+      links.run_until(links.now() + 0.001, false);
+      stood = stood || links.stands(1);
+    }
+    EXPECT_TRUE(links.session(1).up());
+    EXPECT_TRUE(stood) << "before any command";
+    links.run_until(3.0);
+    ASSERT_FALSE(links.told().empty());
+    EXPECT_EQ(links.told().back().second, "link r2 up");
+  }
+}
+
+/// A reply that comes a little late is no loss: the robot is stopped and goes on, the group never hears of it.
+TEST(FailureTable, AReplyLostOnceIsNoLostLink) {
+  test::FailureLinks links({{.kind = comms::FaultKind::burst, .robot = 1, .at = 1.001, .duration = 0.05}});
+  links.run_until(2.0);
+  EXPECT_EQ(links.session(1).status().timeouts, 1u);
+  EXPECT_FALSE(links.lost_at) << links.why;
+}
+
+// --- ... and then: the others keep clear, uncoupled
+// ---------------------------------------------------------------------
+
+TEST(FailureTable, TheOthersKeepClearOfALostRobotAndAreNotCoupledToIt) {
+  Group group(others_go_on({"avoidance.enabled=true", "shield.enabled=true"}));
+  group.start();
+  group.steps(50);
+  group.step({{.kind = OperatorCommand::Kind::hold, .number = 1}});
+  group.steps(1500);  // a minute: the leader comes round and meets it as well
+  const core::Pose stood = group.robots[1].pose();
+  for (std::size_t k = 60; k < group.rows.size(); ++k) {
+    ASSERT_GE(group.rows[k].min_distance, 0.07) << "tick " << k;
+    ASSERT_EQ(group.rows[k].robots[1].wheels, core::WheelSpeeds{});
+  }
+  EXPECT_NEAR(group.rows[60].robots[1].pose.x, stood.x, 1e-6);
+  EXPECT_TRUE(std::isnan(group.rows[60].robots[1].error.x)) << "an error that is none couples nobody";
+}
+
+// --- A pose is older than the bridge time: within a tick. The camera is lost: within a tick of it
+// ---------------------
+
+TEST(FailureTable, APoseOlderThanTheBridgeTimeStopsItsRobotInThatTick) {
+  Group group(others_go_on());
+  group.start();
+  group.steps(50);
+  const double last_seen = group.now;
+  while (group.now < last_seen + 1.0) {
+    const core::Measurement kept = group.measured[1];
+    group.blind = {1};
+    const TickRecord& row = group.step();
+    EXPECT_EQ(group.measured[1].captured_at, kept.captured_at);
+    const bool old = row.robots[1].pose_age > group.experiment.estimation.bridge;
+    ASSERT_EQ(row.robots[1].wheels == core::WheelSpeeds{}, old) << row.robots[1].pose_age;
+    for (const std::size_t i : {0u, 2u, 3u}) ASSERT_NE(row.robots[i].wheels, core::WheelSpeeds{});
+  }
+}
+
+TEST(FailureTable, ALostCameraStopsAllInTheTickAfterTheBridgeTime) {
+  Group group(others_go_on());
+  group.start();
+  group.steps(50);
+  group.blind = {0, 1, 2, 3};
+  for (int k = 0; k < 25; ++k) {
+    const TickRecord& row = group.step();
+    for (const RobotRecord& robot : row.robots)
+      ASSERT_EQ(robot.wheels == core::WheelSpeeds{}, robot.pose_age > group.experiment.estimation.bridge);
+  }
+  EXPECT_TRUE(group.rows.back().robots[0].is(lost));
+}
+
+// --- The tick misses deadlines or throws: within 100 ms
+// ----------------------------------------------------------------
+
+TEST(FailureTable, ASilentControlThreadStopsTheRobotsWithin100ms) {
+  test::FailureLinks links({});
+  links.run_until(1.041);  // the last tick was at 1.04 s
+  for (std::size_t i = 0; i < links.robots; ++i) EXPECT_FALSE(links.stands(i));
+  links.run_until(1.142, false);
+  for (std::size_t i = 0; i < links.robots; ++i) {
+    EXPECT_TRUE(links.stands(i)) << i;
+    EXPECT_TRUE(links.session(i).stop_acknowledged());
+    EXPECT_NE(links.session(i).status().reason.find("no command for 0.1 s"), std::string::npos);
+  }
+}
+
+TEST(FailureTable, ATickThatThrowsStopsTheRobots) {
+  const Experiment experiment =
+      parse_experiment(paper_experiment().source, "platoon.toml", {"robot_defaults.link=loopback"}).value();
+  SessionClock clock(true);
+  auto plant = Plant::open(experiment, clock, {});
+  ASSERT_TRUE(plant) << plant.error();
+  std::atomic<int> rows{0};
+  ControlLoop loop(experiment, clock, **plant, [&rows](const TickRecord&) {
+    if (++rows == 20) throw std::runtime_error("a tick that throws");
+  });
+  loop.post({});  // start
+  loop.start_thread();
+  ASSERT_TRUE(eventually([&] { return loop.failed(); }));
+  EXPECT_NE(loop.reason().find("a tick that throws"), std::string::npos);
+  ASSERT_TRUE(eventually([&] {
+    const auto robots = (*plant)->robots();
+    return std::all_of(robots.begin(), robots.end(), [](const RobotStatus& r) { return r.stop_acknowledged; });
+  }));
+  loop.end_thread();
+}
+
+// --- STOP: within 40 ms, repeated until acknowledged
+// ---------------------------------------------------------------------
+
+TEST(FailureTable, StopStandsWithin40msAndIsRepeatedUntilItIsAcknowledged) {
+  std::vector<comms::Fault> faults{{.kind = comms::FaultKind::latency, .median = 0.01, .p99 = 0.02},
+                                   {.kind = comms::FaultKind::burst, .robot = 3, .at = 0.995, .duration = 0.4}};
+  test::FailureLinks links(faults);
+  links.run_until(1.0);
+  links.stop();
+  links.run_until(1.04, false);
+  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_TRUE(links.stands(i)) << i;
+  EXPECT_FALSE(links.stands(3)) << "nothing reaches it";
+  links.run_until(1.395 + 0.08 + 0.04, false);
+  EXPECT_TRUE(links.stands(3)) << "the first repetition that got through";
+  EXPECT_GE(links.session(3).status().timeouts, 4u);
+  links.run_until(2.0, false);
+  for (std::size_t i = 0; i < links.robots; ++i) EXPECT_TRUE(links.session(i).stop_acknowledged()) << i;
+}
+
+// --- Garbage, half lines, swallowed bytes, a restart: resynchronised within 1 s, counted, said
+// ----------------------------
+
+TEST(FailureTable, WhatGarblesALinkIsMendedWithinASecondCountedAndSaid) {
+  using enum comms::FaultKind;
+  const comms::Fault garbage{.kind = corruption, .at = 1.0, .duration = 0.3, .share = 0.5},
+      half_a_line{.kind = stuck, .at = 1.0005, .duration = 0.0},
+      swallowed{.kind = loss, .at = 1.0, .duration = 0.3, .share = 0.7},
+      restart{.kind = reboot, .at = 1.0, .duration = 0.1},
+      late{.kind = latency, .at = 1.0, .duration = 0.3, .median = 0.15, .p99 = 0.3};
+  for (const comms::Fault& fault : {garbage, half_a_line, swallowed, restart, late}) {
+    SCOPED_TRACE(to_text(fault.kind));
+    test::FailureLinks links({fault}, 100.0);
+    links.run_until(1.0);
+    std::vector<std::uint64_t> before;
+    for (std::size_t i = 0; i < links.robots; ++i) before.push_back(links.session(i).status().exchanges);
+    links.run_until(fault.end() + 1.0);
+    std::uint64_t counted = 0;
+    for (std::size_t i = 0; i < links.robots; ++i) {
+      const comms::LinkStatus status = links.session(i).status();
+      EXPECT_TRUE(links.session(i).up()) << i;
+      EXPECT_GT(status.exchanges, before[i] + 5) << i << ": it is driven again";
+      const std::uint64_t times = status.resynchronisations + status.timeouts;
+      EXPECT_EQ(times > 0, !status.reason.empty()) << i;
+      counted += times;
+    }
+    EXPECT_GE(counted, 1u);  // of half a line some halves do no harm
+  }
+}
+
+// --- The same, as the program's threads do it
+// ------------------------------------------------------------------------------
+
+TEST(LinkWatch, ToldOnceWhenALinkIsLostAndWhenItIsBack) {
+  LinkWatch watch({0, 2}, 0.2, true);
+  std::vector<comms::LinkStatus> links(2);
+  const auto look = [&](LinkState state, double out_for) {
+    links[0].state = LinkState::up;
+    links[1].state = state;
+    links[1].out_for = out_for;
+    const auto lost = watch.look(links);
+    EventList events;
+    watch.tell(events);
+    return std::pair(lost, events);
+  };
+  EXPECT_TRUE(look(LinkState::up, 0.0).second.empty());
+  EXPECT_TRUE(look(LinkState::stale, 0.19).second.empty()) << "within the bridge time";
+  const auto [sentence, events] = look(LinkState::stale, 0.21);
+  ASSERT_TRUE(sentence);
+  EXPECT_NE(sentence->find("robot 3: the link is stale"), std::string::npos) << *sentence;
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(describe(*events.begin()), "link r3 stale");
+  EXPECT_TRUE(look(LinkState::down, 0.3).second.empty()) << "it was lost before";
+  EXPECT_TRUE(look(LinkState::synchronising, 0.1).second.empty()) << "not back yet";
+  const auto back = look(LinkState::up, 0.0);
+  ASSERT_EQ(back.second.size(), 1u);
+  EXPECT_EQ(describe(*back.second.begin()), "link r3 up");
+}
+
+/// The session's rows as they come.
+struct Watched {
+  explicit Watched(const Experiment& experiment, std::vector<comms::Fault> faults) {
+    SessionOptions options;
+    options.faults = std::move(faults);
+    session = Session::open(experiment, Session::Clock::wall, options).value();
+    newest.robots.resize(experiment.robots.size());  // until the first record comes
+  }
+  const TickRecord& look() {
+    session->drain([this](const TickRecord& record) {
+      newest = record;
+      for (const Event& event : record.events) said += describe(event) + "; ";
+    });
+    return newest;
+  }
+  bool heard(const std::string& words) { return look(), said.find(words) != std::string::npos; }
+
+  std::unique_ptr<Session> session;
+  TickRecord newest;
+  std::string said;
+};
+
+const std::vector<std::string> loopback{"robot_defaults.link=loopback", "failure.link_bridge=1"};
+const comms::Fault broken{.kind = comms::FaultKind::disconnect, .robot = 1, .at = 1.0, .duration = 2.0};
+
+TEST(FailureTable, OthersGoOnWithoutARobotWhoseLinkIsLost) {
+  Watched run(others_go_on(loopback), {broken});
+  run.session->start();
+  ASSERT_TRUE(eventually([&] { return run.heard("link r2"); })) << run.said;
+  ASSERT_TRUE(eventually([&] { return run.look().robots[1].is(stopped); }));
+  EXPECT_TRUE(run.heard("hold r2")) << run.said;
+  EXPECT_EQ(run.newest.phase, Phase::running);
+  EXPECT_FALSE(run.session->failure());
+  EXPECT_FALSE(run.session->hold_robot(1, false)) << "its link is lost";
+  ASSERT_TRUE(eventually([&] { return run.heard("link r2 up"); })) << run.said;
+  EXPECT_TRUE(run.look().robots[1].is(stopped)) << "it waits for the operator";
+  EXPECT_TRUE(run.session->hold_robot(1, false));
+  EXPECT_TRUE(eventually([&] { return run.heard("release r2") && !run.look().robots[1].is(stopped); })) << run.said;
+  EXPECT_GE(run.session->robots()[1].reconnects, 1u);
+  run.session->close();
+  for (const RobotStatus& robot : run.session->robots()) EXPECT_TRUE(robot.stop_acknowledged);
+}
+
+TEST(FailureTable, AllStopWhenALinkIsLostUnlessTheFileSaysOtherwise) {
+  Watched run(parse_experiment(paper_experiment().source, "platoon.toml", loopback).value(), {broken});
+  run.session->start();
+  ASSERT_TRUE(eventually([&] { return run.look().phase == Phase::stopped; })) << run.said;
+  ASSERT_TRUE(run.session->failure());
+  EXPECT_NE(run.session->failure()->find("robot 2: the link is"), std::string::npos) << *run.session->failure();
+  EXPECT_TRUE(run.heard("stop"));
+}
+
+TEST(Session, TellsWhoTheRobotsAreAndHowTheirLinksDo) {
+  Watched run(others_go_on(loopback), {});
+  run.session->start();
+  ASSERT_TRUE(eventually([&] {
+    const LinkRecord& link = run.look().robots[0].link;
+    return run.newest.tick > 10 && link.state == LinkState::up && link.battery > 0.0 && link.left_steps > 0.0 &&
+           link.round_trip > 0.0 && link.round_trip_p99 >= link.round_trip && link.bytes > 0.0 && link.losses >= 0.0;
+  }));
+  const RobotStatus robot = run.session->robots()[0];
+  EXPECT_EQ(robot.version, "Version 2.0 January 2018 GCtronic");
+  EXPECT_NEAR(robot.battery, 3.9, 0.01);
+  EXPECT_GT(robot.bytes_sent, 0u);
+  EXPECT_GT(robot.bytes_received, 0u);
+  EXPECT_GE(robot.round_trip_p99, robot.round_trip);
+}
+
+}  // namespace
+}  // namespace skein::app

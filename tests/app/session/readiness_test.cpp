@@ -1,0 +1,119 @@
+// What is looked at before a start.
+#include "app/session/readiness.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "app/experiment/experiment_file.h"
+#include "app/tick/control_tick.h"
+
+namespace skein::app {
+namespace {
+
+class Readiness : public ::testing::Test {
+ protected:
+  Readiness() {
+    for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+      robots.push_back({"simulated", {}});
+      measurements.push_back({reference->at(i, 0.0).pose, 0.0});
+    }
+  }
+  /// What a tick sees that sees the robots for the first time.
+  const TickRecord& look() {
+    ControlTick tick(experiment);
+    TickInput input;
+    input.measurements = measurements;
+    record = tick.step(input);
+    return record;
+  }
+  Check check(Check::What what) {
+    const std::vector<Check> all = readiness(experiment, &certificate, &look(), robots);
+    return *std::find_if(all.begin(), all.end(), [&](const Check& c) { return c.what == what; });
+  }
+  std::vector<Check> all() { return readiness(experiment, &certificate, &look(), robots); }
+
+  Experiment experiment = paper_experiment();
+  std::unique_ptr<const core::Reference> reference = make_reference(experiment);
+  Certificate certificate = certify(experiment);
+  TickRecord record;
+  std::vector<RobotStatus> robots;
+  std::vector<core::Measurement> measurements;
+};
+
+TEST_F(Readiness, ThePapersExperimentMayStartAtOnce) {
+  EXPECT_TRUE(all_hold(all()));
+  EXPECT_TRUE(may_start(all()));
+}
+
+TEST_F(Readiness, NothingIsKnownYet) {
+  const std::vector<Check> checks = readiness(experiment, nullptr, nullptr, {});
+  EXPECT_FALSE(may_start(checks));
+  for (const Check& check : checks) EXPECT_NE(check.state, Check::State::fails) << check.reason;
+}
+
+TEST_F(Readiness, ARobotThatIsNotSeenIsNamedWithItsTag) {
+  experiment.robots[2].tag = 17;
+  measurements[2] = {};
+  const Check tags = check(Check::What::tags);
+  EXPECT_EQ(tags.state, Check::State::fails);
+  EXPECT_NE(tags.reason.find("robot 3"), std::string::npos) << tags.reason;
+  EXPECT_NE(tags.reason.find("17"), std::string::npos) << tags.reason;
+  EXPECT_FALSE(may_start(all()));
+}
+
+TEST_F(Readiness, ALinkThatIsDownSaysWhy) {
+  robots[1] = {"failed", "host is down"};
+  const Check links = check(Check::What::links);
+  EXPECT_EQ(links.state, Check::State::fails);
+  EXPECT_NE(links.reason.find("robot 2"), std::string::npos) << links.reason;
+  EXPECT_NE(links.reason.find("host is down"), std::string::npos) << links.reason;
+  EXPECT_FALSE(may_start(all()));
+}
+
+TEST_F(Readiness, ALowBatteryIsSaidAndMayBeOverruled) {
+  robots[2].battery = 3.31;
+  EXPECT_NE(check(Check::What::batteries).reason.find("3.31 V"), std::string::npos);
+  robots[2].battery_low = true;
+  EXPECT_EQ(check(Check::What::batteries).state, Check::State::fails);
+  EXPECT_FALSE(all_hold(all()));
+  EXPECT_TRUE(may_start(all()));
+}
+
+TEST_F(Readiness, GainsThatBreak18AndAReferenceThatIsTooFastStopTheStart) {
+  certificate.robots[3].k_x.value = -0.01;
+  EXPECT_EQ(check(Check::What::gains).state, Check::State::fails);
+  EXPECT_EQ(check(Check::What::reference).state, Check::State::holds);
+  certificate.robots[0].wheel.value = 1.2;
+  EXPECT_EQ(check(Check::What::reference).state, Check::State::fails);
+  EXPECT_FALSE(may_start(all()));
+}
+
+TEST_F(Readiness, ARobotOutOfItsPlaceMayBeOverruled) {
+  measurements[1].pose.x += 0.5 * place_reached;
+  EXPECT_EQ(check(Check::What::places).state, Check::State::holds);
+  measurements[1].pose.x += 0.2;
+  const Check places = check(Check::What::places);
+  EXPECT_EQ(places.state, Check::State::fails);
+  EXPECT_NE(places.reason.find("robot 2"), std::string::npos) << places.reason;
+  EXPECT_FALSE(all_hold(all()));
+  EXPECT_TRUE(may_start(all()));
+  measurements[1].pose = reference->at(1, 0.0).pose;
+  measurements[0].pose.theta = core::wrap_angle(measurements[0].pose.theta + 2 * heading_reached);
+  EXPECT_EQ(check(Check::What::places).state, Check::State::fails) << "it looks the wrong way";
+}
+
+TEST_F(Readiness, ARealCameraNeedsItsCalibration) {
+  experiment.camera.source = "v4l2:/dev/video0";
+  EXPECT_EQ(check(Check::What::camera).state, Check::State::fails);
+  EXPECT_FALSE(may_start(all()));
+  experiment.camera.calibration = "no-such-file.toml";
+  EXPECT_EQ(check(Check::What::camera).state, Check::State::fails);
+  EXPECT_THAT(check(Check::What::camera).reason, testing::HasSubstr("there is no no-such-file.toml"));
+  experiment.directory = SKEIN_SOURCE_DIR "/resources/experiments";
+  experiment.camera.calibration = "platoon.toml";  // that it is one is found when it is opened
+  EXPECT_EQ(check(Check::What::camera).state, Check::State::holds);
+}
+
+}  // namespace
+}  // namespace skein::app

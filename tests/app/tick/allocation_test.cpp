@@ -1,0 +1,174 @@
+// The tick allocates nothing: counted in a program of its own, which replaces operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "app/experiment/experiment_file.h"
+#include "app/session/record_channel.h"
+#include "app/tick/control_tick.h"
+#include "core/simulation/simulated_robot.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Not inlined: GCC would see malloc paired with delete, and warn.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace skein::app {
+namespace {
+
+TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
+  Experiment experiment = paper_experiment();
+  // Everything that a tick can be busy with: avoidance, shield, limits, gains on their way, a robot that comes and
+  // goes.
+  experiment.obstacles = {{0.3, -0.45, 0.05}};
+  GainChange change;
+  change.t = 1.0;
+  change[core::GainName::k_xx] = core::PairTable(4, 0.002);
+  change[core::GainName::l_xx] = core::PairTable(4, 150.0);
+  experiment.gain_changes = {change};
+  ControlTick tick(experiment);
+  RecordChannel channel(8, tick.record());
+  const auto reference = make_reference(experiment);
+
+  std::vector<core::Measurement> measurements(4);
+  std::vector<core::Pose> truth(4);
+  const OperatorCommand start{};
+  const OperatorCommand gain{OperatorCommand::Kind::gain, core::GainName::k_yy, 1.0};
+  const OperatorCommand pairs[] = {{OperatorCommand::Kind::pair_gain, core::GainName::k_tt, 0.01, 2, 0},
+                                   {OperatorCommand::Kind::uncouple, {}, 0.0, 1, 2},
+                                   {OperatorCommand::Kind::couple, {}, 0.0, 2, 1}};
+
+  const long before = allocations.load();
+  int avoided = 0, shielded_ticks = 0, limited_ticks = 0, lost_ticks = 0;
+  for (int k = 0; k < 1500; ++k) {
+    const double now = k / 25.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      core::Pose pose = reference->at(i, now).pose;
+      if (k > 200 && i == 1) pose.x += 0.12 * std::sin(0.01 * k);  // through its neighbours
+      if (k > 700 && i == 2) pose.y += 0.6;                        // far off
+      if (k < 900 || i != 3) measurements[i] = {pose, now};
+      truth[i] = pose;
+    }
+    TickInput input;
+    input.now = now;
+    input.measurements = measurements;
+    input.truth = truth;
+    if (k == 0) input.commands = {&start, 1};
+    if (k == 500) input.commands = {&gain, 1};
+    if (k >= 501 && k < 504) input.commands = {&pairs[k - 501], 1};
+    const TickRecord& record = tick.step(input);
+    channel.push(record);
+    channel.drain([](const TickRecord&) {});
+    for (const RobotRecord& robot : record.robots) {
+      avoided += robot.is(avoiding);
+      shielded_ticks += robot.is(shielded);
+      limited_ticks += robot.is(limited);
+      lost_ticks += robot.is(lost);
+    }
+  }
+  EXPECT_EQ(allocations.load() - before, 0);
+  EXPECT_GT(avoided, 0);
+  EXPECT_GT(shielded_ticks, 0);
+  EXPECT_GT(limited_ticks, 0);
+  EXPECT_GT(lost_ticks, 0);
+}
+
+/// Every kind of reference, with everything that it can be busy with.
+class AllocationOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(AllocationOf, AReferenceIsNothing) {
+  const auto experiment = parse_experiment(GetParam(), "e.toml");
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  ControlTick tick(*experiment);
+  const std::size_t n = experiment->robots.size();
+  std::vector<core::Measurement> measurements(n);
+  const OperatorCommand start{};
+  const auto reference = make_reference(*experiment);
+  const long before = allocations.load();
+  for (int k = 0; k < 600; ++k) {
+    const double now = k / 25.0;
+    for (std::size_t i = 0; i < n; ++i) measurements[i] = {reference->at(i, now).pose, now};
+    TickInput input;
+    input.now = now;
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&start, 1};
+    tick.step(input);
+  }
+  EXPECT_EQ(allocations.load() - before, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    References, AllocationOf,
+    testing::Values(
+        "reference.kind = 'platoon'",
+        "[reference]\nkind = 'formation'\nspeed = 0.03\nshape = 'v'\nspacing = 0.15\npath = { shape = "
+        "'ellipse', width = 1.2, height = 0.8 }\nchange = [{ t = 3, duration = 15, shape = 'v', spacing = 0.2 }]",
+        "[reference]\nkind = 'independent'\nmay_meet = true\n[[robot]]\ntrajectory = { path = { shape = "
+        "'line', from = [-0.5, 0], to = [0.5, 0] }, turn_rate = 0.5 }\n[[robot]]\ntrajectory = { path = { shape "
+        "= 'spline', points = [[0.5, 0.3], [0, 0], [-0.5, 0.3]] } }\n[[robot]]\ntrajectory = { path = { "
+        "shape = 'circle', radius = 0.2, centre = [0, 0.4] } }"));
+
+/// Drives an experiment on simulated robots, from wherever they stand, and counts what its ticks allocate; how often
+/// somebody was found stuck is told as well.
+long allocated(const Experiment& e, int ticks, int& deadlocks, int& staging_ticks) {
+  ControlTick tick(e);
+  const auto reference = make_reference(e);
+  const std::size_t n = e.robots.size();
+  std::vector<core::SimulatedRobot> robots;
+  for (std::size_t i = 0; i < n; ++i) {
+    robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
+    robots.back().place(e.robots[i].start.value_or(reference->at(i, 0.0).pose));
+  }
+  std::vector<core::Measurement> measurements(n);
+  const OperatorCommand begin{e.robots[0].start ? OperatorCommand::Kind::stage : OperatorCommand::Kind::start};
+  const OperatorCommand start{};
+  const long before = allocations.load();
+  for (int k = 0; k < ticks; ++k) {
+    TickInput input;
+    input.now = k * e.period();
+    for (std::size_t i = 0; i < n; ++i) measurements[i] = robots[i].measure(input.now);
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&begin, 1};
+    if (k > 0 && tick.record().phase == Phase::ready) input.commands = {&start, 1};
+    const TickRecord& record = tick.step(input);
+    staging_ticks += record.phase == Phase::staging;
+    for (const Event& event : record.events) deadlocks += event.kind == Event::Kind::deadlock;
+    for (std::size_t i = 0; i < n; ++i) {
+      robots[i].command(record.robots[i].wheels);
+      robots[i].step(e.period());
+    }
+  }
+  return allocations.load() - before;
+}
+
+TEST(Allocation, DetoursDeadlocksAndStagingAllocateNothing) {
+  const std::string swap = SKEIN_SOURCE_DIR "/resources/experiments/antipodal-swap-10.toml";
+  int deadlocks = 0, staging_ticks = 0;
+  EXPECT_EQ(allocated(*load_experiment(swap), 700, deadlocks, staging_ticks), 0);
+  EXPECT_EQ(deadlocks + staging_ticks, 0);
+  // The field alone, which does jam.
+  EXPECT_EQ(allocated(*load_experiment(swap, {"avoidance.horizon=0"}), 700, deadlocks, staging_ticks), 0);
+  EXPECT_GT(deadlocks, 0);
+  Experiment platoon = paper_experiment();
+  for (std::size_t i = 0; i < 4; ++i)
+    platoon.robots[i].start = core::Pose{-0.3 + 0.2 * static_cast<double>(i), 0.1, 1.0};
+  EXPECT_EQ(allocated(platoon, 900, deadlocks, staging_ticks), 0);
+  EXPECT_GT(staging_ticks, 0);
+}
+
+}  // namespace
+}  // namespace skein::app

@@ -1,0 +1,247 @@
+// Couplings of pairs: set, switched off and on during a run, never past (18), and repeated from the record.
+#include "app/tick/couplings.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "app/record/csv_writer.h"
+#include "app/replay/replay.h"
+#include "app/session/session.h"
+#include "tests/app/experiment_texts.h"
+#include "tests/app/fixture.h"
+
+namespace skein::app {
+namespace {
+
+using core::GainName;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::StartsWith;
+using Kind = OperatorCommand::Kind;
+
+/// The couplings of the paper's experiment, and what happened to them.
+struct Desk {
+  explicit Desk(const Experiment& e = paper_experiment())
+      : experiment(e), gains(make_gains(e)), couplings(e, gains, make_reference(e)->demand(e.controller.k_y)) {}
+
+  std::string obey(const OperatorCommand& command, bool ready = false) {
+    EventList events;
+    couplings.obey(command, ready, events);
+    return describe(events);
+  }
+  /// Ticks until nothing moves; (18) and a bounded rate all the while.
+  void settle() {
+    const std::vector<core::Twist> fastest(4, core::Twist{0.05, 0.05 / 0.119});
+    for (int k = 0; k < 500; ++k) {
+      const double before = gains.k_yy(0, 1);
+      couplings.step(0.04, gains);
+      EXPECT_LE(std::abs(gains.k_yy(0, 1) - before), 1.7 / 3 / 5 * 0.04 + 1e-12);
+      core::use_policy(gains, fastest);
+      for (std::size_t i = 0; i < 4; ++i) EXPECT_TRUE(core::margins(gains, i, fastest[i]).hold());
+    }
+  }
+
+  Experiment experiment;
+  core::Gains gains;
+  Couplings couplings;
+};
+
+TEST(Couplings, OfOnePairAreSetAndHeldWhere18Ends) {
+  Desk desk;
+  EXPECT_EQ(desk.obey({Kind::pair_gain, GainName::k_xx, 0.012, 2, 1}), "pair_gain r2 r3 k_xx 0.008 -> 0.012");
+  desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_xx(1, 2), 0.012);
+  EXPECT_DOUBLE_EQ(desk.gains.k_xx(0, 1), 0.008);
+  // (18f) with 5 % left to tracking: 0.095 - 0.05 - 2 * 0.008.
+  EXPECT_THAT(desk.obey({Kind::pair_gain, GainName::k_xx, 1.0, 0, 3}),
+              StartsWith("pair_gain_held r1 r4 k_xx 1 -> 0.028999"));
+  desk.settle();
+  EXPECT_NEAR(desk.gains.k_xx(0, 3), 0.029, 1e-12);
+  EXPECT_THAT(desk.obey({Kind::pair_gain, GainName::k_yy, 100.0, 0, 3}),
+              HasSubstr("pair_gain_held r1 r4 k_yy 100 -> "));
+  desk.settle();
+  EXPECT_EQ(desk.obey({Kind::pair_gain, GainName::k_xx, 0.01, 2, 2}), "") << "nobody is coupled to himself";
+  EXPECT_EQ(desk.obey({Kind::pair_gain, GainName::k_xx, 0.01, 2, 7}), "");
+}
+
+TEST(Couplings, AreSwitchedOffAndComeBackAsTheyWere) {
+  Desk desk;
+  desk.obey({Kind::pair_gain, GainName::k_yy, 0.1, 0, 1});
+  EXPECT_EQ(desk.obey({Kind::uncouple, {}, 0.0, 1, 0}), "uncouple r1 r2");
+  EXPECT_FALSE(desk.couplings.coupled(0, 1));
+  desk.settle();
+  for (const GainName name : core::gain_names) {
+    EXPECT_EQ(core::table(desk.couplings.now(), name)(0, 1), 0.0);
+    EXPECT_GT(core::table(desk.couplings.now(), name)(0, 2), 0.0);
+  }
+  // What is said of all pairs counts for it as well, once it is back.
+  desk.obey({Kind::gain, GainName::k_tt, 0.03});
+  desk.settle();
+  EXPECT_EQ(desk.gains.k_tt(0, 1), 0.0);
+  EXPECT_DOUBLE_EQ(desk.gains.k_tt(2, 3), 0.03);
+  EXPECT_EQ(desk.obey({Kind::couple, {}, 0.0, 0, 1}), "couple r1 r2");
+  desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_tt(0, 1), 0.03);
+  EXPECT_DOUBLE_EQ(desk.gains.k_yy(0, 1), 0.1);
+  EXPECT_EQ(desk.obey({Kind::couple, {}, 0.0, 0, 1}), "") << "it is";
+}
+
+TEST(Couplings, ComeBackWithLessWhereOthersHaveTakenTheirRoom) {
+  Desk desk;
+  desk.obey({Kind::uncouple, {}, 0.0, 0, 1});
+  desk.settle();
+  // Robot 1's room of 0.045 m/s: 0.025 and 0.016 leave 0.004.
+  desk.obey({Kind::pair_gain, GainName::k_xx, 0.025, 0, 2});
+  desk.obey({Kind::pair_gain, GainName::k_xx, 0.016, 0, 3});
+  desk.settle();
+  EXPECT_THAT(desk.obey({Kind::couple, {}, 0.0, 0, 1}), StartsWith("pair_gain_held r1 r2 k_xx 0.008 -> 0.00"));
+  desk.settle();
+  EXPECT_NEAR(desk.gains.k_xx(0, 1), 0.004, 1e-12);
+}
+
+TEST(Couplings, ChangeInTheFileEveryParameterOfEveryPair) {
+  const Experiment e = good(
+      "[controller]\nl_xx = [[1, 2, 50]]\nc_yy = 2\n[[gain_change]]\nt = 1\nramp = 4\nl_xx = 20\nc_tt = [[1, 3, "
+      "0.08]]");
+  const core::Gains start = make_gains(e);
+  EXPECT_EQ(start.l_xx(0, 1), 50.0);
+  EXPECT_EQ(start.l_xx(0, 2), 0.0);
+  EXPECT_EQ(start.c_yy, core::PairTable(4, 2.0));
+  Desk desk(e);
+  EventList events;
+  desk.couplings.follow_file(1.0, events);
+  EXPECT_EQ(describe(events), "schedule c_tt 0.04 -> 0.08; schedule l_xx 50 -> 20");
+  for (int k = 0; k < 50; ++k) desk.couplings.step(0.04, desk.gains);
+  EXPECT_NEAR(desk.gains.l_xx(0, 1), 35.0, 1e-9);
+  EXPECT_NEAR(desk.gains.l_xx(2, 3), 10.0, 1e-9);
+  EXPECT_NEAR(desk.gains.c_tt(0, 2), 0.06, 1e-12);
+  EXPECT_NEAR(desk.gains.c_tt(0, 1), 0.02, 1e-12);
+}
+
+TEST(Couplings, TakeARampAsLongAsItIsAskedForAndNeverShorterThanIsSafe) {
+  Desk desk;
+  OperatorCommand command{Kind::gain, GainName::k_xx, 0.002};
+  command.seconds = 30.0;
+  EXPECT_EQ(desk.obey(command), "gain k_xx 0.008 -> 0.002 ramp=30");
+  for (int k = 0; k < 375; ++k) desk.couplings.step(0.04, desk.gains);
+  EXPECT_NEAR(desk.gains.k_xx(0, 1), 0.005, 1e-9) << "half of the way in half of the time";
+  desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_xx(2, 3), 0.002);
+  command = {Kind::pair_gain, GainName::k_yy, 0.1, 0, 1};
+  command.seconds = 0.01;
+  EXPECT_EQ(desk.obey(command), "pair_gain r1 r2 k_yy 0.08 -> 0.1 ramp=0.01");
+  desk.settle();  // at the bounded rate
+  EXPECT_DOUBLE_EQ(desk.gains.k_yy(0, 1), 0.1);
+}
+
+TEST(Couplings, OnTheWayTakeNoMoreThanThereIs) {
+  Desk desk;
+  OperatorCommand slow{Kind::gain, GainName::k_tt, 0.0};
+  slow.seconds = 60.0;
+  desk.obey({Kind::gain, GainName::k_tt, 1.0});
+  desk.settle();
+  desk.obey(slow);
+  desk.obey({Kind::gain, GainName::k_yy, 1.0});
+  EXPECT_GT(desk.couplings.target().k_yy.largest(), 0.2);
+  desk.settle();  // checks (18) all the way
+  EXPECT_LT(desk.gains.k_yy.largest(), 0.9 * desk.couplings.target().k_yy.largest()) << "k_tt still takes its share";
+  for (int k = 0; k < 3; ++k) desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_yy.largest(), desk.couplings.target().k_yy.largest());
+}
+
+TEST(Couplings, OfTheFileAreHeldBesideTheOperators) {
+  const Experiment e = good("[[gain_change]]\nt = 1\nramp = 2\nk_yy = 0.2");
+  Desk desk(e);
+  EventList events;
+  desk.obey({Kind::gain, GainName::k_tt, 1.0});
+  desk.couplings.follow_file(1.0, events);
+  EXPECT_THAT(describe(events), HasSubstr("schedule k_yy 0.08 -> 0.2; gain_held k_yy 0.2 -> 0.0"));
+  desk.settle();
+  Desk alone(e);
+  events.clear();
+  alone.couplings.follow_file(1.0, events);
+  EXPECT_EQ(describe(events), "schedule k_yy 0.08 -> 0.2");
+}
+
+TEST(Couplings, FixedTrackingGainsAreRefusedWhere18FailsAndKeptOtherwise) {
+  const std::string fixed = "[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3\n";
+  EXPECT_THAT(
+      messages("[controller]\npolicy = 'fixed'\nk_x = 0.03\nk_theta = 0.3"),
+      Contains(StartsWith("e.toml:3:7: controller.k_x: (18f) fails for robot 1 by 0.004: 0.1 - reference 0.05 - "
+                          "couplings 0.024 leaves 0.026 for k_x = 0.03, allowed: up to 0.026")));
+  EXPECT_THAT(messages("[controller]\npolicy = 'fixed'\nk_x = 0.02"),
+              Contains(StartsWith("e.toml:1:1: controller.k_theta: missing")));
+  EXPECT_THAT(messages("[controller]\nk_x = 0.02"), Contains(StartsWith("e.toml:2:7: controller.k_x: found 0.02")));
+  EXPECT_THAT(messages(fixed + "[[gain_change]]\nt = 3\nk_xx = 0.012"),
+              Contains(HasSubstr("gain_change.1: (18f) fails for robot 1 by 0.006")));
+  Experiment e = good(fixed + "[[perturb]]\nt = 1\nrobot = 2\ndy = -0.1");
+  e.duration = 10.0;
+  for (const TickRecord& row : test::simulate(e))
+    for (const RobotRecord& robot : row.robots) {
+      ASSERT_EQ(robot.k_x, 0.02);
+      ASSERT_TRUE(robot.margins.hold());
+    }
+  // Online they are the border.
+  Desk desk(e);
+  EXPECT_THAT(desk.obey({Kind::gain, GainName::k_xx, 1.0}), StartsWith("gain_held k_xx 1 -> 0.01"));
+}
+
+TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
+  Experiment e = paper_experiment();
+  e.duration = 30.0;
+  std::ostringstream text;
+  CsvWriter writer(text, e);
+  auto session = Session::open(e, Session::Clock::virtual_, {.sinks = {&writer}});
+  ASSERT_TRUE(session) << session.error();
+  Session& s = **session;
+  s.set_gain(GainName::k_yy, 0.05);
+  s.set_gain(GainName::k_tt, 1, 3, 1.0);
+  s.couple(0, 2, false);
+  int asked = 0;
+  s.run([&] {
+    if (++asked == 10) s.couple(1, 2, false);
+    if (asked == 20) s.set_gain(GainName::k_xx, 2, 1, 0.02), s.set_gain(GainName::k_tt, 0.01);
+    if (asked == 25) s.couple(1, 2, true), s.couple(0, 2, true);
+    if (asked == 28) s.set_gain(GainName::k_yy, 0.02, 7.5), s.set_gain(GainName::k_tt, 0, 1, 0.02, 3.0);
+    if (asked == 30) s.set_gain(GainName::k_xx, 0, 3, 0.0);
+    return true;
+  });
+  EXPECT_TRUE(s.coupled(0, 2));
+  EXPECT_EQ(s.gain_target(GainName::k_xx, 3, 0), 0.0);
+  EXPECT_DOUBLE_EQ(s.gain(GainName::k_tt, 0, 2), 0.01);
+  EXPECT_GT(s.gain_border(GainName::k_xx, 0, 3), 0.008);
+  s.close();
+  EXPECT_THAT(text.str(), HasSubstr("uncouple r1 r3; pair_gain r2 r4 k_tt"));
+  std::istringstream recorded(text.str());
+  const auto result = replay(recorded, "run.csv");
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->ticks, 750);
+  EXPECT_EQ(result->different, 0) << result->first;
+}
+
+TEST(Couplings, OfTheFileThatWereHeldAreRepeatedFromTheRecord) {
+  const Experiment e = good("duration = 16\n[[gain_change]]\nt = 10\nramp = 2\nk_yy = 0.18");
+  std::ostringstream text;
+  CsvWriter writer(text, e);
+  SessionOptions options;
+  options.sinks = {&writer};
+  auto session = Session::open(e, Session::Clock::virtual_, options);
+  ASSERT_TRUE(session) << session.error();
+  int asked = 0;
+  (*session)->run([&] {
+    if (++asked == 5) (*session)->set_gain(GainName::k_tt, 1.0, 4.0);
+    return true;
+  });
+  (*session)->close();
+  EXPECT_THAT(text.str(), HasSubstr("schedule k_yy 0.08 -> 0.18; gain_held k_yy 0.18 -> "));
+  std::istringstream recorded(text.str());
+  const auto result = replay(recorded, "run.csv");
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->ticks, 400);
+  EXPECT_EQ(result->different, 0) << result->first;
+}
+
+}  // namespace
+}  // namespace skein::app

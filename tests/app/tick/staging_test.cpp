@@ -1,0 +1,131 @@
+// Staging: from wherever they stand, robots drive to their starts without touching, wait for Start, and the record of
+// it all can be replayed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
+#include "app/record/statistics.h"
+#include "app/replay/replay.h"
+#include "app/session/session.h"
+#include "app/tick/control_tick.h"
+#include "tests/app/experiment_texts.h"
+
+namespace skein::app {
+namespace {
+
+/// The platoon, its robots in disorder: two of them on each other's starts, one turned round, one far off.
+const Sets disorder{"duration=10",
+                    "perturb=[]",
+                    "robot.1.start=[-0.3, -0.2, 2.0]",
+                    "robot.2.start=[0.6, 0.3, -3.0]",
+                    "robot.3.start=[0.1, 0.1, 0.0]",
+                    "robot.4.start=[0.0, -0.6, 1.0]"};
+
+class Rows final : public RecordSink {
+ public:
+  void record(const TickRecord& record) override { rows.push_back(record); }
+  bool has(Event::Kind kind) const {
+    return std::any_of(rows.begin(), rows.end(), [&](const TickRecord& row) {
+      return std::any_of(row.events.begin(), row.events.end(), [&](const Event& e) { return e.kind == kind; });
+    });
+  }
+  std::vector<TickRecord> rows;
+};
+
+TEST(Staging, RobotsInDisorderFindTheirStartsBeforeTheRun) {
+  const Experiment e = good(paper_experiment().source, disorder);
+  Rows rows;
+  Statistics statistics(e);
+  std::ostringstream csv;
+  CsvWriter writer(csv, e);
+  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows, &statistics, &writer}});
+  ASSERT_TRUE(session) << session.error();
+  EXPECT_EQ((*session)->run(), Phase::finished) << (*session)->failure().value_or("");
+
+  EXPECT_TRUE(rows.has(Event::Kind::stage));
+  EXPECT_TRUE(rows.has(Event::Kind::staged));
+  double least = 1.0;
+  const TickRecord* first = nullptr;
+  for (const TickRecord& row : rows.rows) {
+    least = std::min(least, row.min_distance);
+    if (row.phase == Phase::running && !first) first = &row;
+    if (row.phase != Phase::staging) continue;
+    EXPECT_EQ(row.tick, 0);
+    for (const RobotRecord& robot : row.robots) {
+      EXPECT_TRUE(robot.is(staging));
+      EXPECT_TRUE(robot.margins.hold(1e-9)) << "(18), also on the way to the start";
+    }
+  }
+  EXPECT_GT(least, 0.07);
+  ASSERT_NE(first, nullptr);
+  for (const RobotRecord& robot : first->robots) {
+    EXPECT_LT(core::distance(robot.truth, robot.nominal.pose), 0.012);
+    EXPECT_LT(std::abs(core::wrap_angle(robot.truth.theta - robot.nominal.pose.theta)), 0.06);
+  }
+  EXPECT_EQ(statistics.summary().ticks, 250) << "what comes before the start is no part of the run";
+
+  std::istringstream in(csv.str());
+  const auto again = replay(in, "run.csv");
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(again->different, 0) << again->first;
+  EXPECT_GT(again->ticks, 250);
+}
+
+TEST(Staging, ThoseAtTheirStartsDoNotStage) {
+  const Experiment e = good(paper_experiment().source, {"duration=1", "perturb=[]"});
+  Rows rows;
+  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows}});
+  (*session)->run();
+  EXPECT_FALSE(rows.has(Event::Kind::stage));
+  EXPECT_EQ(rows.rows.size(), 25U);
+}
+
+TEST(Staging, FailsWhereSomebodyCannotArrive) {
+  Sets sets = disorder;
+  sets.emplace_back("staging.timeout=2");
+  auto session = Session::open(good(paper_experiment().source, sets), Session::Clock::virtual_, {});
+  EXPECT_EQ((*session)->run(), Phase::stopped);
+  EXPECT_THAT((*session)->failure().value_or(""), ::testing::HasSubstr("staging"));
+}
+
+TEST(Staging, AfterTheRunTheyMayDriveBack) {
+  const Experiment e = good(paper_experiment().source, {"duration=2", "perturb=[]", "staging.back=true"});
+  Rows rows;
+  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows}});
+  EXPECT_EQ((*session)->run(), Phase::finished) << (*session)->failure().value_or("");
+  EXPECT_EQ(std::count_if(rows.rows.begin(), rows.rows.end(),
+                          [](const TickRecord& row) { return row.phase == Phase::running; }),
+            50);
+  EXPECT_TRUE(rows.has(Event::Kind::staged));
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT(core::distance(rows.rows.back().robots[i].truth, make_reference(e)->at(i, 0.0).pose), 0.012);
+}
+
+TEST(Staging, StopEndsIt) {
+  const Experiment e = good(paper_experiment().source, disorder);
+  ControlTick tick(e);
+  std::vector<core::Measurement> measured(4);
+  for (std::size_t i = 0; i < 4; ++i) measured[i] = {*e.robots[i].start, 0.0};
+  const OperatorCommand stage{OperatorCommand::Kind::stage, {}, 0.0};
+  TickInput input;
+  input.measurements = measured;
+  input.commands = {&stage, 1};
+  EXPECT_EQ(tick.step(input).phase, Phase::staging);
+  input.commands = {};
+  input.now = 0.04;
+  const TickRecord& driving = tick.step(input);
+  EXPECT_TRUE(std::any_of(driving.robots.begin(), driving.robots.end(),
+                          [](const RobotRecord& r) { return r.command != core::Twist{}; }));
+  input.now = 0.08;
+  input.stop = true;
+  const TickRecord& stopped_now = tick.step(input);
+  EXPECT_EQ(stopped_now.phase, Phase::stopped);
+  for (const RobotRecord& robot : stopped_now.robots) EXPECT_EQ(robot.command, core::Twist{});
+}
+
+}  // namespace
+}  // namespace skein::app

@@ -1,0 +1,134 @@
+// `skein robots test` on emulated robots that a synthetic camera looks at: what is wrong with a robot is found and
+// named.
+#include "app/tools/robot_test.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/experiment/experiment_file.h"
+#include "tests/app/experiment_texts.h"
+
+namespace skein::app {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* two_robots =
+    "[robot_defaults]\nlink = \"loopback\"\n"
+    "[[robot]]\nname = \"anna\"\nstart = [-0.4, 0.2, 0.5]\n[[robot]]\nname = \"bert\"\nstart = [0.3, -0.2, 2.0]\n";
+
+Experiment with_camera() {
+  return good(two_robots, {"camera.source=synthetic", "rate=10"});  // fewer frames to draw
+}
+
+/// Robot 1 of a lab that is `truth`, tested by somebody who thinks that it is `believed`.
+RobotTestResult test(const Experiment& truth, const Experiment& believed, std::vector<comms::Fault> faults = {},
+                     std::size_t robot = 0) {
+  SessionClock clock(false);
+  SessionOptions options;
+  options.every_tag = true;
+  options.faults = std::move(faults);
+  auto plant = Plant::open(truth, clock, options);
+  EXPECT_TRUE(plant) << plant.error();
+  const auto result = RobotTest(**plant, clock, believed, {}).test(robot);
+  EXPECT_TRUE(result) << result.error();
+  (*plant)->close();
+  for (const RobotStatus& status : (*plant)->robots()) EXPECT_TRUE(status.stop_acknowledged);
+  return result.value_or(RobotTestResult{});
+}
+
+TEST(RobotTest, FindsNothingWrongWithAGoodRobotAndMeasuresItsWheels) {
+  const RobotTestResult robot = test(with_camera(), with_camera());
+  EXPECT_THAT(robot.faults, IsEmpty());
+  EXPECT_THAT(robot.notes, IsEmpty());
+  EXPECT_EQ(robot.status.version, "Version 2.0 January 2018 GCtronic");
+  EXPECT_EQ(robot.tag, 1);
+  EXPECT_GE(robot.left_steps, 75);
+  EXPECT_GE(robot.right_steps, 75);
+  ASSERT_TRUE(robot.wheel_diameter && robot.track);
+  EXPECT_NEAR(*robot.wheel_diameter / 0.041, 1.0, 0.005);  // an encoder's step is 0.2 % of the way
+  EXPECT_NEAR(*robot.track / 0.053, 1.0, 0.005);
+}
+
+TEST(RobotTest, NamesSwappedWheels) {
+  const RobotTestResult robot = test(with_camera(), with_camera(), {{.kind = comms::FaultKind::swapped_wheels}});
+  EXPECT_THAT(robot.faults, ElementsAre("the wheels are swapped: the left wheel's command turns the other",
+                                        "the wheels are swapped: the right wheel's command turns the other"));
+  EXPECT_EQ(robot.tag, 1);
+  EXPECT_FALSE(robot.wheel_diameter);
+}
+
+TEST(RobotTest, NamesMotorCablesSwappedBehindTheEncoders) {
+  Experiment truth = with_camera();
+  truth.robots[0].drive.track *= -1.0;  // each wheel on the other side: only the camera can tell
+  const RobotTestResult robot = test(truth, with_camera());
+  EXPECT_THAT(robot.faults,
+              ElementsAre(AllOf(HasSubstr("the wheels are swapped: the left wheel's"), HasSubstr("as the camera sees")),
+                          HasSubstr("the wheels are swapped: the right wheel's")));
+}
+
+TEST(RobotTest, NamesExchangedTags) {
+  Experiment truth = with_camera();
+  std::swap(truth.robots[0].tag, truth.robots[1].tag);
+  const RobotTestResult robot = test(truth, with_camera());
+  EXPECT_THAT(robot.faults,
+              ElementsAre("the wrong tag: it carries tag 2, which is that of robot 2 (bert), instead of tag 1"));
+  EXPECT_EQ(robot.tag, 2);
+  EXPECT_TRUE(robot.wheel_diameter) << "of the robot that carries tag 2";
+}
+
+TEST(RobotTest, NamesATagThatNobodyKnows) {
+  Experiment truth = with_camera();
+  truth.robots[0].tag = 311;
+  EXPECT_THAT(test(truth, with_camera()).faults, ElementsAre("the wrong tag: it carries tag 311, instead of tag 1"));
+  Experiment unknown = with_camera();
+  unknown.robots[0].tag = -1;  // a file of robots that does not say
+  const RobotTestResult robot = test(truth, unknown);
+  EXPECT_THAT(robot.faults, IsEmpty());
+  EXPECT_EQ(robot.tag, 311);
+}
+
+TEST(RobotTest, NamesADiameterThatIsFivePercentOff) {
+  Experiment truth = with_camera();
+  truth.robots[0].drive.wheel_diameter *= 1.05;
+  const RobotTestResult robot = test(truth, with_camera());
+  ASSERT_THAT(robot.faults, ElementsAre(AllOf(HasSubstr("wheel_diameter is 43."), HasSubstr("off the 41.00 mm"))));
+  EXPECT_NEAR(*robot.wheel_diameter / (1.05 * 0.041), 1.0, 0.005);
+  EXPECT_NEAR(*robot.track / 0.053, 1.0, 0.005);
+}
+
+TEST(RobotTest, NamesATrackThatIsFivePercentOff) {
+  Experiment truth = with_camera();
+  truth.robots[0].drive.track *= 0.95;
+  const RobotTestResult robot = test(truth, with_camera());
+  ASSERT_THAT(robot.faults, ElementsAre(HasSubstr("track is 50.")));
+  EXPECT_NEAR(*robot.wheel_diameter / 0.041, 1.0, 0.005);
+}
+
+TEST(RobotTest, DoesNotDriveIntoOthersToMeasureWheels) {
+  Experiment e = with_camera();
+  e.robots[0].start = {0.0, 0.0, 0.0};
+  e.robots[1].start = {0.15, 0.0, 0.0};
+  EXPECT_TRUE(test(e, e).wheel_diameter) << "there is room behind it";
+  e.robots[0].start = {-0.92, 0.0, 0.0};
+  e.robots[1].start = {-0.77, 0.0, 0.0};
+  const RobotTestResult robot = test(e, e);
+  EXPECT_FALSE(robot.wheel_diameter);
+  EXPECT_THAT(robot.notes, ElementsAre(HasSubstr("its wheels were not measured: it needs")));
+}
+
+TEST(RobotTest, WithoutACameraItKnowsWhatEncodersSay) {
+  const Experiment e = good(two_robots);
+  EXPECT_THAT(test(e, e).faults, IsEmpty());
+  EXPECT_THAT(test(e, e, {{.kind = comms::FaultKind::swapped_wheels}}).faults,
+              ElementsAre(HasSubstr("swapped"), HasSubstr("swapped")));
+  EXPECT_THAT(
+      test(e, e, {{.kind = comms::FaultKind::silent_encoders}}, 1).faults,
+      ElementsAre("the left wheel's encoder is silent: 0 steps", "the right wheel's encoder is silent: 0 steps"));
+}
+
+}  // namespace
+}  // namespace skein::app

@@ -1,0 +1,161 @@
+// Studies: what chance changes, that a seed is a run, and the short forms of those in resources/studies.
+#include "app/tools/sweep.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "app/experiment/experiment_file.h"
+#include "app/run/tick_record.h"
+
+namespace skein::app {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string studies = SKEIN_SOURCE_DIR "/resources/studies/";
+
+Study shipped(const std::string& name) {
+  auto study = load_study(studies + name);
+  if (!study) ADD_FAILURE() << study.error().front().message();
+  return study ? *study : Study{};
+}
+
+/// The study of a text, in a folder of its own beside a copy of the paper's experiment.
+class StudyText : public ::testing::Test {
+ protected:
+  StudyText() { std::filesystem::create_directories(folder_); }
+  ~StudyText() override { std::filesystem::remove_all(folder_); }
+  tl::expected<Study, std::vector<Problem>> load(const std::string& text) const {
+    std::ofstream(folder_ / "study.toml") << text;
+    std::ofstream(folder_ / "e.toml") << paper_experiment().source;
+    return load_study((folder_ / "study.toml").string());
+  }
+  std::string refusal(const std::string& text) const {
+    const auto study = load(text);
+    return study ? "" : study.error().front().message();
+  }
+
+ private:
+  std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
+                                  ("skein-study-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
+                                   std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+};
+
+TEST_F(StudyText, SaysWhatIsWrongWithIt) {
+  EXPECT_THAT(refusal("runs = 3\n"), HasSubstr("experiment: missing"));
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\nruns = 0\n"),
+              AllOf(HasSubstr("study.toml:2:8: runs"), HasSubstr("found 0")));
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\n[hand]\ndistance = [0.4, 0.1]\n"), HasSubstr("hand.distance"));
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\nset = [\"rate=0\"]\n"), HasSubstr("rate"));
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\nset = [\"robot.1.link=loopback\"]\n"), HasSubstr("link \"sim\""));
+  EXPECT_THAT(refusal("experiment = \"none.toml\"\n"), HasSubstr("none.toml: cannot be read"));
+  EXPECT_EQ(refusal("experiment = \"e.toml\"\n"), "");
+}
+
+TEST_F(StudyText, ChanceStaysInsideWhatItIsTold) {
+  const auto study = load(
+      "experiment = \"e.toml\"\nset = [\"perturb=[]\"]\n[vary]\n\"controller.k_y\" = [5.0, 9.0]\n"
+      "[hand]\nrobots = 3\ndistance = [0.1, 0.2]\n[field]\ncount = 3\n[scatter]\ndistance = 0.2\n");
+  ASSERT_TRUE(study) << study.error().front().message();
+  std::set<std::size_t> hands;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto sets = variation(*study, seed);
+    ASSERT_TRUE(sets) << sets.error();
+    EXPECT_EQ(*sets, *variation(*study, seed)) << "the same seed is the same run";
+    EXPECT_NE(*sets, *variation(*study, seed + 1));
+    std::vector<std::string> all = study->sets;
+    all.insert(all.end(), sets->begin(), sets->end());
+    const auto e = parse_experiment(study->text, "e.toml", all);
+    ASSERT_TRUE(e) << e.error().front().message();
+    EXPECT_EQ(e->seed, seed);
+    EXPECT_GE(e->controller.k_y, 5.0);
+    EXPECT_LE(e->controller.k_y, 9.0);
+    hands.insert(e->perturbations.size());
+    for (const Perturbation& p : e->perturbations) {
+      EXPECT_GE(std::hypot(p.dx, p.dy), 0.1 - 1e-12);
+      EXPECT_LE(std::hypot(p.dx, p.dy), 0.2 + 1e-12);
+    }
+    const auto reference = make_reference(*e);
+    ASSERT_EQ(e->obstacles.size(), 3U);
+    for (const core::Obstacle& o : e->obstacles)
+      for (std::size_t i = 0; i < 4; ++i) {
+        const core::Pose start = reference->at(i, 0.0).pose;
+        EXPECT_GE(std::hypot(start.x - o.x, start.y - o.y), o.radius + 0.15 - 1e-12);
+        ASSERT_TRUE(e->robots[i].start);
+        EXPECT_LE(core::distance(*e->robots[i].start, start), 0.2 + 1e-12);
+      }
+  }
+  EXPECT_EQ(hands, (std::set<std::size_t>{1, 2, 3}));
+}
+
+TEST(Sweep, ThreadsMakeNoDifference) {
+  Study study = shipped("perturbations.toml");
+  study.runs = 4;
+  study.sets.emplace_back("duration=6");
+  const auto yes = [](std::size_t) { return true; };
+  const std::vector<RunOutcome> one = sweep(study, 1, yes), three = sweep(study, 3, yes);
+  ASSERT_EQ(one.size(), 4U);
+  ASSERT_EQ(three.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(one[k].seed, k + 1);
+    EXPECT_EQ(one[k].seed, three[k].seed);
+    EXPECT_EQ(one[k].min_distance, three[k].min_distance);
+    EXPECT_EQ(one[k].final_error, three[k].final_error);
+    EXPECT_EQ(one[k].final_error, run_one(study, k + 1).final_error);
+    EXPECT_GT(one[k].perturbation, 0.05 - 1e-9);
+  }
+}
+
+TEST(Sweep, SumsUp) {
+  Study study;
+  study.expect = {0, 0.9, 0.6};
+  const RunOutcome good{1, 0.2, 0, 0.09, none, 0.001, 4.0, true, ""}, slow{2, 0.2, 0, 0.08, none, 0.3, {}, false, ""};
+  const RunOutcome crash{3, 0.01, 2, 0.06, none, 0.002, 6.0, {}, ""},
+      none_made{4, 0.0, 0, none, none, none, {}, {}, "no"};
+  const SweepSummary s = summarise(study, {good, slow, crash, none_made});
+  EXPECT_EQ(s.runs, 4);
+  EXPECT_EQ(s.collisions, 2);
+  EXPECT_EQ(s.runs_with_collisions, 1);
+  EXPECT_EQ(s.min_distance, 0.06);
+  EXPECT_EQ(s.min_distance_seed, 3U);
+  EXPECT_EQ(s.recovered, 2);
+  EXPECT_EQ(s.recovery_p50, 4.0);
+  EXPECT_EQ(s.recovery_max, 6.0);
+  EXPECT_EQ(s.formation_first, 1);
+  EXPECT_EQ(s.formation_first_asked, 2);
+  EXPECT_EQ(s.failed_runs, 1);
+  EXPECT_EQ(s.bad_seeds, (std::vector<std::uint64_t>{2, 3, 4}));
+  EXPECT_THAT(failed_expectations(study.expect, s),
+              ::testing::ElementsAre(HasSubstr("expect.collisions"), HasSubstr("expect.recovered"),
+                                     HasSubstr("expect.formation_first")));
+  EXPECT_THAT(as_lines(s), HasSubstr("obstacle_gap: none\n"));
+  EXPECT_THAT(as_json(s), HasSubstr("\"bad_seeds\": ["));
+}
+
+/// The first runs of a study that comes with Skein: no collision, and everybody recovers.
+class Short : public ::testing::TestWithParam<std::pair<const char*, int>> {};
+
+TEST_P(Short, HoldsWhatTheStudyExpects) {
+  Study study = shipped(GetParam().first);
+  study.runs = GetParam().second;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  study.runs = std::max<std::int64_t>(1, study.runs / 10);
+#endif
+  const SweepSummary s = summarise(study, sweep(study, 2, [](std::size_t) { return true; }));
+  EXPECT_EQ(s.failed_runs, 0);
+  EXPECT_EQ(s.collisions, 0);
+  EXPECT_EQ(s.recovered, s.runs) << as_lines(s);
+}
+INSTANTIATE_TEST_SUITE_P(Studies, Short,
+                         ::testing::Values(std::pair("perturbations.toml", 40),
+                                           std::pair("perturbations-noisy.toml", 40),
+                                           std::pair("obstacle-fields.toml", 10), std::pair("staging.toml", 10),
+                                           std::pair("swaps.toml", 4)));
+
+}  // namespace
+}  // namespace skein::app
