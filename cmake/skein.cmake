@@ -29,9 +29,15 @@ endif()
 add_library(skein_sanitizers OBJECT ${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp)
 target_link_libraries(skein_sanitizers PRIVATE skein_options)
 
-# skein_room(core SOURCES ... PUBLIC ... PRIVATE ...): a room is a static library named after its folder.
+# skein_room(core SOURCES ... PUBLIC ... PRIVATE ...): a room is a static library named after its folder. HEADERS_ONLY: it
+# has no sources, and everything is PUBLIC.
 function(skein_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "HEADERS_ONLY" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(ROOM_HEADERS_ONLY)
+    add_library(skein_${name} INTERFACE)
+    target_link_libraries(skein_${name} INTERFACE skein_options ${ROOM_PUBLIC})
+    return()
+  endif()
   add_library(skein_${name} STATIC ${ROOM_SOURCES})
   target_link_libraries(skein_${name} PUBLIC skein_options ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
 endfunction()

@@ -20,7 +20,7 @@
 #include "core/avoidance/avoidance.h"
 #include "core/control/coordination_law.h"
 #include "core/simulation/random.h"
-#include "vision/bench.h"
+#include "vision/bench/bench.h"
 
 namespace skein::app {
 namespace {

@@ -12,10 +12,10 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/tools/board_views.h"
-#include "vision/floor_calibration.h"
-#include "vision/frame_source.h"
-#include "vision/intrinsics.h"
-#include "vision/sheet.h"
+#include "vision/calibrate/floor_calibration.h"
+#include "vision/calibrate/intrinsics.h"
+#include "vision/sheets/sheet.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {

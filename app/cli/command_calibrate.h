@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/tools/camera_words.h"
-#include "vision/board.h"
+#include "vision/calibration/board.h"
 
 namespace skein::app {
 

@@ -7,7 +7,7 @@
 
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
-#include "vision/camera_controls.h"
+#include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
 namespace {

@@ -9,7 +9,7 @@
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
-#include "vision/track.h"
+#include "vision/track/track.h"
 
 namespace skein::app {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/session/camera_rig.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 

@@ -10,8 +10,8 @@
 
 #include "app/experiment/experiment.h"
 #include "core/estimation/measurement.h"
-#include "vision/frame_source.h"
-#include "vision/tracker.h"
+#include "vision/frames/frame_source.h"
+#include "vision/tracker/tracker.h"
 
 namespace skein::app {
 

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "vision/sources/open_source.h"
+
 namespace skein::app {
 namespace {
 

@@ -15,11 +15,11 @@
 #include "app/run/status.h"
 #include "app/session/newest.h"
 #include "app/session/simulated_world.h"
-#include "vision/calibration.h"
-#include "vision/frame_source.h"
-#include "vision/recorder.h"
-#include "vision/synthetic_camera.h"
-#include "vision/tracker.h"
+#include "vision/calibration/calibration.h"
+#include "vision/frames/frame_source.h"
+#include "vision/recording/recorder.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tracker/tracker.h"
 
 namespace skein::app {
 

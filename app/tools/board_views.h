@@ -6,9 +6,9 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "vision/board.h"
-#include "vision/frame_source.h"
-#include "vision/intrinsics.h"
+#include "vision/calibrate/intrinsics.h"
+#include "vision/calibration/board.h"
+#include "vision/frames/frame_source.h"
 
 namespace skein::app {
 

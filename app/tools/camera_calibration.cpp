@@ -8,9 +8,9 @@
 
 #include "app/tools/board_views.h"
 #include "app/tools/camera_words.h"
-#include "vision/calibration.h"
-#include "vision/frame_source.h"
-#include "vision/intrinsics.h"
+#include "vision/calibrate/intrinsics.h"
+#include "vision/calibration/calibration.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {

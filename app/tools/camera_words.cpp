@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "app/run/interrupted.h"
-#include "vision/camera_controls.h"
+#include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
 

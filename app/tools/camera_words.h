@@ -5,7 +5,7 @@
 
 #include <tl/expected.hpp>
 
-#include "vision/frame_source.h"
+#include "vision/frames/frame_source.h"
 
 namespace CLI {
 class App;

@@ -5,8 +5,8 @@
 #include <array>
 
 #include "app/tools/camera_words.h"
-#include "vision/floor_calibration.h"
-#include "vision/frame_source.h"
+#include "vision/calibrate/floor_calibration.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {

@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
-#include "vision/calibration.h"
-#include "vision/film.h"
-#include "vision/floor_calibration.h"
-#include "vision/frame_source.h"
+#include "vision/calibrate/floor_calibration.h"
+#include "vision/calibration/calibration.h"
+#include "vision/frames/film.h"
+#include "vision/frames/frame_source.h"
 
 // What must hold of the readers of files, whatever is in the file; a broken promise ends the program, which is how a
 // fuzzer learns of it.

@@ -98,8 +98,8 @@ bool is_qt(string_view header) {
 
 /// Files of vision that only vision itself sees.
 bool is_private_to_vision(string_view path) {
-  return path.ends_with(".cpp") || path.ends_with("_cv.h") || path.starts_with("vision/detail/") ||
-         path.starts_with("vision/media/");
+  return path.ends_with(".cpp") ||
+         starts_with_any(path, {"vision/boards/", "vision/fit/", "vision/media/", "vision/modules/"});
 }
 
 struct Include {

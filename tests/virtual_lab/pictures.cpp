@@ -9,8 +9,8 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_reference.h"
-#include "vision/calibration.h"
-#include "vision/synthetic_camera.h"
+#include "vision/calibration/calibration.h"
+#include "vision/synthetic/synthetic_camera.h"
 
 namespace {
 

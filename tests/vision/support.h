@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/frame.h"
+#include "vision/frames/frame.h"
 
 namespace skein::test {
 

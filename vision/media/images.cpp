@@ -47,6 +47,7 @@ class Images final : public FrameSource {
   std::string describe() const override {
     return fmt::format("{} ({} {})", what_, files_.size(), files_.size() == 1 ? "picture" : "pictures");
   }
+  TimeStamps stamps() const override { return TimeStamps::nominal; }
   bool stills() const override { return true; }
   std::span<const std::string> skipped() const override { return skipped_; }
 

@@ -12,7 +12,7 @@ extern "C" {
 #include <string>
 #include <string_view>
 
-#include "vision/frame.h"
+#include "vision/frames/frame.h"
 
 // What reading and writing films have in common.
 

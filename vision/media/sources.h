@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vision/media/media.h"
+#include "vision/modules/media.h"
 
 namespace skein::vision::media {
 

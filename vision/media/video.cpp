@@ -64,6 +64,7 @@ class Video final : public FrameSource {
     return false;
   }
 
+  TimeStamps stamps() const override { return TimeStamps::film; }
   std::string describe() const override { return what_; }
   bool recorded() const override { return recorded_; }
   const FilmNotes& notes() const override { return notes_; }

@@ -11,8 +11,8 @@
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
-#include "vision/frame_source.h"
-#include "vision/tracker.h"
+#include "vision/sources/open_source.h"
+#include "vision/tracker/tracker.h"
 
 namespace skein::app {
 namespace {

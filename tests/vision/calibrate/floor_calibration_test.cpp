@@ -1,0 +1,157 @@
+// The world frame from marks on the floor, through the synthetic camera.
+#include "vision/calibrate/floor_calibration.h"
+
+#include "tests/vision/support.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+namespace skein::vision {
+namespace {
+
+/// A source of a few frames that somebody drew.
+class Drawn final : public FrameSource {
+ public:
+  explicit Drawn(std::vector<Frame> frames) : frames_(std::move(frames)) {}
+  tl::expected<bool, std::string> read(Frame& frame) override {
+    if (next_ == frames_.size()) return false;
+    frame = frames_[next_++];
+    return true;
+  }
+  TimeStamps stamps() const override { return TimeStamps::nominal; }
+  std::string describe() const override { return "drawn"; }
+
+ private:
+  std::vector<Frame> frames_;
+  std::size_t next_ = 0;
+};
+
+/// A camera over the arena, and tags that lie on its floor.
+struct Lab {
+  Calibration truth = overhead_calibration(2.0, 1.5);
+  std::vector<FloorMark> marks;
+  std::vector<SyntheticTag> tags;
+
+  Lab() {
+    truth.tag_height = 0.0;
+    truth.tag_size = 0.08;
+    int id = 0;
+    for (const double x : {-0.8, 0.0, 0.8})
+      for (const double y : {-0.6, 0.05, 0.6}) {
+        tags.push_back({id, {x, y, 0.3 * id}, truth.tag_size});
+        FloorMark mark;
+        mark.name = "tag " + std::to_string(id);
+        mark.tag = id++;
+        mark.x = x;
+        mark.y = y;
+        marks.push_back(mark);
+      }
+  }
+  Drawn film(int frames) const {
+    SyntheticCamera camera(truth, {.body_radius = 0.0}, 5);
+    std::vector<Frame> drawn(static_cast<std::size_t>(frames));
+    for (Frame& frame : drawn) camera.render(tags, 0.0, frame);
+    return Drawn(std::move(drawn));
+  }
+  Calibration intrinsics() const {
+    Calibration c = truth;
+    c.world_from_camera.reset();
+    return c;
+  }
+};
+
+TEST(FloorCalibration, FindsWhereTheCameraHangs) {
+  Lab lab;
+  Drawn film = lab.film(3);
+  const auto sight = look_at_floor(film, lab.intrinsics(), 10);
+  ASSERT_TRUE(sight) << sight.error();
+  EXPECT_EQ(sight->frames, 3);
+  enter(*sight, lab.marks);
+  for (const FloorMark& mark : lab.marks) EXPECT_TRUE(mark.seen) << mark.name;
+  const auto solved = solve_floor(lab.intrinsics(), lab.marks);
+  ASSERT_TRUE(solved) << solved.error();
+  const CameraPose& pose = *solved->world_from_camera;
+  EXPECT_LT((pose.position - lab.truth.world_from_camera->position).norm(), 2e-3);
+  EXPECT_LT((pose.rotation - lab.truth.world_from_camera->rotation).norm(), 2e-3);
+  const auto check = check_floor(*solved, lab.marks);
+  ASSERT_TRUE(check) << check.error();
+  EXPECT_EQ(check->residuals.size(), 9U);
+  EXPECT_LT(check->rms, 0.1e-3);
+  EXPECT_EQ(suspect(lab.intrinsics(), lab.marks), nullptr);
+  EXPECT_EQ(parse_calibration(format_calibration(*solved), "again").value(), *solved) << "to the bit";
+}
+
+TEST(FloorCalibration, NamesTheMarkThatWasMeasuredWrongly) {
+  Lab lab;
+  Drawn film = lab.film(1);
+  enter(look_at_floor(film, lab.intrinsics(), 1).value(), lab.marks);
+  lab.marks[4].x += 0.02;
+  const FloorMark* odd = suspect(lab.intrinsics(), lab.marks);
+  ASSERT_NE(odd, nullptr);
+  EXPECT_EQ(odd->name, "tag 4");
+}
+
+TEST(FloorCalibration, MeasuresHowHighATagIsCarried) {
+  Lab lab;
+  Calibration robots = lab.truth;
+  robots.tag_height = 0.063;
+  robots.tag_size = 0.06;
+  SyntheticCamera camera(robots, {}, 6);
+  std::vector<Frame> frames(4);
+  for (Frame& frame : frames) camera.render(std::vector<SyntheticTag>{{20, {0.1, -0.1, 0.5}, 0.06}}, 0.0, frame);
+  Drawn film(std::move(frames));
+  const auto sight = look_at_floor(film, robots, 4);
+  ASSERT_TRUE(sight) << sight.error();
+  ASSERT_EQ(sight->ids, std::vector{20});
+  Calibration unknown = robots;
+  unknown.tag_height = 0.0;
+  const auto height = tag_height_of(unknown, sight->corners.front());
+  ASSERT_TRUE(height);
+  EXPECT_NEAR(*height, 0.063, 0.005);
+  unknown.tag_size = 2.0;
+  EXPECT_FALSE(tag_height_of(unknown, sight->corners.front())) << "no height makes it that large";
+}
+
+TEST(FloorCalibration, SaysWhatIsMissing) {
+  Lab lab;
+  EXPECT_EQ(solve_floor(lab.intrinsics(), lab.marks).error(), "0 of 9 marks are seen; needed: 4 and more");
+  for (std::size_t i = 0; i < 9; ++i) {
+    lab.marks[i].seen = true;
+    lab.marks[i].y = 0.0;
+  }
+  EXPECT_EQ(solve_floor(lab.intrinsics(), lab.marks).error(),
+            "the marks that are seen lie on one line; spread them over the arena");
+  EXPECT_EQ(check_floor(lab.intrinsics(), lab.marks).error(), "the calibration has no world frame");
+  Drawn small(std::vector<Frame>{test::uniform_frame(64, 48, 0)});
+  EXPECT_EQ(look_at_floor(small, lab.truth, 1).error(), "frame  is 64x48 px, but the calibration holds for 1280x960");
+}
+
+TEST(FloorMarks, AreReadAndRefused) {
+  const auto marks = parse_floor_marks(
+      "[[tag]]\nid = 5\nx = -0.5\ny = 0.25\n[[point]]\nu = 12.5\nv = 7\nx = 1.0\ny = 2\nz = 0.01\n", "m.toml");
+  ASSERT_TRUE(marks) << marks.error();
+  ASSERT_EQ(marks->size(), 2U);
+  EXPECT_EQ((*marks)[0].tag, 5);
+  EXPECT_FALSE((*marks)[0].seen);
+  EXPECT_EQ((*marks)[1].u, 12.5);
+  EXPECT_EQ((*marks)[1].z, 0.01);
+  EXPECT_TRUE((*marks)[1].seen);
+  const struct {
+    const char* text;
+    const char* problem;
+  } cases[] = {
+      {"", "m.toml:1:1: nothing lies on this floor; needed: [[tag]] or [[point]]"},
+      {"[[tag]]\nid = 5\nx = 1\n", "m.toml:1:1: 'tag.y' is missing"},
+      {"[[tag]]\nid = 587\nx = 1\ny = 1\n", "m.toml:2:6: tag.id = 587; allowed: a whole number from 0 to 586"},
+      {"[[tag]]\nid = 5\nx = 1\ny = 1\n[[tag]]\nid = 5\nx = 1\ny = 1\n", "m.toml:5:1: tag.id = 5 stands here twice"},
+      {"[[tag]]\nid = 5\nx = 1\ny = 1\nangle = 2\n", "m.toml:5:1: unknown key 'tag.angle'; allowed: id, x, y, z"},
+      {"tag = 3\n", "m.toml:1:7: tag = 3; allowed: tables [[tag]]"},
+      {"[[point\n", "m.toml:1:8: "},
+  };
+  for (const auto& [text, problem] : cases) {
+    const auto refused = parse_floor_marks(text, "m.toml");
+    ASSERT_FALSE(refused) << text;
+    EXPECT_EQ(refused.error().substr(0, std::string(problem).size()), problem);
+  }
+}
+
+}  // namespace
+}  // namespace skein::vision

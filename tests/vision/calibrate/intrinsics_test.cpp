@@ -1,0 +1,158 @@
+// Calibration of a camera from views of a board: known truth, noise, and corners and views that are wrong.
+#include "vision/calibrate/intrinsics.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "tests/vision/support.h"
+#include "vision/sheets/sheet.h"
+#include "vision/synthetic/random.h"
+
+namespace skein::vision {
+namespace {
+
+Calibration lens() {
+  Calibration c;
+  c.width = 1280;
+  c.height = 960;
+  c.fx = 1100.0;
+  c.fy = 1102.0;
+  c.cx = 650.0;
+  c.cy = 470.0;
+  c.distortion = {-0.25, 0.08, 0.001, -0.0005, 0.0};
+  return c;
+}
+
+/// Close to normal, of variance 1.
+double gauss(detail::Random& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += random.unit();
+  return sum;
+}
+
+/// How `camera` sees a board that is tilted and shifted at random.
+BoardView view_of(const Calibration& camera, const Board& board, detail::Random& random, double noise) {
+  Calibration placed = camera;
+  const Eigen::Matrix3d tilt = (Eigen::AngleAxisd(random.between(-0.6, 0.6), Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(random.between(-0.6, 0.6), Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(random.between(-3.0, 3.0), Eigen::Vector3d::UnitZ()))
+                                   .toRotationMatrix();
+  const Eigen::Vector3d away(random.between(-0.15, 0.15), random.between(-0.1, 0.1), random.between(0.35, 0.6));
+  placed.world_from_camera = CameraPose{tilt.transpose(), -(tilt.transpose() * away)};
+  BoardView view;
+  for (int id = 0; id < board.inner_corners(); ++id) {
+    const double x = (id % (board.columns - 1) + 1) * board.square;
+    const double y = (id / (board.columns - 1) + 1) * board.square;
+    const auto at =
+        pixel_from_world(placed, {x - 0.5 * board.columns * board.square, y - 0.5 * board.rows * board.square, 0.0});
+    if (!at || at->x() < 0.0 || at->y() < 0.0 || at->x() > camera.width || at->y() > camera.height) continue;
+    view.corners.push_back({id, x, y, at->x() + noise * gauss(random), at->y() + noise * gauss(random)});
+  }
+  return view;
+}
+
+std::vector<BoardView> views_of(const Calibration& camera, int count, double noise) {
+  detail::Random random(21);
+  std::vector<BoardView> views;
+  while (static_cast<int>(views.size()) < count) {
+    BoardView view = view_of(camera, {}, random, noise);
+    if (view.corners.size() < 30) continue;
+    view.source = std::to_string(views.size());
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+TEST(Intrinsics, ComeBackFromViewsWithNoise) {
+  const auto result = solve_intrinsics(views_of(lens(), 25, 0.1), 1280, 960);
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_NEAR(result->calibration.fx, 1100.0, 5.0 * result->focal_sigma);
+  EXPECT_NEAR(result->calibration.fy, 1102.0, 5.0 * result->focal_sigma);
+  EXPECT_NEAR(result->calibration.cx, 650.0, 5.0 * result->centre_sigma);
+  EXPECT_NEAR(result->calibration.cy, 470.0, 5.0 * result->centre_sigma);
+  EXPECT_LT(result->focal_sigma, 1.0);
+  EXPECT_NEAR(result->rms, 0.1 * std::sqrt(2.0), 0.01);
+  EXPECT_FALSE(result->calibration.world_from_camera);
+  for (const BoardView& view : result->views) EXPECT_FALSE(view.rejected) << view.source;
+}
+
+TEST(Intrinsics, LeaveOutWhatDoesNotFit) {
+  std::vector<BoardView> views = views_of(lens(), 20, 0.1);
+  views[3].corners[7].u += 25.0;
+  views[3].corners[9].v -= 12.0;
+  for (BoardCorner& corner : views[11].corners) corner.u *= 0.9;  // a board that is not flat, a picture squeezed
+  const auto result = solve_intrinsics(views, 1280, 960);
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_TRUE(result->views[11].rejected);
+  EXPECT_FALSE(result->views[3].rejected);
+  EXPECT_EQ(result->views[3].outliers, 2);
+  EXPECT_NEAR(result->calibration.fx, 1100.0, 5.0 * result->focal_sigma);
+  EXPECT_NEAR(result->rms, 0.1 * std::sqrt(2.0), 0.01);
+}
+
+TEST(Intrinsics, ABoardThatIsAnotherOneIsAnError) {
+  std::vector<BoardView> views = views_of(lens(), 12, 0.1);
+  for (BoardView& view : views)
+    for (BoardCorner& corner : view.corners) {  // taken for one of 9 columns
+      corner.x = (corner.id % 8 + 1) * 0.02;
+      corner.y = (corner.id / 8 + 1) * 0.02;
+    }
+  const auto result = solve_intrinsics(views, 1280, 960);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().find("Is the board described as it was printed"), std::string::npos) << result.error();
+}
+
+TEST(Intrinsics, NeedThreeViews) {
+  const auto result = solve_intrinsics(views_of(lens(), 2, 0.1), 1280, 960);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(), "2 of 2 views can be used; needed: 3 and more, each with 6 corners, from different sides");
+}
+
+TEST(Intrinsics, TheSameViewTwiceIsNotNew) {
+  detail::Random random(3);
+  const BoardView view = view_of(lens(), {}, random, 0.0);
+  BoardView moved = view;
+  EXPECT_TRUE(is_new_view({}, view, 12.0));
+  for (BoardCorner& corner : moved.corners) corner.u += 5.0;
+  EXPECT_FALSE(is_new_view({view}, moved, 12.0));
+  for (BoardCorner& corner : moved.corners) corner.u += 40.0;
+  EXPECT_TRUE(is_new_view({view}, moved, 12.0));
+}
+
+TEST(Intrinsics, TakeTheViewsThatDifferMost) {
+  detail::Random random(4);
+  const BoardView view = view_of(lens(), {}, random, 0.0);
+  std::vector<BoardView> views;
+  for (const double shift : {0.0, 1.0, 100.0, 101.0, 2.0, 300.0, 3.0}) {
+    BoardView& moved = views.emplace_back(view);
+    moved.source = std::to_string(static_cast<int>(shift));
+    for (BoardCorner& corner : moved.corners) corner.u += shift;
+  }
+  std::vector<std::string> sources;
+  for (const BoardView& chosen : most_different(views, 3)) sources.push_back(chosen.source);
+  EXPECT_EQ(sources, (std::vector<std::string>{"0", "300", "101"}));
+  EXPECT_EQ(most_different(views, 100).size(), 7U);
+}
+
+TEST(Coverage, TellsWhereTheBoardHasBeen) {
+  Coverage coverage(1000, 800);
+  BoardView view;
+  for (int i = 0; i < 10; ++i) view.corners.push_back({i, 0.0, 0.0, 20.0, 20.0});
+  view.corners.push_back({10, 0.0, 0.0, 999.0, 799.0});
+  view.corners.push_back({11, 0.0, 0.0, 1001.0, 10.0});  // a corner that was found outside the picture
+  coverage.add(view);
+  EXPECT_DOUBLE_EQ(coverage.share(), 2.0 / 80.0);
+  EXPECT_EQ(coverage.text().substr(0, 11), "#.........\n");
+  EXPECT_EQ(coverage.text().substr(77), ".........-\n");
+}
+
+TEST(Board, RefusesWhatCannotBe) {
+  EXPECT_EQ(check(Board{}), "");
+  EXPECT_EQ(check(Board{.columns = 2}), "a board of 2x8 squares; allowed: 3x3 to 100x100");
+  EXPECT_EQ(check(Board{.square = 0.01}), "markers of 0.015 m in squares of 0.01 m; allowed: 0.3 to 0.9 of a square");
+  EXPECT_EQ(check(Board{.kind = Board::Kind::chessboard, .square = 0.01}), "");
+  EXPECT_EQ(check(Board{.bits = 3}), "markers of 3 bits; allowed: 4 to 7");
+}
+
+}  // namespace
+}  // namespace skein::vision

@@ -1,0 +1,143 @@
+#include "tests/property.h"
+#include "tests/vision/support.h"
+#include "vision/calibration/calibration.h"
+
+namespace skein::vision {
+namespace {
+
+constexpr const char* good = R"([camera]
+width = 1280
+height = 960
+fx = 1402
+fy = 1400.5
+cx = 644.3
+cy = 476.1
+distortion = [-0.09, 0.03, 0.0003, -0.0002, 0]
+
+[world]
+rotation = [[1, 0, 0], [0, -1, 0], [0, 0, -1]]
+position = [0, 0, 2.5]
+
+[tags]
+height = 0.06
+size = 0.05
+)";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = good;
+  const std::size_t place = text.find(from);
+  EXPECT_NE(place, std::string::npos) << from;
+  return text.replace(place, from.size(), to);
+}
+
+TEST(CalibrationFile, IsRead) {
+  const auto camera = parse_calibration(good, "cal.toml");
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_EQ(camera->width, 1280);
+  EXPECT_EQ(camera->height, 960);
+  EXPECT_EQ(camera->fx, 1402.0);
+  EXPECT_EQ(camera->cy, 476.1);
+  EXPECT_EQ(camera->distortion[3], -0.0002);
+  EXPECT_EQ(camera->tag_size, 0.05);
+  ASSERT_TRUE(camera->world_from_camera);
+  EXPECT_EQ(camera->world_from_camera->rotation(1, 1), -1.0);
+  EXPECT_EQ(camera->world_from_camera->position.z(), 2.5);
+}
+
+TEST(CalibrationFile, MayHaveIntrinsicsOnly) {
+  const std::string text(good);
+  const auto camera = parse_calibration(text.substr(0, text.find("[world]")), "cal.toml");
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_FALSE(camera->world_from_camera);
+  EXPECT_EQ(camera->tag_size, 0.06);
+}
+
+TEST(CalibrationFile, WhatIsSavedReadsBackToTheSameBits) {
+  test::Folder folder;
+  test::holds("save -> load", [&] {
+    const double width = 0.5 + *rc::gen::inRange(0, 4000) * 1e-3;
+    Calibration camera = overhead_calibration(width, 1.0 / 3.0 + width);
+    camera.tag_height = width / 7.0;
+    if (*rc::gen::arbitrary<bool>()) camera.world_from_camera.reset();
+    const auto back = parse_calibration(format_calibration(camera), "text");
+    RC_ASSERT(back.has_value());
+    RC_ASSERT(*back == camera);
+  });
+  const Calibration camera = overhead_calibration(2.0, 1.5);
+  ASSERT_TRUE(save_calibration(camera, folder.file("cal.toml")));
+  const auto back = load_calibration(folder.file("cal.toml"));
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(*back, camera);
+}
+
+TEST(CalibrationFile, ProblemsSayWhereAndWhat) {
+  const struct {
+    std::string text;
+    std::string message;
+  } cases[] = {
+      {with("cx = 644.3", "cx = "), "cal.toml:6:"},
+      {with("fx = 1402", "fx = \"long\""), "cal.toml:4:6: camera.fx = 'long'; allowed: a number from 128 to 1000000"},
+      {with("fx = 1402", "fx = -5"), "cal.toml:4:6: camera.fx = -5; allowed: a number from 128 to 1000000"},
+      {with("fx = 1402", "fx = nan"), "cal.toml:4:6: camera.fx = nan; allowed:"},
+      {with("width = 1280", "width = 1280.5"),
+       "cal.toml:2:9: camera.width = 1280.5; allowed: a whole number from 16 to 32768"},
+      {with("width = 1280", "width = 4"), "cal.toml:2:9: camera.width = 4; allowed:"},
+      {with("fy = 1400.5\n", ""), "cal.toml:1:1: 'camera.fy' is missing"},
+      {with("cy = 476.1", "cy = 476.1\nzoom = 2"),
+       "cal.toml:8:1: unknown key 'camera.zoom'; allowed: width, height, fx"},
+      {with("[tags]", "[tag]"), "cal.toml:14:2: unknown key 'tag'; allowed: camera, world, tags"},
+      {with(", 0]\n", "]\n"), "cal.toml:8:14: camera.distortion = 4 elements; allowed: 5 numbers"},
+      {with("0.03", "true"), "cal.toml:8:22: camera.distortion[1] = true; allowed: a number from -1000 to 1000"},
+      {with("[[1, 0, 0]", "[[1, 0.1, 0]"), "cal.toml:11:12: world.rotation is no rotation"},
+      {with("[0, -1, 0]", "[0, 1, 0]"), "det R = -1;"},
+      {with("[[1, 0, 0], ", "["), "cal.toml:11:12: world.rotation = 2 elements; allowed: 3 rows of 3 numbers"},
+      {with("position = [0, 0, 2.5]", "position = 2.5"), "cal.toml:12:12: world.position = 2.5; allowed: 3 numbers"},
+      {with("size = 0.05", "size = 0"), "cal.toml:16:8: tags.size = 0; allowed: a number from 0.001 to 10"},
+      {"camera = 3", "cal.toml:1:10: camera = 3; allowed: a table"},
+      {"", "the table [camera] is missing"},
+  };
+  for (const auto& [text, message] : cases) {
+    const auto camera = parse_calibration(text, "cal.toml");
+    ASSERT_FALSE(camera) << message;
+    EXPECT_NE(camera.error().find(message), std::string::npos) << camera.error() << "\nwanted: " << message;
+  }
+}
+
+TEST(CalibrationFile, DamagedTextIsRefusedOrReadButNeverWorse) {
+  test::holds("text with some bytes changed", [] {
+    std::string text = good;
+    const int changes = *rc::gen::inRange(1, 6);
+    for (int i = 0; i < changes; ++i) {
+      const auto at = static_cast<std::size_t>(*rc::gen::inRange(0, static_cast<int>(text.size())));
+      text[at] = *rc::gen::arbitrary<char>();
+      if (*rc::gen::inRange(0, 4) == 0) text.erase(at, 9);
+    }
+    const auto camera = parse_calibration(text, "cal.toml");
+    const bool told = camera.has_value() || camera.error().starts_with("cal.toml:");  // RC_ASSERT would ask for both
+    RC_ASSERT(told);
+  });
+}
+
+TEST(CalibrationFile, FilesThatCannotBeUsedAreNamed) {
+  const auto camera = load_calibration("/nowhere/cal.toml");
+  ASSERT_FALSE(camera);
+  EXPECT_EQ(camera.error(), "/nowhere/cal.toml: the calibration file cannot be read");
+  const auto saved = save_calibration(overhead_calibration(1.0, 1.0), "/nowhere/cal.toml");
+  ASSERT_FALSE(saved);
+  EXPECT_EQ(saved.error(), "/nowhere/cal.toml: the calibration file cannot be written");
+  EXPECT_FALSE(load_calibration("/tmp")) << "a folder";
+}
+
+TEST(CalibrationFile, TheOneThatIsHandedOutIsTheSyntheticCamera) {
+  const auto camera = load_calibration(SKEIN_SOURCE_DIR "/resources/cameras/overhead.toml");
+  ASSERT_TRUE(camera) << camera.error();
+  const Calibration made = overhead_calibration(2.0, 1.5);
+  EXPECT_EQ(camera->width, made.width);
+  EXPECT_EQ(camera->distortion, made.distortion);
+  // Sines and cosines may differ in their last bit from one machine to the next.
+  EXPECT_LT((camera->world_from_camera->rotation - made.world_from_camera->rotation).norm(), 1e-12);
+  EXPECT_LT((camera->world_from_camera->position - made.world_from_camera->position).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace skein::vision

@@ -1,0 +1,215 @@
+#include "vision/fit/photometric_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/property.h"
+#include "tests/vision/support.h"
+#include "vision/synthetic/random.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision::detail {
+namespace {
+
+constexpr double tag_size = 0.06;
+constexpr double module = tag_size / 8.0;
+constexpr double degree = core::pi / 180.0;
+
+Calibration with_tags(double size) {
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  calibration.tag_size = size;
+  return calibration;
+}
+
+const std::vector<TagPattern>& patterns() {
+  static const std::vector<TagPattern> all = tag_patterns();
+  return all;
+}
+
+/// A frame full of tags with ids from `first` on, somewhere and turned anyhow.
+struct Scene {
+  Calibration calibration = with_tags(tag_size);
+  std::vector<SyntheticTag> tags;
+  Frame frame;
+
+  explicit Scene(const SceneOptions& options = {}, int first = 0, std::uint64_t seed = 7) {
+    Random random(seed);
+    for (int i = 0; i < 12; ++i) {
+      const core::Pose pose{-0.75 + 0.5 * (i % 4) + random.between(-0.15, 0.15),
+                            -0.5 + 0.5 * (i / 4) + random.between(-0.15, 0.15), random.between(-3.1, 3.1)};
+      tags.push_back({first + i, pose, tag_size});
+    }
+    SyntheticCamera(calibration, options, seed).render(tags, 0.0, frame);
+  }
+};
+
+Fit fit(const Scene& scene, int id, const core::Pose& from, bool exact = false,
+        Instructions instructions = best_instructions()) {
+  TagModel model(patterns()[static_cast<std::size_t>(id)]);
+  PhotometricFit fitter(PlaneMap(scene.calibration), module, exact, {.instructions = instructions});
+  return fitter.fit(scene.frame, model, from);
+}
+
+core::Pose moved(core::Pose pose, double px, double direction, double turn) {
+  constexpr double metres_per_px = 1.0 / 600.0;
+  pose.x += px * metres_per_px * std::cos(direction);
+  pose.y += px * metres_per_px * std::sin(direction);
+  pose.theta = core::wrap_angle(pose.theta + turn);
+  return pose;
+}
+
+TEST(PlaneMap, AgreesWithTheCalibrationAndItsCubicToo) {
+  const Calibration calibration = with_tags(tag_size);
+  const PlaneMap map(calibration);
+  for (double x = -1.0; x <= 1.0; x += 0.25) {
+    for (double y = -0.75; y <= 0.75; y += 0.25) {
+      EXPECT_LT((map.pixel(x, y) - *pixel_from_world(calibration, {x, y, calibration.tag_height})).norm(), 1e-9);
+    }
+  }
+  EXPECT_LT(map.worst_error(calibration, 8.0 * module), 1e-3);
+  EXPECT_GT(map.worst_error(calibration, 0.7), 1e-3) << "over a third of the arena a cubic is too simple";
+}
+
+TEST(PhotometricFit, ConvergesFromEverywhereWithinItsBasin) {
+  const Scene scene;
+  test::holds("from 4 px and 20 degrees off", [&](std::uint64_t bits) {
+    Random random(bits);
+    const SyntheticTag& tag = scene.tags[random.below(scene.tags.size())];
+    const core::Pose from =
+        moved(tag.pose, random.between(0.0, 4.0), random.between(-3.14, 3.14), random.between(-20.0, 20.0) * degree);
+    const Fit found = fit(scene, tag.tag, from);
+    RC_ASSERT(found.verdict == FitVerdict::good);
+    RC_ASSERT(core::distance(found.pose, tag.pose) < 1e-4);
+    RC_ASSERT(std::abs(core::wrap_angle(found.pose.theta - tag.pose.theta)) < 0.2 * degree);
+    RC_ASSERT(found.correlation > 0.99);
+  });
+}
+
+TEST(PhotometricFit, SaysHowWellItKnows) {
+  double xy = 0.0;
+  double theta = 0.0;
+  int count = 0;
+  for (int k = 0; k < (test::sanitized ? 4 : 12); ++k) {
+    const Scene scene({}, 12 * k, 100 + static_cast<std::uint64_t>(k));
+    for (const SyntheticTag& tag : scene.tags) {
+      const Fit found = fit(scene, tag.tag, moved(tag.pose, 0.5, 1.0, 0.03));
+      ASSERT_EQ(found.verdict, FitVerdict::good);
+      const Eigen::Vector3d error(found.pose.x - tag.pose.x, found.pose.y - tag.pose.y,
+                                  core::wrap_angle(found.pose.theta - tag.pose.theta));
+      xy += 0.5 * (error.x() * error.x() / found.covariance(0, 0) + error.y() * error.y() / found.covariance(1, 1));
+      theta += error.z() * error.z() / found.covariance(2, 2);
+      ++count;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(xy / count), 1.0, 0.35);
+  EXPECT_NEAR(std::sqrt(theta / count), 1.0, 0.35);
+}
+
+TEST(PhotometricFit, IsTheSameWithAndWithoutAvx2) {
+  if (best_instructions() != Instructions::avx2) GTEST_SKIP() << "this machine has no AVX2";
+  const Scene scene;
+  Random random(5);
+  for (const SyntheticTag& tag : scene.tags) {
+    const core::Pose from = moved(tag.pose, random.between(0.0, 4.0), random.between(-3.14, 3.14), 0.1);
+    const Fit plain = fit(scene, tag.tag, from, false, Instructions::baseline);
+    const Fit fast = fit(scene, tag.tag, from, false, Instructions::avx2);
+    ASSERT_EQ(plain.verdict, FitVerdict::good);
+    // 1e-3 px are asked for; the operations are the same, so are the bits.
+    EXPECT_EQ(plain.pose, fast.pose);
+    EXPECT_EQ(plain.corners, fast.corners);
+    EXPECT_EQ(plain.covariance, fast.covariance);
+  }
+}
+
+TEST(PhotometricFit, ProjectsEveryPointWhereACubicWouldNotDo) {
+  const Scene scene;
+  for (const SyntheticTag& tag : scene.tags) {
+    const core::Pose from = moved(tag.pose, 1.0, 0.5, 0.05);
+    const Fit exact = fit(scene, tag.tag, from, true);
+    const Fit cubic = fit(scene, tag.tag, from, false);
+    ASSERT_EQ(exact.verdict, FitVerdict::good);
+    EXPECT_LT(core::distance(exact.pose, cubic.pose), 1e-6) << "a thousandth of a pixel is 1.7e-6 m";
+  }
+}
+
+TEST(PhotometricFit, RefusesOtherTagsAndOtherHeadings) {
+  const Scene scene;
+  Random random(9);
+  for (const SyntheticTag& tag : scene.tags) {
+    for (int k = 0; k < 40; ++k) {
+      const auto other = static_cast<int>(random.below(587));
+      if (other == tag.tag) continue;
+      const double turn = core::pi / 2.0 * static_cast<double>(random.below(4));
+      EXPECT_NE(fit(scene, other, moved(tag.pose, 1.0, 0.0, turn)).verdict, FitVerdict::good) << other;
+    }
+    for (const double turn : {90.0, 180.0, 270.0}) {
+      EXPECT_NE(fit(scene, tag.tag, moved(tag.pose, 1.0, 0.0, turn * degree)).verdict, FitVerdict::good) << turn;
+    }
+  }
+}
+
+TEST(PhotometricFit, OtherTagsAreLessAlikeThanAFitAsksFor) {
+  // Over pairs of all tags, upright, at the sizes (px a module) of the whole picture and of the half: without noise.
+  for (const double px : {4.7, 2.4}) {
+    std::vector<TagTemplate> tags;
+    for (std::size_t id = 0; id < patterns().size(); id += test::sanitized ? 16 : 2)
+      tags.emplace_back(patterns()[id], 0.86 / px);
+    const double asked = std::max(0.85, 0.83 + 0.33 * (0.86 / px - 0.18) + 0.02);
+    double most = 0.0;
+    for (const TagTemplate& a : tags) {
+      for (const TagTemplate& b : tags) {
+        if (&a == &b) continue;
+        float product = 0.0F;
+        for (std::size_t i = 0; i < SampleGrid::points; ++i) product += a.t[i] * b.t[i];
+        const double covariance =
+            static_cast<double>(product) - a.mean * b.mean * static_cast<double>(SampleGrid::points);
+        most = std::max(most, covariance / std::sqrt(a.scatter * b.scatter));
+      }
+    }
+    EXPECT_LT(most, asked) << px;
+  }
+}
+
+TEST(PhotometricFit, RefusesTheFloor) {
+  const Scene scene;
+  Random random(2);
+  int refused = 0;
+  for (int k = 0; k < 400; ++k) {
+    const core::Pose somewhere{random.between(-1.0, 1.0), random.between(-0.75, 0.75), random.between(-3.1, 3.1)};
+    const auto id = static_cast<int>(random.below(587));
+    const bool near = std::any_of(scene.tags.begin(), scene.tags.end(), [&](const SyntheticTag& tag) {
+      return tag.tag == id && core::distance(tag.pose, somewhere) < 0.05;
+    });
+    refused += near || fit(scene, id, somewhere).verdict != FitVerdict::good ? 1 : 0;
+  }
+  EXPECT_EQ(refused, 400);
+}
+
+TEST(PhotometricFit, SeesThatATagIsHeldUp) {
+  Scene scene;
+  SyntheticTag& tag = scene.tags[0];
+  for (const double larger : {1.0, 1.02, 1.04, 1.08, 1.12}) {
+    tag.size = larger * tag_size;
+    SyntheticCamera(scene.calibration, {}, 1).render(scene.tags, 0.0, scene.frame);
+    const Fit found = fit(scene, tag.tag, tag.pose);
+    EXPECT_EQ(found.verdict == FitVerdict::good, larger < 1.05) << larger;
+    if (larger < 1.05) {
+      EXPECT_NEAR(found.stretch, larger - 1.0, 0.2 * (larger - 1.0) + 0.003);
+    }
+  }
+}
+
+TEST(PhotometricFit, AtThePicturesEdgeNothingIsReadBeyondIt) {
+  const Scene scene;
+  for (const double x : {-1.2, -1.1, -1.06, 1.06, 1.1, 1.2}) {
+    for (const double y : {-0.9, -0.82, 0.0, 0.82, 0.9}) {
+      EXPECT_NE(fit(scene, 3, {x, y, 0.4}).verdict, FitVerdict::good);
+    }
+  }
+  EXPECT_NE(fit(scene, 3, {50.0, 0.0, 0.0}).verdict, FitVerdict::good);
+  EXPECT_NE(fit(scene, 3, {std::nan(""), 0.0, 0.0}).verdict, FitVerdict::good);
+}
+
+}  // namespace
+}  // namespace skein::vision::detail

@@ -1,0 +1,215 @@
+// Films that Skein records: read back, everything is the same to the bit; and nothing ever holds the frames up.
+#include "vision/recording/recorder.h"
+
+#include <condition_variable>
+#include <cstring>
+#include <limits>
+#include <numbers>
+
+#include "tests/vision/support.h"
+#include "vision/sources/open_source.h"
+#include "vision/synthetic/random.h"
+
+namespace skein::vision {
+namespace {
+
+/// A frame like a sensor's: shades and noise; times of the kind that no container keeps.
+Frame noisy_frame(int width, int height, std::int64_t index, detail::Random& random) {
+  Frame frame;
+  frame.resize(width, height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      frame.row(v)[u] = static_cast<std::uint8_t>((u / 3 + v / 2 + static_cast<int>(random.below(9))) & 255);
+  frame.index = index;
+  frame.source = std::to_string(index);
+  frame.captured_at = 12345.678 + std::numbers::pi / 70.0 * static_cast<double>(index);
+  return frame;
+}
+
+/// A film in memory whose writer can be held up and broken.
+struct Bench {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool held = false;
+  int writing = 0;  // frames that have reached the writer
+  std::string problem;
+  std::vector<std::int64_t> written;
+  void hold(bool on) {
+    const std::lock_guard lock(mutex);
+    held = on;
+    changed.notify_all();
+  }
+  void wait_for_writing(int count) {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return writing >= count; });
+  }
+};
+
+class BenchFilm final : public FilmWriter {
+ public:
+  explicit BenchFilm(Bench& bench) : bench_(bench) {}
+  std::string write(const Frame& frame) override {
+    std::unique_lock lock(bench_.mutex);
+    ++bench_.writing;
+    bench_.changed.notify_all();
+    bench_.changed.wait(lock, [&] { return !bench_.held; });
+    if (bench_.problem.empty()) bench_.written.push_back(frame.index);
+    return bench_.problem;
+  }
+  std::string finish() override { return {}; }
+
+ private:
+  Bench& bench_;
+};
+
+TEST(Recorder, EverythingComesBackToTheBit) {
+  test::Folder folder;
+  detail::Random random(5);
+  const std::string path = folder.file("a film.mkv");
+  std::vector<Frame> frames;
+  for (const std::int64_t index : {0, 1, 2, 5, 6, 1000}) frames.push_back(noisy_frame(321, 243, index, random));
+  frames[3].captured_at = frames[2].captured_at;  // whatever the times are
+  frames[4].captured_at = -0.1;
+  frames[5].captured_at = std::numeric_limits<double>::denorm_min();
+  const FilmNotes notes{{"PROGRAM", "skein 1.2.3"}, {"CALIBRATION", "[camera]\nwidth = 321  # px, \"\xc3\xa4\"\n"}};
+  {
+    auto recorder = Recorder::open(path, notes, 2);
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (const Frame& frame : frames) (*recorder)->add(frame);
+    const RecorderStatus status = (*recorder)->finish();
+    EXPECT_EQ(status.written, 6);
+    EXPECT_EQ(status.dropped, 0);
+    EXPECT_EQ(status.problem, "");
+    EXPECT_EQ((*recorder)->finish().written, 6) << "once is enough";
+  }
+  auto film = open_source("video:" + path);
+  ASSERT_TRUE(film) << film.error();
+  EXPECT_TRUE((*film)->recorded());
+  for (const auto& [name, text] : notes) EXPECT_EQ((*film)->notes().at(name), text);
+  Frame frame;
+  for (const Frame& wanted : frames) {
+    ASSERT_TRUE((*film)->read(frame).value());
+    EXPECT_EQ(frame.grey, wanted.grey);
+    EXPECT_EQ(std::memcmp(&frame.captured_at, &wanted.captured_at, sizeof(double)), 0);
+    EXPECT_EQ(frame.index, wanted.index);
+    EXPECT_EQ(frame.source, wanted.source);
+  }
+  EXPECT_FALSE((*film)->read(frame).value());
+  EXPECT_TRUE((*film)->skipped().empty());
+}
+
+TEST(Recorder, AFilmThatBreaksOffLosesItsEndOnly) {
+  test::Folder folder;
+  detail::Random random(6);
+  const std::string path = folder.file("film.mkv");
+  {
+    auto recorder = Recorder::open(path);
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (std::int64_t i = 0; i < 40; ++i) {
+      Frame frame = noisy_frame(160, 120, i, random);
+      frame.captured_at = 0.2 * static_cast<double>(i);
+      (*recorder)->add(frame);
+    }
+  }
+  const std::string whole = test::read_file(path);
+  test::write_file(path, whole.substr(0, whole.size() * 3 / 4));  // as after a power cut
+  auto film = open_source("video:" + path);
+  ASSERT_TRUE(film) << film.error();
+  Frame frame;
+  std::int64_t frames = 0;
+  while ((*film)->read(frame).value()) EXPECT_EQ(frame.index, frames++);
+  EXPECT_GE(frames, 24);
+  EXPECT_LT(frames, 40);
+}
+
+TEST(Recorder, DamagedFramesAreSkippedAndReported) {
+  test::Folder folder;
+  detail::Random random(7);
+  const std::string path = folder.file("film.mkv");
+  std::vector<Frame> frames;
+  {
+    auto recorder = Recorder::open(path);
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (std::int64_t i = 0; i < 10; ++i) (*recorder)->add(frames.emplace_back(noisy_frame(160, 120, i, random)));
+  }
+  std::string bytes = test::read_file(path);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+  test::write_file(path, bytes);
+  auto film = open_source("video:" + path);
+  ASSERT_TRUE(film) << film.error();
+  Frame frame;
+  int whole = 0;
+  while ((*film)->read(frame).value()) {
+    ++whole;
+    EXPECT_EQ(frame.grey, frames[static_cast<std::size_t>(frame.index)].grey) << frame.index;
+  }
+  EXPECT_EQ(whole, 9);
+  ASSERT_EQ((*film)->skipped().size(), 1U);
+  EXPECT_EQ((*film)->skipped()[0].find(path + ": frame "), 0U) << (*film)->skipped()[0];
+}
+
+TEST(Recorder, ASlowDiskCostsFramesAndTheyAreCounted) {
+  Bench bench;
+  bench.held = true;
+  Recorder recorder(std::make_unique<BenchFilm>(bench), 3);
+  detail::Random random(8);
+  const auto frame = [&](std::int64_t i) { return noisy_frame(16, 16, i, random); };
+  EXPECT_TRUE(recorder.offer(frame(0)));
+  bench.wait_for_writing(1);  // it has left the queue only when it is written
+  EXPECT_TRUE(recorder.offer(frame(1)));
+  EXPECT_TRUE(recorder.offer(frame(2)));
+  EXPECT_FALSE(recorder.offer(frame(3))) << "and does not wait";
+  EXPECT_FALSE(recorder.offer(frame(4)));
+  EXPECT_EQ(recorder.status().dropped, 2);
+  bench.hold(false);
+  bench.wait_for_writing(3);
+  recorder.add(frame(5));
+  const RecorderStatus status = recorder.finish();
+  EXPECT_EQ(status.written, 4);
+  EXPECT_EQ(status.dropped, 2);
+  EXPECT_EQ(bench.written, (std::vector<std::int64_t>{0, 1, 2, 5}));
+}
+
+TEST(Recorder, ABrokenWriterIsReportedAndHoldsNobodyUp) {
+  Bench bench;
+  bench.problem = "no room left";
+  Recorder recorder(std::make_unique<BenchFilm>(bench), 2);
+  for (std::int64_t i = 0; i < 100; ++i) recorder.add(test::uniform_frame(8, 8, 0));
+  EXPECT_FALSE(recorder.offer(test::uniform_frame(8, 8, 0)));
+  const RecorderStatus status = recorder.finish();
+  EXPECT_EQ(status.problem, "no room left");
+  EXPECT_EQ(status.written, 0);
+  EXPECT_EQ(status.dropped, 101);
+  EXPECT_EQ(bench.writing, 1) << "it is not tried again";
+}
+
+TEST(Recorder, AFullDiskIsReported) {
+  detail::Random random(9);
+  auto recorder = Recorder::open("/dev/full");
+  ASSERT_TRUE(recorder) << recorder.error();
+  for (std::int64_t i = 0; i < 30; ++i) (*recorder)->add(noisy_frame(320, 240, i, random));
+  const RecorderStatus status = (*recorder)->finish();
+  EXPECT_EQ(status.problem, "/dev/full: cannot be written: No space left on device");
+  EXPECT_EQ(status.written + status.dropped, 30);
+}
+
+TEST(Recorder, AFrameOfAnotherSizeEndsTheFilm) {
+  test::Folder folder;
+  auto recorder = Recorder::open(folder.file("film.mkv"));
+  ASSERT_TRUE(recorder) << recorder.error();
+  (*recorder)->add(test::uniform_frame(32, 16, 0));
+  (*recorder)->add(test::uniform_frame(16, 16, 0));
+  const RecorderStatus status = (*recorder)->finish();
+  EXPECT_EQ(status.problem, folder.file("film.mkv") + ": frame 0 is 16x16 px, and the film 32x16");
+  EXPECT_EQ(status.written, 1);
+  EXPECT_EQ(status.dropped, 1);
+}
+
+TEST(Recorder, SaysWhereItCannotWrite) {
+  const auto recorder = Recorder::open("/no/such/folder/film.mkv");
+  ASSERT_FALSE(recorder);
+  EXPECT_EQ(recorder.error(), "/no/such/folder/film.mkv: cannot be written: No such file or directory");
+}
+
+}  // namespace
+}  // namespace skein::vision

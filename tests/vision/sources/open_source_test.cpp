@@ -1,0 +1,118 @@
+#include "vision/sources/open_source.h"
+
+#include "tests/vision/support.h"
+#include "vision/v4l2/v4l2_pixels.h"
+
+namespace skein::vision {
+namespace {
+
+TEST(OpenSource, RefusesWhatItDoesNotKnow) {
+  for (const char* source : {"", "images", "images:", "webcam:0", "/dev/video0", "synthetic"}) {
+    const auto opened = open_source(source);
+    ASSERT_FALSE(opened) << source;
+    EXPECT_NE(opened.error().find("allowed: images:DIR, video:FILE, v4l2:DEVICE"), std::string::npos) << opened.error();
+  }
+}
+
+TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
+  test::Folder folder;
+  test::write_file(folder.file("text.mp4"), "no film");
+  test::write_file(folder.file("notes.txt"), "no picture");
+  const struct {
+    std::string source;
+    std::string message;
+  } cases[] = {
+      {"images:/nowhere", "/nowhere: no such file or folder"},
+      {"images:" + folder.path(), folder.path() + ": no picture (png, jpg, pgm, ppm, bmp, tif) in this folder"},
+      {"video:/nowhere.mp4", "/nowhere.mp4: no such file"},
+      {"video:" + folder.path(), folder.path() + ": no such file"},
+      {"video:" + folder.file("text.mp4"), folder.file("text.mp4") + ": not a video that can be read"},
+      {"v4l2:/dev/no_such_camera", "/dev/no_such_camera: cannot be opened (No such file or directory)"},
+      {"v4l2:/dev/null", "/dev/null: is no V4L2 camera"},
+  };
+  for (const auto& [source, message] : cases) {
+    const auto opened = open_source(source);
+    ASSERT_FALSE(opened) << source;
+    EXPECT_EQ(opened.error(), message);
+  }
+}
+
+TEST(Images, ComeByNameWithTheirPixels) {
+  test::Folder folder;
+  for (const int i : {2, 1, 3}) {
+    Frame frame = test::uniform_frame(20 + i, 10, static_cast<std::uint8_t>(10 * i));
+    frame.row(4)[7] = 255;
+    test::write_pgm(folder.file("frame" + std::to_string(i) + ".pgm"), frame);
+  }
+  test::write_file(folder.file("README.txt"), "not a picture");
+  auto source = open_source("images:" + folder.path());
+  ASSERT_TRUE(source) << source.error();
+  EXPECT_TRUE((*source)->stills());
+  EXPECT_EQ((*source)->describe(), "images " + folder.path() + " (3 pictures)");
+  Frame frame;
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_TRUE((*source)->read(frame).value());
+    EXPECT_EQ(frame.source, "frame" + std::to_string(i) + ".pgm");
+    EXPECT_EQ(frame.index, i - 1);
+    EXPECT_DOUBLE_EQ(frame.captured_at, (i - 1) / 25.0);
+    EXPECT_EQ(frame.width, 20 + i);
+    EXPECT_EQ(frame.height, 10);
+    EXPECT_EQ(frame.row(0)[0], 10 * i);
+    EXPECT_EQ(frame.row(4)[7], 255);
+  }
+  EXPECT_FALSE((*source)->read(frame).value());
+  EXPECT_FALSE((*source)->read(frame).value()) << "the end stays the end";
+  EXPECT_TRUE((*source)->skipped().empty());
+}
+
+TEST(Images, DamagedOnesAreSkippedAndReported) {
+  test::Folder folder;
+  test::write_pgm(folder.file("a.pgm"), test::uniform_frame(16, 16, 1));
+  test::write_file(folder.file("b.png"), "\x89PNG\r\n\x1a\n and then nothing of the kind");
+  test::write_file(folder.file("c.jpg"), "\xff\xd8\xff\xe0 cut short");
+  test::write_file(folder.file("d.pgm"), "");
+  test::write_pgm(folder.file("e.pgm"), test::uniform_frame(16, 16, 2));
+  auto source = open_source("images:" + folder.path());
+  ASSERT_TRUE(source) << source.error();
+  Frame frame;
+  ASSERT_TRUE((*source)->read(frame).value());
+  EXPECT_EQ(frame.source, "a.pgm");
+  ASSERT_TRUE((*source)->read(frame).value());
+  EXPECT_EQ(frame.source, "e.pgm");
+  EXPECT_EQ(frame.index, 1);
+  EXPECT_FALSE((*source)->read(frame).value());
+  const auto skipped = (*source)->skipped();
+  ASSERT_EQ(skipped.size(), 3U);
+  EXPECT_EQ(skipped[0], folder.file("b.png") + ": cannot be decoded");
+  EXPECT_EQ(skipped[1], folder.file("c.jpg") + ": is cut short");
+  EXPECT_EQ(skipped[2], folder.file("d.pgm") + ": is empty");
+}
+
+TEST(Images, MayBeOneFile) {
+  test::Folder folder;
+  test::write_pgm(folder.file("one.pgm"), test::uniform_frame(16, 16, 1));
+  test::write_pgm(folder.file("two.pgm"), test::uniform_frame(16, 16, 1));
+  auto source = open_source("images:" + folder.file("one.pgm"));
+  ASSERT_TRUE(source) << source.error();
+  Frame frame;
+  ASSERT_TRUE((*source)->read(frame).value());
+  EXPECT_EQ(frame.source, "one.pgm");
+  EXPECT_FALSE((*source)->read(frame).value());
+}
+
+TEST(CameraPixels, AreTakenFromPaddedRows) {
+  Frame frame = test::uniform_frame(2, 2, 0);
+  const std::vector<std::uint8_t> grey = {1, 2, 99, 3, 4};  // the last row needs no padding
+  ASSERT_TRUE(grey_from_grey(grey, 3, frame));
+  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+  const std::vector<std::uint8_t> yuyv = {1, 128, 2, 128, 99, 99, 3, 128, 4, 128};
+  ASSERT_TRUE(grey_from_yuyv(yuyv, 6, frame));
+  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+  EXPECT_TRUE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
+  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{5, 6, 7, 8}));
+  EXPECT_FALSE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7}, 0, frame)) << "a frame cut short on the bus";
+  EXPECT_FALSE(grey_from_yuyv(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
+}
+
+}  // namespace
+}  // namespace skein::vision

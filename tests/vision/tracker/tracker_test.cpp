@@ -1,0 +1,332 @@
+#include "vision/tracker/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/vision/support.h"
+#include "vision/synthetic/random.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+namespace skein::vision {
+namespace {
+
+constexpr double frame_time = 0.04;
+
+/// Errors of many poses against the truth.
+struct Errors {
+  double xy2 = 0.0;
+  double theta2 = 0.0;
+  double xy_over_sigma2 = 0.0;
+  double theta_over_sigma2 = 0.0;
+  int count = 0;
+
+  void add(const TagPose& seen, const core::Pose& truth) {
+    const double d2 = std::pow(core::distance(seen.pose, truth), 2);
+    const double turned = core::wrap_angle(seen.pose.theta - truth.theta);
+    xy2 += d2;
+    theta2 += turned * turned;
+    xy_over_sigma2 += 0.5 * d2 / (seen.sigma_xy * seen.sigma_xy);
+    theta_over_sigma2 += turned * turned / (seen.sigma_theta * seen.sigma_theta);
+    ++count;
+  }
+  double xy_mm() const { return 1e3 * std::sqrt(xy2 / count); }
+  double theta_deg() const { return 180.0 / core::pi * std::sqrt(theta2 / count); }
+};
+
+/// A scene, its camera and its tracker.
+struct Lab {
+  explicit Lab(TrackerOptions options, const SceneOptions& scene = {}, double tag_size = 0.06)
+      : calibration(make(tag_size)), camera(calibration, scene, 17), tracker(calibration, std::move(options)) {}
+
+  static Calibration make(double tag_size) {
+    Calibration calibration = overhead_calibration(2.0, 1.5);
+    calibration.tag_size = tag_size;
+    return calibration;
+  }
+
+  const std::vector<TagPose>& step(const std::vector<SyntheticTag>& tags) {
+    camera.render(tags, frame_time * static_cast<double>(tracker.counters().frames), frame);
+    return tracker.process(frame);
+  }
+
+  Calibration calibration;
+  SyntheticCamera camera;
+  TagTracker tracker;
+  Frame frame;
+};
+
+std::vector<int> first_ids(int count) {
+  std::vector<int> ids;
+  for (int i = 0; i < count; ++i) ids.push_back(i);
+  return ids;
+}
+
+/// A dozen robots, each going round in its own part of the arena at an e-puck's full speed; together they cover all of
+/// it.
+std::vector<SyntheticTag> roundabout(double t, double size) {
+  std::vector<SyntheticTag> tags;
+  for (int i = 0; i < 12; ++i) {
+    constexpr double radius = 0.2;
+    const double angle = 0.5 * i + 0.13 * t / radius;
+    tags.push_back({i,
+                    {-0.75 + 0.5 * (i % 4) + radius * std::cos(angle), -0.5 + 0.5 * (i / 4) + radius * std::sin(angle),
+                     core::wrap_angle(angle + core::pi / 2)},
+                    size});
+  }
+  return tags;
+}
+
+void follow_roundabout(double tag_size, Errors& errors) {
+  Lab lab({.tags = first_ids(12)}, {}, tag_size);
+  const int frames = test::sanitized ? 30 : 240;  // 9.6 s: each robot once around
+  for (int k = 0; k < frames; ++k) {
+    const auto tags = roundabout(k * frame_time, tag_size);
+    const auto& poses = lab.step(tags);
+    ASSERT_EQ(poses.size(), tags.size()) << "frame " << k;
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      ASSERT_EQ(poses[i].tag, tags[i].tag);
+      EXPECT_EQ(poses[i].how, k == 0 ? How::detected : How::tracked);
+      EXPECT_EQ(poses[i].captured_at, lab.frame.captured_at);
+      EXPECT_LT(core::distance(poses[i].pose, tags[i].pose), 1e-3);
+      errors.add(poses[i], tags[i].pose);
+    }
+  }
+  const TrackerCounters& counters = lab.tracker.counters();
+  EXPECT_LE(counters.full_searches, 1 + frames / 25) << "windows did the work";
+  EXPECT_EQ(counters.poses, 12 * frames);
+  EXPECT_EQ(counters.ghosts + counters.rejected + counters.wrong_frames, 0);
+}
+
+TEST(TagTracker, FollowsADozenRobotsOverTheArena) {
+  Errors errors;
+  follow_roundabout(0.06, errors);
+  EXPECT_LT(errors.xy_mm(), 0.12);
+  EXPECT_LT(errors.theta_deg(), 0.12);
+  // The sigmas are honest: errors are as large as they say.
+  EXPECT_NEAR(std::sqrt(errors.xy_over_sigma2 / errors.count), 1.0, 0.4);
+  EXPECT_NEAR(std::sqrt(errors.theta_over_sigma2 / errors.count), 1.0, 0.4);
+  RecordProperty("rms_mm", std::to_string(errors.xy_mm()));
+  RecordProperty("rms_deg", std::to_string(errors.theta_deg()));
+}
+
+TEST(TagTracker, FollowsSmallTagsToo) {
+  Errors errors;
+  follow_roundabout(0.04, errors);  // the largest that fits an e-puck's body; 25 px
+  EXPECT_LT(errors.xy_mm(), 0.2);
+  EXPECT_LT(errors.theta_deg(), 0.3);
+}
+
+TEST(TagTracker, IsRightAtEveryPlaceAndHeading) {
+  // Robots that are put somewhere else in every frame: nothing can be predicted, everything is searched.
+  Lab lab({.tags = first_ids(6), .search_parts = 1});
+  detail::Random random(3);
+  Errors errors;
+  const int frames = test::sanitized ? 10 : 72;
+  for (int k = 0; k < frames; ++k) {
+    std::vector<SyntheticTag> tags;
+    for (int i = 0; i < 6; ++i) {
+      // Up to the arena's very edges, in cells of their own so that none covers another; every heading in steps of 5
+      // degrees.
+      const double x = std::clamp(-0.67 + 0.67 * (i % 3) + random.between(-0.33, 0.33) * 0.85, -1.0, 1.0);
+      const double y = std::clamp(-0.375 + 0.75 * (i / 3) + random.between(-0.375, 0.375) * 0.85, -0.75, 0.75);
+      tags.push_back(
+          {i, {i % 3 == 2 && k % 5 == 0 ? 1.0 : x, y, core::wrap_angle((5.0 * k + 60.0 * i) * core::pi / 180.0)}});
+    }
+    const auto& poses = lab.step(tags);
+    ASSERT_EQ(poses.size(), tags.size()) << "frame " << k;
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      ASSERT_EQ(poses[i].tag, tags[i].tag);
+      errors.add(poses[i], tags[i].pose);
+    }
+  }
+  EXPECT_LT(errors.xy_mm(), 0.3);
+  EXPECT_LT(errors.theta_deg(), 0.3);
+}
+
+TEST(TagTracker, SeesInDimLightAfterAMoment) {
+  Lab lab({.tags = first_ids(12)}, {.noise_sigma = 2.0, .brightness = 0.15});
+  int seen = 0;
+  for (int k = 0; k < 12; ++k) seen = static_cast<int>(lab.step(roundabout(k * frame_time, 0.06)).size());
+  EXPECT_EQ(seen, 12);
+}
+
+TEST(TagTracker, AMissingTagIsNotReportedAndComesBack) {
+  Lab lab({.tags = {3, 4}});
+  const SyntheticTag stays{3, {0.5, 0.0, 0.3}};
+  for (int k = 0; k < 60; ++k) {
+    const SyntheticTag goes{4, {k < 20 ? -0.5 : -0.2, 0.2, -1.0}};  // and comes back elsewhere
+    const bool there = k < 10 || k >= 30;
+    const auto& poses = lab.step(there ? std::vector{stays, goes} : std::vector{stays});
+    ASSERT_GE(poses.size(), 1U);
+    EXPECT_EQ(poses[0].tag, 3);
+    if (!there) {
+      EXPECT_EQ(poses.size(), 1U) << "frame " << k;
+    }
+    if (k >= 35) {
+      ASSERT_EQ(poses.size(), 2U) << "back within a search's interval";
+      EXPECT_LT(core::distance(poses[1].pose, goes.pose), 1e-3);
+    }
+    if (there && poses.size() == 2) {
+      static bool back = false;
+      EXPECT_EQ(poses[1].how, k == 0 ? How::detected : k < 10 || back ? How::tracked : How::recovered) << k;
+      back = k >= 30;
+    }
+  }
+}
+
+TEST(TagTracker, ACoveredTagIsNotReported) {
+  Lab lab({.tags = {4}});
+  const SyntheticTag tag{4, {0.1, 0.2, 0.6}};
+  EXPECT_EQ(lab.step({tag}).size(), 1U);
+  EXPECT_EQ(lab.step({tag, {-1, {0.1, 0.2, 0.0}, 0.08}}).size(), 0U) << "paper over it";
+  EXPECT_EQ(lab.step({tag, {-1, {0.12, 0.21, 0.6}, 0.03}}).size(), 0U) << "half of it";
+  const auto& poses = lab.step({tag});
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_LT(core::distance(poses[0].pose, tag.pose), 1e-3);
+}
+
+TEST(TagTracker, ATagThatIsGoneForGoodCostsFewSearches) {
+  Lab lab({.tags = {1, 2, 500}});
+  for (int k = 0; k < 51; ++k) EXPECT_EQ(lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}}).size(), 2U);
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1) << "the first one";
+  EXPECT_EQ(lab.tracker.counters().part_searches, 50) << "a forty-eighth of the frame each";
+}
+
+TEST(TagTracker, TheGateSeesTagsAtThePicturesVeryEdge) {
+  Lab lab({.tags = {1, 2}});
+  const SyntheticTag one{1, {-0.5, -0.3, 0.3}};
+  for (int k = 0; k < 5; ++k) lab.step({one});
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1);
+  const double u1 = 1279.0 - 21.0;
+  const double v1 = 959.0 - 21.0;
+  const double edges[][2] = {{u1, 40.0}, {u1, 500.0}, {u1, v1}, {640.0, v1}, {21.0, v1}, {21.0, 300.0}, {640.0, 21.0}};
+  for (const auto& [u, v] : edges) {
+    const auto place = world_from_pixel(lab.calibration, {u, v}, lab.calibration.tag_height);
+    ASSERT_TRUE(place);
+    EXPECT_EQ(lab.step({one, {2, {place->x(), place->y(), 0.0}}}).size(), 2U) << u << ", " << v;
+    for (int k = 0; k < 15; ++k) EXPECT_EQ(lab.step({one}).size(), 1U);
+  }
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1);
+}
+
+TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
+  // In a shadow so deep that the other tag's light tells the gate nothing.
+  TrackerOptions options{.tags = {1, 2}};
+  Lab lab(options, {.noise_sigma = 2.0});
+  const SyntheticTag one{1, {-0.5, -0.3, 0.3}};
+  const SyntheticTag two{2, {0.5, 0.3, 0.3}};
+  std::size_t seen = 0;
+  const int rounds = 2 * options.search_parts;  // every other one is for dim light
+  for (int k = 0; k < rounds && seen < 2; ++k) {
+    lab.camera.render(std::vector{one, two}, frame_time * k, lab.frame);
+    for (int v = 0; v < lab.frame.height; ++v)
+      for (int u = lab.frame.width / 2; u < lab.frame.width; ++u) {
+        std::uint8_t& grey = lab.frame.grey[static_cast<std::size_t>(v * lab.frame.width + u)];
+        grey = static_cast<std::uint8_t>(grey / 6);
+      }
+    seen = lab.tracker.process(lab.frame).size();
+    if (k == 0) {
+      EXPECT_EQ(seen, 1U);
+    }
+  }
+  EXPECT_EQ(seen, 2U);
+  EXPECT_EQ(lab.tracker.counters().full_searches, 1);
+}
+
+TEST(TagTracker, OfTwoCopiesNoneIsReported) {
+  Lab lab({.tags = {1, 2}});
+  const SyntheticTag one{1, {0.5, 0.0, 0.3}};
+  const SyntheticTag two{2, {-0.5, 0.0, 0.3}};
+  const SyntheticTag copy{1, {0.0, 0.5, 2.0}};
+  for (int k = 0; k < 10; ++k) {
+    const auto& poses = lab.step({one, copy, two});
+    ASSERT_EQ(poses.size(), 1U);
+    EXPECT_EQ(poses[0].tag, 2);
+  }
+  EXPECT_GE(lab.tracker.counters().ghosts, 2);
+  // The copy is taken away: the tag is back soon.
+  std::size_t seen = 0;
+  for (int k = 0; k < 5; ++k) seen = lab.step({one, two}).size();
+  EXPECT_EQ(seen, 2U);
+  // A copy that turns up while the tag is followed in its window is found by the next audit.
+  const std::int64_t before = lab.tracker.counters().ghosts;
+  for (int k = 0; k < 26; ++k) seen = lab.step({one, two, copy}).size();
+  EXPECT_GT(lab.tracker.counters().ghosts, before);
+  EXPECT_EQ(seen, 1U);
+}
+
+TEST(TagTracker, ACopyBesideATagIsAGhostWithinAnAudit) {
+  Lab lab({.tags = {1}}, {}, 0.04);
+  const SyntheticTag one{1, {0.5, 0.0, 0.0}, 0.04};
+  EXPECT_EQ(lab.step({one}).size(), 1U);
+  const auto last = [&] {
+    std::size_t seen = 1;
+    for (int k = 0; k < 26 && seen == 1; ++k) seen = lab.step({one, {1, {0.58, 0.0, 0.0}, 0.04}}).size();
+    return seen;
+  };
+  EXPECT_EQ(last(), 0U);
+  EXPECT_EQ(lab.tracker.counters().ghosts, 1);
+  EXPECT_EQ(lab.tracker.counters().full_searches, 0) << "the gate did it";
+}
+
+TEST(TagTracker, ARollingShutterSaysWhenEachRowWasRead) {
+  // 25 us a row: 24 ms over the frame, in which a robot at full speed drives 3 mm.
+  const double row_time = 25e-6;
+  Calibration calibration = Lab::make(0.06);
+  calibration.row_time = row_time;
+  EXPECT_EQ(parse_calibration(format_calibration(calibration), "again").value(), calibration);
+  SyntheticCamera camera(calibration, {}, 3);
+  TagTracker tracker(calibration, {.tags = {1, 2}});
+  const auto at = [](int tag, double t) {
+    const double y = tag == 1 ? 0.6 : -0.6;
+    return core::Pose{-0.5 + 0.13 * t, y, 0.0};
+  };
+  Frame frame;
+  for (int k = 0; k < 10; ++k) {
+    const double t = k * frame_time;
+    std::vector<SyntheticTag> tags;
+    for (const int tag : {1, 2}) {
+      const core::Pose start = at(tag, t);
+      const auto pixel = pixel_from_world(calibration, {start.x, start.y, calibration.tag_height});
+      tags.push_back({tag, at(tag, t + row_time * pixel->y())});
+    }
+    camera.render(tags, t, frame);
+    const auto& poses = tracker.process(frame);
+    ASSERT_EQ(poses.size(), 2U);
+    for (const TagPose& pose : poses) {
+      EXPECT_LT(core::distance(pose.pose, at(pose.tag, pose.captured_at)), 0.2e-3);
+      EXPECT_GT(pose.captured_at, t);
+    }
+    EXPECT_GT(core::distance(poses[1].pose, at(2, t)), 2e-3) << "what the lower rows would be off by";
+  }
+}
+
+TEST(TagTracker, TagsOfTheWrongSizeAreRejected) {
+  Lab lab({.tags = {1}});
+  EXPECT_EQ(lab.step({{1, {0.5, 0.0, 0.3}, 0.09}}).size(), 0U) << "held up to the camera, as it were";
+  EXPECT_GE(lab.tracker.counters().rejected, 1);
+}
+
+TEST(TagTracker, OtherTagsAreNotReported) {
+  Lab lab({.tags = {2, 2}});  // wanted twice is wanted once
+  const auto& poses = lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}});
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].tag, 2);
+  TagTracker nobody(lab.calibration, {});
+  EXPECT_EQ(nobody.process(lab.frame).size(), 0U);
+}
+
+TEST(TagTracker, FramesOfAnotherSizeAreCountedAndPassedOver) {
+  Lab lab({.tags = {1}});
+  EXPECT_EQ(lab.tracker.process(test::uniform_frame(640, 480, 100)).size(), 0U);
+  EXPECT_EQ(lab.tracker.counters().wrong_frames, 1);
+}
+
+TEST(TagTracker, WantsAWorldFrame) {
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  calibration.world_from_camera.reset();
+  EXPECT_THROW(TagTracker(calibration, {.tags = {1}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace skein::vision

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "vision/bench/bench_scenes.h"
+#include "vision/frames/frame.h"
+#include "vision/tags/tag_pose.h"
+
+namespace skein::vision::detail {
+
+/// One way from a frame to the poses of tags.
+class BenchMethod {
+ public:
+  virtual ~BenchMethod() = default;
+  /// Forgets what it has seen.
+  virtual void restart() {}
+  virtual const std::vector<TagPose>& look(const Frame& frame) = 0;
+
+  std::string name;
+};
+
+/// AprilTag as it comes (first), tuned, ArUco (where its module can be loaded), and the tracker (last).
+std::vector<std::unique_ptr<BenchMethod>> bench_methods(const BenchScene& scene);
+
+}  // namespace skein::vision::detail

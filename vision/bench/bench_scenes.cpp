@@ -1,0 +1,135 @@
+#include "vision/bench/bench_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "vision/synthetic/random.h"
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision::detail {
+namespace {
+
+constexpr double arena_width = 2.0;
+constexpr double arena_height = 1.5;
+
+/// Robots that go round in circles, each in its own cell of the arena, at an e-puck's full speed of 0.13 m/s.
+struct Roundabout {
+  int tags;
+  double size;
+
+  BenchMoment operator()(int k) const {
+    const int columns = static_cast<int>(std::ceil(std::sqrt(tags)));
+    const int rows = (tags + columns - 1) / columns;
+    const int turns = columns > 4 ? 3 : 1;  // in a round of the film: small cells, small circles
+    const double radius = 0.13 * bench_frames * bench_period / (2.0 * std::numbers::pi * turns);
+    BenchMoment moment;
+    for (int i = 0; i < tags; ++i) {
+      const double angle = 0.7 * i + 2.0 * std::numbers::pi * turns * k / bench_frames;
+      const double x = arena_width * ((i % columns + 0.5) / columns - 0.5) + radius * std::cos(angle);
+      const double y = arena_height * ((i / columns + 0.5) / rows - 0.5) + radius * std::sin(angle);
+      moment.tags.push_back({i, {x, y, core::wrap_angle(angle + std::numbers::pi / 2)}, size});
+    }
+    moment.in_sight.assign(moment.tags.size(), true);
+    return moment;
+  }
+};
+
+/// The same, but robots change places: one in a hundred jumps in every frame, by a third of a metre and more.
+class Teleports {
+ public:
+  explicit Teleports(int tags) : roundabout_{tags, 0.06} {
+    for (int i = 0; i < tags; ++i) cell_of_.push_back(static_cast<std::size_t>(i));
+  }
+
+  BenchMoment operator()(int k) {
+    for (std::size_t& cell : cell_of_)
+      if (k > 0 && random_.unit() < 0.005) std::swap(cell, cell_of_[random_.below(cell_of_.size())]);
+    const BenchMoment in_place = roundabout_(k);
+    BenchMoment moment = in_place;
+    for (std::size_t i = 0; i < cell_of_.size(); ++i) moment.tags[i].pose = in_place.tags[cell_of_[i]].pose;
+    return moment;
+  }
+
+ private:
+  Roundabout roundabout_;
+  std::vector<std::size_t> cell_of_;
+  Random random_{11};
+};
+
+BenchMoment smeared(BenchMoment moment, double metres) {
+  for (SyntheticTag& tag : moment.tags) tag.smear = metres;
+  return moment;
+}
+
+/// An arm's end wanders over the arena; a tag is in sight while it keeps clear of its paper.
+BenchMoment with_arm(BenchMoment moment, const Calibration& calibration, int k) {
+  const double angle = 2.0 * std::numbers::pi * k / bench_frames;
+  const SyntheticDisc arm{0.8 * std::cos(angle), 0.55 * std::sin(2.0 * angle), 0.09, 0.15, 110.0, 0.0};
+  const auto at = pixel_from_world(calibration, {arm.x, arm.y, arm.height});
+  const auto edge = pixel_from_world(calibration, {arm.x + arm.radius, arm.y, arm.height});
+  for (std::size_t i = 0; i < moment.tags.size(); ++i) {
+    const core::Pose& pose = moment.tags[i].pose;
+    const double half_diagonal = 0.5 * 1.25 * std::numbers::sqrt2 * moment.tags[i].size;
+    const auto tag = pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
+    const auto corner = pixel_from_world(calibration, {pose.x + half_diagonal, pose.y, calibration.tag_height});
+    moment.in_sight[i] = (*tag - *at).norm() > (*edge - *at).norm() + (*corner - *tag).norm() + 3.0;
+  }
+  moment.discs.push_back(arm);
+  return moment;
+}
+
+Calibration with_tags(double size) {
+  Calibration calibration = overhead_calibration(arena_width, arena_height);
+  calibration.tag_size = size;
+  return calibration;
+}
+
+Calibration halved(Calibration calibration) {
+  calibration.width /= 2;
+  calibration.height /= 2;
+  calibration.fx /= 2.0;
+  calibration.fy /= 2.0;
+  calibration.cx = (calibration.cx + 0.5) / 2.0 - 0.5;
+  calibration.cy = (calibration.cy + 0.5) / 2.0 - 0.5;
+  return calibration;
+}
+
+}  // namespace
+
+std::vector<BenchScene> bench_scenes() {
+  const Calibration large = with_tags(0.06);
+  const Calibration small = with_tags(0.04);
+  const Roundabout sixteen{16, 0.06};
+  const double px = large.tag_size / tag_edge_px(large);  // [m]
+  // So that ink and paper are 43 grey levels apart in the middle of the picture.
+  const SceneOptions dim{.noise_sigma = 6.0, .brightness = 43.0 / 195.0 / 0.9};
+  std::vector<BenchScene> scenes;
+  for (const int n : {4, 16, 64})
+    scenes.push_back({"n=" + std::to_string(n), large, {}, n, false, 8, true, Roundabout{n, 0.06}});
+  scenes.push_back({"40 mm tags", small, {}, 16, false, 4, true, Roundabout{16, 0.04}});
+  scenes.push_back({"teleports 1 %", large, {}, 16, false, 8, false, Teleports(16)});
+  scenes.push_back(
+      {"motion blur 5 px", large, {}, 16, false, 4, true, [=](int k) { return smeared(sixteen(k), 5.0 * px); }});
+  scenes.push_back({"contrast 43 sigma 6", large, dim, 16, false, 4, true, sixteen});
+  scenes.push_back({"occluder", large, {}, 16, false, 8, true, [=](int k) { return with_arm(sixteen(k), large, k); }});
+  scenes.push_back({"640x480", halved(large), {}, 16, false, 4, true, sixteen});
+  scenes.push_back({"first frame", large, {}, 16, true, 1, true, sixteen});
+  const std::map<std::string, BenchTargets> targets{
+      {"n=4", {.median_ms = 0.03, .p99_ms = 0.09, .recall = 100.0}},
+      {"n=16", {.median_ms = 0.1, .p99_ms = 0.3, .times_faster = 200.0, .xy_mm = 0.03, .deg = 0.05, .recall = 100.0}},
+      {"n=64", {.median_ms = 0.3, .p99_ms = 0.9, .recall = 100.0}},
+      {"40 mm tags", {.xy_mm = 0.05, .deg = 0.1, .recall = 100.0}},
+      {"teleports 1 %", {.p99_ms = 3.0, .recall = 99.5}},
+      {"motion blur 5 px", {.recall = 99.5}},
+      {"contrast 43 sigma 6", {.recall = 99.5}},
+      {"occluder", {.p99_ms = 3.0, .recall = 99.5}},
+      {"640x480", {.recall = 100.0}},
+      {"first frame", {.median_ms = 15.0, .recall = 100.0}},
+  };
+  for (BenchScene& scene : scenes) scene.targets = targets.at(scene.name);
+  return scenes;
+}
+
+}  // namespace skein::vision::detail

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "vision/calibration/calibration.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+namespace skein::vision::detail {
+
+/// What a camera sees in one frame, and which of it a tracker can be asked for.
+struct BenchMoment {
+  std::vector<SyntheticTag> tags;
+  std::vector<SyntheticDisc> discs;
+  std::vector<bool> in_sight;  // of each tag: nothing of it or its white border is hidden
+};
+
+/// What the tracker has to reach in a scene; NaN: nothing is asked. No wrong pose and no wrong id is asked everywhere.
+struct BenchTargets {
+  static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+  double median_ms = nothing;
+  double p99_ms = nothing;
+  double times_faster = nothing;  // than AprilTag as it comes
+  double xy_mm = nothing;         // rms
+  double deg = nothing;           // rms
+  double recall = nothing;        // of the tags in sight [%]
+};
+
+struct BenchScene {
+  std::string name;
+  Calibration calibration;
+  SceneOptions options;
+  int tags = 16;
+  bool first_only = false;  // every frame is a tracker's first
+  int rounds = 8;           // so many times 125 frames
+  bool periodic = true;     // every round is the same film
+  /// Frame k of a 25 Hz film; called in order.
+  std::function<BenchMoment(int k)> moment;
+  BenchTargets targets{};
+};
+
+inline constexpr int bench_frames = 125;      // of a round: 5 s
+inline constexpr double bench_period = 0.04;  // between frames [s]
+
+/// The table of docs/vision.md.
+std::vector<BenchScene> bench_scenes();
+
+}  // namespace skein::vision::detail

@@ -1,0 +1,195 @@
+#include "vision/calibrate/floor_calibration.h"
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "vision/detector/detector.h"
+#include "vision/frames/frame.h"
+#include "vision/modules/media_loader.h"
+#include "vision/tags/detection.h"
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision {
+namespace {
+
+constexpr std::size_t least_marks = 4;
+constexpr std::size_t least_to_suspect = 6;
+
+/// Where the picture shows a tag's middle: its diagonals' crossing, which perspective leaves alone (the corners' mean
+/// is not it).
+Eigen::Vector2d middle(const std::vector<Eigen::Vector2d>& c) {
+  const auto line = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return Eigen::Vector3d(a.x(), a.y(), 1.0).cross(Eigen::Vector3d(b.x(), b.y(), 1.0)).eval();
+  };
+  const Eigen::Vector3d crossing = line(c[0], c[2]).cross(line(c[1], c[3]));
+  return crossing.head<2>() / crossing.z();
+}
+
+std::vector<FloorMark> seen_ones(const std::vector<FloorMark>& marks) {
+  std::vector<FloorMark> seen;
+  std::copy_if(marks.begin(), marks.end(), std::back_inserter(seen), [](const FloorMark& m) { return m.seen; });
+  return seen;
+}
+
+/// The smaller extent of the marks over the larger: 0 where all are on one line.
+double spread(const std::vector<FloorMark>& marks) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const FloorMark& m : marks) mean += Eigen::Vector2d(m.x, m.y) / static_cast<double>(marks.size());
+  Eigen::Matrix2d moment = Eigen::Matrix2d::Zero();
+  for (const FloorMark& m : marks) {
+    const Eigen::Vector2d d = Eigen::Vector2d(m.x, m.y) - mean;
+    moment += d * d.transpose();
+  }
+  const double half = 0.5 * moment.trace();
+  const double root = std::sqrt(std::max(0.0, half * half - moment.determinant()));
+  return half + root > 0.0 ? std::sqrt(std::max(0.0, half - root) / (half + root)) : 0.0;
+}
+
+}  // namespace
+
+tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const Calibration& calibration, int frames,
+                                                    const std::function<bool(int)>& keep_going) {
+  struct Sum {
+    std::array<Eigen::Vector2d, 4> corners{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
+                                           Eigen::Vector2d::Zero()};
+    int count = 0;
+  };
+  std::map<int, Sum> sums;
+  FloorSight sight;
+  TagDetector detector;
+  Frame frame;
+  while (sight.frames < frames) {
+    const auto more = source.read(frame);
+    if (!more) return tl::unexpected(more.error());
+    if (!*more) break;
+    if (frame.width != calibration.width || frame.height != calibration.height)
+      return tl::unexpected(fmt::format("frame {} is {}x{} px, but the calibration holds for {}x{}", frame.source,
+                                        frame.width, frame.height, calibration.width, calibration.height));
+    const std::vector<Detection>& found = detector.detect(frame);
+    for (std::size_t i = 1; i < found.size(); ++i)
+      if (found[i].tag == found[i - 1].tag)
+        return tl::unexpected(fmt::format("frame {} shows tag {} twice", frame.source, found[i].tag));
+    for (const Detection& detection : found) {
+      Sum& sum = sums[detection.tag];
+      for (std::size_t k = 0; k < 4; ++k)
+        sum.corners[k] += Eigen::Vector2d(detection.corners[k][0], detection.corners[k][1]);
+      ++sum.count;
+    }
+    ++sight.frames;
+    if (keep_going && !keep_going(sight.frames)) break;
+  }
+  for (const auto& [tag, sum] : sums) {
+    if (2 * sum.count < sight.frames) continue;  // a flicker of the floor's texture
+    sight.ids.push_back(tag);
+    auto& corners = sight.corners.emplace_back();
+    for (const Eigen::Vector2d& corner : sum.corners) corners.emplace_back(corner / sum.count);
+  }
+  return sight;
+}
+
+void enter(const FloorSight& sight, std::vector<FloorMark>& marks) {
+  for (FloorMark& mark : marks) {
+    const auto found = std::find(sight.ids.begin(), sight.ids.end(), mark.tag);
+    if (mark.tag < 0 || found == sight.ids.end()) continue;
+    const Eigen::Vector2d at = middle(sight.corners[static_cast<std::size_t>(found - sight.ids.begin())]);
+    mark.u = at.x();
+    mark.v = at.y();
+    mark.seen = true;
+  }
+}
+
+tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration, const std::vector<FloorMark>& marks) {
+  if (!calibration.world_from_camera) return tl::unexpected(std::string("the calibration has no world frame"));
+  FloorCheck check;
+  double squares = 0.0;
+  for (const FloorMark& mark : marks) {
+    if (!mark.seen) continue;
+    const auto at = world_from_pixel(calibration, {mark.u, mark.v}, mark.z);
+    if (!at) return tl::unexpected(fmt::format("{}: its pixel does not see the floor", mark.name));
+    const FloorResidual residual{&mark, at->x() - mark.x, at->y() - mark.y};
+    const double off = std::hypot(residual.dx, residual.dy);
+    squares += off * off;
+    check.worst = std::max(check.worst, off);
+    check.residuals.push_back(residual);
+  }
+  if (check.residuals.empty()) return tl::unexpected(std::string("none of the marks is seen"));
+  check.rms = std::sqrt(squares / static_cast<double>(check.residuals.size()));
+  return check;
+}
+
+tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics, const std::vector<FloorMark>& marks) {
+  const std::vector<FloorMark> seen = seen_ones(marks);
+  if (seen.size() < least_marks)
+    return tl::unexpected(
+        fmt::format("{} of {} marks are seen; needed: {} and more", seen.size(), marks.size(), least_marks));
+  if (spread(seen) < 0.05)
+    return tl::unexpected(std::string("the marks that are seen lie on one line; spread them over the arena"));
+  const auto module = boards();
+  if (!module) return tl::unexpected(module.error());
+  std::vector<Landmark> landmarks;
+  for (const FloorMark& mark : seen) landmarks.push_back({mark.x, mark.y, mark.z, mark.u, mark.v});
+  Calibration result = intrinsics;
+  if (std::string problem = (*module)->locate(landmarks, result); !problem.empty()) return tl::unexpected(problem);
+  if (!(result.world_from_camera->position.z() > 0.0))
+    return tl::unexpected(
+        std::string("the camera would be under the floor: are x and y of the marks in a frame whose z "
+                    "points up (x right, y up as seen from above)?"));
+  return result;
+}
+
+const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorMark>& marks) {
+  const auto rms_of = [&](const std::vector<FloorMark>& some) {
+    const auto solved = solve_floor(intrinsics, some);
+    if (!solved) return 1e9;
+    const auto check = check_floor(*solved, some);
+    return check ? check->rms : 1e9;
+  };
+  if (seen_ones(marks).size() < least_to_suspect) return nullptr;
+  const double with_all = rms_of(marks);
+  const FloorMark* worst = nullptr;
+  double least = with_all / 3.0;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (!marks[i].seen) continue;
+    std::vector<FloorMark> others = marks;
+    others[i].seen = false;
+    const double without = rms_of(others);
+    if (without >= least) continue;
+    least = without;
+    worst = &marks[i];
+  }
+  return worst;
+}
+
+std::string wrong_tag_height(const Calibration& calibration) {
+  const double camera = calibration.world_from_camera->position.z();
+  if (calibration.tag_height < camera) return {};
+  return fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
+                     1e3 * calibration.tag_height, 1e3 * camera);
+}
+
+std::optional<double> tag_height_of(const Calibration& calibration, const std::vector<Eigen::Vector2d>& corners) {
+  if (!calibration.world_from_camera || corners.size() != 4) return {};
+  Corners seen{};
+  for (std::size_t k = 0; k < 4; ++k) seen[k] = {corners[k].x(), corners[k].y()};
+  // The higher the plane, the smaller the tag that looks this large.
+  const auto edge_at = [&](double height) {
+    Calibration c = calibration;
+    c.tag_height = height;
+    const auto place = place_on_plane(c, seen);
+    return place ? place->edge : 0.0;
+  };
+  double low = -0.5 * calibration.tag_size;
+  double high = 0.9 * calibration.world_from_camera->position.z();
+  if (edge_at(low) < calibration.tag_size || edge_at(high) > calibration.tag_size) return {};
+  for (int i = 0; i < 60; ++i) {
+    const double half = 0.5 * (low + high);
+    (edge_at(half) > calibration.tag_size ? low : high) = half;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace skein::vision

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "vision/calibration/calibration.h"
+#include "vision/frames/frame_source.h"
+
+namespace skein::vision {
+
+/// Something on the floor whose place is known.
+struct FloorMark {
+  std::string name{};  // for people: "tag 3", "point 2"
+  int tag = -1;        // id of a tag that lies there; -1: a point that was measured in the picture
+  double x = 0.0;      // of the tag's middle or of the point, in the world [m]
+  double y = 0.0;
+  double z = 0.0;           // above the floor [m]
+  double u = 0.0, v = 0.0;  // where the picture shows it [px]; of a tag: as it was seen
+  bool seen = false;
+};
+
+/// Reads what lies where (TOML):
+///   [[tag]]    id, x, y, z = 0        a tag of the family 36h11
+///   [[point]]  u, v, x, y, z = 0      a spot of the floor, and its pixel
+/// A problem is said as file:line:column, what was found and what is allowed.
+tl::expected<std::vector<FloorMark>, std::string> load_floor_marks(const std::filesystem::path& path);
+tl::expected<std::vector<FloorMark>, std::string> parse_floor_marks(std::string_view text, const std::string& name);
+
+/// Looks for the marks' tags in up to `frames` frames of a source that does not move, and takes the mean of where their
+/// middles were. The error: the source's, a frame of another size than the calibration's, one id seen twice.
+struct FloorSight {
+  int frames = 0;
+  std::vector<std::vector<Eigen::Vector2d>> corners;  // of each tag in `ids`: four means [px]
+  std::vector<int> ids;
+};
+tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const Calibration& calibration, int frames,
+                                                    const std::function<bool(int)>& keep_going = {});
+
+/// Enters what was seen into the marks; tags that were not seen stay as they are.
+void enter(const FloorSight& sight, std::vector<FloorMark>& marks);
+
+/// How far the calibration is off at one mark: where it puts the pixel on the mark's plane, less where the mark is.
+struct FloorResidual {
+  const FloorMark* mark = nullptr;
+  double dx = 0.0, dy = 0.0;  // [m]
+};
+struct FloorCheck {
+  std::vector<FloorResidual> residuals;  // of the marks that were seen
+  double rms = 0.0;                      // of the distances [m]
+  double worst = 0.0;                    // [m]
+};
+tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration, const std::vector<FloorMark>& marks);
+
+/// The world frame from four marks and more that were seen, not all on one line; the intrinsics stay.
+tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics, const std::vector<FloorMark>& marks);
+
+/// The mark without which the others agree at least three times better: its place was measured or typed wrongly. Needs
+/// six marks and more.
+const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorMark>& marks);
+
+/// None, or why the robots' tags cannot be as high as the calibration says: not below its camera.
+std::string wrong_tag_height(const Calibration& calibration);
+
+/// The height of the plane in which a tag that was seen would have an edge of calibration.tag_size [m]: how high the
+/// robots carry theirs. None where there is no such plane between the floor and the camera.
+std::optional<double> tag_height_of(const Calibration& calibration, const std::vector<Eigen::Vector2d>& corners);
+
+}  // namespace skein::vision

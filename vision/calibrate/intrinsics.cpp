@@ -1,0 +1,164 @@
+#include "vision/calibrate/intrinsics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/modules/media_loader.h"
+
+namespace skein::vision {
+namespace {
+
+constexpr std::size_t least_corners = 6;  // of a view: four give its pose, the rest say something
+constexpr std::size_t least_views = 3;
+constexpr double corner_limit = 4.0;  // times the usual residual of a corner of its view
+constexpr double view_limit = 3.0;    // times that of the middle view
+constexpr double least_limit = 0.3;   // nothing closer than this is an outlier [px]
+constexpr int most_rounds = 15;
+// A board that is another one than was said, or pictures of several cameras. Of the picture's width; blurred corners in
+// large pictures scatter by a thousandth.
+constexpr double largest_rms = 0.0025;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<BoardView*> used(std::vector<BoardView>& views) {
+  std::vector<BoardView*> result;
+  for (BoardView& view : views)
+    if (!view.rejected) result.push_back(&view);
+  return result;
+}
+
+/// Leaves out what does not fit the rest; false: everything does. Corners first, by the scatter of their own view, so
+/// that two bad ones cost themselves and not the view whose pose they spoil; then one view at a time, since a bad one
+/// spoils all the others.
+bool reject(const std::vector<BoardView*>& views, const std::vector<std::vector<double>>& residuals) {
+  constexpr double rms_over_median = 1.2;  // of a distance whose two coordinates scatter normally
+  bool any = false;
+  std::vector<double> of_views;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    BoardView& view = *views[i];
+    of_views.push_back(median(residuals[i]));
+    const double worst = std::max(least_limit, corner_limit * rms_over_median * of_views.back());
+    std::vector<BoardCorner> kept;
+    for (std::size_t k = 0; k < view.corners.size(); ++k)
+      if (residuals[i][k] <= worst) kept.push_back(view.corners[k]);
+    if (kept.size() == view.corners.size()) continue;
+    any = true;
+    view.outliers += static_cast<int>(view.corners.size() - kept.size());
+    view.corners = std::move(kept);
+    view.rejected = view.corners.size() < least_corners;
+  }
+  if (any) return true;
+  const auto worst = std::max_element(of_views.begin(), of_views.end());
+  if (*worst <= std::max(least_limit, view_limit * median(of_views))) return false;
+  views[static_cast<std::size_t>(worst - of_views.begin())]->rejected = true;
+  return true;
+}
+
+/// How far a view is from another, by the corners that both have. [px]
+double distance(const BoardView& a, const BoardView& b) {
+  double moved = 0.0;
+  int common = 0;
+  for (const BoardCorner& p : a.corners)
+    for (const BoardCorner& q : b.corners)
+      if (p.id == q.id) {
+        moved += std::hypot(p.u - q.u, p.v - q.v);
+        ++common;
+      }
+  return common > 0 ? moved / common : 1e9;
+}
+
+}  // namespace
+
+tl::expected<std::vector<BoardCorner>, std::string> find_board(const Frame& frame, const Board& board) {
+  const auto module = boards();
+  if (!module) return tl::unexpected(module.error());
+  std::vector<BoardCorner> corners;
+  (*module)->find(frame, board, corners);
+  return corners;
+}
+
+void Coverage::add(const BoardView& view) {
+  for (const BoardCorner& corner : view.corners) {
+    const int column = static_cast<int>((corner.u + 0.5) / width * columns);
+    const int row = static_cast<int>((corner.v + 0.5) / height * rows);
+    if (column >= 0 && column < columns && row >= 0 && row < rows)
+      ++corners[static_cast<std::size_t>(row * columns + column)];
+  }
+}
+
+double Coverage::share() const {
+  const auto hit = std::count_if(corners.begin(), corners.end(), [](int n) { return n > 0; });
+  return static_cast<double>(hit) / static_cast<double>(corners.size());
+}
+
+std::string Coverage::text() const {
+  std::string picture;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    picture += corners[i] == 0 ? '.' : corners[i] < 10 ? '-' : '#';
+    if ((i + 1) % columns == 0) picture += '\n';
+  }
+  return picture;
+}
+
+tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> views, int width, int height) {
+  const auto module = boards();
+  if (!module) return tl::unexpected(module.error());
+  Intrinsics result;
+  for (BoardView& view : views) view.rejected = view.corners.size() < least_corners;
+  for (int round = 0;; ++round) {
+    const std::vector<BoardView*> in = used(views);
+    if (in.size() < least_views)
+      return tl::unexpected(
+          fmt::format("{} of {} views can be used; needed: {} and more, each with {} corners, from different sides",
+                      in.size(), views.size(), least_views, least_corners));
+    std::vector<std::vector<double>> residuals;
+    if (std::string problem = (*module)->calibrate(in, width, height, result, residuals); !problem.empty())
+      return tl::unexpected(problem);
+    double squares = 0.0;
+    std::size_t corners = 0;
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      double of_view = 0.0;
+      for (const double r : residuals[i]) of_view += r * r;
+      in[i]->rms = std::sqrt(of_view / static_cast<double>(residuals[i].size()));
+      squares += of_view;
+      corners += residuals[i].size();
+    }
+    result.rms = std::sqrt(squares / static_cast<double>(corners));
+    if (round == most_rounds || !reject(in, residuals)) break;
+  }
+  if (const double allowed = std::max(1.5, largest_rms * width); result.rms > allowed)
+    return tl::unexpected(fmt::format(
+        "no one camera sees the board like this: the corners are {:.3g} px (rms) from where they should be; "
+        "allowed: {:.3g} px. Is the board described as it was printed (kind, columns x rows)?",
+        result.rms, allowed));
+  if (!std::isfinite(result.rms + result.focal_sigma + result.centre_sigma) || !(result.calibration.fx > 0.0))
+    return tl::unexpected(
+        std::string("the views do not determine the camera: show the board from other sides, tilted"));
+  result.views = std::move(views);
+  return result;
+}
+
+bool is_new_view(const std::vector<BoardView>& views, const BoardView& view, double least_px) {
+  return std::none_of(views.begin(), views.end(),
+                      [&](const BoardView& known) { return distance(known, view) < least_px; });
+}
+
+std::vector<BoardView> most_different(std::vector<BoardView> views, std::size_t count) {
+  if (views.size() <= count) return views;
+  std::vector<BoardView> chosen{views.front()};
+  std::vector<double> nearest(views.size(), 1e9);  // of the chosen ones
+  while (chosen.size() < count) {
+    for (std::size_t i = 0; i < views.size(); ++i) nearest[i] = std::min(nearest[i], distance(views[i], chosen.back()));
+    chosen.push_back(
+        views[static_cast<std::size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin())]);
+  }
+  return chosen;
+}
+
+}  // namespace skein::vision

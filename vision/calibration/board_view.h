@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vision/calibration/board.h"
+#include "vision/calibration/calibration.h"
+
+namespace skein::vision {
+
+/// A board as one frame shows it.
+struct BoardView {
+  std::string source{};  // of the frame: file name or number
+  std::vector<BoardCorner> corners{};
+  double rms = 0.0;       // distance of the corners from where the result puts them [px]
+  int outliers = 0;       // corners that were left out
+  bool rejected = false;  // the view as a whole was left out
+};
+
+/// A camera without its place, as views of a board have shown it.
+struct Intrinsics {
+  Calibration calibration{};       // without a world frame
+  std::vector<BoardView> views{};  // those that went in, with what became of them
+  double rms = 0.0;                // over all corners that were used [px]
+  double focal_sigma = 0.0;        // standard deviation of fx and fy, from the residuals [px]
+  double centre_sigma = 0.0;       // of cx and cy [px]
+};
+
+}  // namespace skein::vision

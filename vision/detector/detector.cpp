@@ -1,0 +1,116 @@
+#include "vision/detector/detector.h"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag36h11.h>
+
+#include <algorithm>
+#include <cstring>
+#include <tuple>
+
+#include "vision/detector/likeness.h"
+
+namespace skein::vision {
+namespace {
+
+struct DestroyFamily {
+  void operator()(apriltag_family_t* family) const { tag36h11_destroy(family); }
+};
+struct DestroyDetector {
+  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
+};
+
+}  // namespace
+
+struct TagDetector::Parts {
+  // The detector goes first: it still looks at its families when it is destroyed.
+  std::unique_ptr<apriltag_family_t, DestroyFamily> family{tag36h11_create()};
+  std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
+  std::vector<std::uint8_t> cut;  // a window's pixels, without the gaps between its rows
+  std::vector<detail::TagPattern> patterns = detail::tag_patterns();
+  double least_likeness = 0.0;
+  std::vector<Detection> found;
+
+  void search(const Frame& frame, image_u8_t image, int left, int top) {
+    found.clear();
+    zarray_t* detections = apriltag_detector_detect(detector.get(), &image);
+    for (int i = 0; i < zarray_size(detections); ++i) {
+      apriltag_detection_t* seen = nullptr;
+      zarray_get(detections, i, &seen);
+      Detection detection;
+      detection.tag = seen->id;
+      detection.decision_margin = static_cast<double>(seen->decision_margin);
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        // AprilTag puts (0, 0) at the top-left pixel's outer corner, we at its centre.
+        detection.corners[corner] = {seen->p[corner][0] - 0.5 + left, seen->p[corner][1] - 0.5 + top};
+      }
+      if (least_likeness > -1.0)
+        detection.likeness =
+            detail::likeness(frame, detection.corners, patterns[static_cast<std::size_t>(detection.tag)]);
+      if (detection.likeness >= least_likeness) found.push_back(detection);
+    }
+    apriltag_detections_destroy(detections);
+    std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
+      return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
+    });
+  }
+};
+
+TagDetector::TagDetector(const DetectorOptions& options) : parts_(std::make_unique<Parts>()) {
+  apriltag_detector_add_family_bits(parts_->detector.get(), parts_->family.get(),
+                                    std::clamp(options.bits_corrected, 0, 2));
+  parts_->detector->nthreads = std::max(1, options.threads);
+  parts_->least_likeness = options.least_likeness;
+  set_decimate(options.decimate);
+  set_min_white_black_diff(options.min_white_black_diff);
+}
+
+TagDetector::~TagDetector() = default;
+TagDetector::TagDetector(TagDetector&&) noexcept = default;
+TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
+
+void TagDetector::set_decimate(double decimate) {
+  parts_->detector->quad_decimate = static_cast<float>(std::max(1.0, decimate));
+}
+
+void TagDetector::set_min_white_black_diff(int grey_levels) {
+  parts_->detector->qtp.min_white_black_diff = grey_levels;
+}
+
+const std::vector<Detection>& TagDetector::detect(const Frame& frame) {
+  return detect(frame, Window{0, 0, frame.width, frame.height});
+}
+
+const std::vector<Detection>& TagDetector::detect(const Frame& frame, Window window) {
+  const int left = std::max(0, window.left);
+  const int top = std::max(0, window.top);
+  const int width = std::min(frame.width, window.left + window.width) - left;
+  const int height = std::min(frame.height, window.top + window.height) - top;
+  // A tag has 8 modules and a border; AprilTag's thresholding works on whole 4x4 tiles and reads past a picture smaller
+  // than one.
+  if (constexpr int least = 16; width < least || height < least) {
+    parts_->found.clear();
+    return parts_->found;
+  }
+
+  // AprilTag only reads the pixels: it would write to them if asked to blur before the search, which nobody asks here.
+  if (width == frame.width) {
+    parts_->search(frame, {width, height, width, const_cast<std::uint8_t*>(frame.row(top))}, left, top);
+    return parts_->found;
+  }
+  // Its buffers take over the rows' distance, so the few rows of a window would cost as much as rows of the whole
+  // frame.
+  std::vector<std::uint8_t>& cut = parts_->cut;
+  cut.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int row = 0; row < height; ++row) {
+    std::memcpy(cut.data() + static_cast<std::ptrdiff_t>(row) * width, frame.row(top + row) + left,
+                static_cast<std::size_t>(width));
+  }
+  parts_->search(frame, {width, height, width, cut.data()}, left, top);
+  return parts_->found;
+}
+
+double decimate_for_edge(double edge_px) {
+  return edge_px / 8.0 >= 3.5 ? 2.0 : 1.0;
+}
+
+}  // namespace skein::vision

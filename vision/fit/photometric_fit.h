@@ -1,0 +1,97 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "vision/fit/plane_map.h"
+#include "vision/fit/sampling.h"
+#include "vision/frames/frame.h"
+#include "vision/tags/detection.h"
+#include "vision/tags/tag_template.h"
+
+namespace skein::vision::detail {
+
+/// One tag's templates, for every size at which it has been seen. Not for two threads at once.
+class TagModel {
+ public:
+  explicit TagModel(const TagPattern& pattern) : pattern_(pattern) {}
+  /// As sharp as a camera in focus shows it where a module has this many pixels.
+  const TagTemplate& sharp(double px_per_module);
+  /// Blurred by most of a module: a fit to it converges from further away.
+  const TagTemplate& smooth();
+
+ private:
+  TagPattern pattern_;
+  std::vector<std::pair<int, std::unique_ptr<TagTemplate>>> sharp_;
+  std::unique_ptr<TagTemplate> smooth_;
+};
+
+enum class FitVerdict {
+  good,
+  outside,    // part of the tag, or of its white border, is not in the picture
+  unlike,     // does not look like this tag, or too much of it is hidden
+  misshapen,  // looks like it, but is larger, smaller or tilted
+};
+
+struct Fit {
+  FitVerdict verdict = FitVerdict::unlike;
+  core::Pose pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (x, y, theta) [m, rad], from the residual
+  double correlation = 0.0;                              // normalised, with this tag's pattern
+  double contrast = 0.0;                                 // between ink and paper [grey levels]
+  double stretch = 0.0;  // how much larger than its size on the plane it seems to be, as a part of it
+  double stretch_sigma = 0.0;
+  double strain = 0.0;   // the largest stretch in any direction
+  double edge_px = 0.0;  // of the black square
+  Corners corners{};     // [px]
+  int looks = 0;         // at the picture
+};
+
+struct FitOptions {
+  double least_correlation = 0.85;  // more where modules are so small that blur makes tags alike
+  double least_contrast = 6.0;      // [grey levels]
+  double strain_tolerance = 0.06;   // as TrackerOptions::shape_tolerance
+  Instructions instructions = best_instructions();
+};
+
+/// Direct alignment: turns and shifts a known tag on the plane until the picture's own grey levels fit it best. About
+/// 500 points are read at each of two looks, as a rule; nothing is searched, so a pose within about 4 px and 20 degrees
+/// must be known.
+class PhotometricFit {
+ public:
+  /// module: an eighth of the tag's edge [m]. exact: project every point by itself, where the local cubic is too
+  /// coarse.
+  PhotometricFit(const PlaneMap& map, double module, bool exact, const FitOptions& options);
+
+  Fit fit(const Frame& frame, TagModel& tag, const core::Pose& from);
+
+  /// What must correlate for a tag to be this one and no other: more where modules have so few pixels that blur makes
+  /// tags alike.
+  double least_likeness(double px_per_module) const;
+
+ private:
+  struct Look;
+  bool look(const Frame& frame, const TagTemplate& tag, const core::Pose& pose, Look& look);
+  bool descend(const Frame& frame, const TagTemplate& tag, int most_looks, core::Pose& pose, Look& look, int& looks);
+  bool trim(const Frame& frame, const TagTemplate& tag, core::Pose& pose, Look& look, Eigen::Matrix3d& covariance,
+            int& looks);
+  void step(const Eigen::Vector3d& change, core::Pose& pose) const;
+  double in_pixels(const Eigen::Vector3d& change) const;
+  Eigen::Matrix3d in_world(const Eigen::Matrix3d& of_step, const core::Pose& pose) const;
+
+  PlaneMap plane_;
+  double module_;
+  bool exact_;
+  FitOptions options_;
+  LocalMap map_;
+  double px_per_module_ = 1.0;
+  Places places_;
+  Values values_;
+  std::vector<float> sorted_;
+};
+
+}  // namespace skein::vision::detail

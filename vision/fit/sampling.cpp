@@ -1,0 +1,220 @@
+#include "vision/fit/sampling.h"
+
+#include <cstdlib>
+#include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace skein::vision::detail {
+namespace {
+
+constexpr std::size_t lanes = 8;
+
+// ---------------------------------------------------------------------------------------------------------- baseline
+// Blocks of eight in plain loops of fixed length, which the compiler turns into pairs of SSE instructions.
+
+using Lanes = float[lanes];
+
+/// Between 0 and `most`; no number is 0, as for AVX2's max.
+float hold(float place, float most) {
+  const float from_zero = place > 0.0F ? place : 0.0F;
+  return from_zero < most ? from_zero : most;
+}
+
+void place_baseline(const FloatMap& map, const Turn& turn, Places& places) {
+  for (std::size_t block = 0; block < SampleGrid::count; block += lanes) {
+    for (std::size_t i = block; i < block + lanes; ++i) {
+      const float x = sample_grid.x[i];
+      const float y = sample_grid.y[i];
+      const float X = (turn.c * x - turn.s * y) + turn.x0;
+      const float Y = (turn.s * x + turn.c * y) + turn.y0;
+      // a0 + X (a1 + X (a3 + X a6) + Y (a4 + X a7 + Y a8)) + Y (a2 + Y (a5 + Y a9))
+      const auto cubic = [X, Y](const std::array<float, LocalMap::terms>& a) {
+        const float in_x = (a[1] + X * (a[3] + X * a[6])) + Y * ((a[4] + X * a[7]) + Y * a[8]);
+        const float in_y = a[2] + Y * (a[5] + Y * a[9]);
+        return (a[0] + X * in_x) + Y * in_y;
+      };
+      places.u[i] = hold(cubic(map.u), map.most_u);
+      places.v[i] = hold(cubic(map.v), map.most_v);
+    }
+  }
+}
+
+void look_baseline(const Patch& patch, const Places& places, const TagTemplate& tag, Values& values, Sums& sums) {
+  alignas(32) float sum[Sums::count][lanes] = {};
+  for (std::size_t block = 0; block < SampleGrid::count; block += lanes) {
+    alignas(32) Lanes fu, fv, p00, p01, p10, p11;
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const float u = places.u[block + k];
+      const float v = places.v[block + k];
+      const int column = static_cast<int>(u);
+      const int row = static_cast<int>(v);
+      fu[k] = u - static_cast<float>(column);
+      fv[k] = v - static_cast<float>(row);
+      const std::uint8_t* pixel = patch.pixels + (static_cast<std::ptrdiff_t>(row) * patch.stride + column);
+      p00[k] = static_cast<float>(pixel[0]);
+      p01[k] = static_cast<float>(pixel[1]);
+      p10[k] = static_cast<float>(pixel[patch.stride]);
+      p11[k] = static_cast<float>(pixel[patch.stride + 1]);
+    }
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const std::size_t i = block + k;
+      const float top = p00[k] + fu[k] * (p01[k] - p00[k]);
+      const float bottom = p10[k] + fu[k] * (p11[k] - p10[k]);
+      const float grey = ((top + fv[k] * (bottom - top)) - 128.0F) * sample_grid.weight[i];
+      const float gx = tag.t_x[i] * grey;
+      const float gy = tag.t_y[i] * grey;
+      values[i] = grey;
+      sum[Sums::gx][k] += gx;
+      sum[Sums::gy][k] += gy;
+      sum[Sums::x_gy][k] += sample_grid.x[i] * gy;
+      sum[Sums::y_gx][k] += sample_grid.y[i] * gx;
+      sum[Sums::x_gx][k] += sample_grid.x[i] * gx;
+      sum[Sums::y_gy][k] += sample_grid.y[i] * gy;
+      sum[Sums::paper][k] += tag.t[i] * grey;
+      sum[Sums::constant][k] += grey;
+      sum[Sums::square][k] += grey * grey;
+    }
+  }
+  for (std::size_t i = 0; i < Sums::count; ++i) {
+    double total = 0.0;
+    for (std::size_t k = 0; k < lanes; ++k) total += static_cast<double>(sum[i][k]);
+    sums.sum[i] = total;
+  }
+}
+
+// -------------------------------------------------------------------------------------------------------------- AVX2
+
+#if defined(__x86_64__)
+#define SKEIN_AVX2 __attribute__((target("avx2")))
+
+SKEIN_AVX2 inline __m256 mul(__m256 a, __m256 b) {
+  return _mm256_mul_ps(a, b);
+}
+SKEIN_AVX2 inline __m256 add(__m256 a, __m256 b) {
+  return _mm256_add_ps(a, b);
+}
+SKEIN_AVX2 inline __m256 sub(__m256 a, __m256 b) {
+  return _mm256_sub_ps(a, b);
+}
+
+struct Coefficients {
+  __m256 a[LocalMap::terms];
+};
+
+SKEIN_AVX2 inline Coefficients spread(const std::array<float, LocalMap::terms>& a) {
+  Coefficients c;
+  for (std::size_t i = 0; i < LocalMap::terms; ++i) c.a[i] = _mm256_set1_ps(a[i]);
+  return c;
+}
+
+SKEIN_AVX2 inline __m256 cubic(const Coefficients& c, __m256 x, __m256 y) {
+  const __m256* a = c.a;
+  const __m256 in_x =
+      add(add(a[1], mul(x, add(a[3], mul(x, a[6])))), mul(y, add(add(a[4], mul(x, a[7])), mul(y, a[8]))));
+  const __m256 in_y = add(a[2], mul(y, add(a[5], mul(y, a[9]))));
+  return add(add(a[0], mul(x, in_x)), mul(y, in_y));
+}
+
+SKEIN_AVX2 void place_avx2(const FloatMap& map, const Turn& turn, Places& places) {
+  const Coefficients in_u = spread(map.u);
+  const Coefficients in_v = spread(map.v);
+  const __m256 c = _mm256_set1_ps(turn.c);
+  const __m256 s = _mm256_set1_ps(turn.s);
+  const __m256 x0 = _mm256_set1_ps(turn.x0);
+  const __m256 y0 = _mm256_set1_ps(turn.y0);
+  const __m256 zero = _mm256_setzero_ps();
+  const __m256 most_u = _mm256_set1_ps(map.most_u);
+  const __m256 most_v = _mm256_set1_ps(map.most_v);
+  for (std::size_t i = 0; i < SampleGrid::count; i += lanes) {
+    const __m256 x = _mm256_load_ps(&sample_grid.x[i]);
+    const __m256 y = _mm256_load_ps(&sample_grid.y[i]);
+    const __m256 X = add(sub(mul(c, x), mul(s, y)), x0);
+    const __m256 Y = add(add(mul(s, x), mul(c, y)), y0);
+    _mm256_store_ps(&places.u[i], _mm256_min_ps(_mm256_max_ps(cubic(in_u, X, Y), zero), most_u));
+    _mm256_store_ps(&places.v[i], _mm256_min_ps(_mm256_max_ps(cubic(in_v, X, Y), zero), most_v));
+  }
+}
+
+SKEIN_AVX2 void look_avx2(const Patch& patch, const Places& places, const TagTemplate& tag, Values& values,
+                          Sums& sums) {
+  __m256 sum[Sums::count];
+  for (__m256& s : sum) s = _mm256_setzero_ps();
+  const __m256i stride = _mm256_set1_epi32(patch.stride);
+  const __m256i byte = _mm256_set1_epi32(0xff);
+  const __m256 middle = _mm256_set1_ps(128.0F);
+  const int* upper = reinterpret_cast<const int*>(patch.pixels);
+  const int* lower = reinterpret_cast<const int*>(patch.pixels + patch.stride);
+  for (std::size_t i = 0; i < SampleGrid::count; i += lanes) {
+    const __m256 u = _mm256_load_ps(&places.u[i]);
+    const __m256 v = _mm256_load_ps(&places.v[i]);
+    const __m256i column = _mm256_cvttps_epi32(u);
+    const __m256i row = _mm256_cvttps_epi32(v);
+    const __m256 fu = sub(u, _mm256_cvtepi32_ps(column));
+    const __m256 fv = sub(v, _mm256_cvtepi32_ps(row));
+    const __m256i at = _mm256_add_epi32(_mm256_mullo_epi32(row, stride), column);
+    const __m256i two_above = _mm256_i32gather_epi32(upper, at, 1);
+    const __m256i two_below = _mm256_i32gather_epi32(lower, at, 1);
+    const __m256 p00 = _mm256_cvtepi32_ps(_mm256_and_si256(two_above, byte));
+    const __m256 p01 = _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srli_epi32(two_above, 8), byte));
+    const __m256 p10 = _mm256_cvtepi32_ps(_mm256_and_si256(two_below, byte));
+    const __m256 p11 = _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srli_epi32(two_below, 8), byte));
+    const __m256 top = add(p00, mul(fu, sub(p01, p00)));
+    const __m256 bottom = add(p10, mul(fu, sub(p11, p10)));
+    const __m256 weight = _mm256_load_ps(&sample_grid.weight[i]);
+    const __m256 grey = mul(sub(add(top, mul(fv, sub(bottom, top))), middle), weight);
+    const __m256 x = _mm256_load_ps(&sample_grid.x[i]);
+    const __m256 y = _mm256_load_ps(&sample_grid.y[i]);
+    const __m256 gx = mul(_mm256_load_ps(&tag.t_x[i]), grey);
+    const __m256 gy = mul(_mm256_load_ps(&tag.t_y[i]), grey);
+    _mm256_storeu_ps(&values[i], grey);
+    sum[Sums::gx] = add(sum[Sums::gx], gx);
+    sum[Sums::gy] = add(sum[Sums::gy], gy);
+    sum[Sums::x_gy] = add(sum[Sums::x_gy], mul(x, gy));
+    sum[Sums::y_gx] = add(sum[Sums::y_gx], mul(y, gx));
+    sum[Sums::x_gx] = add(sum[Sums::x_gx], mul(x, gx));
+    sum[Sums::y_gy] = add(sum[Sums::y_gy], mul(y, gy));
+    sum[Sums::paper] = add(sum[Sums::paper], mul(_mm256_load_ps(&tag.t[i]), grey));
+    sum[Sums::constant] = add(sum[Sums::constant], grey);
+    sum[Sums::square] = add(sum[Sums::square], mul(grey, grey));
+  }
+  for (std::size_t i = 0; i < Sums::count; ++i) {
+    alignas(32) float lane[lanes];
+    _mm256_store_ps(lane, sum[i]);
+    double total = 0.0;
+    for (const float one : lane) total += static_cast<double>(one);
+    sums.sum[i] = total;
+  }
+}
+
+#endif
+
+}  // namespace
+
+Instructions best_instructions() {
+#if defined(__x86_64__)
+  const char* held = std::getenv("SKEIN_BASELINE");
+  const bool hold = held != nullptr && std::strcmp(held, "1") == 0;
+  if (!hold && __builtin_cpu_supports("avx2")) return Instructions::avx2;
+#endif
+  return Instructions::baseline;
+}
+
+void place_points(Instructions instructions, const FloatMap& map, const Turn& turn, Places& places) {
+#if defined(__x86_64__)
+  if (instructions == Instructions::avx2) return place_avx2(map, turn, places);
+#endif
+  place_baseline(map, turn, places);
+}
+
+void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
+                    Values& values, Sums& sums) {
+#if defined(__x86_64__)
+  if (instructions == Instructions::avx2) return look_avx2(patch, places, tag, values, sums);
+#endif
+  look_baseline(patch, places, tag, values, sums);
+}
+
+}  // namespace skein::vision::detail

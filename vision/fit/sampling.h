@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "vision/fit/plane_map.h"
+#include "vision/tags/tag_template.h"
+
+namespace skein::vision::detail {
+
+/// The instructions that the two loops over a tag's points are made of. Both do the same operations in the same order,
+/// without fused multiplications: their results agree to the last bit.
+enum class Instructions {
+  baseline,  // what every x86-64 has
+  avx2,
+};
+
+/// The best that this machine knows. The environment's SKEIN_BASELINE=1 holds it to the baseline.
+Instructions best_instructions();
+
+/// Where the points of the grid fall in the picture, counted from a corner of it that keeps the numbers small. [px]
+struct Places {
+  alignas(32) std::array<float, SampleGrid::count> u;
+  alignas(32) std::array<float, SampleGrid::count> v;
+};
+
+/// From the tag's frame (modules) to the local map's: X = c x - s y + X0, Y = s x + c y + Y0.
+struct Turn {
+  float c = 1.0F;
+  float s = 0.0F;
+  float x0 = 0.0F;
+  float y0 = 0.0F;
+};
+
+/// The polynomials of a LocalMap, their constants counted from the corner. Places are held between 0 and these:
+/// whatever a polynomial says far from where it was made, nothing is read outside the picture.
+struct FloatMap {
+  std::array<float, LocalMap::terms> u;
+  std::array<float, LocalMap::terms> v;
+  float most_u;
+  float most_v;
+};
+
+/// What one look at the picture comes down to: sums over the points of grey level times column.
+struct Sums {
+  enum Sum { gx, gy, x_gy, y_gx, x_gx, y_gy, paper, constant, square };
+  static constexpr std::size_t count = 9;
+  std::array<double, count> sum{};
+};
+
+/// Grey levels at the points, 128 less than in the picture: the sums lose fewer digits.
+using Values = std::array<float, SampleGrid::count>;
+
+/// `pixels`: the picture's byte at the corner; four bytes from every place, in its row and in the next, are read.
+struct Patch {
+  const std::uint8_t* pixels = nullptr;
+  int stride = 0;
+};
+
+void place_points(Instructions instructions, const FloatMap& map, const Turn& turn, Places& places);
+void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
+                    Values& values, Sums& sums);
+
+}  // namespace skein::vision::detail

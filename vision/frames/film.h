@@ -1,0 +1,24 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "vision/frames/frame.h"
+
+namespace skein::vision {
+
+/// What is said of a film as a whole: short names in capitals (PROGRAM, SOURCE, CALIBRATION), texts of any length.
+using FilmNotes = std::map<std::string, std::string>;
+
+/// A film as it is written, frame by frame: lossless (FFV1 in Matroska), every frame with its index and its capture
+/// time to the bit.
+class FilmWriter {
+ public:
+  virtual ~FilmWriter() = default;
+  /// Appends a frame; the first one sets the size. Empty, or what went wrong: then the film ends with the frame before.
+  virtual std::string write(const Frame& frame) = 0;
+  /// Completes the file; the same answer.
+  virtual std::string finish() = 0;
+};
+
+}  // namespace skein::vision

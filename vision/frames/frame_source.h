@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <utility>
+#include <vector>
+
+#include "vision/frames/film.h"
+#include "vision/frames/frame.h"
+
+namespace skein::vision {
+
+/// How a source has been doing, of cameras above all.
+struct SourceStatus {
+  bool up = true;                      // false: the camera does not deliver, and is opened again and again
+  std::int64_t outages = 0;            // times that it stopped delivering: unplugged, stalled
+  std::int64_t damaged = 0;            // frames that were passed over
+  std::int64_t passed_over = 0;        // whole frames that a newer one had overtaken
+  std::string reason{};                // of the last outage
+  std::vector<std::string> notices{};  // controls that took another value than they were asked to
+};
+
+/// What captured_at of a source's frames stands for.
+enum class TimeStamps {
+  exposure_start,  // CLOCK_MONOTONIC, stamped by the camera's driver when the shutter opened
+  frame_end,       // CLOCK_MONOTONIC, stamped by the driver when the frame was complete: later than its exposure
+  arrival,         // CLOCK_MONOTONIC, when the frame was handed over: later still, and not by a constant time
+  film,            // the time in a film
+  nominal,         // pictures have no times: as if 25 had been taken a second
+};
+
+/// Where frames come from.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// How its frames are stamped. A camera may know it only once a frame has come.
+  virtual TimeStamps stamps() const = 0;
+
+  /// The next frame (a camera's newest one, waiting for it). true: here it is; false: the end of the stream.
+  virtual tl::expected<bool, std::string> read(Frame& frame) = 0;
+
+  /// For people: what is being read, its size and format where they are known.
+  virtual std::string describe() const = 0;
+
+  /// Single pictures, not frames of one film: neighbours need not resemble each other.
+  virtual bool stills() const { return false; }
+
+  /// A film that Skein has recorded: captured_at and index of its frames are the ones they had then, to the bit.
+  /// Where an index is missing, the recorder dropped the frame.
+  virtual bool recorded() const { return false; }
+
+  /// What is said of the film as a whole; of a recorded one, what its Recorder was given.
+  virtual const FilmNotes& notes() const {
+    static const FilmNotes none;
+    return none;
+  }
+
+  /// Any thread, at any time.
+  virtual SourceStatus status() const { return {}; }
+
+  /// One line, file and reason, for each picture that could not be read and was passed over.
+  virtual std::span<const std::string> skipped() const { return {}; }
+};
+
+/// Names and values, as in "exposure=0.005".
+using ControlSettings = std::vector<std::pair<std::string, double>>;
+
+struct SourceOptions {
+  int width = 0;               // asked of a camera [px], as a rule the calibration's; 0: as the camera is set
+  int height = 0;              // [px]
+  double rate = 0.0;           // asked of a camera [frames/s]; 0: as the camera is set
+  ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again
+  double reopen_for = 10.0;    // a camera that stops delivering is opened again for so long before that is an error [s]
+  std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the stream
+};
+
+}  // namespace skein::vision

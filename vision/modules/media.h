@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "vision/frames/film.h"
+#include "vision/frames/frame.h"
+#include "vision/frames/frame_source.h"
+
+// The part of vision that needs codecs (OpenCV's for pictures, FFmpeg's for films), a module of its own: linking them
+// costs every start of the program 90 ms (GDAL, FFmpeg and some sixty libraries more), also where no picture is ever
+// read. Program and module are built together.
+
+namespace skein::vision {
+
+enum class MediaKind { images, video };
+
+struct Media {
+  /// A source of this kind, or none and why in `error`.
+  std::unique_ptr<FrameSource> (*open)(MediaKind kind, const std::string& path, std::string& error);
+
+  /// A JPEG of a camera's MJPEG stream into frame.grey, width and height. false: it is damaged.
+  bool (*decode_jpeg)(const std::uint8_t* bytes, std::size_t size, Frame& frame);
+
+  /// See film.h.
+  std::unique_ptr<FilmWriter> (*create_film)(const std::string& path, const FilmNotes& notes, std::string& error);
+};
+
+/// The one name that is looked up in the module. It carries a number, to be raised whenever Media, Frame, FrameSource
+/// or FilmWriter change, so that a module left over from another version is refused.
+inline constexpr const char* media_symbol = "skein_media_4";
+
+}  // namespace skein::vision

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <semaphore.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "vision/frames/film.h"
+#include "vision/frames/frame.h"
+
+namespace skein::vision {
+
+struct RecorderStatus {
+  std::int64_t written = 0;
+  std::int64_t dropped = 0;  // offered when the disk or the encoder was too far behind, or after a problem
+  std::string problem;       // why nothing more is written (a full disk); empty: all is well
+};
+
+/// Keeps frames in a film, on a thread of its own. Whoever hands them over pays for one copy of the pixels and never
+/// waits for encoder or disk; read back, pixels, capture times and indices are the same bits
+/// (open_source("video:...")).
+class Recorder {
+ public:
+  /// `capacity`: frames that may wait to be written. The error says why the film cannot be begun.
+  static tl::expected<std::unique_ptr<Recorder>, std::string> open(const std::string& path, const FilmNotes& notes = {},
+                                                                   std::size_t capacity = 50);
+  /// The same for a film that is already begun.
+  explicit Recorder(std::unique_ptr<FilmWriter> film, std::size_t capacity = 50);
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// For the one thread that has the frames. Never waits; false: too many were waiting already, this one is dropped and
+  /// counted.
+  bool offer(const Frame& frame);
+  /// The same where there is time (films, the virtual clock): waits for room instead.
+  void add(const Frame& frame);
+
+  /// Writes what is waiting and completes the file; nothing may be offered afterwards. Idempotent.
+  RecorderStatus finish();
+  /// Any thread, at any time.
+  RecorderStatus status() const;
+  /// Nothing more is written: status() says why. Any thread, without a lock.
+  bool broken() const noexcept { return broken_.load(std::memory_order_acquire); }
+
+ private:
+  void put(const Frame& frame);
+  void work();
+  void fail(std::string problem);
+
+  std::unique_ptr<FilmWriter> film_;
+  std::vector<Frame> waiting_;        // a ring: its buffers grow once
+  std::atomic<std::int64_t> put_{0};  // frames that were put there; the offering thread's
+  sem_t room_, ready_;                // std::counting_semaphore can miss a wake-up in GCC 12
+  std::atomic<bool> broken_{false};
+  std::atomic<std::int64_t> written_{0}, dropped_{0};
+  mutable std::mutex problem_mutex_;
+  std::string problem_;
+  std::thread thread_;
+};
+
+}  // namespace skein::vision

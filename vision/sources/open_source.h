@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "vision/frames/frame_source.h"
+
+namespace skein::vision {
+
+/// A kind of source: one line of the table in open_source.cpp.
+struct SourceKind {
+  std::string_view name;   // what stands before the colon
+  std::string_view where;  // what follows it, in capitals for messages: "DEVICE"
+  bool live;               // a camera, whose frames come in real time
+  tl::expected<std::unique_ptr<FrameSource>, std::string> (*open)(const std::string& where,
+                                                                  const SourceOptions& options);
+};
+
+/// All there are. An experiment's "synthetic" camera is none of them: it renders robots that are simulated.
+std::span<const SourceKind> source_kinds();
+
+/// "KIND:WHERE", taken apart.
+struct SourceAddress {
+  const SourceKind* kind = nullptr;  // of source_kinds()
+  std::string where;
+
+  bool live() const { return kind->live; }
+};
+
+/// The error says what is allowed.
+tl::expected<SourceAddress, std::string> parse_source(std::string_view address);
+
+/// True where the address is that of a camera.
+bool is_camera(std::string_view address);
+
+/// What an address may look like, for messages and help: "images:DIR, video:FILE, v4l2:DEVICE".
+std::string source_forms();
+
+/// Opens "KIND:WHERE":
+///   images:DIR or images:FILE  png, jpg, pgm, ppm, bmp, tif, sorted by name. One that cannot be decoded is passed over
+///                              (see FrameSource::skipped).
+///   video:FILE                 a film; one that Skein recorded gives back capture times and indices to the bit.
+///                              Damaged frames are passed over.
+///   v4l2:DEVICE                a camera through the kernel: the newest frame only. One that stops delivering for three
+///                              frame times is opened again; where that does not help, it is an error.
+tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_view address,
+                                                                    const SourceOptions& options = {});
+
+}  // namespace skein::vision

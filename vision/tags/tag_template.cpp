@@ -1,0 +1,106 @@
+#include "vision/tags/tag_template.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+namespace skein::vision::detail {
+namespace {
+
+/// How much of each column of cells a blurred point sees, and how that changes along the axis.
+struct Profile {
+  std::array<double, pattern_cells> share{};
+  std::array<double, pattern_cells> slope{};
+};
+
+Profile profile_at(double place, double sigma) {
+  const auto below = [&](double edge) {
+    return 0.5 * (1.0 + std::erf((place - edge) / (sigma * std::numbers::sqrt2)));
+  };
+  const auto density = [&](double edge) {
+    const double z = (place - edge) / sigma;
+    return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2.0 * std::numbers::pi));
+  };
+  Profile profile;
+  for (int i = 0; i < pattern_cells; ++i) {
+    // The white border goes on outwards: the blur must not see an edge of the paper that the points keep away from.
+    const double from = i - 0.5 * pattern_cells;
+    const bool first = i == 0;
+    const bool last = i == pattern_cells - 1;
+    const auto k = static_cast<std::size_t>(i);
+    profile.share[k] = (first ? 1.0 : below(from)) - (last ? 0.0 : below(from + 1.0));
+    profile.slope[k] = (first ? 0.0 : density(from)) - (last ? 0.0 : density(from + 1.0));
+  }
+  return profile;
+}
+
+using Profiles = std::array<Profile, SampleGrid::side>;
+
+Profiles profiles_at(double sigma) {
+  Profiles profiles;
+  for (std::size_t i = 0; i < SampleGrid::side; ++i)
+    profiles[i] = profile_at(static_cast<double>(sample_grid.x[i]), sigma);
+  return profiles;
+}
+
+}  // namespace
+
+std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern, double sigma) {
+  const Profiles profiles = profiles_at(sigma);
+  std::array<std::array<double, pattern_cells>, SampleGrid::side> across{};  // per column of points, row of cells
+  for (std::size_t i = 0; i < SampleGrid::side; ++i)
+    for (std::size_t row = 0; row < pattern_cells; ++row)
+      for (std::size_t column = 0; column < pattern_cells; ++column)
+        if (pattern[row * pattern_cells + column]) across[i][row] += profiles[i].share[column];
+  std::array<float, SampleGrid::points> blurred{};
+  for (std::size_t point = 0; point < SampleGrid::points; ++point) {
+    double value = 0.0;
+    for (std::size_t row = 0; row < pattern_cells; ++row)  // counted downwards, y upwards
+      value +=
+          profiles[point / SampleGrid::side].share[pattern_cells - 1 - row] * across[point % SampleGrid::side][row];
+    blurred[point] = static_cast<float>(value);
+  }
+  return blurred;
+}
+
+TagTemplate::TagTemplate(const TagPattern& pattern, double sigma) {
+  const Profiles profiles = profiles_at(sigma);
+  for (std::size_t point = 0; point < SampleGrid::points; ++point) {
+    const Profile& across = profiles[point % SampleGrid::side];
+    const Profile& up = profiles[point / SampleGrid::side];
+    double value = 0.0;
+    double value_x = 0.0;
+    double value_y = 0.0;
+    for (std::size_t row = 0; row < pattern_cells; ++row) {
+      const std::size_t height = pattern_cells - 1 - row;  // rows are counted downwards, y upwards
+      for (std::size_t column = 0; column < pattern_cells; ++column) {
+        if (!pattern[row * pattern_cells + column]) continue;
+        value += up.share[height] * across.share[column];
+        value_x += up.share[height] * across.slope[column];
+        value_y += up.slope[height] * across.share[column];
+      }
+    }
+    t[point] = static_cast<float>(value);
+    t_x[point] = static_cast<float>(value_x);
+    t_y[point] = static_cast<float>(value_y);
+  }
+
+  Full normal = Full::Zero();
+  for (std::size_t point = 0; point < SampleGrid::points; ++point) normal += row(point) * row(point).transpose();
+  rigid_inverse = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
+  full_inverse = normal.inverse();
+  mean = normal(paper, constant) / static_cast<double>(SampleGrid::points);
+  scatter = normal(paper, paper) - mean * mean * static_cast<double>(SampleGrid::points);
+}
+
+Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t point) const {
+  const auto x = static_cast<double>(sample_grid.x[point]);
+  const auto y = static_cast<double>(sample_grid.y[point]);
+  const auto tx = static_cast<double>(t_x[point]);
+  const auto ty = static_cast<double>(t_y[point]);
+  Eigen::Matrix<double, columns, 1> result;
+  result << tx, ty, x * ty - y * tx, static_cast<double>(t[point]), 1.0, x * tx, y * ty, x * ty + y * tx;
+  return result;
+}
+
+}  // namespace skein::vision::detail

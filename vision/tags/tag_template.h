@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+
+#include "vision/tags/tag_pattern.h"
+
+namespace skein::vision::detail {
+
+/// Where a tag is looked at: a square lattice in the tag's own frame, x along its heading, y to the left, in modules
+/// (eighths of the black square), the same for all tags. It reaches into the white border, but not to its edge, whose
+/// other side is unknown; its pitch is no simple part of a module, so that edges are met at every phase.
+struct SampleGrid {
+  static constexpr int side = 22;
+  static constexpr std::size_t points = side * side;
+  static constexpr std::size_t count = (points + 7) / 8 * 8;  // whole vectors; the last few points weigh nothing
+  static constexpr float reach = 4.6F;
+  static constexpr float pitch = 2.0F * reach / (side - 1);
+
+  alignas(32) std::array<float, count> x{};
+  alignas(32) std::array<float, count> y{};
+  alignas(32) std::array<float, count> weight{};  // 1, 0 for the points that only fill up the last vector
+
+  constexpr SampleGrid() {
+    for (std::size_t i = 0; i < points; ++i) {
+      x[i] = static_cast<float>(i % side) * pitch - reach;
+      y[i] = static_cast<float>(i / side) * pitch - reach;
+      weight[i] = 1.0F;
+    }
+  }
+};
+inline constexpr SampleGrid sample_grid;
+
+/// A lens in focus blurs by 0.7 px, the pixel's own area by 1/12 px^2 more, reading between pixels by 1/6 on average.
+/// [px]
+inline constexpr double sharp_sigma_px = 0.86;
+
+/// How much two tags of 36h11, or one and the same turned by a quarter, correlate at most when they are blurred by
+/// sigma modules: 0.83 at 0.18 and 0.90 at 0.4, over all pairs.
+constexpr double likeness_of_others(double sigma) {
+  return 0.83 + 0.33 * (sigma - 0.18);
+}
+
+/// A tag's ink (0) and paper (1) at the points of the grid, blurred by sigma [modules].
+std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern, double sigma);
+
+/// What a tag looks like at the points of the grid, blurred, and all that can be computed of a fit before a picture is
+/// there. The picture is taken for
+///
+///     I = gain (T - grad T . (dx, dy) - (x T_y - y T_x) dtheta) + offset,
+///
+/// which is linear in (gain dx, gain dy, gain dtheta, gain, offset): one step of Gauss and Newton is one product with a
+/// matrix that is known beforehand (inverse compositional). Three more columns let the tag stretch and shear, too: no
+/// robot's tag does, one that is held up or tilted does.
+struct TagTemplate {
+  /// sigma: of the blur, in modules.
+  TagTemplate(const TagPattern& pattern, double sigma);
+
+  enum Column { along_x, along_y, turn, paper, constant, stretch_x, stretch_y, shear };
+  static constexpr int rigid_columns = 5;
+  static constexpr int columns = 8;
+  using Rigid = Eigen::Matrix<double, rigid_columns, rigid_columns>;
+  using Full = Eigen::Matrix<double, columns, columns>;
+
+  alignas(32) std::array<float, SampleGrid::count> t{};    // 0 ink, 1 paper
+  alignas(32) std::array<float, SampleGrid::count> t_x{};  // per module
+  alignas(32) std::array<float, SampleGrid::count> t_y{};
+  Rigid rigid_inverse;   // of the normal matrix of the first five columns
+  Full full_inverse;     // of all of them
+  double mean = 0.0;     // of t
+  double scatter = 0.0;  // sum (t - mean)^2
+
+  /// The value of every column at a point.
+  Eigen::Matrix<double, columns, 1> row(std::size_t point) const;
+};
+
+}  // namespace skein::vision::detail

@@ -1,0 +1,232 @@
+#include "vision/tracker/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "vision/detector/detector.h"
+#include "vision/frames/frame.h"
+#include "vision/tags/detection.h"
+#include "vision/tracker/tracker_parts.h"
+
+namespace skein::vision {
+namespace {
+
+// A lost tag is looked for near its last place for this long; then it may be anywhere. [s]
+constexpr double follow_for = 0.5;
+
+constexpr double degree = core::pi / 180.0;
+
+// Faster turning is no robot's, but a fit that has gone wrong or a tag in somebody's hand. [rad/s]
+constexpr double fastest_turn = 720.0 * degree;
+
+// The cubic map is good enough below this. [px]
+constexpr double map_tolerance = 0.01;
+
+detail::PhotometricFit make_fitter(const Calibration& calibration, const TrackerOptions& options) {
+  const detail::PlaneMap map(calibration);
+  detail::FitOptions fit;
+  fit.strain_tolerance = options.shape_tolerance;
+  if (options.baseline) fit.instructions = detail::Instructions::baseline;
+  const double module = calibration.tag_size / 8.0;
+  const bool exact = map.worst_error(calibration, 7.0 * module) > map_tolerance;
+  return {map, module, exact, fit};
+}
+
+std::vector<WantedTag> make_wanted(const std::vector<int>& tags) {
+  const std::vector<detail::TagPattern> patterns = detail::tag_patterns();
+  std::vector<WantedTag> wanted;
+  for (const int tag : tags) {
+    const bool repeated = std::any_of(wanted.begin(), wanted.end(), [&](const WantedTag& w) { return w.tag == tag; });
+    const bool known = tag >= 0 && static_cast<std::size_t>(tag) < patterns.size();
+    if (known && !repeated) wanted.emplace_back(tag, patterns[static_cast<std::size_t>(tag)]);
+  }
+  return wanted;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Calibration with_world(Calibration calibration) {
+  if (!calibration.world_from_camera) throw std::invalid_argument("TagTracker: the calibration has no world frame");
+  return calibration;
+}
+
+/// A frame in so many parts, or nearly so, that overlap by a tag with its border, turned or not: it lies wholly in one.
+std::vector<Window> overlapping_parts(int width, int height, int parts, double overlap) {
+  const int most_columns = std::max(1, static_cast<int>(width / (2.0 * overlap)));
+  const int most_rows = std::max(1, static_cast<int>(height / (2.0 * overlap)));
+  const int columns = std::clamp(static_cast<int>(std::lround(std::sqrt(parts * 4.0 / 3.0))), 1, most_columns);
+  const int rows = std::clamp(parts / columns, 1, most_rows);
+  const int half = static_cast<int>(std::ceil(0.5 * overlap));
+  std::vector<Window> windows;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const int left = width * column / columns - half;
+      const int top = height * row / rows - half;
+      windows.push_back(
+          {left, top, width * (column + 1) / columns + half - left, height * (row + 1) / rows + half - top});
+    }
+  return windows;
+}
+
+}  // namespace
+
+TrackerParts::TrackerParts(Calibration c, TrackerOptions o)
+    : calibration(with_world(std::move(c))),
+      options(std::move(o)),
+      fitter(make_fitter(calibration, options)),
+      detector(DetectorOptions{.threads = options.threads}),
+      edge_px(tag_edge_px(calibration)),
+      decimate(decimate_for_edge(edge_px)),
+      gate(calibration.width, calibration.height, std::max(8.0, edge_px)),
+      wanted(make_wanted(options.tags)),
+      search_parts(overlapping_parts(calibration.width, calibration.height, std::max(1, options.search_parts),
+                                     options.window * std::max(8.0, edge_px))) {
+  poses.reserve(wanted.size());
+  // Most of what a template costs is paid here and not in the first frame.
+  for (WantedTag& tag : wanted) {
+    tag.model.sharp(std::max(1.0, edge_px / 8.0));
+    tag.model.smooth();
+  }
+}
+
+TagTracker::TagTracker(Calibration calibration, TrackerOptions options)
+    : parts_(std::make_unique<TrackerParts>(std::move(calibration), std::move(options))) {}
+
+TagTracker::~TagTracker() = default;
+TagTracker::TagTracker(TagTracker&&) noexcept = default;
+TagTracker& TagTracker::operator=(TagTracker&&) noexcept = default;
+
+const TrackerCounters& TagTracker::counters() const {
+  return parts_->counters;
+}
+
+const std::vector<TagPose>& TagTracker::process(const Frame& frame) {
+  TrackerParts& parts = *parts_;
+  parts.begin();
+  if (frame.width != parts.calibration.width || frame.height != parts.calibration.height) {
+    ++parts.counters.wrong_frames;
+    return parts.poses;
+  }
+  parts.follow(frame);
+  parts.look_nearby(frame);
+  parts.look_at_gate(frame);
+  parts.search(frame);
+  parts.audit(frame);
+  parts.compare_shapes();
+  parts.conclude(frame);
+  return parts.poses;
+}
+
+void TrackerParts::begin() {
+  poses.clear();
+  ++counters.frames;
+  for (WantedTag& tag : wanted) {
+    tag.found = tag.predicted = tag.ghost = false;
+    tag.stretch.reset();
+  }
+}
+
+core::Pose TrackerParts::predict(const WantedTag& tag, double captured_at) const {
+  const double elapsed = std::clamp(captured_at - tag.last_seen_at, 0.0, follow_for);
+  return {tag.last.x + tag.velocity.x * elapsed, tag.last.y + tag.velocity.y * elapsed,
+          core::wrap_angle(tag.last.theta + tag.velocity.theta * elapsed)};
+}
+
+void TrackerParts::follow(const Frame& frame) {
+  for (WantedTag& tag : wanted) {
+    if (!tag.following) continue;
+    detail::Fit fit = fitter.fit(frame, tag.model, predict(tag, frame.captured_at));
+    // It may have stopped short.
+    const bool moved = tag.velocity.x != 0.0 || tag.velocity.y != 0.0 || tag.velocity.theta != 0.0;
+    if (fit.verdict == detail::FitVerdict::unlike && moved) fit = fitter.fit(frame, tag.model, tag.last);
+    if (fit.verdict == detail::FitVerdict::good) {
+      ++counters.fits;
+      tag.predicted = true;
+      accept(tag, frame, fit);
+    } else {
+      ++counters.failed_fits;
+    }
+  }
+}
+
+/// When the rows that show a tag were read: a rolling shutter comes to each of them later than to the first.
+double TrackerParts::seen_at(const Frame& frame, const Corners& corners) const {
+  const double row = 0.25 * (corners[0][1] + corners[1][1] + corners[2][1] + corners[3][1]);
+  return frame.captured_at + calibration.row_time * row;
+}
+
+void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit& fit) {
+  tag.found = true;
+  tag.stretch = fit.stretch;
+  tag.edge_px = fit.edge_px;
+  tag.contrast = fit.contrast;
+  tag.pose.tag = tag.tag;
+  tag.pose.pose = fit.pose;
+  tag.pose.captured_at = seen_at(frame, fit.corners);
+  tag.pose.covariance = fit.covariance;
+  tag.pose.sigma_xy = std::sqrt(0.5 * (fit.covariance(0, 0) + fit.covariance(1, 1)));
+  tag.pose.sigma_theta = std::sqrt(fit.covariance(2, 2));
+  tag.pose.corners = fit.corners;
+}
+
+/// A tag that seems larger than all the others is nearer to the camera than they are: somebody holds it.
+void TrackerParts::compare_shapes() {
+  stretches.clear();
+  for (const WantedTag& tag : wanted)
+    if (tag.found && tag.stretch) stretches.push_back(*tag.stretch);
+  if (stretches.size() < 3) return;
+  const double usual = median(stretches);
+  for (WantedTag& tag : wanted) {
+    if (!tag.found || !tag.stretch || std::abs(*tag.stretch - usual) <= options.group_tolerance) continue;
+    tag.found = false;
+    ++counters.rejected;
+  }
+}
+
+void TrackerParts::conclude(const Frame& frame) {
+  std::optional<double> least_contrast;
+  for (WantedTag& tag : wanted) {
+    if (tag.ghost) {
+      // Which of the two is the robot? Nobody knows: none is reported, and only a full search that finds one ends it.
+      ++counters.ghosts;
+      tag.following = false;
+      tag.ambiguous = true;
+      tag.velocity = {};
+      continue;
+    }
+    const double elapsed = frame.captured_at - tag.last_seen_at;
+    if (!tag.found) {
+      ++tag.missed;
+      tag.following = tag.following && elapsed >= 0.0 && elapsed < follow_for;
+      continue;
+    }
+    const core::Pose& pose = tag.pose.pose;
+    tag.velocity = {};
+    if (tag.following && elapsed > 1e-4 && elapsed < follow_for) {
+      const core::Pose velocity{(pose.x - tag.last.x) / elapsed, (pose.y - tag.last.y) / elapsed,
+                                core::wrap_angle(pose.theta - tag.last.theta) / elapsed};
+      // Put elsewhere, or turned by hand: no prediction then.
+      const bool plausible =
+          std::hypot(velocity.x, velocity.y) <= 2.0 * options.max_speed && std::abs(velocity.theta) <= fastest_turn;
+      if (plausible) tag.velocity = velocity;
+    }
+    tag.pose.how = !tag.ever_seen ? How::detected : tag.predicted ? How::tracked : How::recovered;
+    poses.push_back(tag.pose);
+    ++counters.poses;
+    least_contrast = std::min(tag.contrast, least_contrast.value_or(255.0));
+    tag.missed = 0;
+    tag.last = pose;
+    tag.last_seen_at = frame.captured_at;
+    tag.ever_seen = tag.following = true;
+    tag.ambiguous = false;
+  }
+  if (least_contrast) contrast = least_contrast;
+}
+
+}  // namespace skein::vision

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "vision/calibration/calibration.h"
+#include "vision/frames/frame.h"
+#include "vision/tags/tag_pose.h"
+#include "vision/tracker/tracker_options.h"
+
+namespace skein::vision {
+
+struct TrackerParts;
+
+/// Frames in, poses of the wanted tags out. A tag seen before is fitted photometrically from where it should be by now
+/// (a few microseconds); AprilTag finds the first ones and those that are lost: in a window, where a cheap gate sees
+/// something like a tag, or in the full frame. Not for two threads at once.
+class TagTracker {
+ public:
+  /// The calibration must have a world frame (std::invalid_argument: that is the caller's mistake).
+  TagTracker(Calibration calibration, TrackerOptions options);
+  ~TagTracker();
+  TagTracker(TagTracker&&) noexcept;
+  TagTracker& operator=(TagTracker&&) noexcept;
+
+  /// The wanted tags that this frame shows, in the order of options.tags, each at most once. Valid until the next call.
+  const std::vector<TagPose>& process(const Frame& frame);
+
+  const TrackerCounters& counters() const;
+
+ private:
+  std::unique_ptr<TrackerParts> parts_;
+};
+
+}  // namespace skein::vision

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision {
+
+struct TrackerOptions {
+  std::vector<int> tags{};  // ids wanted, each once; others are not reported
+  int search_every = 5;     // frames between AprilTag searches of the full frame (10 ms and more) while no tag was ever
+                            // seen, or while one was seen twice
+  int search_parts = 48;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
+                            // every frame: a tag that is hidden or gone for good must not hold the others up
+  int audit_every = 25;     // frames in which the gate, strip by strip, goes over the whole picture for second copies
+  int search_anyway = 250;  // frames from part to part when none is missing: for copies in deep shadow
+  double window = 2.2;      // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
+  double max_speed = 0.3;   // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
+  double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]
+  double shape_tolerance = 0.06;   // a tag larger, smaller or more slanted than this part of its size is not where its
+                                   // pose says: it is held up (10 cm under a camera at 1.7 m), tilted or misprinted
+  double group_tolerance = 0.025;  // the same, compared with the other tags, where three and more are seen: what is
+                                   // wrong with all of them is the calibration's tag_size or tag_height
+  int threads = 1;                 // of a full search
+  bool baseline = false;           // only the instructions that every x86-64 has, as where there is no AVX2
+};
+
+/// What the tracker has done since it was made.
+struct TrackerCounters {
+  std::int64_t frames = 0;
+  std::int64_t full_searches = 0;  // frames searched as a whole
+  std::int64_t part_searches = 0;  // and those of which a part was
+  std::int64_t poses = 0;          // reported
+  std::int64_t ghosts = 0;         // times that a wanted id was seen twice in a frame and therefore not reported
+  std::int64_t rejected = 0;       // wanted tags not lying flat at tag_height, or not of tag_size
+  std::int64_t wrong_frames = 0;   // frames whose size is not the calibration's: nothing is looked for in them
+  std::int64_t fits = 0;           // photometric fits that found their tag
+  std::int64_t failed_fits = 0;    // and that did not
+  std::int64_t gates = 0;          // frames in which the gate looked over the whole picture
+  std::int64_t windows = 0;        // small parts of a frame that AprilTag has searched
+};
+
+}  // namespace skein::vision

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision/calibration/calibration.h"
+#include "vision/detector/detector.h"
+#include "vision/fit/photometric_fit.h"
+#include "vision/frames/frame.h"
+#include "vision/tags/detection.h"
+#include "vision/tags/tag_pose.h"
+#include "vision/tracker/gate.h"
+#include "vision/tracker/tracker_options.h"
+
+namespace skein::vision {
+
+/// A wanted tag: what is known from the frames before and what this frame has shown.
+struct WantedTag {
+  int tag = 0;
+  detail::TagModel model;
+  bool ever_seen = false;
+  bool following = false;  // seen in the last frame, or so recently that it is worth a look near there
+  bool ambiguous = false;  // two of it were seen: nobody knows which is the robot until a full search finds one alone
+  core::Pose last;         // where it was last seen
+  double last_seen_at = 0.0;
+  int missed = 0;       // frames since
+  core::Pose velocity;  // per second, from the last two poses; zero where there are no two
+  double edge_px = 0.0;
+  double contrast = 0.0;  // between its ink and its paper [grey levels]
+
+  // of this frame
+  bool found = false;
+  bool predicted = false;  // found where it was expected
+  bool ghost = false;
+  TagPose pose;
+  std::optional<double> stretch;  // of its fit
+
+  WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
+  bool missing() const { return !found && !ghost; }
+};
+
+/// The tracker's state and its stages.
+struct TrackerParts {
+  Calibration calibration;
+  TrackerOptions options;
+  detail::PhotometricFit fitter;
+  TagDetector detector;
+  double edge_px;  // of a tag in the middle of the picture
+  double decimate;
+  detail::Gate gate;
+  std::vector<WantedTag> wanted;
+  std::vector<TagPose> poses;
+  TrackerCounters counters;
+  std::int64_t last_search = 0;  // number of the frame last searched as a whole
+  std::vector<Window> search_parts;
+  std::optional<double> contrast;  // between ink and paper: the least of the tags last seen [grey levels]
+
+  /// A place that the gate thinks much of and AprilTag does not.
+  struct Refuted {
+    detail::Gate::Place place;
+    std::int64_t looked_at = 0;  // number of the frame
+  };
+  std::vector<Refuted> refuted;
+  std::vector<detail::Gate::Place> known;  // middles of the tags found in this frame
+  std::vector<double> stretches;
+
+  TrackerParts(Calibration c, TrackerOptions o);
+
+  // The stages, in this order; each looks only for what the ones before have not found.
+  void begin();
+  void follow(const Frame& frame);        // fits from the predicted poses
+  void look_nearby(const Frame& frame);   // AprilTag in windows around them
+  void look_at_gate(const Frame& frame);  // the gate, and AprilTag where it points to
+  void search(const Frame& frame);        // AprilTag over the full frame or a part of it, where it is due
+  void audit(const Frame& frame);         // a strip of the gate, for second copies
+  void compare_shapes();
+  void conclude(const Frame& frame);
+
+  double seen_at(const Frame& frame, const Corners& corners) const;
+  core::Pose predict(const WantedTag& tag, double captured_at) const;
+  bool missing() const;
+  bool search_due() const;
+  void search_part(const Frame& frame);
+  int gate_threshold() const;
+  int detector_threshold() const;
+  void list_known();
+  void accept(WantedTag& tag, const Frame& frame, const detail::Fit& fit);
+  void consider(WantedTag& tag, const Frame& frame, const Detection& detection, bool predicted);
+  void consider_all(const Frame& frame, const std::vector<Detection>& detections, bool whole_frame);
+  bool check(const Frame& frame, const detail::Gate::Place& place);
+  void check_places(const Frame& frame, const std::vector<detail::Gate::Place>& places, int most_new, int most_old);
+};
+
+}  // namespace skein::vision

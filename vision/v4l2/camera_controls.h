@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <utility>
+#include <vector>
+
+#include "vision/frames/frame_source.h"
+#include "vision/v4l2/v4l2_kernel.h"
+
+namespace skein::vision {
+
+namespace detail {
+class V4l2Device;
+}
+
+/// Something about a camera that can be set, in the driver's own units.
+struct CameraControl {
+  std::string name{};  // as v4l2-ctl writes it: lower case, "_" for all that is no letter or digit
+  std::uint32_t id = 0;
+  std::int64_t least = 0, most = 0, step = 1, standard = 0, value = 0;
+  std::vector<std::pair<std::int64_t, std::string>> choices{};  // of a menu
+  bool settable = true;                                         // false: read only, or another control is in the way
+};
+
+/// A kind of frame that a camera gives.
+struct CameraFormat {
+  std::string format{};  // "YUYV"
+  int width = 0;
+  int height = 0;
+  std::vector<double> rates{};  // [frames/s]; empty: the driver does not say
+};
+
+struct CameraDescription {
+  std::string card{};
+  std::string driver{};
+  std::vector<CameraFormat> formats{};
+  std::vector<CameraControl> controls{};
+};
+
+/// What a camera can do and how it is set. Does not disturb whoever reads frames from it.
+tl::expected<CameraDescription, std::string> describe_camera(const std::string& device,
+                                                             V4l2Kernel& kernel = system_kernel());
+
+/// Sets controls, in order, and reads them back. Names: the driver's (see CameraControl), in its units, or
+///   exposure   [s]  how long the shutter is open; turns the automatic off (0: on)
+///   gain            driver's units; turns its automatic off
+///   focus           driver's units; turns the autofocus off
+/// A name that is not there or a value out of range is refused with what is allowed. Returns a line for each control
+/// that took another value than it was asked to.
+tl::expected<std::vector<std::string>, std::string> set_controls(const detail::V4l2Device& device,
+                                                                 const ControlSettings& settings);
+
+/// "exposure=0.005" as a setting; none where it is something else.
+tl::expected<std::pair<std::string, double>, std::string> parse_setting(std::string_view text);
+
+}  // namespace skein::vision
