@@ -7,9 +7,18 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
+
+# The compiler cache is shared by all checkouts and build folders: paths below the project count as relative, and no object
+# depends on where the checkout is.
 find_program(SKEIN_CCACHE ccache)
 if(SKEIN_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${SKEIN_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true
+    CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${SKEIN_CCACHE})
+endif()
+# A fast linker where there is one: the test programs are large.
+find_program(SKEIN_MOLD mold)
+if(SKEIN_MOLD)
+  add_link_options(-fuse-ld=mold)
 endif()
 
 find_package(Threads REQUIRED)
@@ -28,6 +37,17 @@ endif()
 # What goes into every executable, the program and the tests alike: the sanitizers' runtime looks it up when a program starts.
 add_library(skein_sanitizers OBJECT ${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp)
 target_link_libraries(skein_sanitizers PRIVATE skein_options)
+
+# Qt's headers take longer to compile than our own code that uses them: they are compiled once for the window and once for its
+# tests. A source still includes what it uses: scripts/lint compiles without them.
+option(SKEIN_PCH "Precompile Qt's headers" ON)
+function(skein_precompile target)
+  if(SKEIN_PCH)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
+      "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
+  endif()
+endfunction()
 
 # skein_room(core SOURCES ... PUBLIC ... PRIVATE ...): a room is a static library named after its folder. HEADERS_ONLY: it
 # has no sources, and everything is PUBLIC.

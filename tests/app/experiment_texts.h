@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "app/experiment/experiment_file.h"
+#include "tests/places.h"
 
 namespace skein::app {
 
 using Sets = std::vector<std::string>;
 
-inline const std::string experiments = SKEIN_SOURCE_DIR "/resources/experiments/";
+inline const std::string experiments = test::in_source("resources/experiments/");
 
 /// What is said of a text that is no experiment.
 inline std::vector<std::string> messages(const std::string& text, const Sets& sets = {}) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rules.h"
+#include "tests/places.h"
 
 namespace skein::test {
 namespace {
@@ -15,7 +16,7 @@ class Room : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Room, KeepsTheHouseRules) {
   const std::vector<SourceFile> files = sources_of(GetParam());
-  EXPECT_FALSE(files.empty()) << "no sources in " << GetParam() << ": is SKEIN_SOURCE_DIR right?";
+  EXPECT_FALSE(files.empty()) << "no sources in " << GetParam() << ": is the root right?";
   for (const SourceFile& file : files)
     for (const std::string& broken : broken_rules(file)) ADD_FAILURE() << broken;
 }

@@ -1,4 +1,5 @@
 #include "rules.h"
+#include "tests/places.h"
 
 #include <algorithm>
 #include <array>
@@ -177,7 +178,7 @@ std::vector<string> broken_rules(const SourceFile& file) {
 }
 
 std::vector<SourceFile> sources_of(const string& room) {
-  const std::filesystem::path root = SKEIN_SOURCE_DIR;
+  const std::filesystem::path root = test::in_source("");
   std::vector<SourceFile> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
     if (!entry.is_regular_file() || !is_source(entry.path())) continue;

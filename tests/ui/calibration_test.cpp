@@ -14,6 +14,7 @@
 #include "shown_board.h"
 #include "ui/calibration/calibration_dialog.h"
 #include "ui/calibration/floor_page.h"
+#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {
@@ -84,10 +85,10 @@ TEST_F(Calibration, SaysWhyACameraCannotBeLookedAt) {
 
 TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
   // The tags of four robots that stand about, in the picture of a synthetic camera, serve as the floor's.
-  auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   experiment->camera.calibration = "overhead.toml";
-  experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
+  experiment->directory = skein::test::in_source("resources/cameras");
   window.resize(1280, 800);
   window.show();
   window.activateWindow();
@@ -104,7 +105,7 @@ TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
   for (const char* name : {"a.png", "b.png"})
     ASSERT_TRUE(arena().scene().picture.save(dir.filePath(QString::fromLatin1(name))));
   const QString file = dir.filePath(QStringLiteral("camera.toml"));
-  ASSERT_TRUE(QFile::copy(QStringLiteral(SKEIN_SOURCE_DIR "/resources/cameras/overhead.toml"), file));
+  ASSERT_TRUE(QFile::copy(QString::fromStdString(skein::test::in_source("resources/cameras/overhead.toml")), file));
   QFile::setPermissions(file, QFile::ReadOwner | QFile::WriteOwner);
 
   CalibrationDialog* dialog = open_dialog();

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "operator.h"
+#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {
@@ -9,7 +10,7 @@ namespace {
 class Camera : public Operator {
  protected:
   void start_loopback() {
-    const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+    const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
     ASSERT_TRUE(experiment.has_value());
     start(*experiment);
   }

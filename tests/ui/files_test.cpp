@@ -10,6 +10,7 @@
 #include "app/record/csv_file.h"
 #include "operator.h"
 #include "ui/editor/experiment_editor.h"
+#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {
@@ -122,7 +123,7 @@ TEST_F(Files, AreRefusedWithPlaceValueAndWhatIsAllowed) {
 }
 
 TEST_F(Files, AreNotOpenedWhileRealRobotsDrive) {
-  const auto loopback = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  const auto loopback = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(loopback.has_value());
   start(*loopback);
   window.open_file(experiment("mine.toml"));
@@ -139,7 +140,7 @@ class Program : public Files {
     environment.insert(QStringLiteral("XDG_CONFIG_HOME"), dir.path());
     environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));  // Qt's are not ours
     process.setProcessEnvironment(environment);
-    process.start(QStringLiteral(SKEIN_PROGRAM), words);
+    process.start(QString::fromStdString(skein::test::program()), words);
     ASSERT_TRUE(process.waitForStarted(patience_ms));
   }
   void TearDown() override {

@@ -9,6 +9,7 @@
 
 #include "operator.h"
 #include "ui/robots/robots_model.h"
+#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {
@@ -24,7 +25,7 @@ class Robots : public Operator {
     ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   }
   void open_loopback() {
-    const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+    const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
     ASSERT_TRUE(experiment.has_value());
     open_and_wait(*experiment);
   }
@@ -106,7 +107,7 @@ TEST_F(Robots, ThatAreSimulatedSayWhyTheyAreNotTested) {
 TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
   const QTemporaryDir dir;
   QProcess robots;
-  robots.start(QStringLiteral(SKEIN_PROGRAM), {QStringLiteral("emulate"), QStringLiteral("--robots"),
+  robots.start(QString::fromStdString(skein::test::program()), {QStringLiteral("emulate"), QStringLiteral("--robots"),
                                                QStringLiteral("1"), QStringLiteral("--directory"), dir.path()});
   const QString device = dir.filePath(QStringLiteral("robot1"));
   ASSERT_TRUE(eventually([&] { return QFile::exists(device); }));
@@ -120,7 +121,7 @@ TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
                                               "\"\ncalibration = \"overhead.toml\"\n",
                                           "one.toml");
   ASSERT_TRUE(experiment) << experiment.error().front().message();
-  experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
+  experiment->directory = skein::test::in_source("resources/cameras");
   window.show();
   window.activateWindow();
   window.open(*experiment, false);

@@ -14,6 +14,7 @@
 #include "app/replay/replay.h"
 #include "operator.h"
 #include "ui/run/event_log.h"
+#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {
@@ -98,7 +99,7 @@ TEST_F(Run, ObeysStopAtOnceInSlowMotion) {
 }
 
 TEST_F(Run, SaysWhyARealTimeRunHasNoOtherSpeed) {
-  const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   start(*experiment);
   for (const char* name : {"step", "speed"}) {
@@ -169,7 +170,7 @@ TEST_F(Run, StopsWhenTheDiskFillsUp) {
 }
 
 TEST_F(Run, GoesOnWithoutAFilmWhenTheDiskFillsUp) {
-  const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   window.record(true);  // log and film: the film is by far the larger one
   rlimit before{};
@@ -197,7 +198,7 @@ TEST_F(Run, GoesOnUnderAWindowThatHangs) {
 }
 
 TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
-  const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   start(*experiment);
   QThread::msleep(3600);  // five seconds would only make the test longer
@@ -210,7 +211,7 @@ TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
   // Of an X server of our own (tests/ui/on_x_server), which may be stalled.
   const auto server = static_cast<pid_t>(qEnvironmentVariableIntValue("SKEIN_X_SERVER"));
   if (server <= 0) GTEST_SKIP() << "not on an X server of its own";
-  const auto experiment = app::load_experiment(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml");
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   start(*experiment);
   ASSERT_EQ(::kill(server, SIGSTOP), 0);

@@ -7,6 +7,8 @@
 #include <QTest>
 #include <csignal>
 
+#include "tests/places.h"
+
 namespace skein::ui::test {
 namespace {
 
@@ -41,7 +43,7 @@ class XServer : public ::testing::Test {
     // Under the AddressSanitizer: what libdbus and Qt's X11 plugin keep to the end is not what is tested here.
     environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));
     skein.setProcessEnvironment(environment);
-    skein.start(QStringLiteral(SKEIN_PROGRAM), words);
+    skein.start(QString::fromStdString(skein::test::program()), words);
     ASSERT_TRUE(skein.waitForStarted(patience_ms));
     skein.waitForFinished(1500);  // long enough to be on the screen and running
     ASSERT_EQ(skein.state(), QProcess::Running) << skein.readAllStandardError().toStdString();
@@ -61,7 +63,7 @@ TEST_F(XServer, ShowsTheWindowUntilItIsToldToEnd) {
 }
 
 TEST_F(XServer, StopsTheRobotsWhenTheServerDies) {
-  start({QStringLiteral(SKEIN_SOURCE_DIR "/resources/experiments/platoon-loopback.toml")});
+  start({QString::fromStdString(skein::test::in_source("resources/experiments/platoon-loopback.toml"))});
   server.kill();
   ASSERT_TRUE(skein.waitForFinished(patience_ms)) << "it goes on without anybody who could stop it";
   const QString said = QString::fromUtf8(skein.readAllStandardError());

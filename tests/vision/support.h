@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "vision/frames/frame.h"
+#include "tests/places.h"
 
 namespace skein::test {
 
@@ -26,7 +27,7 @@ inline constexpr bool sanitized = false;
 /// Where real pictures are, if there are any (see real_data_test).
 inline std::string real_data() {
   const char* named = std::getenv("SKEIN_REAL_DATA");
-  return named != nullptr ? named : SKEIN_SOURCE_DIR "/../shared/data";
+  return named != nullptr ? named : test::in_source("../shared/data");
 }
 
 /// A folder of its own for a test, gone when the test is over.

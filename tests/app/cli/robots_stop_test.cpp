@@ -8,6 +8,7 @@
 #include "app/run/exit_status.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/transport.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -43,7 +44,7 @@ TEST(RobotsStop, ARobotThatIsNotThereIsStatusThreeAndTheOthersStop) {
 TEST(RobotsStop, WrongWordsAreRefused) {
   EXPECT_EQ(stop_robots({"bluetooth"}), wrong_input);
   EXPECT_EQ(stop_robots({"/nowhere.toml"}), wrong_input);
-  EXPECT_EQ(stop_robots({std::string(SKEIN_SOURCE_DIR) + "/resources/experiments/platoon.toml"}), wrong_input)
+  EXPECT_EQ(stop_robots({test::in_source("resources/experiments/platoon.toml")}), wrong_input)
       << "nobody in it is real";
 }
 

@@ -12,6 +12,7 @@
 #include "app/record/csv_writer.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/property.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -208,7 +209,7 @@ std::vector<std::string> known_keys(const std::string& table) {
 }
 
 TEST(Documentation, NamesEveryKey) {
-  const std::string text = file_text(SKEIN_SOURCE_DIR "/docs/experiment-file.md");
+  const std::string text = file_text(test::in_source("docs/experiment-file.md"));
   std::size_t keys = 0;
   for (const char* table :
        {"",
@@ -244,7 +245,7 @@ TEST(Documentation, NamesEveryKey) {
 }
 
 TEST(Documentation, NamesEveryColumn) {
-  const std::string text = file_text(SKEIN_SOURCE_DIR "/docs/csv.md");
+  const std::string text = file_text(test::in_source("docs/csv.md"));
   std::ostringstream csv;
   CsvWriter writer(csv, paper_experiment());
   std::istringstream columns(csv.str().substr(csv.str().rfind("\nt,") + 1));

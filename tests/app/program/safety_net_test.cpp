@@ -19,6 +19,7 @@
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"
+#include "tests/places.h"
 
 extern char** environ;
 
@@ -67,12 +68,12 @@ class DyingProgram : public testing::Test {
     posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addclose(&files, ends[0]);
     posix_spawn_file_actions_addclose(&files, ends[1]);
-    std::vector<std::string> words{SKEIN_VICTIM, guard, "serial:" + ptys.device(0), "serial:" + ptys.device(1),
+    std::vector<std::string> words{test::victim(), guard, "serial:" + ptys.device(0), "serial:" + ptys.device(1),
                                    "tcp:127.0.0.1:" + std::to_string(wifi.port())};
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    ASSERT_EQ(::posix_spawn(&pid_, SKEIN_VICTIM, &files, nullptr, arguments.data(), environ), 0);
+    ASSERT_EQ(::posix_spawn(&pid_, test::victim().c_str(), &files, nullptr, arguments.data(), environ), 0);
     posix_spawn_file_actions_destroy(&files);
     ::close(ends[1]);
     char said = 0;
@@ -125,7 +126,7 @@ TEST_F(DyingProgram, ACrashInAnyThreadStopsTheRobotsFirst) {
 }
 
 TEST_F(DyingProgram, WhenItIsKilledTheGuardStopsTheRobots) {
-  start(SKEIN_PROGRAM);
+  start(test::program());
   if (HasFatalFailure()) return;
   EXPECT_TRUE(markers());
   EXPECT_TRUE(bad_ends().empty()) << "it lives";
@@ -159,7 +160,7 @@ TEST_F(DyingProgram, WithoutAGuardTheNextStartKnowsOfItAndStopsThem) {
 
 TEST_F(DyingProgram, AGoodEndLeavesNothingBehind) {
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
-  auto net = SafetyNet::spread("good", robots, SKEIN_PROGRAM);
+  auto net = SafetyNet::spread("good", robots, test::program());
   ASSERT_TRUE(net) << net.error();
   EXPECT_TRUE(markers());
   RobotStatus stands;
@@ -179,7 +180,7 @@ TEST_F(DyingProgram, ARobotThatIsNotKnownToStandIsLeftToTheGuard) {
   }
   ptys.silence(0, false);
   ASSERT_NE(ptys.wheels(0), WheelSpeeds{});
-  auto net = SafetyNet::spread("bad", robots, SKEIN_PROGRAM);
+  auto net = SafetyNet::spread("bad", robots, test::program());
   ASSERT_TRUE(net) << net.error();
   net->done({RobotStatus{}});
   EXPECT_TRUE(eventually([this] { return ptys.wheels(0) == WheelSpeeds{} && !markers(); }));
@@ -187,7 +188,7 @@ TEST_F(DyingProgram, ARobotThatIsNotKnownToStandIsLeftToTheGuard) {
 
 TEST_F(DyingProgram, WhereTheMarkerCannotBeWrittenTheReasonIsSaid) {
   ::setenv("XDG_STATE_HOME", "/proc/nowhere", 1);
-  const auto net = SafetyNet::spread("x", {{comms::LinkKind::serial, "/dev/a"}}, SKEIN_PROGRAM);
+  const auto net = SafetyNet::spread("x", {{comms::LinkKind::serial, "/dev/a"}}, test::program());
   ASSERT_FALSE(net);
   EXPECT_NE(net.error().find("/proc/nowhere/skein/run-"), std::string::npos) << net.error();
 }

@@ -7,6 +7,7 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/tick/control_tick.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -110,7 +111,7 @@ TEST_F(Readiness, ARealCameraNeedsItsCalibration) {
   experiment.camera.calibration = "no-such-file.toml";
   EXPECT_EQ(check(Check::What::camera).state, Check::State::fails);
   EXPECT_THAT(check(Check::What::camera).reason, testing::HasSubstr("there is no no-such-file.toml"));
-  experiment.directory = SKEIN_SOURCE_DIR "/resources/experiments";
+  experiment.directory = test::in_source("resources/experiments");
   experiment.camera.calibration = "platoon.toml";  // that it is one is found when it is opened
   EXPECT_EQ(check(Check::What::camera).state, Check::State::holds);
 }

@@ -9,6 +9,7 @@
 #include "app/session/record_channel.h"
 #include "app/tick/control_tick.h"
 #include "core/simulation/simulated_robot.h"
+#include "tests/places.h"
 
 namespace {
 std::atomic<long> allocations{0};
@@ -156,7 +157,7 @@ long allocated(const Experiment& e, int ticks, int& deadlocks, int& staging_tick
 }
 
 TEST(Allocation, DetoursDeadlocksAndStagingAllocateNothing) {
-  const std::string swap = SKEIN_SOURCE_DIR "/resources/experiments/antipodal-swap-10.toml";
+  const std::string swap = test::in_source("resources/experiments/antipodal-swap-10.toml");
   int deadlocks = 0, staging_ticks = 0;
   EXPECT_EQ(allocated(*load_experiment(swap), 700, deadlocks, staging_ticks), 0);
   EXPECT_EQ(deadlocks + staging_ticks, 0);

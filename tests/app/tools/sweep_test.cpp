@@ -10,6 +10,7 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/run/tick_record.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const std::string studies = SKEIN_SOURCE_DIR "/resources/studies/";
+const std::string studies = test::in_source("resources/studies/");
 
 Study shipped(const std::string& name) {
   auto study = load_study(studies + name);

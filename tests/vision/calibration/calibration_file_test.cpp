@@ -1,6 +1,7 @@
 #include "tests/property.h"
 #include "tests/vision/support.h"
 #include "vision/calibration/calibration.h"
+#include "tests/places.h"
 
 namespace skein::vision {
 namespace {
@@ -129,7 +130,7 @@ TEST(CalibrationFile, FilesThatCannotBeUsedAreNamed) {
 }
 
 TEST(CalibrationFile, TheOneThatIsHandedOutIsTheSyntheticCamera) {
-  const auto camera = load_calibration(SKEIN_SOURCE_DIR "/resources/cameras/overhead.toml");
+  const auto camera = load_calibration(test::in_source("resources/cameras/overhead.toml"));
   ASSERT_TRUE(camera) << camera.error();
   const Calibration made = overhead_calibration(2.0, 1.5);
   EXPECT_EQ(camera->width, made.width);

@@ -5,6 +5,7 @@
 #include "vision/recording/recorder.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/random.h"
+#include "tests/places.h"
 
 namespace skein {
 namespace {
@@ -43,7 +44,7 @@ TEST(Fuzz, DamagedFilms) {
 TEST(Fuzz, SeedsAreWell) {
   // What the fuzzer of calibrations begins with: each is one, or marks on a floor.
   int calibrations = 0, floors = 0;
-  for (const auto& file : std::filesystem::directory_iterator(SKEIN_SOURCE_DIR "/tests/fuzz/seeds/fuzz_calibration")) {
+  for (const auto& file : std::filesystem::directory_iterator(test::in_source("tests/fuzz/seeds/fuzz_calibration"))) {
     const std::vector<std::uint8_t> bytes = fuzz::read_bytes(file.path().string());
     const std::string text(bytes.begin(), bytes.end());
     const bool calibration = vision::parse_calibration(text, "seed").has_value();
