@@ -70,44 +70,19 @@ QString phase_text(app::Phase phase) {
 }
 
 Severity severity(const app::Event& event) {
-  using Kind = app::Event::Kind;
-  switch (event.kind) {
-    case Kind::stop:
-    case Kind::lost:
-      return Severity::alarm;
-    case Kind::deadline_missed:
-    case Kind::kidnap:
-    case Kind::hold:
-    case Kind::gain_held:
-    case Kind::pair_gain_held:
-    case Kind::v_rise:
-    case Kind::link:
-    case Kind::film_broken:
-      return Severity::warning;
-    case Kind::found:
-      return Severity::good;
-    case Kind::start:
-    case Kind::perturb:
-    case Kind::move:
-    case Kind::kick:
-    case Kind::release:
-    case Kind::obstacle:
-    case Kind::gain:
-    case Kind::pair_gain:
-    case Kind::couple:
-    case Kind::uncouple:
-    case Kind::schedule:
-    case Kind::pause:
-    case Kind::resume:
-      return Severity::notice;
-    case Kind::stage:
-    case Kind::staged:
-    case Kind::deadlock:
-    case Kind::avoid:
-    case Kind::clear:
-      return Severity::note;
-  }
-  return Severity::note;
+  using namespace app::events;
+  using app::one_of;
+  return std::visit(
+      app::Overloaded{
+          [](const one_of<Stop, Lost> auto&) { return Severity::alarm; },
+          [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link,
+                          FilmBroken> auto&) { return Severity::warning; },
+          [](const one_of<Found> auto&) { return Severity::good; },
+          [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Couple, Uncouple, Schedule,
+                          Pause, Resume> auto&) { return Severity::notice; },
+          [](const one_of<app::events::Stage, Staged, Deadlock, Avoid, Clear> auto&) { return Severity::note; },
+      },
+      event);
 }
 
 QColor colour(Severity severity, const Colours& c) {

@@ -167,7 +167,7 @@ void tick(benchmark::State& state) {
   const std::vector<TickRecord> run = record_run(experiment);
   const std::size_t n = experiment.robots.size();
   std::vector<core::Measurement> measurements(n);
-  const OperatorCommand start{};
+  const OperatorCommand start = commands::Start{};
   auto control = std::make_unique<ControlTick>(experiment);
   std::size_t k = 0;
   for (auto _ : state) {

@@ -61,38 +61,57 @@ void check_perturbations(const Experiment& e, Problems& problems) {
   }
 }
 
-/// What an action names has to be there, and what it does has to be possible.
+/// What an action names has to be there, and what it does has to be possible. The answer says what is allowed; empty:
+/// the action is.
+std::string wrong_with(const Event& action, const Experiment& e) {
+  const std::size_t robots = e.robots.size();
+  const std::size_t most_obstacles = e.obstacles.size() + core::ObstacleField::room_for_more;
+  const auto robot = [&](std::size_t i) { return i < robots ? "" : fmt::format("a robot, r1 to r{}", robots); };
+  const auto simulated = [&](std::size_t i) {
+    if (i >= robots || e.robots[i].simulated()) return std::string(robot(i));
+    return fmt::format("a simulated robot; robot {} is real: move it by hand", i + 1);
+  };
+  const auto pair = [&](std::size_t i, std::size_t j) {
+    return i < robots && j < robots && i != j ? "" : fmt::format("two different robots, r1 to r{}", robots);
+  };
+  const auto gain = [](core::GainName name, double to) {
+    return name <= core::gain_names.back() && to >= 0.0
+               ? ""
+               : std::string("k_xx, k_tt or k_yy, and a value of 0 or more behind ->");
+  };
+  using namespace events;
+  return std::visit(
+      Overloaded{
+          [&](const one_of<Move, Kick> auto& a) -> std::string { return simulated(a.robot); },
+          [&](const one_of<Hold, Release> auto& a) -> std::string { return robot(a.robot); },
+          [&](const one_of<Couple, Uncouple> auto& a) -> std::string { return pair(a.i, a.j); },
+          [&](const Gain& a) -> std::string { return gain(a.gain, a.to); },
+          [&](const PairGain& a) -> std::string {
+            const std::string wrong = pair(a.i, a.j);
+            return wrong.empty() ? gain(a.gain, a.to) : wrong;
+          },
+          [&](const PutObstacle& a) -> std::string {
+            const auto& [x, y, radius] = a.obstacle;
+            if (a.number >= most_obstacles)
+              return fmt::format("obstacles o1 to o{}: the file's come first", most_obstacles);
+            const bool on_floor = std::abs(x) <= e.arena_width / 2 && std::abs(y) <= e.arena_height / 2;
+            if (radius == 0.0 || (radius > 0.0 && on_floor)) return {};
+            return "a place inside the arena, and a radius of 0, which takes it away, or more";
+          },
+          // No actions: `parse_action` does not read them.
+          [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
+                          Avoid, Clear, events::Stage, Staged, Deadlock, DeadlineMissed, VRise, Link, FilmBroken> auto&)
+              -> std::string { return {}; },
+      },
+      action);
+}
+
 void check_actions(const Experiment& e, Problems& problems) {
-  const auto robots = static_cast<int>(e.robots.size());
-  const auto most_obstacles = static_cast<int>(e.obstacles.size() + core::ObstacleField::room_for_more);
   for (std::size_t k = 0; k < e.actions.size(); ++k) {
     const Event& event = e.actions[k].event;
-    if (e.actions[k].event.kind == Event::Kind::start) continue;  // not read: said already
-    const auto refuse = [&](const std::string& allowed) {
+    if (const std::string allowed = wrong_with(event, e); !allowed.empty())
       problems.add(fmt::format("operator.{}.does", k + 1),
                    fmt::format("found \"{}\", allowed: {}", describe(event), allowed));
-    };
-    if (event.kind == Event::Kind::obstacle) {
-      const auto [x, y, radius] = event.values;
-      if (event.robot < 0 || event.robot >= most_obstacles)
-        refuse(fmt::format("obstacles o1 to o{}: the file's come first", most_obstacles));
-      else if (!(radius >= 0.0) ||
-               (radius > 0.0 && (std::abs(x) > e.arena_width / 2 || std::abs(y) > e.arena_height / 2)))
-        refuse("a place inside the arena, and a radius of 0, which takes it away, or more");
-      continue;
-    }
-    const bool one = event.kind == Event::Kind::move || event.kind == Event::Kind::kick ||
-                     event.kind == Event::Kind::hold || event.kind == Event::Kind::release;
-    const bool pair = !one && event.kind != Event::Kind::gain;
-    const bool known = event.robot >= 0 && event.robot < robots;
-    if ((one || pair) && (!known || (pair && (event.other < 0 || event.other >= robots || event.other == event.robot))))
-      refuse(pair ? fmt::format("two different robots, r1 to r{}", robots) : fmt::format("a robot, r1 to r{}", robots));
-    else if ((event.kind == Event::Kind::move || event.kind == Event::Kind::kick) &&
-             !e.robots[static_cast<std::size_t>(event.robot)].simulated())
-      refuse(fmt::format("a simulated robot; robot {} is real: move it by hand", event.robot + 1));
-    else if ((event.kind == Event::Kind::gain || event.kind == Event::Kind::pair_gain) &&
-             (event.gain > core::gain_names.back() || !(event.values[1] >= 0.0)))
-      refuse("k_xx, k_tt or k_yy, and a value of 0 or more behind ->");
   }
 }
 

@@ -10,8 +10,18 @@
 namespace skein::app {
 namespace {
 
-bool is_gain(Event::Kind kind) {
-  return kind == Event::Kind::gain || kind == Event::Kind::pair_gain;
+/// Whether `happened` is what the action `asked` for does: it says the same, but for what a gain comes from and how far
+/// (18) lets it go.
+bool does(const Event& asked, const Event& happened) {
+  if (const auto* const gain = std::get_if<events::Gain>(&asked)) {
+    const auto* const other = std::get_if<events::Gain>(&happened);
+    return other && other->gain == gain->gain;
+  }
+  if (const auto* const gain = std::get_if<events::PairGain>(&asked)) {
+    const auto* const other = std::get_if<events::PairGain>(&happened);
+    return other && other->gain == gain->gain && other->i == gain->i && other->j == gain->j;
+  }
+  return describe(asked) == describe(happened);
 }
 
 /// The actions of the file itself, each of which explains one event.
@@ -22,9 +32,7 @@ class FileActions {
   bool explain(double t, const Event& event) {
     constexpr double latest = 1.0;  // ticks that were missed [s]
     const auto same = [&](const OperatorAction& a) {
-      const Event& of = a.event;
-      return t > a.t - 1e-9 && t < a.t + latest && of.kind == event.kind && of.robot == event.robot &&
-             of.other == event.other && of.gain == event.gain && (is_gain(of.kind) || of.values == event.values);
+      return t > a.t - 1e-9 && t < a.t + latest && does(a.event, event);
     };
     const auto found = std::find_if(left_.begin(), left_.end(), same);
     if (found == left_.end()) return false;
@@ -49,8 +57,7 @@ std::string first_moves(const Experiment& experiment, const TickRecord& first) {
     const core::Pose& stood = first.robots[i].truth;
     const core::Pose start = experiment.robots[i].start.value_or(reference->at(i, 0.0).pose);
     const double away = std::max(core::distance(stood, start), std::abs(core::wrap_angle(stood.theta - start.theta)));
-    if (experiment.robots[i].simulated() && away > same_place)
-      text += table_of(0.0, {Event::Kind::move, static_cast<int>(i), {}, {stood.x, stood.y, stood.theta}});
+    if (experiment.robots[i].simulated() && away > same_place) text += table_of(0.0, events::Move{i, stood});
   }
   return text;
 }
@@ -76,10 +83,10 @@ std::string text_as_done(const Experiment& experiment, const std::vector<const T
     if (row->phase == Phase::staging || row->phase == Phase::ready) continue;
     if (first) text += first_moves(experiment, *row);
     for (const Event& event : row->events) {
-      const bool link_lost = event.kind == Event::Kind::hold && row->events.contains(Event::Kind::link, event.robot);
-      const bool known = first && event.kind == Event::Kind::move;
-      if (is_action(event.kind) && !link_lost && !known && !file.explain(row->t, event))
-        text += table_of(row->t, event);
+      const auto* const hold = std::get_if<events::Hold>(&event);
+      const bool link_lost = hold && row->events.contains<events::Link>(hold->robot);
+      const bool known = first && is<events::Move>(event);
+      if (is_action(event) && !link_lost && !known && !file.explain(row->t, event)) text += table_of(row->t, event);
     }
     first = false;
   }
@@ -90,7 +97,7 @@ tl::expected<std::string, std::string> text_with_gains(std::string text, const c
   for (const core::GainName gain : core::gain_names) {
     const core::PairTable& table = core::table(gains, gain);
     auto changed =
-        with_toml_value(text, fmt::format("controller.gains.{}", name(gain)), literal(table, table.robots()));
+        with_toml_value(text, fmt::format("controller.gains.{}", word(gain)), literal(table, table.robots()));
     if (!changed) return changed;
     text = std::move(*changed);
   }

@@ -108,7 +108,7 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_health_columns{{
 
 /// Where columns for gains of pairs are, in the order of core::gain_names, robots from 1: "k_xx_1_2".
 inline std::string pair_column(core::GainName gain, std::size_t i, std::size_t j) {
-  return std::string(name(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);
+  return std::string(word(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);
 }
 
 struct ModeName {

@@ -126,7 +126,10 @@ void CsvReader::find_columns() {
   store("t", [](TickRecord& r) -> double& { return r.t; });
   store("now", [](TickRecord& r) -> double& { return r.now; });
   known["tick"] = [](TickRecord& r, std::string_view cell) { return read_number(cell, r.tick); };
-  known["event"] = [](TickRecord& r, std::string_view cell) { return read_events(cell, r.events); };
+  known["event"] = [room = EventList::room_for(robots_)](TickRecord& r, std::string_view cell) {
+    r.events.limit_to(room);
+    return read_events(cell, r.events);
+  };
   for (const auto& column : gain_columns) store(column.name, column.at);
   for (const auto& column : group_columns) store(column.name, column.at);
   for (const auto& column : latency_columns) store(column.name, column.at);
@@ -154,7 +157,7 @@ void CsvReader::find_columns() {
     for (const auto& column : link_columns) of_robot(column);
     for (const auto& column : link_health_columns) of_robot(column);
     known[prefix + "link"] = [i](TickRecord& r, std::string_view cell) {
-      r.robots[i].link.state = comms::link_state(cell);
+      r.robots[i].link.state = core::from_word<LinkState>(cell);
       return cell.empty() || r.robots[i].link.state.has_value();
     };
     known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) {

@@ -41,7 +41,7 @@ struct CsvWriter::Impl {
     const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
     for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
     row.append(core::name(record.measurement.how)) += ',';
-    if (record.link.state) row += comms::to_text(*record.link.state);
+    if (record.link.state) row += word(*record.link.state);
     row += ',';
     for (const auto& column : link_columns) number(column.get(record));
     limits(record.limits);
@@ -108,9 +108,8 @@ bool pairs_differ(const Experiment& experiment) {
     for (const GainChange& change : experiment.gain_changes)
       if (change[gain] && differ(*change[gain])) return true;
   }
-  return std::any_of(experiment.actions.begin(), experiment.actions.end(), [](const OperatorAction& action) {
-    return action.event.kind == Event::Kind::pair_gain || action.event.kind == Event::Kind::uncouple;
-  });
+  return std::any_of(experiment.actions.begin(), experiment.actions.end(),
+                     [](const OperatorAction& action) { return is<events::PairGain, events::Uncouple>(action.event); });
 }
 
 bool pairs_differ(const TickRecord& record) noexcept {

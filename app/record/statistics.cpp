@@ -75,11 +75,9 @@ void Statistics::record(const TickRecord& record) {
 
   for (const Event& event : record.events) {
     so_far_.events.emplace_back(record.t, describe(event));
-    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move || event.kind == Event::Kind::kick ||
-        event.kind == Event::Kind::kidnap)
-      disturb(record.t, event);
-    if (event.kind == Event::Kind::deadline_missed)
-      so_far_.missed_deadlines += static_cast<std::int64_t>(event.values[0]);
+    if (is<events::Perturb, events::Move, events::Kick, events::Kidnap>(event)) disturb(record.t, event);
+    if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event))
+      so_far_.missed_deadlines += missed->ticks;
   }
 }
 
@@ -109,14 +107,15 @@ void Statistics::count_collisions(const TickRecord& record) {
 
 void Statistics::disturb(double t, const Event& event) {
   const std::string what = describe(event);
+  const int robot = static_cast<int>(robot_of(event).value());
   if (disturbances_.empty() || t - disturbances_.back().t > one_disturbance) {
-    disturbances_.push_back({t, event.robot, what});
+    disturbances_.push_back({t, robot, what});
     return;
   }
   Disturbance& same = disturbances_.back();
   same.t = t;
-  same.what = same.robot == event.robot ? what : same.what + "; " + what;
-  same.robot = event.robot;
+  same.what = same.robot == robot ? what : same.what + "; " + what;
+  same.robot = robot;
 }
 
 /// Errors of the samples from `begin` to before `end` [s].

@@ -55,7 +55,7 @@ Json latency(const Statistics::Summary& s) {
 
 Json json(int robot, const RobotStatus& link) {
   return {{"robot", robot + 1},
-          {"link", link.link},
+          {"link", word(link.link)},
           {"reason", link.reason},
           {"version", link.version},
           {"battery", json(link.battery)},

@@ -24,14 +24,8 @@ namespace {
 std::vector<OperatorCommand> commands_of(const TickRecord& row) {
   std::vector<OperatorCommand> commands;
   for (const Event& event : row.events)
-    if (const auto command = command_of(event, true)) commands.push_back(*command);
+    if (const auto command = command_of(event)) commands.push_back(*command);
   return commands;
-}
-
-bool contains(const EventList& events, Event::Kind kind) {
-  for (const Event& event : events)
-    if (event.kind == kind) return true;
-  return false;
 }
 
 bool same_bits(double a, double b) noexcept {
@@ -150,12 +144,13 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     TickInput input;
     input.now = row.now;
     input.elapsed = static_cast<int>(std::max<std::int64_t>(1, row.tick - last_tick));
-    input.stop = contains(row.events, Event::Kind::stop);
+    input.stop = row.events.contains<events::Stop>();
     input.measurements = measurements;
     input.delays = delays;
     input.commands = commands;
+    input.recorded = true;
     for (const Event& event : row.events)
-      if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move) input.events.add(event);
+      if (is<events::Perturb, events::Move>(event)) input.events.add(event);
     const TickRecord& again = tick.step(input);
     compare(row, again, result);
     if (run) {

@@ -5,125 +5,201 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <string_view>
 #include <utility>
-#include <vector>
 
-#include "comms/link_status.h"
+#include "core/words.h"
 
 namespace skein::app {
 namespace {
 
-using Kind = Event::Kind;
+using namespace events;
 
-constexpr std::array<std::pair<Kind, std::string_view>, 29> words{{{Kind::start, "start"},
-                                                                   {Kind::pause, "pause"},
-                                                                   {Kind::resume, "resume"},
-                                                                   {Kind::stop, "stop"},
-                                                                   {Kind::perturb, "perturb"},
-                                                                   {Kind::kidnap, "kidnap"},
-                                                                   {Kind::move, "move"},
-                                                                   {Kind::hold, "hold"},
-                                                                   {Kind::release, "release"},
-                                                                   {Kind::kick, "kick"},
-                                                                   {Kind::obstacle, "obstacle"},
-                                                                   {Kind::gain, "gain"},
-                                                                   {Kind::schedule, "schedule"},
-                                                                   {Kind::gain_held, "gain_held"},
-                                                                   {Kind::pair_gain, "pair_gain"},
-                                                                   {Kind::pair_gain_held, "pair_gain_held"},
-                                                                   {Kind::couple, "couple"},
-                                                                   {Kind::uncouple, "uncouple"},
+// The words behind an event's own, in their order, for printing and reading alike. A kind of event that is in none of
+// these does not compile.
 
-                                                                   {Kind::lost, "lost"},
-                                                                   {Kind::found, "found"},
-                                                                   {Kind::avoid, "avoid"},
-                                                                   {Kind::clear, "clear"},
-                                                                   {Kind::stage, "stage"},
-                                                                   {Kind::staged, "staged"},
-                                                                   {Kind::deadlock, "deadlock"},
-                                                                   {Kind::deadline_missed, "deadline_missed"},
-                                                                   {Kind::v_rise, "v_rise"},
-                                                                   {Kind::link, "link"},
-                                                                   {Kind::film_broken, "film_broken"}}};
+void fields(auto&, one_of<Start, Pause, Resume, Stop, Stage, Staged, FilmBroken> auto&) {}
 
-std::string_view link_word(double state) {
-  return comms::to_text(static_cast<comms::LinkState>(static_cast<int>(state)));
+void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock> auto& e) {
+  io.number_of('r', e.robot);
 }
 
-template <typename Number>
-bool read(std::string_view text, Number& value) {
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && stop == text.data() + text.size();
+void fields(auto& io, one_of<Perturb, Kidnap> auto& e) {
+  io.number_of('r', e.robot);
+  io.named("dx", e.dx), io.named("dy", e.dy), io.named("dtheta", e.dtheta);
 }
 
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
+void fields(auto& io, one_of<Move> auto& e) {
+  io.number_of('r', e.robot);
+  io.named("x", e.pose.x), io.named("y", e.pose.y), io.named("theta", e.pose.theta);
+}
+
+void fields(auto& io, one_of<Kick> auto& e) {
+  io.number_of('r', e.robot);
+  io.named("vx", e.vx), io.named("vy", e.vy);
+}
+
+void fields(auto& io, one_of<PutObstacle> auto& e) {
+  io.number_of('o', e.number);
+  io.named("x", e.obstacle.x), io.named("y", e.obstacle.y), io.named("radius", e.obstacle.radius);
+}
+
+void fields(auto& io, one_of<Gain> auto& e) {
+  io.word_of(e.gain);
+  io.change(e.from, e.to);
+  io.optional("ramp", e.ramp);
+}
+
+void fields(auto& io, one_of<Schedule> auto& e) {
+  io.word_of(e.gain);
+  io.change(e.from, e.to);
+}
+
+void fields(auto& io, one_of<GainHeld> auto& e) {
+  io.word_of(e.gain);
+  io.change(e.asked, e.held);
+}
+
+void fields(auto& io, one_of<PairGain> auto& e) {
+  io.number_of('r', e.i), io.number_of('r', e.j);
+  io.word_of(e.gain);
+  io.change(e.from, e.to);
+  io.optional("ramp", e.ramp);
+}
+
+void fields(auto& io, one_of<PairGainHeld> auto& e) {
+  io.number_of('r', e.i), io.number_of('r', e.j);
+  io.word_of(e.gain);
+  io.change(e.asked, e.held);
+}
+
+void fields(auto& io, one_of<Couple, Uncouple> auto& e) {
+  io.number_of('r', e.i), io.number_of('r', e.j);
+}
+
+void fields(auto& io, one_of<DeadlineMissed> auto& e) {
+  io.bare(e.ticks);
+}
+
+void fields(auto& io, one_of<VRise> auto& e) {
+  io.bare(e.rise);
+}
+
+void fields(auto& io, one_of<events::Link> auto& e) {
+  io.number_of('r', e.robot);
+  io.word_of(e.state);
+}
+
+/// Appends the words of an event to a text.
+class Printer {
+ public:
+  explicit Printer(std::string& text) : text_(text) {}
+
+  void number_of(char letter, std::size_t number) { append(" {}{}", letter, number + 1); }
+  void named(std::string_view name, double value) { append(" {}={}", name, value); }
+  void optional(std::string_view name, double value) {
+    if (value > 0.0) named(name, value);
   }
-  return parts;
+  void change(double from, double to) { append(" {} -> {}", from, to); }
+  void bare(auto value) { append(" {}", value); }
+  void word_of(auto value) { append(" {}", word(value)); }
+
+ private:
+  template <typename... T>
+  void append(fmt::format_string<T...> format, T&&... values) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<T>(values)...);
+  }
+  std::string& text_;
+};
+
+/// Reads the same words one after the other; `whole` says whether they were all there and no others.
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : rest_(text) {}
+
+  std::string_view next() {
+    const std::size_t end = std::min(rest_.find(' '), rest_.size());
+    const std::string_view part = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    return part;
+  }
+  void number_of(char letter, std::size_t& number) {
+    const std::string_view part = next();
+    std::size_t from_one = 0;
+    const bool good = part.starts_with(letter) && read(part.substr(1), from_one) && from_one > 0;
+    ok_ = ok_ && good;
+    if (good) number = from_one - 1;
+  }
+  void named(std::string_view name, double& value) {
+    std::string_view part = next();
+    const bool good = part.starts_with(name) && part.substr(name.size()).starts_with('=');
+    ok_ = ok_ && good && read(part.substr(name.size() + 1), value);
+  }
+  void optional(std::string_view name, double& value) {
+    if (!rest_.empty()) named(name, value);
+  }
+  void change(double& from, double& to) {
+    bare(from);
+    ok_ = ok_ && next() == "->";
+    bare(to);
+  }
+  void bare(auto& value) { ok_ = ok_ && read(next(), value); }
+  template <typename Enum>
+  void word_of(Enum& value) {
+    const auto found = core::from_word<Enum>(next());
+    ok_ = ok_ && found;
+    if (found) value = *found;
+  }
+  bool whole() const noexcept { return ok_ && rest_.empty(); }
+
+ private:
+  template <typename Number>
+  static bool read(std::string_view text, Number& value) {
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && stop == text.data() + text.size();
+  }
+  std::string_view rest_;
+  bool ok_ = true;
+};
+
+/// Tries each kind of event for its word.
+template <std::size_t... k>
+std::optional<Event> parse(std::string_view text, std::index_sequence<k...>) {
+  std::optional<Event> found;
+  const std::string_view first = Reader(text).next();
+  const auto read_as = [&]<typename Kind>(Kind event) {
+    if (first != Kind::word) return false;
+    Reader reader(text);
+    reader.next();
+    fields(reader, event);
+    if (reader.whole()) found = event;
+    return true;
+  };
+  (void)(read_as(std::variant_alternative_t<k, Event>{}) || ...);
+  return found;
 }
 
-/// What stands behind word and robot: numbers, bare or as name=number; the name of a gain; a link's state.
-bool read_detail(std::string_view text, Event& event, std::size_t& values) {
-  for (const core::GainName gain : core::pair_names)
-    if (text == name(gain)) {
-      event.gain = gain;
-      return true;
-    }
-  if (event.kind == Kind::link)
-    if (const auto state = comms::link_state(text)) {
-      event.values[0] = static_cast<double>(*state);
-      return true;
-    }
-  if (text == "->") return true;
-  const std::size_t equals = text.find('=');
-  if (equals != std::string_view::npos) text.remove_prefix(equals + 1);
-  return values < event.values.size() && read(text, event.values[values++]);
-}
+/// Asks whether all numbers of an event are finite.
+struct Finite {
+  bool all = true;
+  void number_of(char, std::size_t) {}
+  void named(std::string_view, double value) { all = all && std::isfinite(value); }
+  void optional(std::string_view, double value) { all = all && std::isfinite(value); }
+  void change(double from, double to) { all = all && std::isfinite(from) && std::isfinite(to); }
+  void bare(double value) { all = all && std::isfinite(value); }
+  void word_of(auto) {}
+};
 
 }  // namespace
 
-const char* name(core::GainName gain) noexcept {
-  constexpr std::array names{"k_xx", "k_tt", "k_yy", "c_xx", "c_tt", "c_yy", "l_xx", "l_tt"};
-  return names[static_cast<std::size_t>(gain)];
-}
-
 std::string describe(const Event& event) {
-  const auto [a, b, c] = event.values;
-  const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == event.kind; });
-  std::string text(word->second);
-  const char letter = event.kind == Kind::obstacle ? 'o' : 'r';
-  for (const int number : {event.robot, event.other})
-    if (number >= 0) text += fmt::format(" {}{}", letter, number + 1);
-  switch (event.kind) {
-    case Kind::perturb:
-    case Kind::kidnap:
-      return text + fmt::format(" dx={} dy={} dtheta={}", a, b, c);
-    case Kind::move:
-      return text + fmt::format(" x={} y={} theta={}", a, b, c);
-    case Kind::kick:
-      return text + fmt::format(" vx={} vy={}", a, b);
-    case Kind::obstacle:
-      return text + fmt::format(" x={} y={} radius={}", a, b, c);
-    case Kind::gain:
-    case Kind::pair_gain:
-      return text + fmt::format(" {} {} -> {}", name(event.gain), a, b) + (c > 0.0 ? fmt::format(" ramp={}", c) : "");
-    case Kind::schedule:
-    case Kind::gain_held:
-    case Kind::pair_gain_held:
-      return text + fmt::format(" {} {} -> {}", name(event.gain), a, b);
-    case Kind::deadline_missed:
-    case Kind::v_rise:
-      return text + fmt::format(" {}", a);
-    case Kind::link:
-      return text + fmt::format(" {}", link_word(a));
-    default:
-      return text;
-  }
+  return std::visit(
+      [](const auto& e) {
+        std::string text(e.word);
+        Printer printer(text);
+        fields(printer, e);
+        return text;
+      },
+      event);
 }
 
 std::string describe(const EventList& events) {
@@ -134,59 +210,28 @@ std::string describe(const EventList& events) {
 }
 
 std::optional<Event> parse_event(std::string_view text) {
-  const std::vector<std::string_view> parts = split(text);
-  const auto word = std::find_if(words.begin(), words.end(),
-                                 [&](const auto& w) { return !parts.empty() && w.second == parts.front(); });
-  if (word == words.end()) return std::nullopt;
-  Event event;
-  event.kind = word->first;
-  std::size_t values = 0;
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    int robot = 0;
-    if (i <= 2 && parts[i].starts_with(event.kind == Kind::obstacle ? 'o' : 'r') && read(parts[i].substr(1), robot))
-      (i == 1 ? event.robot : event.other) = robot - 1;
-    else if (!read_detail(parts[i], event, values))
-      return std::nullopt;
-  }
-  return event;
+  return parse(text, std::make_index_sequence<std::variant_size_v<Event>>());
 }
 
-bool is_action(Kind kind) noexcept {
-  switch (kind) {
-    case Kind::move:
-    case Kind::hold:
-    case Kind::release:
-    case Kind::kick:
-    case Kind::obstacle:
-    case Kind::gain:
-    case Kind::pair_gain:
-    case Kind::couple:
-    case Kind::uncouple:
-      return true;
-    default:
-      return false;
-  }
+bool is_action(const Event& event) noexcept {
+  return std::visit(
+      Overloaded{
+          [](const one_of<Move, Hold, Release, Kick, PutObstacle, Gain, PairGain, Couple, Uncouple> auto&) {
+            return true;
+          },
+          [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
+                          Avoid, Clear, Stage, Staged, Deadlock, DeadlineMissed, VRise, events::Link,
+                          FilmBroken> auto&) { return false; },
+      },
+      event);
 }
 
 std::optional<Event> parse_action(std::string_view text) {
   const std::optional<Event> event = parse_event(text);
-  if (!event || !is_action(event->kind)) return std::nullopt;
-  // Written again it has the same words, but for how its numbers are written.
-  const std::string again = describe(*event);
-  const std::vector<std::string_view> parts = split(text), expected = split(again);
-  if (parts.size() != expected.size()) return std::nullopt;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    double number = 0.0;
-    const std::size_t equals = expected[i].find('=');
-    const bool same = equals != std::string_view::npos
-                          ? parts[i].substr(0, equals + 1) == expected[i].substr(0, equals + 1)
-                      : read(expected[i], number) ? read(parts[i], number)
-                                                  : parts[i] == expected[i];
-    if (!same) return std::nullopt;
-  }
-  const bool finite =
-      std::all_of(event->values.begin(), event->values.end(), [](double v) { return std::isfinite(v); });
-  return finite ? event : std::nullopt;
+  if (!event || !is_action(*event)) return std::nullopt;
+  Finite finite;
+  std::visit([&](const auto& e) { fields(finite, e); }, *event);
+  return finite.all ? event : std::nullopt;
 }
 
 }  // namespace skein::app

@@ -1,84 +1,252 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
+#include <concepts>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
+#include "app/run/link_state.h"
+#include "core/avoidance/obstacle.h"
 #include "core/control/gain_schedule.h"
+#include "core/geometry/pose.h"
 
 namespace skein::app {
 
-/// Something that happened at a tick: small enough to be copied without allocating; `describe` makes the log's words of
-/// it.
-struct Event {
-  enum class Kind : std::uint8_t {
-    start,            // operator or program
-    pause,            // operator
-    resume,           // operator
-    stop,             // operator's STOP, or a failure
-    perturb,          // robot; values dx, dy, dtheta: a [[perturb]] of the file
-    kidnap,           // robot; values dx, dy, dtheta: found this far from where it should be, put there by somebody
-    move,             // robot; values x, y, theta: put there by the operator
-    hold,             // robot: the operator made it stand, alone; or its link was lost
-    release,          // robot: it may drive again
-    kick,             // robot; values vx, vy: the operator sent it sliding
-    obstacle,         // its number in `robot`; values x, y, radius: put there by the operator, radius 0: taken away
-    gain,             // name; values from, to, ramp: the operator's new target for all pairs; 0 or [s]
-    schedule,         // name; values from, to: a [[gain_change]] of the file begins
-    gain_held,        // name; values asked for, held at: (18) forbids more
-    pair_gain,        // robot, other, name; values from, to, ramp: the operator's new target for one pair
-    pair_gain_held,   // robot, other, name; values asked for, held at
-    couple,           // robot, other: coupled again
-    uncouple,         // robot, other: not coupled any more
-    lost,             // robot: no pose within the bridge time, it was stopped
-    found,            // robot: its pose is back
-    avoid,            // robot: entered a detection region
-    clear,            // robot: back on the nominal reference
-    stage,            // operator or program: to the starts
-    staged,           // everybody stands at its start
-    deadlock,         // robot: field or shield held it up and brought it no nearer to its place; it takes a way round
-    deadline_missed,  // values[0]: how many ticks were skipped
-    v_rise,           // values[0]: V has risen so much, and nothing that is known explains it
-    link,             // robot; values[0]: comms::LinkState: lost for longer than the bridge time, or up again
-    film_broken,      // the disk took no more of the camera's film; the run goes on without
-  };
-  Kind kind = Kind::start;
-  int robot = -1;  ///< from 0; -1: none (of `obstacle`: the obstacle's number)
+/// What can happen at a tick: one small struct each, with its word in logs and in the CSV. Robots and obstacles count
+/// from 0 here, from 1 in words.
+namespace events {
+
+struct Start {  ///< by the operator or the program
+  static constexpr std::string_view word = "start";
+};
+struct Pause {
+  static constexpr std::string_view word = "pause";
+};
+struct Resume {
+  static constexpr std::string_view word = "resume";
+};
+struct Stop {  ///< the operator's STOP, or a failure
+  static constexpr std::string_view word = "stop";
+};
+struct Perturb {  ///< a [[perturb]] of the file moved a simulated robot
+  static constexpr std::string_view word = "perturb";
+  std::size_t robot = 0;
+  double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< world frame [m, rad]
+};
+struct Kidnap {  ///< a robot was found this far from where it should be: somebody carried it
+  static constexpr std::string_view word = "kidnap";
+  std::size_t robot = 0;
+  double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< world frame [m, rad]
+};
+struct Move {  ///< the operator put a simulated robot there
+  static constexpr std::string_view word = "move";
+  std::size_t robot = 0;
+  core::Pose pose;
+};
+struct Hold {  ///< a robot stands, out of the group: the operator asked for it, or its link was lost
+  static constexpr std::string_view word = "hold";
+  std::size_t robot = 0;
+};
+struct Release {  ///< it may drive again
+  static constexpr std::string_view word = "release";
+  std::size_t robot = 0;
+};
+struct Kick {  ///< the operator sent a simulated robot sliding
+  static constexpr std::string_view word = "kick";
+  std::size_t robot = 0;
+  double vx = 0.0, vy = 0.0;  ///< world frame [m/s]
+};
+struct PutObstacle {  ///< the operator put an obstacle there, or took it away
+  static constexpr std::string_view word = "obstacle";
+  std::size_t number = 0;
+  core::Obstacle obstacle;  ///< radius 0: taken away
+};
+struct Gain {  ///< the operator's new target for all pairs
+  static constexpr std::string_view word = "gain";
   core::GainName gain = core::GainName::k_xx;
-  std::array<double, 3> values{};
-  int other = -1;  ///< the second robot of a pair, from 0; -1: none
+  double from = 0.0, to = 0.0;
+  double ramp = 0.0;  ///< as asked for; 0: as fast as it may [s]
+};
+struct Schedule {  ///< a [[gain_change]] of the file begins
+  static constexpr std::string_view word = "schedule";
+  core::GainName gain = core::GainName::k_xx;
+  double from = 0.0, to = 0.0;
+};
+struct GainHeld {  ///< (18) forbids more than `held`
+  static constexpr std::string_view word = "gain_held";
+  core::GainName gain = core::GainName::k_xx;
+  double asked = 0.0, held = 0.0;
+};
+struct PairGain {  ///< the operator's new target for one pair
+  static constexpr std::string_view word = "pair_gain";
+  std::size_t i = 0, j = 0;
+  core::GainName gain = core::GainName::k_xx;
+  double from = 0.0, to = 0.0;
+  double ramp = 0.0;  ///< as asked for; 0: as fast as it may [s]
+};
+struct PairGainHeld {
+  static constexpr std::string_view word = "pair_gain_held";
+  std::size_t i = 0, j = 0;
+  core::GainName gain = core::GainName::k_xx;
+  double asked = 0.0, held = 0.0;
+};
+struct Couple {  ///< two robots are coupled again
+  static constexpr std::string_view word = "couple";
+  std::size_t i = 0, j = 0;
+};
+struct Uncouple {  ///< they are not coupled any more
+  static constexpr std::string_view word = "uncouple";
+  std::size_t i = 0, j = 0;
+};
+struct Lost {  ///< no pose within the bridge time: the robot was stopped
+  static constexpr std::string_view word = "lost";
+  std::size_t robot = 0;
+};
+struct Found {  ///< its pose is back
+  static constexpr std::string_view word = "found";
+  std::size_t robot = 0;
+};
+struct Avoid {  ///< it entered a detection region
+  static constexpr std::string_view word = "avoid";
+  std::size_t robot = 0;
+};
+struct Clear {  ///< it is back on the nominal reference
+  static constexpr std::string_view word = "clear";
+  std::size_t robot = 0;
+};
+struct Stage {  ///< everybody drives to the starts: asked for by the operator or the program
+  static constexpr std::string_view word = "stage";
+};
+struct Staged {  ///< everybody stands at its start
+  static constexpr std::string_view word = "staged";
+};
+struct Deadlock {  ///< field or shield held the robot up and brought it no nearer to its place: it takes a way round
+  static constexpr std::string_view word = "deadlock";
+  std::size_t robot = 0;
+};
+struct DeadlineMissed {
+  static constexpr std::string_view word = "deadline_missed";
+  int ticks = 0;  ///< that were skipped
+};
+struct VRise {  ///< V has risen by so much, and nothing that is known explains it
+  static constexpr std::string_view word = "v_rise";
+  double rise = 0.0;
+};
+struct Link {  ///< a robot's link has been lost for longer than the bridge time, or is up again
+  static constexpr std::string_view word = "link";
+  std::size_t robot = 0;
+  LinkState state = LinkState::up;
+};
+struct FilmBroken {  ///< the disk took no more of the camera's film; the run goes on without
+  static constexpr std::string_view word = "film_broken";
 };
 
-/// A bounded list that never allocates; what does not fit is counted.
+}  // namespace events
+
+/// Something that happened at a tick; `describe` makes the log's words of it.
+using Event = std::variant<events::Start, events::Pause, events::Resume, events::Stop, events::Perturb, events::Kidnap,
+                           events::Move, events::Hold, events::Release, events::Kick, events::PutObstacle, events::Gain,
+                           events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
+                           events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
+                           events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
+                           events::FilmBroken>;
+static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
+
+/// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.
+template <typename... Function>
+struct Overloaded : Function... {
+  using Function::operator()...;
+};
+template <typename... Function>
+Overloaded(Function...) -> Overloaded<Function...>;
+template <typename Alternative, typename... List>
+concept one_of = (std::same_as<std::remove_cvref_t<Alternative>, List> || ...);
+
+/// Whether the event is one of these.
+template <typename... Kind>
+constexpr bool is(const Event& event) noexcept {
+  return (std::holds_alternative<Kind>(event) || ...);
+}
+
+/// The one robot that the event is about; none: the event is about all, a pair or an obstacle.
+constexpr std::optional<std::size_t> robot_of(const Event& event) noexcept {
+  return std::visit(
+      [](const auto& e) -> std::optional<std::size_t> {
+        if constexpr (requires { e.robot; })
+          return e.robot;
+        else
+          return std::nullopt;
+      },
+      event);
+}
+
+/// The events of one tick: a bounded list. It allocates in `reserve` alone once that has been called; what does not fit
+/// is counted.
 class EventList {
  public:
-  /// What is changed before a start comes with it, all in one tick: every gain, gains of pairs, a crowd of obstacles.
-  static constexpr std::size_t capacity = 96;
+  /// What the events of one tick may come to: everything that can be changed before a start is told at the start.
+  static constexpr std::size_t room_for(std::size_t robots) noexcept {
+    constexpr std::size_t others = 96, of_a_robot = 4, of_a_pair = 4;  // a pair: three gains, and whether it is coupled
+    return others + of_a_robot * robots + of_a_pair * (robots * (robots - 1) / 2);
+  }
 
-  void add(const Event& event) noexcept {
-    if (size_ < capacity)
-      events_[size_++] = event;
+  EventList() = default;
+  explicit EventList(std::size_t limit) { reserve(limit); }
+  /// So many events and no more, without allocating from now on.
+  void reserve(std::size_t limit) {
+    limit_ = limit;
+    events_.reserve(limit);
+  }
+  void limit_to(std::size_t limit) noexcept { limit_ = limit; }
+
+  void add(const Event& event) {
+    if (events_.size() < limit_)
+      events_.push_back(event);
     else
       ++dropped_;
   }
-  bool contains(Event::Kind kind, int robot) const noexcept {
-    for (const Event& event : *this)
-      if (event.kind == kind && event.robot == robot) return true;
+  /// Whether there is an event of this kind.
+  template <typename Kind>
+  bool contains() const noexcept {
+    for (const Event& event : events_)
+      if (is<Kind>(event)) return true;
     return false;
   }
-  void clear() noexcept { size_ = 0, dropped_ = 0; }
-  const Event* begin() const noexcept { return events_.data(); }
-  const Event* end() const noexcept { return events_.data() + size_; }
-  std::size_t size() const noexcept { return size_; }
-  bool empty() const noexcept { return size_ == 0; }
+  /// The same of one robot or obstacle.
+  template <typename Kind>
+  bool contains(std::size_t number) const noexcept {
+    for (const Event& event : events_)
+      if (const Kind* const found = std::get_if<Kind>(&event)) {
+        if constexpr (requires { found->number; }) {
+          if (found->number == number) return true;
+        } else {
+          if (found->robot == number) return true;
+        }
+      }
+    return false;
+  }
+  void clear() noexcept {
+    events_.clear();
+    dropped_ = 0;
+  }
+  auto begin() const noexcept { return events_.begin(); }
+  auto end() const noexcept { return events_.end(); }
+  std::size_t size() const noexcept { return events_.size(); }
+  std::size_t limit() const noexcept { return limit_; }
+  bool empty() const noexcept { return events_.empty(); }
+  bool full() const noexcept { return events_.size() >= limit_; }
+  std::size_t room() const noexcept { return limit_ - std::min(limit_, events_.size()); }
   std::size_t dropped() const noexcept { return dropped_; }
 
  private:
-  std::array<Event, capacity> events_{};
-  std::size_t size_ = 0, dropped_ = 0;
+  std::vector<Event> events_;
+  std::size_t limit_ = room_for(4);
+  std::size_t dropped_ = 0;
 };
 
 /// One event in words without commas, robots from 1, for the CSV, the log and the window: "perturb r2 dx=0.05 dy=0.15
@@ -88,12 +256,10 @@ std::string describe(const Event& event);
 std::optional<Event> parse_event(std::string_view text);
 /// Whether the operator does this to a run, so that an experiment file can as well: moves, kicks, holds, obstacles,
 /// gains.
-bool is_action(Event::Kind kind) noexcept;
-/// As `parse_event`, but only what is an action, with all of its words and no others; none: the text is not that.
+bool is_action(const Event& event) noexcept;
+/// As `parse_event`, but only what is an action, with finite numbers; none: the text is not that.
 std::optional<Event> parse_action(std::string_view text);
 /// All events of a tick, joined by "; ", "+N more" where some were dropped.
 std::string describe(const EventList& events);
-
-const char* name(core::GainName gain) noexcept;  ///< "k_xx", "k_tt", "k_yy"
 
 }  // namespace skein::app

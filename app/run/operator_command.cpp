@@ -1,57 +1,43 @@
 #include "app/run/operator_command.h"
 
-#include <algorithm>
-
 namespace skein::app {
 
-std::optional<OperatorCommand> command_of(const Event& event, bool recorded) noexcept {
-  using Kind = OperatorCommand::Kind;
-  OperatorCommand command;
-  command.gain = event.gain;
-  command.value = event.values[1];
-  command.seconds = event.values[2];  // of gains
-  command.i = static_cast<std::size_t>(std::max(0, event.robot));
-  command.j = static_cast<std::size_t>(std::max(0, event.other));
-  command.number = command.i;
-  command.obstacle = {event.values[0], event.values[1], event.values[2]};
-  command.recorded = recorded;
-  switch (event.kind) {
-    case Event::Kind::start:
-      command.kind = Kind::start;
-      return command;
-    case Event::Kind::stage:
-      command.kind = Kind::stage;
-      return command;
-    case Event::Kind::pause:
-      command.kind = Kind::pause;
-      return command;
-    case Event::Kind::resume:
-      command.kind = Kind::resume;
-      return command;
-    case Event::Kind::gain:
-      command.kind = Kind::gain;
-      return command;
-    case Event::Kind::pair_gain:
-      command.kind = Kind::pair_gain;
-      return command;
-    case Event::Kind::couple:
-      command.kind = Kind::couple;
-      return command;
-    case Event::Kind::uncouple:
-      command.kind = Kind::uncouple;
-      return command;
-    case Event::Kind::hold:
-      command.kind = Kind::hold;
-      return command;
-    case Event::Kind::release:
-      command.kind = Kind::release;
-      return command;
-    case Event::Kind::obstacle:
-      command.kind = Kind::obstacle;
-      return command;
-    default:
-      return std::nullopt;
-  }
+std::optional<OperatorCommand> command_of(const Event& event) noexcept {
+  using Command = std::optional<OperatorCommand>;
+  using namespace events;
+  return std::visit(
+      Overloaded{
+          [](const Start&) -> Command { return commands::Start{}; },
+          [](const Stage&) -> Command { return commands::Stage{}; },
+          [](const Pause&) -> Command { return commands::Pause{}; },
+          [](const Resume&) -> Command { return commands::Resume{}; },
+          [](const Gain& e) -> Command {
+            return commands::SetGain{e.gain, e.to, e.ramp};
+          },
+          [](const PairGain& e) -> Command {
+            return commands::SetPairGain{e.i, e.j, e.gain, e.to, e.ramp};
+          },
+          [](const Couple& e) -> Command {
+            return commands::Couple{e.i, e.j, true};
+          },
+          [](const Uncouple& e) -> Command {
+            return commands::Couple{e.i, e.j, false};
+          },
+          [](const Hold& e) -> Command {
+            return commands::Hold{e.robot, true};
+          },
+          [](const Release& e) -> Command {
+            return commands::Hold{e.robot, false};
+          },
+          [](const PutObstacle& e) -> Command {
+            return commands::PutObstacle{e.number, e.obstacle};
+          },
+          [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, GainHeld, PairGainHeld, Lost, Found, Avoid,
+                          Clear, Staged, Deadlock, DeadlineMissed, VRise, events::Link, FilmBroken> auto&) -> Command {
+            return std::nullopt;
+          },
+      },
+      event);
 }
 
 }  // namespace skein::app

@@ -1,7 +1,9 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
+#include <type_traits>
+#include <variant>
 
 #include "app/run/event.h"
 #include "core/avoidance/obstacle.h"
@@ -9,32 +11,46 @@
 
 namespace skein::app {
 
-/// What the operator, or the program for them, asks of the next tick.
-struct OperatorCommand {
-  enum class Kind : std::uint8_t {
-    start,
-    pause,
-    resume,
-    gain,       ///< gain, value: for all pairs
-    pair_gain,  ///< gain, value: for robots i and j
-    couple,     ///< robots i and j are coupled again, with the gains they have
-    uncouple,   ///< they are not coupled at all until they are again
-    obstacle,   ///< number, obstacle
-    hold,       ///< number: the robot stands, out of the group
-    release,    ///< number: it drives on
-    stage,      ///< robots drive to their starts
-  };
-  Kind kind = Kind::start;
+/// What the operator, or the program for them, asks of the next tick: one small struct each. Robots and obstacles count
+/// from 0.
+namespace commands {
+
+struct Start {};
+struct Pause {};
+struct Resume {};
+struct Stage {};  ///< robots drive to their starts
+struct SetGain {  ///< for all pairs
   core::GainName gain = core::GainName::k_xx;
   double value = 0.0;
-  std::size_t i = 0, j = 0;   ///< from 0
-  bool recorded = false;      ///< of a run that is repeated: the value has been held at its border already
-  std::size_t number = 0;     ///< of the obstacle, or of the robot that is held or released
-  double seconds = 0.0;       ///< gain, pair_gain: the ramp shall take so long; 0: as fast as it may [s]
-  core::Obstacle obstacle{};  ///< where it stands from now on; radius 0: nowhere
+  double seconds = 0.0;  ///< the ramp shall take so long; 0: as fast as it may [s]
+};
+struct SetPairGain {  ///< for robots i and j alone
+  std::size_t i = 0, j = 0;
+  core::GainName gain = core::GainName::k_xx;
+  double value = 0.0;
+  double seconds = 0.0;  ///< as of SetGain [s]
+};
+struct Couple {  ///< switches the coupling of robots i and j on, with the gains that they have, or off
+  std::size_t i = 0, j = 0;
+  bool on = true;
+};
+struct PutObstacle {
+  std::size_t number = 0;
+  core::Obstacle obstacle;  ///< where it stands from now on; radius 0: nowhere
+};
+struct Hold {  ///< the robot stands, out of the group, or drives on
+  std::size_t robot = 0;
+  bool on = true;
 };
 
-/// The command behind an event of a run, for a tick that does it again; none: no command made it. `recorded` as above.
-std::optional<OperatorCommand> command_of(const Event& event, bool recorded) noexcept;
+}  // namespace commands
+
+using OperatorCommand =
+    std::variant<commands::Start, commands::Pause, commands::Resume, commands::Stage, commands::SetGain,
+                 commands::SetPairGain, commands::Couple, commands::PutObstacle, commands::Hold>;
+static_assert(std::is_trivially_copyable_v<OperatorCommand>, "queues copy commands without allocating");
+
+/// The command behind an event of a run, for a tick that does it again; none: no command made it.
+std::optional<OperatorCommand> command_of(const Event& event) noexcept;
 
 }  // namespace skein::app

@@ -17,7 +17,7 @@ struct Picture {
 
 /// One robot's link as the window and the summary show it.
 struct RobotStatus {
-  std::string link;                                 ///< "simulated", "up", "stale", "failed" ...
+  LinkState link = LinkState::simulated;
   std::string reason;                               ///< the newest thing that went wrong
   double round_trip = none, round_trip_p99 = none;  ///< median and 99th percentile of the last 256 [s]
   std::uint64_t exchanges = 0, timeouts = 0, resynchronisations = 0, reconnects = 0;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "app/run/event.h"
-#include "comms/link_status.h"
 #include "core/control/gains.h"
 #include "core/control/tracking_error.h"
 #include "core/estimation/measurement.h"
@@ -33,7 +32,7 @@ enum Mode : std::uint8_t {
 
 /// What is known of a robot's link at a tick; nothing of one that has none.
 struct LinkRecord {
-  std::optional<comms::LinkState> state;
+  std::optional<LinkState> state;
   double round_trip = none;                      ///< median of the last 256; wall clock only [s]
   double battery = none;                         ///< wall clock only [V]
   double left_steps = none, right_steps = none;  ///< that the robot has counted since the link's first reading [steps]
@@ -128,9 +127,23 @@ struct TickRecord {
   EventList events;
   std::vector<RobotRecord> robots;
 
-  /// The largest of all pairs.
+  /// The largest of all pairs. `name` is one of core::gain_names.
   double gain(core::GainName name) const noexcept {
-    return name == core::GainName::k_xx ? k_xx : name == core::GainName::k_tt ? k_tt : k_yy;
+    switch (name) {
+      case core::GainName::k_xx:
+        return k_xx;
+      case core::GainName::k_tt:
+        return k_tt;
+      case core::GainName::k_yy:
+        return k_yy;
+      case core::GainName::c_xx:
+      case core::GainName::c_tt:
+      case core::GainName::c_yy:
+      case core::GainName::l_xx:
+      case core::GainName::l_tt:
+        break;
+    }
+    return none;  // not recorded
   }
   /// Of robots i != j, from 0; where the record has no gains of pairs, the largest of all.
   double pair_gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {

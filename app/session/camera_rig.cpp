@@ -113,7 +113,7 @@ VideoStatus CameraRig::video() const {
 
 void CameraRig::tell(EventList& events) noexcept {
   if (!recorder_ || told_of_film_ || !recorder_->broken()) return;
-  events.add({.kind = Event::Kind::film_broken});
+  events.add(events::FilmBroken{});
   told_of_film_ = true;
 }
 

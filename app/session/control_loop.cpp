@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "app/experiment/at_start.h"
+
 namespace skein::app {
 namespace {
 
@@ -23,12 +25,17 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       report_(std::move(report)),
       tick_(experiment),
       out_(tick_.record()),
+      commands_(64 + EventList::room_for(experiment.robots.size())),
+      hand_(64),
       newest_(experiment.robots.size()),
       truth_(experiment.robots.size(), core::Pose{none, none, none}),
       wheels_(experiment.robots.size()),
       command_times_(experiment.robots.size()),
       delays_(experiment.robots.size()),
       pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]) {
+  out_.events.reserve(tick_.record().events.limit());
+  input_.events.reserve(tick_.record().events.limit());
+  obeyed_.reserve(tick_.record().events.limit());
   publish_couplings();
 }
 
@@ -48,21 +55,23 @@ void ControlLoop::publish_couplings() noexcept {
 }
 
 void ControlLoop::cycle(double now, int elapsed) {
-  TickInput input;
+  TickInput& input = input_;
+  input.events.clear();
+  obeyed_.clear();
   perturb(elapsed, input.events);
   plant_.tell(input.events);
   complete_latency();
   const Latency tick_before = latency_;
   new_frame_ = plant_.measure(now, newest_, truth_, frame_);
 
-  const std::size_t obeyed = take_commands(input.events);
+  take_commands(input.events);
   input.now = now;
   input.elapsed = elapsed;
   input.stop = stop_.load(std::memory_order_acquire);
   input.measurements = newest_;
   input.truth = truth_;
   input.delays = delays_;
-  input.commands = {obeyed_.data(), obeyed};
+  input.commands = obeyed_;
 
   const double began = clock_.now();
   tick_.see(input);
@@ -93,12 +102,9 @@ void ControlLoop::cycle(double now, int elapsed) {
       std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
   unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),
                 std::memory_order_release);
-  constexpr double looks_elsewhere = 0.2;  // [rad]
+  const StartTolerance tolerance = start_tolerance(experiment_.staging);
   away_.store(std::any_of(record.robots.begin(), record.robots.end(),
-                          [&](const RobotRecord& r) {
-                            return core::distance(r.pose, r.nominal.pose) > experiment_.staging.within ||
-                                   std::abs(core::wrap_angle(r.pose.theta - r.nominal.pose.theta)) > looks_elsewhere;
-                          }),
+                          [&](const RobotRecord& r) { return !at_start(r.pose, r.nominal.pose, tolerance); }),
               std::memory_order_release);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
@@ -138,57 +144,95 @@ void ControlLoop::perturb(int elapsed, EventList& events) {
     if (!plant_.simulated(p.robot)) continue;
     const core::Pose pose = plant_.pose(p.robot);
     plant_.move(p.robot, {pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
-    events.add({Event::Kind::perturb, static_cast<int>(p.robot), {}, {p.dx, p.dy, p.dtheta}});
+    events.add(events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
   }
   do_actions(t, running, events);
-  for (Gesture gesture; hand_.pop(gesture);) carry_out(gesture, events);
+  while (room_for_events(events) > 0 && hand_.read_available() > 0) {
+    carry_out(hand_.front(), events);
+    hand_.pop();
+  }
 }
 
 void ControlLoop::carry_out(const Gesture& gesture, EventList& events) {
-  const auto& [x, y, theta] = gesture.value;
-  if (gesture.kind == Event::Kind::move)
-    plant_.move(gesture.robot, gesture.value);
-  else
-    plant_.kick(gesture.robot, x, y);
-  events.add({gesture.kind, static_cast<int>(gesture.robot), {}, {x, y, theta}});
+  std::visit(Overloaded{
+                 [&](const events::Move& move) {
+                   plant_.move(move.robot, move.pose);
+                   events.add(move);
+                 },
+                 [&](const events::Kick& kick) {
+                   plant_.kick(kick.robot, kick.vx, kick.vy);
+                   events.add(kick);
+                 },
+             },
+             gesture);
 }
 
 /// The file's actions that are due, as if the operator had asked for them; those of t = 0 while the robots still stand.
 void ControlLoop::do_actions(double t, bool running, EventList& events) {
-  due_count_ = 0;
   const std::vector<OperatorAction>& actions = experiment_.actions;
-  for (; next_action_ < actions.size() && due_count_ < due_.size(); ++next_action_) {
+  for (; next_action_ < actions.size() && room_for_events(events) > 0; ++next_action_) {
     const auto& [when, event] = actions[next_action_];
     if (when > 0.0 && (!running || t < when - 0.5e-9)) return;
-    const auto robot = static_cast<std::size_t>(std::max(0, event.robot));
-    if (const auto command = command_of(event, false))
-      due_[due_count_++] = *command;
-    else
-      carry_out({robot, event.kind, {event.values[0], event.values[1], event.values[2]}}, events);
+    if (const auto command = command_of(event))
+      obeyed_.push_back(*command);
+    else if (const auto* const move = std::get_if<events::Move>(&event))
+      carry_out(*move, events);
+    else if (const auto* const kick = std::get_if<events::Kick>(&event))
+      carry_out(*kick, events);
   }
 }
 
+/// The most events that a tick can make of a command: what it does, and what (18) makes less of it.
+std::size_t ControlLoop::most_events(const OperatorCommand& command) const noexcept {
+  return std::visit(
+      Overloaded{
+          [&](const commands::Start&) {  // tells of everything that was changed before
+            const std::size_t robots = experiment_.robots.size(), pairs = robots * (robots - 1) / 2;
+            return 4 * pairs + robots + experiment_.obstacles.size() + core::ObstacleField::room_for_more + 4;
+          },
+          [](const one_of<commands::Pause, commands::Resume, commands::Stage, commands::PutObstacle,
+                          commands::Hold> auto&) { return std::size_t{1}; },
+          [](const one_of<commands::SetGain, commands::SetPairGain> auto&) { return std::size_t{2}; },
+          [](const commands::Couple& couple) { return couple.on ? 2 * core::gain_names.size() + 1 : std::size_t{1}; },
+      },
+      command);
+}
+
+/// How many more events may come of what is asked of this tick, beside those that the tick makes itself.
+std::size_t ControlLoop::room_for_events(const EventList& events) const noexcept {
+  const std::size_t own = 16 + 3 * experiment_.robots.size();
+  std::size_t expected = own;
+  for (const OperatorCommand& command : obeyed_) expected += most_events(command);
+  return events.room() - std::min(events.room(), expected);
+}
+
 /// What the operator asks of this tick. A step is a resume (or the start) now and a pause at the tick that follows: the
-/// record of it can be replayed like any other.
-std::size_t ControlLoop::take_commands(const EventList& events) {
-  std::size_t count = 0;
+/// record of it can be replayed like any other. What the tick's events have no room for waits for the next tick.
+void ControlLoop::take_commands(const EventList& events) {
   // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
+  auto first = obeyed_.begin();
   for (const Event& event : events)
-    if (event.kind == Event::Kind::link && event.values[0] != static_cast<double>(comms::LinkState::up))
-      obeyed_[count++] = {.kind = OperatorCommand::Kind::hold, .number = static_cast<std::size_t>(event.robot)};
-  for (std::size_t k = 0; k < due_count_; ++k) obeyed_[count++] = due_[k];
+    if (const auto* const link = std::get_if<events::Link>(&event); link && link->state != LinkState::up)
+      first = std::next(obeyed_.insert(first, commands::Hold{link->robot, true}));
   const bool ends_step = std::exchange(stepping_, false);
-  if (ends_step) obeyed_[count++] = {.kind = OperatorCommand::Kind::pause};
+  if (ends_step) obeyed_.push_back(commands::Pause{});
+  std::size_t room = room_for_events(events);
   bool asked_more = false;
-  while (count + 1 < obeyed_.size() && commands_.pop(obeyed_[count])) ++count, asked_more = true;
+  while (commands_.read_available() > 0) {
+    const OperatorCommand& next = commands_.front();
+    const std::size_t takes = most_events(next);
+    if (takes > room && !obeyed_.empty()) break;
+    obeyed_.push_back(next);
+    commands_.pop();
+    room -= std::min(room, takes);
+    asked_more = true;
+  }
   const Phase now = phase();
   if (!ends_step && !asked_more && steps_.load(std::memory_order_acquire) > 0) {
     steps_.fetch_sub(1, std::memory_order_acq_rel);
     stepping_ = now == Phase::ready || now == Phase::paused;
-    if (stepping_)
-      obeyed_[count++] = {now == Phase::ready ? OperatorCommand::Kind::start : OperatorCommand::Kind::resume, {}, 0.0};
+    if (stepping_) obeyed_.push_back(now == Phase::ready ? OperatorCommand(commands::Start{}) : commands::Resume{});
   }
-  return count;
 }
 
 void ControlLoop::cycle_virtual() {

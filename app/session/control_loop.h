@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "app/run/session_clock.h"
@@ -25,12 +26,13 @@ class ControlLoop {
               std::function<void(const TickRecord&)> report);
 
   // --- any one controlling thread ---
-  /// False when too much is asked at once (the queue of 64 is full).
-  bool post(const OperatorCommand& command) { return commands_.push(command); }
-  bool post_move(std::size_t robot, const core::Pose& pose) { return hand_.push({robot, Event::Kind::move, pose}); }
-  bool post_kick(std::size_t robot, double vx, double vy) {
-    return hand_.push({robot, Event::Kind::kick, {vx, vy, 0.0}});
-  }
+  /// What a hand does to a simulated robot.
+  using Gesture = std::variant<events::Move, events::Kick>;
+
+  /// The next ticks do it, in the order in which it was asked for. False: the queue is full, and it will not be done.
+  /// There is room for everything that can be set at once: every gain and every coupling of each pair.
+  [[nodiscard]] bool post(const OperatorCommand& command) { return commands_.push(command); }
+  [[nodiscard]] bool post(const Gesture& gesture) { return hand_.push(gesture); }
   /// From ready or paused: one tick of the experiment, and paused again.
   void step() noexcept { steps_.fetch_add(1, std::memory_order_acq_rel); }
   /// Wall clock: how much faster than real time a simulation runs. Other than 1, it is paced: every tick runs at
@@ -61,7 +63,7 @@ class ControlLoop {
   bool coupled(std::size_t i, std::size_t j) const noexcept {
     return pairs_[pair(i, j)].coupled.load(std::memory_order_relaxed);
   }
-  /// Whether some robot whose pose is known stands farther from its start than `staging.within`, or looks elsewhere.
+  /// Whether some robot whose pose is known is not at its start.
   bool away() const noexcept { return away_.load(std::memory_order_acquire); }
   /// Set when the control thread died; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
@@ -69,11 +71,6 @@ class ControlLoop {
   const TickRecord& prototype() const noexcept { return tick_.record(); }
 
  private:
-  struct Gesture {
-    std::size_t robot;
-    Event::Kind kind;  // move or kick
-    core::Pose value;  // the pose, or in x and y the velocity
-  };
   struct PairState {
     std::array<std::atomic<double>, 3> now{}, target{};
     std::atomic<bool> coupled{true};
@@ -85,7 +82,9 @@ class ControlLoop {
   bool asked() const noexcept;
   void cycle(double now, int elapsed);
   void complete_latency() noexcept;
-  std::size_t take_commands(const EventList& events);
+  void take_commands(const EventList& events);
+  std::size_t room_for_events(const EventList& events) const noexcept;
+  std::size_t most_events(const OperatorCommand& command) const noexcept;
   void perturb(int elapsed, EventList& events);
   void do_actions(double t, bool running, EventList& events);
   void carry_out(const Gesture& gesture, EventList& events);
@@ -97,9 +96,10 @@ class ControlLoop {
   ControlTick tick_;
   TickRecord out_;
 
-  boost::lockfree::spsc_queue<OperatorCommand, boost::lockfree::capacity<64>> commands_;
-  boost::lockfree::spsc_queue<Gesture, boost::lockfree::capacity<64>> hand_;
-  std::array<OperatorCommand, 192> obeyed_{};
+  boost::lockfree::spsc_queue<OperatorCommand> commands_;
+  boost::lockfree::spsc_queue<Gesture> hand_;
+  TickInput input_;
+  std::vector<OperatorCommand> obeyed_;  // by this tick; what its events have no room for waits for the next
   std::vector<core::Measurement> newest_;
   std::vector<core::Pose> truth_;
   std::vector<core::WheelSpeeds> wheels_;
@@ -110,8 +110,6 @@ class ControlLoop {
   std::vector<comms::CommandTimes> command_times_;
   std::vector<double> delays_;  // from a robot's command to the moment its wheels obey, a moving mean
   std::size_t next_perturbation_ = 0, next_action_ = 0;
-  std::array<OperatorCommand, 96> due_{};  // of the file's actions; what is more waits for the next tick
-  std::size_t due_count_ = 0;
   std::int64_t virtual_ticks_ = 0;
 
   std::atomic<bool> stop_{false}, failed_{false}, away_{false};

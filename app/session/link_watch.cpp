@@ -4,6 +4,26 @@
 
 namespace skein::app {
 
+LinkState state_of(comms::LinkState state) noexcept {
+  switch (state) {
+    case comms::LinkState::down:
+      return LinkState::down;
+    case comms::LinkState::connecting:
+      return LinkState::connecting;
+    case comms::LinkState::synchronising:
+      return LinkState::synchronising;
+    case comms::LinkState::up:
+      return LinkState::up;
+    case comms::LinkState::stale:
+      return LinkState::stale;
+    case comms::LinkState::failed:
+      return LinkState::failed;
+    case comms::LinkState::closed:
+      return LinkState::closed;
+  }
+  return LinkState::failed;
+}
+
 LinkWatch::LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall) : bridge_(bridge), wall_(wall) {
   for (const std::size_t robot : robots) cells_.emplace_back(robot);
 }
@@ -13,7 +33,8 @@ std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>&
   for (std::size_t k = 0; k < links.size() && k < cells_.size(); ++k) {
     const comms::LinkStatus& link = links[k];
     Cell& cell = cells_[k];
-    cell.state.store(link.state, std::memory_order_relaxed);
+    const LinkState state = state_of(link.state);
+    cell.state.store(state, std::memory_order_relaxed);
     cell.left.store(static_cast<double>(link.left_steps), std::memory_order_relaxed);
     cell.right.store(static_cast<double>(link.right_steps), std::memory_order_relaxed);
     if (wall_) {  // what the machine's speed decides is no part of a run that repeats to the bit
@@ -26,14 +47,14 @@ std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>&
       cell.reconnects.store(static_cast<double>(link.reconnects), std::memory_order_relaxed);
       cell.battery.store(link.battery.volts, std::memory_order_relaxed);
     }
-    const bool up = link.state == comms::LinkState::up;
+    const bool up = state == LinkState::up;
     if (!up && link.out_for > bridge_) {
-      cell.reported.store(link.state, std::memory_order_release);
+      cell.reported.store(state, std::memory_order_release);
       if (!lost)
-        lost = fmt::format("robot {}: the link is {}{}{}", cell.robot + 1, comms::to_text(link.state),
-                           link.reason.empty() ? "" : ": ", link.reason);
+        lost = fmt::format("robot {}: the link is {}{}{}", cell.robot + 1, word(state), link.reason.empty() ? "" : ": ",
+                           link.reason);
     } else if (up) {
-      cell.reported.store(comms::LinkState::up, std::memory_order_release);
+      cell.reported.store(LinkState::up, std::memory_order_release);
     }
   }
   return lost;
@@ -41,11 +62,11 @@ std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>&
 
 void LinkWatch::tell(EventList& events) noexcept {
   for (Cell& cell : cells_) {
-    const comms::LinkState reported = cell.reported.load(std::memory_order_acquire);
-    const bool came_or_went = (reported == comms::LinkState::up) != (cell.told == comms::LinkState::up);
-    if (!came_or_went || events.size() == EventList::capacity) continue;
+    const LinkState reported = cell.reported.load(std::memory_order_acquire);
+    const bool came_or_went = (reported == LinkState::up) != (cell.told == LinkState::up);
+    if (!came_or_went || events.full()) continue;
     cell.told = reported;
-    events.add({Event::Kind::link, static_cast<int>(cell.robot), {}, {static_cast<double>(reported), 0.0, 0.0}});
+    events.add(events::Link{cell.robot, reported});
   }
 }
 

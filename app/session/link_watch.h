@@ -13,6 +13,9 @@
 
 namespace skein::app {
 
+/// The state of a link as the run's vocabulary has it.
+LinkState state_of(comms::LinkState state) noexcept;
+
 /// Carries what is known of the links to the control thread without a lock, and says which of them are lost.
 class LinkWatch {
  public:
@@ -32,11 +35,11 @@ class LinkWatch {
   struct Cell {
     explicit Cell(std::size_t of) : robot(of) {}
     std::size_t robot;
-    std::atomic<comms::LinkState> state{comms::LinkState::up};
-    std::atomic<comms::LinkState> reported{comms::LinkState::up};  // "up" until it is lost
+    std::atomic<LinkState> state{LinkState::up};
+    std::atomic<LinkState> reported{LinkState::up};  // "up" until it is lost
     std::atomic<double> round_trip{none}, round_trip_p99{none}, battery{none}, left{none}, right{none}, bytes{none},
         losses{none}, reconnects{none};
-    comms::LinkState told = comms::LinkState::up;  // the control thread's
+    LinkState told = LinkState::up;  // the control thread's
   };
 
   std::deque<Cell> cells_;  // atomics cannot move

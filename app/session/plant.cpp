@@ -170,7 +170,7 @@ void Plant::stop() noexcept {
 std::vector<RobotStatus> Plant::robots() const {
   std::vector<RobotStatus> all(experiment_.robots.size());
   for (RobotStatus& robot : all) {
-    robot.link = "simulated";
+    robot.link = LinkState::simulated;
     robot.stop_acknowledged = true;
   }
   if (!links_) return all;
@@ -178,7 +178,7 @@ std::vector<RobotStatus> Plant::robots() const {
   for (std::size_t k = 0; k < links.size(); ++k) {
     const comms::LinkStatus& link = links[k];
     RobotStatus& robot = all[linked_[k]];
-    robot.link = comms::to_text(link.state);
+    robot.link = state_of(link.state);
     robot.reason = link.reason;
     if (link.exchanges > 0) robot.round_trip = link.rtt_median, robot.round_trip_p99 = link.rtt_p99;
     robot.exchanges = link.exchanges;

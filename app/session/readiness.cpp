@@ -7,6 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/experiment/at_start.h"
+
 namespace skein::app {
 namespace {
 
@@ -49,11 +51,12 @@ Check links(const Experiment& e, std::span<const RobotStatus> robots) {
   std::vector<std::size_t> down;
   std::string why;
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (robots[i].link == "up" || robots[i].link == "simulated") continue;
+    if (reachable(robots[i].link)) continue;
     down.push_back(i);
-    if (why.empty()) why = robots[i].reason.empty() ? robots[i].link : robots[i].reason;
+    if (why.empty()) why = robots[i].reason.empty() ? std::string(word(robots[i].link)) : robots[i].reason;
   }
-  const bool simulated = std::all_of(robots.begin(), robots.end(), [](const auto& r) { return r.link == "simulated"; });
+  const bool simulated =
+      std::all_of(robots.begin(), robots.end(), [](const auto& r) { return r.link == LinkState::simulated; });
   if (down.empty()) return {What::links, State::holds, simulated ? "simulated robots need none" : "all up", true};
   return {What::links, State::fails, fmt::format("{}: {}", numbers(down), why), true};
 }
@@ -104,17 +107,15 @@ Check reference(const Certificate* certificate) {
           true};
 }
 
-Check places(const TickRecord* record) {
+Check places(const Experiment& e, const TickRecord* record) {
   if (!record) return {What::places, State::waits, "no poses yet", false};
   std::vector<std::size_t> away;
   double farthest = 0.0;
   for (std::size_t i = 0; i < record->robots.size(); ++i) {
     const RobotRecord& robot = record->robots[i];
     if (robot.is(lost)) continue;  // another check's
-    const double distance = core::distance(robot.pose, robot.nominal.pose);
-    const double heading = std::abs(core::wrap_angle(robot.pose.theta - robot.nominal.pose.theta));
-    farthest = std::max(farthest, distance);
-    if (distance > place_reached || heading > heading_reached) away.push_back(i);
+    farthest = std::max(farthest, core::distance(robot.pose, robot.nominal.pose));
+    if (!at_start(robot.pose, robot.nominal.pose, start_tolerance(e.staging))) away.push_back(i);
   }
   if (away.empty())
     return {What::places, State::holds, fmt::format("everybody within {:.0f} mm", std::ceil(1000 * farthest)), false};
@@ -126,9 +127,8 @@ Check places(const TickRecord* record) {
 
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots) {
-  return {camera(experiment), tags(experiment, record), links(experiment, robots),
-          batteries(robots),  gains(certificate),       reference(certificate),
-          places(record)};
+  return {camera(experiment), tags(experiment, record), links(experiment, robots), batteries(robots),
+          gains(certificate), reference(certificate),   places(experiment, record)};
 }
 
 bool may_start(std::span<const Check> checks) noexcept {

@@ -23,10 +23,6 @@ struct Check {
   bool hard;           ///< nobody starts without it; what is soft, an operator may overrule
 };
 
-/// A robot counts as standing in its place when it is as near as this: the law brings in the rest without a lurch.
-inline constexpr double place_reached = 0.03;                       ///< [m]
-inline constexpr double heading_reached = 15.0 * core::pi / 180.0;  ///< [rad]
-
 /// Whether an experiment can start, from what is known by now; empty pointers: not known yet. All checks, in the order
 /// in which they are mended.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,

@@ -18,7 +18,10 @@ class RecordChannel {
   /// `prototype`: a record of the run's size.
   RecordChannel(std::size_t capacity, const TickRecord& prototype)
       : pool_(capacity, prototype), free_(capacity), filled_(capacity) {
-    for (TickRecord& record : pool_) free_.push(&record);
+    for (TickRecord& record : pool_) {
+      record.events.reserve(prototype.events.limit());
+      free_.push(&record);
+    }
   }
 
   /// The control thread's side.

@@ -113,8 +113,11 @@ Phase Session::run(const std::function<bool()>& keep_on) {
       i.watch();
     }
   };
+  const auto ask_or_fail = [&](const char* what, const Answer& answer) {
+    if (!answer) i.fail(fmt::format("{}: {}", what, answer.error()));
+  };
   const auto drive_to_starts = [&] {
-    stage();
+    ask_or_fail("staging", stage());
     const double give_up = i.clock.now() + i.experiment.staging.timeout;
     for (bool began = false; !i.loop->failed() && i.loop->phase() != Phase::stopped; turn()) {
       if (i.loop->phase() == Phase::staging)
@@ -143,7 +146,7 @@ Phase Session::run(const std::function<bool()>& keep_on) {
                        [](const RobotSpec& robot) { return robot.start.has_value(); });
   }
   if (away && i.experiment.staging.automatic && !over()) drive_to_starts();
-  start();
+  ask_or_fail("start", start());
   while (!over() && !i.loop->failed()) turn();
   if (i.experiment.staging.back && i.loop->phase() == Phase::finished) drive_to_starts();
   return i.loop->phase();

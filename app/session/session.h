@@ -36,30 +36,34 @@ class Session {
 
   const Experiment& experiment() const noexcept;
 
-  void start();
+  /// What is asked of the session is done by the next ticks, in the order in which it was asked for. The answer says
+  /// whether it was taken; where not, nothing of it is done, and the error says why.
+  using Answer = tl::expected<void, std::string>;
+
+  [[nodiscard]] Answer start();
   /// Every robot drives to its start without touching anybody, and stands there; then the session is ready again, or
   /// finished if the run is over. Does nothing while it runs.
-  void stage();
-  void pause();
-  void resume();
+  [[nodiscard]] Answer stage();
+  [[nodiscard]] Answer pause();
+  [[nodiscard]] Answer resume();
   /// One tick from ready or paused on, and paused again. Refused where anything lives in real time, with the reason.
-  tl::expected<void, std::string> step();
+  [[nodiscard]] Answer step();
   /// How much faster than real time the simulation runs, 0.1 to 50. Other than 1, every tick runs at exactly its time
   /// and none is skipped: what cannot keep up makes the run slower, never different. Refused where anything lives in
   /// real time, with the reason.
-  tl::expected<void, std::string> set_speed(double speed);
+  [[nodiscard]] Answer set_speed(double speed);
   double speed() const noexcept;
   /// STOP: latched, straight to every link and every simulated wheel, without waiting for the tick; the run is over.
   void stop() noexcept;
 
   /// A new value for all pairs, held at `gain_border` where (18) ends. It is approached at a bounded rate, and slower
   /// where `seconds` asks for a ramp that takes longer.
-  void set_gain(core::GainName name, double value, double seconds = 0.0);
+  [[nodiscard]] Answer set_gain(core::GainName name, double value, double seconds = 0.0);
   /// The same for robots i and j alone, from 0.
-  void set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0);
+  [[nodiscard]] Answer set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0);
   /// Switches the coupling of two robots off or on: their gains go to zero and come back at the same rate, held where
   /// (18f, g) end by then.
-  void couple(std::size_t i, std::size_t j, bool on);
+  [[nodiscard]] Answer couple(std::size_t i, std::size_t j, bool on);
 
   /// The largest value that (18f, g) leave to this gain over the whole reference, with the others as they are: for all
   /// pairs, or for one.
@@ -75,27 +79,27 @@ class Session {
   bool coupled(std::size_t i, std::size_t j) const;
 
   /// Puts a simulated robot somewhere, as a hand does. Refused for a real one, with the reason.
-  tl::expected<void, std::string> move_robot(std::size_t robot, const core::Pose& pose);
+  [[nodiscard]] Answer move_robot(std::size_t robot, const core::Pose& pose);
 
   /// Kicks one: it slides with this velocity [m/s, world frame] until friction has stopped it, and drives on meanwhile.
-  tl::expected<void, std::string> kick_robot(std::size_t robot, double vx, double vy);
+  [[nodiscard]] Answer kick_robot(std::size_t robot, double vx, double vy);
 
   /// Makes one robot stand, real or not, and takes it out of the group until it is let go again; the others drive on.
   /// This goes through the tick: in danger, stop().
-  tl::expected<void, std::string> hold_robot(std::size_t robot, bool hold);
+  [[nodiscard]] Answer hold_robot(std::size_t robot, bool hold);
 
   /// Turns each wheel of a robot with a link about 10 mm forward and compares its counters with that. Only while the
   /// session is ready; it takes some seconds, and STOP, a start and the end of the session end it. Refused with the
   /// reason.
-  tl::expected<void, std::string> check_wheels(std::size_t robot);
+  [[nodiscard]] Answer check_wheels(std::size_t robot);
   /// What it found, once, as soon as that is known. The error names the robot and says why it could not be tested.
   std::optional<tl::expected<WheelCheck, std::string>> wheel_check();
 
   /// Puts an obstacle onto the floor that avoidance and shield keep clear of from the next tick on; the answer is its
   /// number, from 0. The file's obstacles come first, and can be moved and taken away as well.
-  tl::expected<std::size_t, std::string> add_obstacle(const core::Obstacle& obstacle);
-  tl::expected<void, std::string> move_obstacle(std::size_t number, const core::Obstacle& obstacle);
-  tl::expected<void, std::string> remove_obstacle(std::size_t number);
+  [[nodiscard]] tl::expected<std::size_t, std::string> add_obstacle(const core::Obstacle& obstacle);
+  [[nodiscard]] Answer move_obstacle(std::size_t number, const core::Obstacle& obstacle);
+  [[nodiscard]] Answer remove_obstacle(std::size_t number);
   /// As they were asked for; one that has radius 0 is not there.
   std::span<const core::Obstacle> obstacles() const noexcept;
 

@@ -11,25 +11,25 @@ constexpr double slowest = 0.1, fastest = 50.0;  // of a simulation, times real 
 
 }  // namespace
 
-void Session::start() {
-  wiring_->loop->post({OperatorCommand::Kind::start});
+Session::Answer Session::start() {
+  return wiring_->ask(commands::Start{});
 }
-void Session::stage() {
-  wiring_->loop->post({OperatorCommand::Kind::stage, {}, 0.0});
+Session::Answer Session::stage() {
+  return wiring_->ask(commands::Stage{});
 }
-void Session::pause() {
-  wiring_->loop->post({OperatorCommand::Kind::pause});
+Session::Answer Session::pause() {
+  return wiring_->ask(commands::Pause{});
 }
-void Session::resume() {
-  wiring_->loop->post({OperatorCommand::Kind::resume});
+Session::Answer Session::resume() {
+  return wiring_->ask(commands::Resume{});
 }
-tl::expected<void, std::string> Session::step() {
+Session::Answer Session::step() {
   if (auto reason = real_time_reason(wiring_->experiment)) return tl::unexpected(*reason);
   wiring_->loop->step();
   return {};
 }
 
-tl::expected<void, std::string> Session::set_speed(double speed) {
+Session::Answer Session::set_speed(double speed) {
   if (auto reason = real_time_reason(wiring_->experiment)) return tl::unexpected(*reason);
   if (!(speed >= slowest && speed <= fastest))
     return tl::unexpected(fmt::format("speed: found {}, allowed: {} to {}", speed, slowest, fastest));
@@ -44,19 +44,18 @@ void Session::stop() noexcept {
   wiring_->stop();
 }
 
-void Session::set_gain(core::GainName name, double value, double seconds) {
-  OperatorCommand command{OperatorCommand::Kind::gain, name, value};
-  command.seconds = seconds;
-  wiring_->loop->post(command);
+Session::Answer Session::set_gain(core::GainName name, double value, double seconds) {
+  return wiring_->ask(commands::SetGain{name, value, seconds});
 }
 
-void Session::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
-  OperatorCommand command{OperatorCommand::Kind::pair_gain, name, value, i, j};
-  command.seconds = seconds;
-  wiring_->loop->post(command);
+Session::Answer Session::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
+  if (auto pair = wiring_->check_pair(i, j); !pair) return pair;
+  return wiring_->ask(commands::SetPairGain{i, j, name, value, seconds});
 }
-void Session::couple(std::size_t i, std::size_t j, bool on) {
-  wiring_->loop->post({on ? OperatorCommand::Kind::couple : OperatorCommand::Kind::uncouple, {}, 0.0, i, j});
+
+Session::Answer Session::couple(std::size_t i, std::size_t j, bool on) {
+  if (auto pair = wiring_->check_pair(i, j); !pair) return pair;
+  return wiring_->ask(commands::Couple{i, j, on});
 }
 
 double Session::gain(core::GainName name, std::size_t i, std::size_t j) const {
@@ -67,6 +66,13 @@ double Session::gain_target(core::GainName name, std::size_t i, std::size_t j) c
 }
 bool Session::coupled(std::size_t i, std::size_t j) const {
   return wiring_->loop->coupled(i, j);
+}
+
+SessionWiring::Answer SessionWiring::check_pair(std::size_t i, std::size_t j) const {
+  const std::size_t robots = experiment.robots.size();
+  if (i < robots && j < robots && i != j) return {};
+  return tl::unexpected(
+      fmt::format("robots {} and {} are no pair, allowed: two different ones from 1 to {}", i + 1, j + 1, robots));
 }
 
 core::CouplingGains SessionWiring::targets() const {
@@ -95,35 +101,30 @@ double Session::gain_border(core::GainName name, std::size_t i, std::size_t j) c
   return core::gain_border(name, i, j, wiring_->gains, wiring_->targets(), wiring_->demand);
 }
 
-tl::expected<void, std::string> Session::move_robot(std::size_t robot, const core::Pose& pose) {
+Session::Answer Session::move_robot(std::size_t robot, const core::Pose& pose) {
   if (robot >= wiring_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   if (!wiring_->plant->simulated(robot))
     return tl::unexpected(fmt::format("robot {} is real: put it there by hand", robot + 1));
-  if (!wiring_->loop->post_move(robot, pose)) return tl::unexpected(std::string("too many moves at once"));
-  return {};
+  return wiring_->ask(events::Move{robot, pose});
 }
 
-tl::expected<void, std::string> Session::kick_robot(std::size_t robot, double vx, double vy) {
+Session::Answer Session::kick_robot(std::size_t robot, double vx, double vy) {
   if (robot >= wiring_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   if (!wiring_->plant->simulated(robot))
     return tl::unexpected(fmt::format("robot {} is real: only simulated ones are kicked", robot + 1));
   if (!std::isfinite(vx) || !std::isfinite(vy)) return tl::unexpected(std::string("a kick needs a velocity"));
-  if (!wiring_->loop->post_kick(robot, vx, vy)) return tl::unexpected(std::string("too many kicks at once"));
-  return {};
+  return wiring_->ask(events::Kick{robot, vx, vy});
 }
 
-tl::expected<void, std::string> Session::hold_robot(std::size_t robot, bool hold) {
+Session::Answer Session::hold_robot(std::size_t robot, bool hold) {
   if (robot >= wiring_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   if (!hold)
-    if (const RobotStatus status = robots()[robot]; status.link != "up" && status.link != "simulated")
-      return tl::unexpected(fmt::format("robot {}: its link is {}", robot + 1, status.link));
-  OperatorCommand command{hold ? OperatorCommand::Kind::hold : OperatorCommand::Kind::release};
-  command.number = robot;
-  if (!wiring_->loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
-  return {};
+    if (const RobotStatus status = robots()[robot]; !reachable(status.link))
+      return tl::unexpected(fmt::format("robot {}: its link is {}", robot + 1, word(status.link)));
+  return wiring_->ask(commands::Hold{robot, hold});
 }
 
-tl::expected<void, std::string> Session::check_wheels(std::size_t robot) {
+Session::Answer Session::check_wheels(std::size_t robot) {
   SessionWiring& impl = *wiring_;
   if (robot >= impl.experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   const std::string name = fmt::format("robot {}", robot + 1);
@@ -133,8 +134,8 @@ tl::expected<void, std::string> Session::check_wheels(std::size_t robot) {
   if (impl.test.valid()) return tl::unexpected(std::string("one test at a time"));
   if (impl.loop->phase() != Phase::ready || impl.loop->stop_asked())
     return tl::unexpected(name + ": robots are tested before a start, while they stand ready");
-  if (const RobotStatus status = robots()[robot]; status.link != "up")
-    return tl::unexpected(fmt::format("{}: its link is {}", name, status.link));
+  if (const RobotStatus status = robots()[robot]; status.link != LinkState::up)
+    return tl::unexpected(fmt::format("{}: its link is {}", name, word(status.link)));
   impl.test = std::async(std::launch::async, [&impl, robot, name]() -> tl::expected<WheelCheck, std::string> {
     auto check = impl.plant->check_wheels(robot, [&impl] { return impl.test_ends(); });
     if (!check) return tl::unexpected(fmt::format("{} could not be tested: {}", name, check.error()));
@@ -154,7 +155,8 @@ tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacl
   const auto all = wiring_->obstacles.all();
   const auto taken = [&](std::size_t k) {
     const auto will_be = [k](const OperatorAction& a) {
-      return a.event.kind == Event::Kind::obstacle && a.event.robot == static_cast<int>(k);
+      const auto* const put = std::get_if<events::PutObstacle>(&a.event);
+      return put && put->number == k;
     };
     const auto& actions = wiring_->experiment.actions;
     return all[k].radius > 0.0 || std::any_of(actions.begin(), actions.end(), will_be);
@@ -166,7 +168,7 @@ tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacl
   return number;
 }
 
-tl::expected<void, std::string> Session::move_obstacle(std::size_t number, const core::Obstacle& obstacle) {
+Session::Answer Session::move_obstacle(std::size_t number, const core::Obstacle& obstacle) {
   const Experiment& e = wiring_->experiment;
   const bool on_floor = std::abs(obstacle.x) <= e.arena_width / 2 && std::abs(obstacle.y) <= e.arena_height / 2;
   if (!on_floor) return tl::unexpected(std::string("an obstacle stands inside the arena"));
@@ -175,7 +177,7 @@ tl::expected<void, std::string> Session::move_obstacle(std::size_t number, const
   return wiring_->put(number, obstacle);
 }
 
-tl::expected<void, std::string> Session::remove_obstacle(std::size_t number) {
+Session::Answer Session::remove_obstacle(std::size_t number) {
   return wiring_->put(number, {});
 }
 

@@ -74,14 +74,21 @@ struct SessionWiring {
     return core::gain_border(name, gains, targets(), of);
   }
 
-  tl::expected<void, std::string> put(std::size_t number, const core::Obstacle& obstacle) {
+  using Answer = tl::expected<void, std::string>;
+
+  /// Asks the next ticks to do it.
+  Answer ask(const OperatorCommand& command) { return taken(loop->post(command)); }
+  Answer ask(const ControlLoop::Gesture& gesture) { return taken(loop->post(gesture)); }
+  static Answer taken(bool posted) {
+    if (posted) return {};
+    return tl::unexpected(std::string("too much is asked at once: not done, ask again"));
+  }
+
+  Answer put(std::size_t number, const core::Obstacle& obstacle) {
     if (number >= obstacles.all().size()) return tl::unexpected(fmt::format("there is no obstacle {}", number + 1));
-    OperatorCommand command{OperatorCommand::Kind::obstacle};
-    command.number = number;
-    command.obstacle = obstacle;
-    if (!loop->post(command)) return tl::unexpected(std::string("too much is asked at once"));
-    obstacles.put(number, obstacle);
-    return {};
+    auto answer = ask(commands::PutObstacle{number, obstacle});
+    if (answer) obstacles.put(number, obstacle);
+    return answer;
   }
 
   void stop() noexcept {
@@ -121,6 +128,7 @@ struct SessionWiring {
     return ends_test.load() || loop->phase() != Phase::ready ? "the robots no longer stand ready" : "";
   }
 
+  Answer check_pair(std::size_t i, std::size_t j) const;
   /// Where the couplings are going.
   core::CouplingGains targets() const;
 

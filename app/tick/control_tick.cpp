@@ -64,6 +64,7 @@ TickState::TickState(const Experiment& e)
   v_limits.resize(n);
   doubt.resize(n);
   record.robots.resize(n);
+  record.events.reserve(EventList::room_for(n));
   record.delta.resize(n > 0 ? n - 1 : 0);
   record.pair_gains = {gains.k_xx, gains.k_tt, gains.k_yy};
 }
@@ -92,19 +93,15 @@ void TickState::look(std::size_t i) noexcept {
   const core::Measurement& m = record.robots[i].measurement;
   const std::optional<core::Pose> expected = filters[i].see(experiment.estimation.filter, m);
   if (!expected || !running()) return;
-  record.events.add(
-      {Event::Kind::kidnap,
-       static_cast<int>(i),
-       {},
-       {m.pose.x - expected->x, m.pose.y - expected->y, core::wrap_angle(m.pose.theta - expected->theta)}});
+  note(events::Kidnap{i, m.pose.x - expected->x, m.pose.y - expected->y,
+                      core::wrap_angle(m.pose.theta - expected->theta)});
 }
 
 /// Every robot's pose at the moment the command of this tick acts. One that has not been seen within the bridge time is
 /// lost.
 void TickState::estimate(const TickInput& input) noexcept {
   for (const Event& event : input.events)
-    if (event.kind == Event::Kind::perturb || event.kind == Event::Kind::move)
-      filters[static_cast<std::size_t>(event.robot)].displaced(input.now);
+    if (is<events::Perturb, events::Move>(event)) filters[*robot_of(event)].displaced(input.now);
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     const bool was_lost = robot.is(lost);
@@ -121,7 +118,7 @@ void TickState::estimate(const TickInput& input) noexcept {
                           filters[i].sigma_after(experiment.estimation.filter, std::abs(commands[i].v) * robot.pose_age)
                     : 0.0;
     // One that has never been seen was not lost, and its first sight is what everybody expects.
-    if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event::Kind::found : Event::Kind::lost, i);
+    if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event(events::Found{i}) : Event(events::Lost{i}));
     if (seen) seen_before[i] = true;
     if (robot.is(lost)) avoidance.reset(i);
   }
@@ -156,9 +153,9 @@ void TickState::follow_reference() noexcept {
     avoidance.step(parameters, gains, motion_dt, scene, nominal, followed);
     for (std::size_t i = 0; i < robots(); ++i) {
       const bool modified = avoidance.state(i) != core::Avoidance::State::nominal;
-      if (modified != off_nominal[i] && running()) note(modified ? Event::Kind::avoid : Event::Kind::clear, i);
+      if (modified != off_nominal[i] && running()) note(modified ? Event(events::Avoid{i}) : Event(events::Clear{i}));
       off_nominal[i] = modified;
-      if (avoidance.stuck(i)) note(Event::Kind::deadlock, i);
+      if (avoidance.stuck(i)) note(events::Deadlock{i});
     }
   } else {
     std::copy(nominal.begin(), nominal.end(), followed.begin());
@@ -227,27 +224,32 @@ void TickState::drive_wheels() noexcept {
   }
 }
 
+namespace {
+
+/// Whether V may rise after such an event: a hand moved a robot, or the group lost or gained one.
+bool may_raise_v(const Event& event) noexcept {
+  using namespace events;
+  return std::visit(
+      Overloaded{
+          [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
+          [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
+                          Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, DeadlineMissed, VRise,
+                          events::Link, FilmBroken> auto&) { return false; },
+      },
+      event);
+}
+
+}  // namespace
+
 /// (20) forbids that V rises. Says where it does and nothing explains it: neither a hand nor a robot that was lost or
 /// found (within the time in which the filter comes to believe the new pose).
 void TickState::watch_descent() noexcept {
   constexpr double settles = 0.5;  // [s]
-  for (const Event& event : record.events) switch (event.kind) {
-      case Event::Kind::perturb:
-      case Event::Kind::kidnap:
-      case Event::Kind::move:
-      case Event::Kind::kick:
-      case Event::Kind::hold:
-      case Event::Kind::release:
-      case Event::Kind::lost:
-      case Event::Kind::found:
-        explained_until = record.now + experiment.simulation.latency + settles;
-        break;
-      default:
-        break;
-    }
+  for (const Event& event : record.events)
+    if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
   if (!running() || record.now < explained_until) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
-  if (rise > 0.0) record.events.add({Event::Kind::v_rise, -1, {}, {rise, 0.0, 0.0}});
+  if (rise > 0.0) note(events::VRise{rise});
 }
 
 /// Everything that this tick did, for the log, the plots and the tests.

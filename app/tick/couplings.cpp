@@ -15,18 +15,10 @@ using core::table;
 /// wants gains that are continuous, and a hand on a slider is not.
 constexpr double operator_ramp = 5.0;
 
-/// Of the events of the tick at which a run starts, so many can tell of pairs that were changed before.
-constexpr std::size_t most_pairs_before_start = EventList::capacity - 16;
-
 template <typename Visit>
 void for_each_pair(std::size_t robots, Visit&& visit) noexcept {
   for (std::size_t i = 0; i < robots; ++i)
     for (std::size_t j = i + 1; j < robots; ++j) visit(i, j);
-}
-
-Event of_pair(Event::Kind kind, std::size_t i, std::size_t j, GainName gain = GainName::k_xx, double from = 0.0,
-              double to = 0.0, double seconds = 0.0) noexcept {
-  return {kind, static_cast<int>(i), gain, {from, to, seconds}, static_cast<int>(j)};
 }
 
 }  // namespace
@@ -45,16 +37,9 @@ Couplings::Couplings(const Experiment& experiment, const core::Gains& gains, con
       shapes_change_ = shapes_change_ || (name > gain_names.back() && change[name]);
 }
 
-void Couplings::obey(const OperatorCommand& command, bool ready, EventList& events) noexcept {
-  using Kind = OperatorCommand::Kind;
-  if (command.gain > gain_names.back()) return;  // slopes and weights are the file's
-  asked_ = true;
-  if (command.kind == Kind::gain) return set_all(command, ready, events);
-  const std::size_t n = off_.robots();
-  if (command.i == command.j || command.i >= n || command.j >= n) return;
-  if (command.kind == Kind::pair_gain) set_pair(command, ready, events);
-  if (command.kind == Kind::couple) couple(command, ready, events);
-  if (command.kind == Kind::uncouple) uncouple(command, ready, events);
+/// Slopes and weights are the file's, and only different robots are a pair.
+bool Couplings::is_pair(std::size_t i, std::size_t j) const noexcept {
+  return i != j && i < off_.robots() && j < off_.robots();
 }
 
 double Couplings::rate(GainName name, bool ready) const noexcept {
@@ -69,13 +54,15 @@ void Couplings::go(GainName name, std::size_t i, std::size_t j, double value, bo
   if (ready) schedule_.step(1.0);
 }
 
-void Couplings::set_all(const OperatorCommand& command, bool ready, EventList& events) noexcept {
+void Couplings::set(const commands::SetGain& command, bool ready, bool recorded, EventList& events) noexcept {
   const GainName name = command.gain;
-  const double border = command.recorded ? std::numeric_limits<double>::infinity()
-                                         : core::gain_border(name, limits_, schedule_.target(), demand_);
+  if (name > gain_names.back()) return;  // slopes and weights are the file's
+  asked_ = true;
+  const double border = recorded ? std::numeric_limits<double>::infinity()
+                                 : core::gain_border(name, limits_, schedule_.target(), demand_);
   const double value = std::clamp(command.value, 0.0, border);
   const double from = table(wanted_, name).largest();
-  if (command.value > border) events.add({Event::Kind::gain_held, -1, name, {command.value, value, 0.0}});
+  if (command.value > border) events.add(events::GainHeld{name, command.value, value});
   bool same = true;
   for_each_pair(off_.robots(),
                 [&](std::size_t i, std::size_t j) { same = same && table(wanted_, name)(i, j) == value; });
@@ -95,53 +82,60 @@ void Couplings::set_all(const OperatorCommand& command, bool ready, EventList& e
     schedule_.step(1.0);
     all_before_start_[static_cast<std::size_t>(name)] = value;
   }
-  events.add({Event::Kind::gain, -1, name, {from, value, seconds}});
+  events.add(events::Gain{name, from, value, seconds});
 }
 
-double Couplings::held(const OperatorCommand& command, GainName name, double value, EventList& events) const noexcept {
-  if (command.recorded) return value;
-  const double border = core::gain_border(name, command.i, command.j, limits_, schedule_.target(), demand_);
-  if (value > border) events.add(of_pair(Event::Kind::pair_gain_held, command.i, command.j, name, value, border));
+double Couplings::held(const commands::SetPairGain& asked, bool recorded, EventList& events) const noexcept {
+  const auto& [i, j, name, value, seconds] = asked;
+  if (recorded) return value;
+  const double border = core::gain_border(name, i, j, limits_, schedule_.target(), demand_);
+  if (value > border) events.add(events::PairGainHeld{i, j, name, value, border});
   return std::min(value, border);
 }
 
-void Couplings::set_pair(const OperatorCommand& command, bool ready, EventList& events) noexcept {
+void Couplings::set(const commands::SetPairGain& command, bool ready, bool recorded, EventList& events) noexcept {
+  const GainName name = command.gain;
+  if (name > gain_names.back() || !is_pair(command.i, command.j)) return;
+  asked_ = true;
   const auto [i, j] = std::minmax(command.i, command.j);
-  const double from = table(wanted_, command.gain)(i, j);
-  if (ready && from == base(command.gain, i, j) && changed_pairs() >= most_pairs_before_start) {
-    events.add(of_pair(Event::Kind::pair_gain_held, i, j, command.gain, command.value, from));
-    return;
-  }
-  const double value = held(command, command.gain, std::max(0.0, command.value), events);
+  const double from = table(wanted_, name)(i, j);
+  const double value = held({i, j, name, std::max(0.0, command.value)}, recorded, events);
   if (value == from) return;
-  table(wanted_, command.gain).set(i, j, value);
+  table(wanted_, name).set(i, j, value);
   const double seconds = ready ? 0.0 : command.seconds;
-  if (coupled(i, j)) go(command.gain, i, j, value, ready, seconds);
-  events.add(of_pair(Event::Kind::pair_gain, i, j, command.gain, from, value, seconds));
+  if (coupled(i, j)) go(name, i, j, value, ready, seconds);
+  events.add(events::PairGain{i, j, name, from, value, seconds});
 }
 
-void Couplings::couple(const OperatorCommand& command, bool ready, EventList& events) noexcept {
+void Couplings::couple(const commands::Couple& command, bool ready, bool recorded, EventList& events) noexcept {
+  if (!is_pair(command.i, command.j)) return;
+  asked_ = true;
   const auto [i, j] = std::minmax(command.i, command.j);
-  if (coupled(i, j)) return;
+  if (coupled(i, j) == command.on) return;
+  if (command.on)
+    switch_on(i, j, ready, recorded, events);
+  else
+    switch_off(i, j, ready, events);
+}
+
+void Couplings::switch_on(std::size_t i, std::size_t j, bool ready, bool recorded, EventList& events) noexcept {
   off_.set(i, j, 0.0);
   for (const GainName name : gain_names) {
-    const double asked = table(wanted_, name)(i, j), value = held(command, name, asked, events);
+    const double asked = table(wanted_, name)(i, j), value = held({i, j, name, asked}, recorded, events);
     if (value != asked) {
       table(wanted_, name).set(i, j, value);
-      events.add(of_pair(Event::Kind::pair_gain, i, j, name, asked, value));
+      events.add(events::PairGain{i, j, name, asked, value});
     }
     go(name, i, j, value, ready);
   }
-  events.add(of_pair(Event::Kind::couple, i, j));
+  events.add(events::Couple{i, j});
 }
 
-void Couplings::uncouple(const OperatorCommand& command, bool ready, EventList& events) noexcept {
-  const auto [i, j] = std::minmax(command.i, command.j);
-  if (!coupled(i, j) || (ready && changed_pairs() >= most_pairs_before_start)) return;
+void Couplings::switch_off(std::size_t i, std::size_t j, bool ready, EventList& events) noexcept {
   off_.set(i, j, 1.0);
   any_off_ = true;
   for (const GainName name : gain_names) go(name, i, j, 0.0, ready);
-  events.add(of_pair(Event::Kind::uncouple, i, j));
+  events.add(events::Uncouple{i, j});
 }
 
 /// What the pair would have, had the operator changed nothing but gains of all pairs.
@@ -149,24 +143,15 @@ double Couplings::base(GainName name, std::size_t i, std::size_t j) const noexce
   return all_before_start_[static_cast<std::size_t>(name)].value_or(table(file_, name)(i, j));
 }
 
-std::size_t Couplings::changed_pairs() const noexcept {
-  std::size_t count = 0;
-  for_each_pair(off_.robots(), [&](std::size_t i, std::size_t j) {
-    count += !coupled(i, j);
-    for (const GainName name : gain_names) count += table(wanted_, name)(i, j) != base(name, i, j);
-  });
-  return count;
-}
-
 void Couplings::note_changes_before_start(EventList& events) const noexcept {
   for (const GainName name : gain_names)
     if (const auto& value = all_before_start_[static_cast<std::size_t>(name)])
-      events.add({Event::Kind::gain, -1, name, {table(file_, name).largest(), *value, 0.0}});
+      events.add(events::Gain{name, table(file_, name).largest(), *value});
   for_each_pair(off_.robots(), [&](std::size_t i, std::size_t j) {
     for (const GainName name : gain_names)
       if (const double from = base(name, i, j), to = table(wanted_, name)(i, j); from != to)
-        events.add(of_pair(Event::Kind::pair_gain, i, j, name, from, to));
-    if (!coupled(i, j)) events.add(of_pair(Event::Kind::uncouple, i, j));
+        events.add(events::PairGain{i, j, name, from, to});
+    if (!coupled(i, j)) events.add(events::Uncouple{i, j});
   });
 }
 
@@ -176,8 +161,7 @@ void Couplings::follow_file(double t, EventList& events) noexcept {
     for (const GainName name : core::pair_names) {
       const std::optional<core::PairTable>& target = change[name];
       if (!target) continue;
-      events.add(
-          {Event::Kind::schedule, -1, name, {table(schedule_.target(), name).largest(), target->largest(), 0.0}});
+      events.add(events::Schedule{name, table(schedule_.target(), name).largest(), target->largest()});
       table(wanted_, name) = *target;
       if (!any_off_ || name > gain_names.back()) {
         schedule_.ramp(name, *target, change.ramp);
@@ -205,7 +189,7 @@ void Couplings::hold_file(const GainChange& change, EventList& events) noexcept 
       if (coupled(i, j)) table(wanted_, name).set(i, j, scratch_(i, j));
     });
     schedule_.ramp(name, scratch_, change.ramp);
-    events.add({Event::Kind::gain_held, -1, name, {asked, share * asked, 0.0}});
+    events.add(events::GainHeld{name, asked, share * asked});
   }
 }
 

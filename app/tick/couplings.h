@@ -15,9 +15,11 @@ class Couplings {
  public:
   Couplings(const Experiment& experiment, const core::Gains& gains, const core::ReferenceDemand& demand);
 
-  /// A command of kind gain, pair_gain, couple or uncouple. Before the run (`ready`) it counts at once: there is no
-  /// motion yet that a jump could disturb.
-  void obey(const OperatorCommand& command, bool ready, EventList& events) noexcept;
+  /// What the operator asks for. Before the run (`ready`) it counts at once: there is no motion yet that a jump could
+  /// disturb. `recorded`: of a run that is repeated, where the value has been held at its border already.
+  void set(const commands::SetGain& command, bool ready, bool recorded, EventList& events) noexcept;
+  void set(const commands::SetPairGain& command, bool ready, bool recorded, EventList& events) noexcept;
+  void couple(const commands::Couple& command, bool ready, bool recorded, EventList& events) noexcept;
   /// What was changed before the run began belongs into its record, or it could not be repeated from it.
   void note_changes_before_start(EventList& events) const noexcept;
   /// The file's changes that are due at time t. [s]
@@ -30,19 +32,18 @@ class Couplings {
   bool coupled(std::size_t i, std::size_t j) const noexcept { return off_(i, j) == 0.0; }
 
  private:
-  void set_all(const OperatorCommand& command, bool ready, EventList& events) noexcept;
-  void set_pair(const OperatorCommand& command, bool ready, EventList& events) noexcept;
-  void couple(const OperatorCommand& command, bool ready, EventList& events) noexcept;
-  void uncouple(const OperatorCommand& command, bool ready, EventList& events) noexcept;
-  /// The value that the pair may have; notes where that is less than was asked for.
-  double held(const OperatorCommand& command, core::GainName name, double value, EventList& events) const noexcept;
+  bool is_pair(std::size_t i, std::size_t j) const noexcept;
+  void switch_on(std::size_t i, std::size_t j, bool ready, bool recorded, EventList& events) noexcept;
+  void switch_off(std::size_t i, std::size_t j, bool ready, EventList& events) noexcept;
+  /// The value that the pair may have where `recorded` does not say that it has it; notes where that is less than was
+  /// asked for.
+  double held(const commands::SetPairGain& asked, bool recorded, EventList& events) const noexcept;
   void go(core::GainName name, std::size_t i, std::size_t j, double value, bool ready, double seconds = 0.0) noexcept;
   double rate(core::GainName name, bool ready) const noexcept;
   /// A change of the file was checked with the file's other gains, not with the operator's: it is held where (18f, g)
   /// end beside these.
   void hold_file(const GainChange& change, EventList& events) noexcept;
   double base(core::GainName name, std::size_t i, std::size_t j) const noexcept;
-  std::size_t changed_pairs() const noexcept;
 
   const std::vector<GainChange> changes_;
   const core::CouplingGains file_;

@@ -20,7 +20,9 @@ struct TickState {
 
   // The stages of a tick, in their order.
   void begin(const TickInput& input) noexcept;
-  void obey(const OperatorCommand& command) noexcept;
+  void obey(const OperatorCommand& command, bool recorded) noexcept;
+  void start() noexcept;
+  void stage() noexcept;
   /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
   void forget_history() noexcept {
     for (core::PoseFilter& filter : filters) filter.forget();
@@ -42,12 +44,7 @@ struct TickState {
   /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
   bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i]; }
   std::size_t robots() const noexcept { return record.robots.size(); }
-  void note(Event::Kind kind, std::size_t robot) noexcept {
-    record.events.add({kind, static_cast<int>(robot), {}, {}});
-  }
-  void note_obstacle(std::size_t k, const core::Obstacle& o) noexcept {
-    record.events.add({Event::Kind::obstacle, static_cast<int>(k), {}, {o.x, o.y, o.radius}});
-  }
+  void note(const Event& event) noexcept { record.events.add(event); }
 
   // What the experiment says.
   const Experiment experiment;

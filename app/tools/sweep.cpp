@@ -30,9 +30,9 @@ class Distance final : public RecordSink {
       error =
           std::fmax(error, core::distance(robot.nominal.pose, std::isnan(robot.truth.x) ? robot.pose : robot.truth));
     for (const Event& event : record.events)
-      if (event.kind == Event::Kind::perturb) {
+      if (const auto* const perturb = std::get_if<events::Perturb>(&event)) {
         if (!since_) since_ = record.t;
-        farthest_ = std::fmax(farthest_, std::hypot(event.values[0], event.values[1]));
+        farthest_ = std::fmax(farthest_, std::hypot(perturb->dx, perturb->dy));
       }
     if (error > near_enough_) last_far_ = record.t;
     rows_.push_back({record.t, error});

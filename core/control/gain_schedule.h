@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 #include "core/control/gains.h"
 
@@ -15,6 +16,30 @@ struct CouplingGains {
 };
 
 enum class GainName { k_xx, k_tt, k_yy, c_xx, c_tt, c_yy, l_xx, l_tt };
+
+/// As files, logs and the CSV call it (core/words.h).
+constexpr std::string_view word(GainName name) noexcept {
+  switch (name) {
+    case GainName::k_xx:
+      return "k_xx";
+    case GainName::k_tt:
+      return "k_tt";
+    case GainName::k_yy:
+      return "k_yy";
+    case GainName::c_xx:
+      return "c_xx";
+    case GainName::c_tt:
+      return "c_tt";
+    case GainName::c_yy:
+      return "c_yy";
+    case GainName::l_xx:
+      return "l_xx";
+    case GainName::l_tt:
+      return "l_tt";
+  }
+  return {};
+}
+
 /// Those that say how strong a coupling is, which (18f, g) bound and the operator may change.
 inline constexpr std::array gain_names{GainName::k_xx, GainName::k_tt, GainName::k_yy};
 /// All that a pair has.

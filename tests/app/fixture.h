@@ -16,7 +16,7 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app
     robots.emplace_back(plant.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
     robots.back().place(e.robots[i].start.value_or(reference->at(i, 0.0).pose));
   }
-  const app::OperatorCommand start;
+  const app::OperatorCommand start = app::commands::Start{};
   std::vector<core::Measurement> measured(robots.size());
   std::vector<core::Pose> truth(robots.size());
   std::vector<app::TickRecord> rows;
@@ -30,7 +30,7 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app
       if (p.t > input.now + 1e-9) break;
       const core::Pose pose = robots[p.robot].pose();
       robots[p.robot].place({pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
-      input.events.add({app::Event::Kind::perturb, static_cast<int>(p.robot), {}, {p.dx, p.dy, p.dtheta}});
+      input.events.add(app::events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
     }
     for (std::size_t i = 0; i < robots.size(); ++i) {
       measured[i] = robots[i].measure(input.now);

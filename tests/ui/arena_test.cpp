@@ -12,16 +12,15 @@ namespace {
 class Arena : public Operator {
  protected:
   void use(const char* tool) { find<QAction>(tool)->trigger(); }
-  using Kind = app::Event::Kind;
 };
 
 TEST_F(Arena, KicksARobotWithShiftAndADrag) {
   start();
   const QPoint from = robot(1);
   drag(from, from + QPoint(0, -60), Qt::ShiftModifier);
-  const app::Event kick = last(Kind::kick, 1);
-  EXPECT_NEAR(kick.values[0], 0.0, 0.05);
-  EXPECT_GT(kick.values[1], 0.3) << "upwards on the screen is +y";
+  const auto kick = last<app::events::Kick>(1);
+  EXPECT_NEAR(kick.vx, 0.0, 0.05);
+  EXPECT_GT(kick.vy, 0.3) << "upwards on the screen is +y";
   EXPECT_EQ(count(saved_events(), "kick r2 "), 1);
   EXPECT_EQ(count(saved_events(), "move r2 "), 0);
 }
@@ -31,8 +30,8 @@ TEST_F(Arena, KicksNoHarderThanAMetreASecondAndNotByAccident) {
   use("tool_kick");
   drag(robot(0), robot(0) + QPoint(4, 0));  // not out of the robot
   drag(robot(2), floor(0.9, -0.7));
-  const app::Event kick = last(Kind::kick, 2);
-  EXPECT_NEAR(std::hypot(kick.values[0], kick.values[1]), 1.0, 1e-9);
+  const auto kick = last<app::events::Kick>(2);
+  EXPECT_NEAR(std::hypot(kick.vx, kick.vy), 1.0, 1e-9);
   EXPECT_EQ(count(saved_events(), "kick r1"), 0);
 }
 
@@ -40,9 +39,9 @@ TEST_F(Arena, DropsDragsResizesAndTakesAwayAnObstacle) {
   start();
   use("tool_obstacle");
   QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(0.0, 0.0));
-  const app::Event dropped = last(Kind::obstacle, 0);
-  EXPECT_NEAR(dropped.values[0], 0.0, 0.01);
-  EXPECT_NEAR(dropped.values[2], 0.04, 1e-9);
+  const core::Obstacle dropped = last<app::events::PutObstacle>(0).obstacle;
+  EXPECT_NEAR(dropped.x, 0.0, 0.01);
+  EXPECT_NEAR(dropped.radius, 0.04, 1e-9);
   ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.0, 0.0) == 0; }));
 
   use("tool_hand");

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "operator.h"
+#include "tests/app/rows.h"
 #include "ui/editor/experiment_editor.h"
 #include "ui/editor/toml_text.h"
 #include "ui/gains/gains_panel.h"
@@ -138,13 +139,13 @@ TEST_F(Editor, WritesDownARunSoThatItHappensAgain) {
   start();
   ASSERT_EQ(live().speed(), 4.0);
   drag(robot(1), robot(1) + QPoint(40, 10), Qt::ShiftModifier);
-  const app::Event kick = last(app::Event::Kind::kick, 1);
+  const auto kick = last<app::events::Kick>(1);
   emit find<GainsPanel>("gains")->pair_wanted(core::GainName::k_xx, 0, 1, 0.02);
   drag(robot(2), floor(0.2, 0.1));
   moved(2);
   find<QAction>("tool_obstacle")->trigger();
   QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(0.75, 0.6));
-  last(app::Event::Kind::obstacle, 0);
+  last<app::events::PutObstacle>(0);
   const double t = record().t;
   ASSERT_TRUE(eventually([&] { return record().t > t + 5.0; }));
   key(Qt::Key_Space);
@@ -155,10 +156,7 @@ TEST_F(Editor, WritesDownARunSoThatItHappensAgain) {
   ASSERT_TRUE(written.has_value());
   EXPECT_GE(written->actions.size(), 4u);
 
-  struct Rows final : app::RecordSink {
-    void record(const app::TickRecord& record) override { rows.push_back(record); }
-    std::vector<app::TickRecord> rows;
-  } again;
+  skein::test::Rows again;
   auto session = app::Session::open(*written, app::Session::Clock::virtual_, {false, {&again}});
   ASSERT_TRUE(session.has_value());
   (*session)->run([&] { return again.rows.empty() || again.rows.back().t < record().t + 1.0; });
@@ -168,7 +166,7 @@ TEST_F(Editor, WritesDownARunSoThatItHappensAgain) {
     const auto k = static_cast<std::size_t>(row->tick);
     ASSERT_LT(k, again.rows.size());
     ASSERT_EQ(again.rows[k].tick, row->tick);
-    kicked = kicked || again.rows[k].events.contains(app::Event::Kind::kick, kick.robot);
+    kicked = kicked || again.rows[k].events.contains<app::events::Kick>(kick.robot);
     EXPECT_EQ(again.rows[k].pair_gain(core::GainName::k_xx, 0, 1), row->pair_gain(core::GainName::k_xx, 0, 1)) << k;
     for (std::size_t i = 0; i < 4; ++i) {
       const core::Pose &a = again.rows[k].robots[i].truth, &b = row->robots[i].truth;

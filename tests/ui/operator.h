@@ -79,22 +79,22 @@ class Operator : public ::testing::Test {
   }
 
   /// Where the operator put robot i last, once the run has a row of it.
-  core::Pose moved(std::size_t i) {
-    const app::Event event = last(app::Event::Kind::move, static_cast<int>(i));
-    return {event.values[0], event.values[1], event.values[2]};
-  }
+  core::Pose moved(std::size_t i) { return last<app::events::Move>(i).pose; }
   /// The last event of this kind with this robot (or obstacle), once the run has a row of it.
-  app::Event last(app::Event::Kind kind, int robot) {
-    std::optional<app::Event> found;
+  template <typename Kind>
+  Kind last(std::size_t number) {
+    std::optional<Kind> found;
     EXPECT_TRUE(eventually([&] {
       for (const auto& row : live().history().rows())
         for (const app::Event& event : row->events)
-          if (event.kind == kind && event.robot == robot) found = event;
+          if (const auto* const one = std::get_if<Kind>(&event); one && number_of(*one) == number) found = *one;
       return found.has_value();
-    })) << "there was no \""
-        << app::describe({kind, robot, {}, {}}) << "\"";
-    return found.value_or(app::Event{});
+    })) << "there was no "
+        << Kind::word << " of " << number + 1;
+    return found.value_or(Kind{});
   }
+  static std::size_t number_of(const app::events::PutObstacle& put) { return put.number; }
+  static std::size_t number_of(const auto& of_robot) { return of_robot.robot; }
 
   /// The events of the run's CSV, as the file has them.
   QStringList saved_events() {

@@ -106,7 +106,7 @@ TEST(ArenaScene, DrawsNoLineWhereAHandCarriedARobot) {
 TEST(RunHistory, KeepsTheRunOnly) {
   RunHistory history;
   app::TickRecord record;
-  record.events.add({app::Event::Kind::move, 0, {}, {}});
+  record.events.add(app::events::Move{});
   history.add(record);  // a move while robots stand ready is no row of the run
   EXPECT_EQ(history.size(), 0u);
   record.phase = app::Phase::running;
@@ -188,9 +188,9 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   };
   strip.warn_unguarded(QStringLiteral("NO GUARD"));
   EXPECT_EQ(strip.text(), QStringLiteral("NO GUARD"));
-  EXPECT_TRUE(take(1.0, app::Event{app::Event::Kind::v_rise}).startsWith(QStringLiteral("V RISES")));
-  record.robots[2].link.state = comms::LinkState::stale;
-  const QString all = take(1.1, app::Event{app::Event::Kind::lost, 0});
+  EXPECT_TRUE(take(1.0, app::events::VRise{}).startsWith(QStringLiteral("V RISES")));
+  record.robots[2].link.state = app::LinkState::stale;
+  const QString all = take(1.1, app::events::Lost{0});
   EXPECT_TRUE(all.startsWith(QStringLiteral("LOST: robot 1"))) << all.toStdString();
   EXPECT_TRUE(all.contains(QStringLiteral("LINK DOWN: robot 3 (stale)"))) << all.toStdString();
   EXPECT_TRUE(all.contains(QStringLiteral("NO GUARD"))) << all.toStdString();
@@ -198,15 +198,15 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   EXPECT_EQ(strip.loud(), all);
   strip.say(QStringLiteral("Saved"), Severity::good);
   EXPECT_EQ(strip.text(), all) << "an alarm is not talked over";
-  record.robots[2].link.state = comms::LinkState::up;
-  take(8.0, app::Event{app::Event::Kind::found, 0});
+  record.robots[2].link.state = app::LinkState::up;
+  take(8.0, app::events::Found{0});
   EXPECT_EQ(strip.text(), QStringLiteral("All robots are seen")) << "for a moment";
   EXPECT_FALSE(strip.loud().contains(QStringLiteral("LINK")));
   strip.say(QStringLiteral("Begun"), Severity::notice);
   strip.say(QStringLiteral("Done"), Severity::good);
   EXPECT_EQ(strip.text(), QStringLiteral("Done"));
   strip.hold(QStringLiteral("STOPPED"), Severity::alarm);
-  EXPECT_EQ(take(8.1, app::Event{app::Event::Kind::lost, 1}), QStringLiteral("STOPPED"));
+  EXPECT_EQ(take(8.1, app::events::Lost{1}), QStringLiteral("STOPPED"));
   strip.clear_alert();
   EXPECT_EQ(strip.loud(), QString());
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "operator.h"
+#include "tests/app/rows.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/plots/plot_history.h"
 #include "ui/plots/plot_view.h"
@@ -167,17 +168,17 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
     QTest::mouseMove(&view, {x, first.center().y()});
     return QToolTip::text();
   };
-  const app::Event move = last(app::Event::Kind::move, 1);
+  const auto move = last<app::events::Move>(1);
   const auto rows = live().history().rows();
-  const auto row = std::find_if(rows.begin(), rows.end(),
-                                [](const auto& r) { return r->events.contains(app::Event::Kind::move, 1); });
+  const auto row =
+      std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r->events.contains<app::events::Move>(1); });
   ASSERT_NE(row, rows.end());
   const QString text = read((*row)->t);
   EXPECT_TRUE(text.contains(QStringLiteral("t = "))) << text.toStdString();
   EXPECT_TRUE(text.contains(QStringLiteral("Tracking error along x"))) << text.toStdString();
   EXPECT_TRUE(text.contains(QStringLiteral("4: "))) << "a value of each robot: " << text.toStdString();
   EXPECT_TRUE(text.contains(QStringLiteral("move r2"))) << "the event: " << text.toStdString();
-  EXPECT_EQ(move.robot, 1);
+  EXPECT_EQ(move.robot, 1u);
   // Without robot 4 its value is not read either.
   auto* robots = find<QToolButton>("choose_robots")->menu();
   emit robots->aboutToShow();
@@ -226,10 +227,7 @@ TEST_F(Plots, LeaveOutTheWayToTheStarts) {
   const auto experiment = app::parse_experiment(app::paper_experiment().source, "platoon.toml",
                                                 {"duration=4", "robot.2.start=[0.5, 0.3, 2.0]", "perturb=[]"});
   ASSERT_TRUE(experiment.has_value());
-  struct Rows final : app::RecordSink {
-    void record(const app::TickRecord& record) override { rows.push_back(record); }
-    std::vector<app::TickRecord> rows;
-  } run;
+  skein::test::Rows run;
   (*app::Session::open(*experiment, app::Session::Clock::virtual_, {false, {&run}}))->run();
   ASSERT_EQ(run.rows.front().phase, app::Phase::staging);
   start(*experiment);

@@ -27,10 +27,9 @@ void ArenaScene::take(const app::TickRecord& newest) {
   const bool jumped = record && newest.t < record->t;
   record = newest;
   for (const app::Event& event : newest.events)
-    if (event.kind == app::Event::Kind::obstacle) {
-      const auto number = static_cast<std::size_t>(event.robot);
-      if (number >= obstacles.size()) obstacles.resize(number + 1);
-      obstacles[number] = {event.values[0], event.values[1], event.values[2]};
+    if (const auto* const put = std::get_if<app::events::PutObstacle>(&event)) {
+      if (put->number >= obstacles.size()) obstacles.resize(put->number + 1);
+      obstacles[put->number] = put->obstacle;
     }
   for (std::size_t i = 0; i < trails.size() && i < newest.robots.size(); ++i) {
     auto& trail = trails[i];

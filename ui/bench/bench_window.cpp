@@ -124,7 +124,7 @@ std::vector<double> lateness(const std::vector<std::pair<std::int64_t, double>>&
 std::vector<double> headless_lateness(const app::Experiment& experiment, double how_long) {
   Recording recording;
   auto session = app::Session::open(experiment, app::Session::Clock::wall, {false, {&recording}});
-  (*session)->start();
+  if (!(*session)->start()) return {};
   std::this_thread::sleep_for(std::chrono::duration<double>(how_long));
   (*session)->close();
   std::vector<std::pair<std::int64_t, double>> ticks;

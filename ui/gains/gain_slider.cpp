@@ -107,7 +107,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
       now_text_(new QLabel(this)),
       border_text_(new QLabel(this)) {
   const Words w = words(gain);
-  const QString name = QString::fromLatin1(app::name(gain));
+  const QString name = QString::fromLatin1(core::word(gain).data());
   auto* symbol = new QLabel(QString::fromUtf8(w.symbol), this);
   symbol->setToolTip(tr(w.what));
   QFont font = symbol->font();

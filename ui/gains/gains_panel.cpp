@@ -164,12 +164,16 @@ void GainsPanel::take(const app::TickRecord& record) {
   slider(core::GainName::k_tt)->set_now(record.k_tt);
   slider(core::GainName::k_yy)->set_now(record.k_yy);
   // The file's own changes and what was held at the border come back as events; both say where the gain goes now.
-  for (const app::Event& event : record.events)
-    if (event.kind == app::Event::Kind::gain || event.kind == app::Event::Kind::schedule ||
-        event.kind == app::Event::Kind::gain_held) {
-      slider(event.gain)->set_target(event.values[1]);
-      targets_[static_cast<std::size_t>(event.gain)] = event.values[1];
-    }
+  const auto goes_to = [this](core::GainName gain, double target) {
+    if (gain > core::gain_names.back()) return;  // slopes and weights have no slider
+    slider(gain)->set_target(target);
+    targets_[static_cast<std::size_t>(gain)] = target;
+  };
+  for (const app::Event& event : record.events) {
+    if (const auto* const asked = std::get_if<app::events::Gain>(&event)) goes_to(asked->gain, asked->to);
+    if (const auto* const due = std::get_if<app::events::Schedule>(&event)) goes_to(due->gain, due->to);
+    if (const auto* const held = std::get_if<app::events::GainHeld>(&event)) goes_to(held->gain, held->held);
+  }
   margins_->take(record);
 }
 
@@ -191,7 +195,7 @@ void GainsPanel::set_before_start(bool before) {
 
 void GainsPanel::change(core::GainName gain, double value) {
   const double from = targets_[static_cast<std::size_t>(gain)];
-  const QString what = tr("%1 to %2").arg(QLatin1String(app::name(gain))).arg(value, 0, 'g', 4);
+  const QString what = tr("%1 to %2").arg(QLatin1String(core::word(gain).data())).arg(value, 0, 'g', 4);
   undo_.push(new Changed<double>(what, from, value, [this, gain](double to) {
     slider(gain)->set_target(to);
     targets_[static_cast<std::size_t>(gain)] = to;
@@ -202,7 +206,7 @@ void GainsPanel::change(core::GainName gain, double value) {
 void GainsPanel::change_pair(core::GainName gain, int i, int j, double value) {
   if (!ask_) return;
   const double from = ask_(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j)).target;
-  const QString what = tr("%1 of %2 and %3").arg(QLatin1String(app::name(gain))).arg(i + 1).arg(j + 1);
+  const QString what = tr("%1 of %2 and %3").arg(QLatin1String(core::word(gain).data())).arg(i + 1).arg(j + 1);
   undo_.push(
       new Changed<double>(what, from, value, [this, gain, i, j](double to) { emit pair_wanted(gain, i, j, to); }));
 }

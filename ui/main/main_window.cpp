@@ -140,6 +140,7 @@ void MainWindow::connect_panels() {
   connect_robots();
   connect(gains_, &GainsPanel::wanted, this,
           [this](core::GainName gain, double value) { live_.set_gain(gain, value, gains_->ramp()); });
+  connect(&live_, &LiveSession::refused, this, [this](const QString& why) { note(why, Severity::warning); });
   connect_pairs();
   connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
   connect(plots_, &PlotsPanel::save_wanted, this, &MainWindow::ask_save_plot);
@@ -214,7 +215,7 @@ void MainWindow::on_record(const app::TickRecord& record) {
   log_->take(record);
   alert_->take(record);
   for (const app::Event& event : record.events)
-    if (event.kind == app::Event::Kind::move || event.kind == app::Event::Kind::kick) teaches_ = false;
+    if (app::is<app::events::Move, app::events::Kick>(event)) teaches_ = false;
 }
 
 void MainWindow::on_frame() {

@@ -161,7 +161,7 @@ void MainWindow::show_replay() {
   arena_->set_hint({});
   std::vector<app::RobotStatus> links(record.robots.size());
   for (app::RobotStatus& link : links) {
-    link.link = "recorded";
+    link.link = app::LinkState::recorded;
     link.stop_acknowledged = true;
   }
   robots_->robots().take(record, links, false, robot_buttons_->held());

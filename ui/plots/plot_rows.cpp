@@ -190,7 +190,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
   const std::size_t n = experiment.robots.size();
   for (const core::GainName gain : core::gain_names) {
     const bool xx = gain == core::GainName::k_xx, tt = gain == core::GainName::k_tt;
-    add({app::name(gain),
+    add({core::word(gain).data(),
          "k",
          xx   ? "xx"
          : tt ? "θθ"

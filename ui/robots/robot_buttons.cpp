@@ -66,8 +66,9 @@ void RobotButtons::show_experiment(const app::Experiment& experiment) {
 
 void RobotButtons::take(const app::TickRecord& record) {
   for (const app::Event& event : record.events) {
-    if (event.kind == app::Event::Kind::hold) held_.insert(event.robot);
-    if (event.kind == app::Event::Kind::release) held_.erase(event.robot);
+    if (const auto* const hold = std::get_if<app::events::Hold>(&event)) held_.insert(static_cast<int>(hold->robot));
+    if (const auto* const released = std::get_if<app::events::Release>(&event))
+      held_.erase(static_cast<int>(released->robot));
   }
 }
 
@@ -115,7 +116,7 @@ void RobotButtons::dress_test() {
   const auto i = static_cast<std::size_t>(selected_);
   const bool none = selected_ < 0 || i >= specs_.size();
   const bool simulated = !none && specs_[i].link == app::RobotSpec::Link::sim;
-  const bool up = !none && i < links_.size() && links_[i].link == "up";
+  const bool up = !none && i < links_.size() && links_[i].link == app::LinkState::up;
   const QString text = none ? tr("Test a robot") : tr("Test robot %1").arg(selected_ + 1);
   const QString why_not = none                          ? tr("Select a robot first: here, or in the arena")
                           : simulated                   ? tr("This robot is simulated: it has neither link nor battery")

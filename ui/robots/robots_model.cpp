@@ -94,7 +94,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
       return volts.isEmpty() ? nothing() : volts;
     }
     if (column == link) {
-      const QString state = QString::fromStdString(status.link);
+      const QString state = QString::fromLatin1(app::word(status.link).data());
       const bool told = stop_asked_ && specs_[i].link != app::RobotSpec::Link::sim;
       return told && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
     }
@@ -134,9 +134,8 @@ QVariant RobotsModel::ink(std::size_t i, int column) const {
   if (column == robot) return ink_on(colours_.robot(i));
   if (column == battery && i < links_.size() && links_[i].battery_low) return colours_.alarm;
   if (column == link && i < links_.size()) {
-    const auto& link_state = links_[i].link;
-    const bool well = link_state == "up" || link_state == "simulated" || link_state == "recorded";
-    if (!well) return colours_.alarm;
+    const app::LinkState state = links_[i].link;
+    if (!app::reachable(state) && state != app::LinkState::recorded) return colours_.alarm;
   }
   if (i >= robots_.size()) return {};
   if (column == mode && !look(robots_[i].mode, colours_).symbol.isEmpty()) {

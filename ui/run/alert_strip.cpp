@@ -13,59 +13,62 @@ constexpr qint64 read_ms =
 
 /// The events that the strip shows, in words for people; the log has all of them in those of the CSV.
 QString words(const app::Event& event, double t) {
-  using Kind = app::Event::Kind;
-  const QString when = AlertStrip::tr("%1 s: ").arg(t, 0, 'f', 1);
-  const QString robot = QString::number(event.robot + 1);
-  switch (event.kind) {
-    case Kind::deadline_missed:
-      return when + AlertStrip::tr(
-                        "%n tick(s) too late: the machine was busy; they were skipped, and the robots drove on with "
-                        "their last commands",
-                        nullptr, static_cast<int>(event.values[0]));
-    case Kind::gain_held:
-      return when + AlertStrip::tr("%1 is held at %2, its border: (18) allows no more")
-                        .arg(QLatin1String(app::name(event.gain)))
-                        .arg(event.values[1], 0, 'g', 4);
-    case Kind::pair_gain_held:
-      return when + AlertStrip::tr("%1 of robots %2 and %3 is held at %4, its border: (18) allows no more")
-                        .arg(QLatin1String(app::name(event.gain)))
-                        .arg(event.robot + 1)
-                        .arg(event.other + 1)
-                        .arg(event.values[1], 0, 'g', 4);
-    case Kind::couple:
-      return when + AlertStrip::tr("Robots %1 and %2 are coupled again").arg(event.robot + 1).arg(event.other + 1);
-    case Kind::uncouple:
-      return when +
-             AlertStrip::tr("Robots %1 and %2 are not coupled any more").arg(event.robot + 1).arg(event.other + 1);
-    case Kind::film_broken:
-      return when + AlertStrip::tr("The film broke off (is the disk full?): no more frames are kept, the run goes on");
-    case Kind::link:
-      return when + (static_cast<comms::LinkState>(static_cast<int>(event.values[0])) == comms::LinkState::up
-                         ? AlertStrip::tr("The link of robot %1 is up again; let it go when it may drive").arg(robot)
-                         : AlertStrip::tr("The link of robot %1 is lost: it was told to stop").arg(robot));
-    case Kind::perturb:
-      return when + AlertStrip::tr("Robot %1 was moved by the experiment").arg(robot);
-    case Kind::move:
-      return when + AlertStrip::tr("Robot %1 was moved by hand").arg(robot);
-    case Kind::kidnap:
-      return when + AlertStrip::tr("Robot %1 is not where its wheels took it: it was carried or pushed").arg(robot);
-    case Kind::hold:
-      return when + AlertStrip::tr("Robot %1 is held: it stands, the others drive on").arg(robot);
-    case Kind::release:
-      return when + AlertStrip::tr("Robot %1 drives again").arg(robot);
-    case Kind::kick:
-      return when + AlertStrip::tr("Robot %1 was kicked, %2 m/s")
-                        .arg(robot)
-                        .arg(std::hypot(event.values[0], event.values[1]), 0, 'f', 2);
-    case Kind::obstacle:
-      return when + (event.values[2] > 0.0 ? AlertStrip::tr("Obstacle %1 stands at x %2 m, y %3 m")
-                                                 .arg(robot)
-                                                 .arg(event.values[0], 0, 'f', 2)
-                                                 .arg(event.values[1], 0, 'f', 2)
-                                           : AlertStrip::tr("Obstacle %1 was taken away").arg(robot));
-    default:
-      return {};
-  }
+  using namespace app::events;
+  using app::one_of;
+  const auto tr = [](const char* text, int n = -1) { return AlertStrip::tr(text, nullptr, n); };
+  const QString said = std::visit(
+      app::Overloaded{
+          [&](const DeadlineMissed& e) {
+            return tr(
+                "%n tick(s) too late: the machine was busy; they were skipped, and the robots drove on with their "
+                "last commands",
+                e.ticks);
+          },
+          [&](const GainHeld& e) {
+            return tr("%1 is held at %2, its border: (18) allows no more")
+                .arg(QLatin1String(core::word(e.gain).data()))
+                .arg(e.held, 0, 'g', 4);
+          },
+          [&](const PairGainHeld& e) {
+            return tr("%1 of robots %2 and %3 is held at %4, its border: (18) allows no more")
+                .arg(QLatin1String(core::word(e.gain).data()))
+                .arg(e.i + 1)
+                .arg(e.j + 1)
+                .arg(e.held, 0, 'g', 4);
+          },
+          [&](const Couple& e) { return tr("Robots %1 and %2 are coupled again").arg(e.i + 1).arg(e.j + 1); },
+          [&](const Uncouple& e) { return tr("Robots %1 and %2 are not coupled any more").arg(e.i + 1).arg(e.j + 1); },
+          [&](const FilmBroken&) {
+            return tr("The film broke off (is the disk full?): no more frames are kept, the run goes on");
+          },
+          [&](const app::events::Link& e) {
+            return (e.state == app::LinkState::up ? tr("The link of robot %1 is up again; let it go when it may drive")
+                                                  : tr("The link of robot %1 is lost: it was told to stop"))
+                .arg(e.robot + 1);
+          },
+          [&](const Perturb& e) { return tr("Robot %1 was moved by the experiment").arg(e.robot + 1); },
+          [&](const Move& e) { return tr("Robot %1 was moved by hand").arg(e.robot + 1); },
+          [&](const Kidnap& e) {
+            return tr("Robot %1 is not where its wheels took it: it was carried or pushed").arg(e.robot + 1);
+          },
+          [&](const Hold& e) { return tr("Robot %1 is held: it stands, the others drive on").arg(e.robot + 1); },
+          [&](const Release& e) { return tr("Robot %1 drives again").arg(e.robot + 1); },
+          [&](const Kick& e) {
+            return tr("Robot %1 was kicked, %2 m/s").arg(e.robot + 1).arg(std::hypot(e.vx, e.vy), 0, 'f', 2);
+          },
+          [&](const PutObstacle& e) {
+            return e.obstacle.radius > 0.0 ? tr("Obstacle %1 stands at x %2 m, y %3 m")
+                                                 .arg(e.number + 1)
+                                                 .arg(e.obstacle.x, 0, 'f', 2)
+                                                 .arg(e.obstacle.y, 0, 'f', 2)
+                                           : tr("Obstacle %1 was taken away").arg(e.number + 1);
+          },
+          // Said elsewhere in the window: the run bar, the sliders, the state of the strip.
+          [](const one_of<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear,
+                          app::events::Stage, Staged, Deadlock, VRise> auto&) { return QString(); },
+      },
+      event);
+  return said.isEmpty() ? said : AlertStrip::tr("%1 s: ").arg(t, 0, 'f', 1) + said;
 }
 
 }  // namespace
@@ -82,9 +85,11 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
 void AlertStrip::take(const app::TickRecord& record) {
   const std::set<int> before = lost_;
   for (const app::Event& event : record.events) {
-    if (event.kind == app::Event::Kind::lost) lost_.insert(event.robot + 1);
-    if (event.kind == app::Event::Kind::found) lost_.erase(event.robot + 1);
-    if (event.kind == app::Event::Kind::v_rise) v_rose_at_ = record.t;
+    if (const auto* const lost = std::get_if<app::events::Lost>(&event))
+      lost_.insert(static_cast<int>(lost->robot) + 1);
+    if (const auto* const found = std::get_if<app::events::Found>(&event))
+      lost_.erase(static_cast<int>(found->robot) + 1);
+    if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
     const QString text = words(event, record.t);
     if (!text.isEmpty()) say(text, ui::severity(event));
   }
@@ -115,8 +120,8 @@ void AlertStrip::watch(const app::TickRecord& record) {
       since = record.t;
     if (record.t - since >= lasts) limited << QString::number(i + 1);  // of NaN: no
     const bool over = record.phase == app::Phase::stopped || record.phase == app::Phase::finished;
-    if (!over && robot.link.state && *robot.link.state != comms::LinkState::up)
-      out << tr("%1 (%2)").arg(i + 1).arg(QLatin1String(comms::to_text(*robot.link.state).data()));
+    if (!over && robot.link.state && *robot.link.state != app::LinkState::up)
+      out << tr("%1 (%2)").arg(i + 1).arg(QLatin1String(app::word(*robot.link.state).data()));
   }
   const auto join = [](const QStringList& robots) { return robots.join(QStringLiteral(", ")); };
   stand(State::limited,

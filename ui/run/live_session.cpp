@@ -169,22 +169,26 @@ void LiveSession::take_robots() {
   if (const auto why = session_->failure()) failure_ = QString::fromStdString(*why);
 }
 
+void LiveSession::answer(const app::Session::Answer& done) {
+  if (!done) emit refused(QString::fromStdString(done.error()));
+}
+
 void LiveSession::start() {
   if (!session_) return;
   emit starting();
-  session_->start();
+  answer(session_->start());
 }
 
 void LiveSession::stage() {
-  if (session_) session_->stage();
+  if (session_) answer(session_->stage());
 }
 
 void LiveSession::pause() {
-  if (session_) session_->pause();
+  if (session_) answer(session_->pause());
 }
 
 void LiveSession::resume() {
-  if (session_) session_->resume();
+  if (session_) answer(session_->resume());
 }
 
 void LiveSession::stop() noexcept {
@@ -226,7 +230,7 @@ QString LiveSession::record_to(const QString& file) {
 }
 
 void LiveSession::set_gain(core::GainName name, double value, double seconds) {
-  if (session_) session_->set_gain(name, value, seconds);
+  if (session_) answer(session_->set_gain(name, value, seconds));
 }
 
 double LiveSession::gain_border(core::GainName name) const {
@@ -234,11 +238,11 @@ double LiveSession::gain_border(core::GainName name) const {
 }
 
 void LiveSession::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
-  if (session_) session_->set_gain(name, i, j, value, seconds);
+  if (session_) answer(session_->set_gain(name, i, j, value, seconds));
 }
 
 void LiveSession::couple(std::size_t i, std::size_t j, bool on) {
-  if (session_) session_->couple(i, j, on);
+  if (session_) answer(session_->couple(i, j, on));
 }
 
 double LiveSession::gain(core::GainName name, std::size_t i, std::size_t j) const {

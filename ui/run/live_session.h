@@ -97,6 +97,7 @@ class LiveSession final : public QObject {
   void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
   void robot_tested(const skein::app::WheelCheck& result);
   void test_failed(const QString& reason);
+  void refused(const QString& why);                            ///< the session did not take what was asked of it
   void starting();                                             ///< the first row of a run is about to come
   void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
 
@@ -107,6 +108,7 @@ class LiveSession final : public QObject {
   void settle();  // takes what the thread aside has brought
   void take_robots();
   void finish_recording();
+  void answer(const app::Session::Answer& done);
 
   app::Experiment experiment_;
   std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: it goes after it

@@ -39,8 +39,8 @@ void TimeLine::show_experiment(const app::Experiment& experiment) {
   for (const app::GainChange& change : experiment.gain_changes)
     marks_.push_back({change.t, -1, tr("%1 s: the gains change").arg(change.t)});
   for (const app::OperatorAction& action : experiment.actions) {
-    const bool of_robot = action.event.kind == app::Event::Kind::move || action.event.kind == app::Event::Kind::kick;
-    marks_.push_back({action.t, of_robot ? action.event.robot : -1,
+    const bool of_robot = app::is<app::events::Move, app::events::Kick>(action.event);
+    marks_.push_back({action.t, of_robot ? static_cast<int>(*app::robot_of(action.event)) : -1,
                       tr("%1 s: %2").arg(action.t).arg(QString::fromStdString(app::describe(action.event)))});
   }
   update();

@@ -19,6 +19,7 @@
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"
+#include "tests/eventually.h"
 #include "tests/places.h"
 
 extern char** environ;
@@ -33,15 +34,7 @@ double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-template <typename Condition>
-bool eventually(Condition&& condition) {
-  const double end = seconds() + 60.0;
-  while (!condition()) {
-    if (seconds() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
+using test::eventually;
 
 class DyingProgram : public testing::Test {
  protected:

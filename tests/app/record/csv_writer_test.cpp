@@ -66,8 +66,8 @@ TickRecord numbered(std::size_t n) {
   for (std::size_t i = 0; i + 1 < n; ++i) row.delta.push_back(value());
   row.min_distance = value();
   row.period = value();
-  row.events.add({Event::Kind::perturb, 1, {}, {0.05, -0.15, 0.0}});
-  row.events.add({Event::Kind::lost, 0, {}, {}});
+  row.events.add(events::Perturb{1, 0.05, -0.15, 0.0});
+  row.events.add(events::Lost{0});
   for (std::size_t i = 0; i < n; ++i) {
     RobotRecord robot;
     robot.pose = {value(), value(), value()};
@@ -179,7 +179,7 @@ TEST(CsvReader, FindsCellsByName) {
   EXPECT_EQ(reader->cell("compute_time"), "");
   EXPECT_EQ(reader->cell("no_such_column"), "");
   ASSERT_EQ(row.events.size(), 2u);
-  EXPECT_EQ(row.events.begin()->kind, Event::Kind::perturb);
+  EXPECT_TRUE(is<events::Perturb>(*row.events.begin()));
   EXPECT_EQ(row.events.begin()->robot, 1);
   EXPECT_EQ(row.events.begin()->values[1], -0.15);
 }
@@ -243,42 +243,6 @@ TEST(CsvWriter, ARowOfFourRobotsTakesMicroseconds) {
   RecordProperty("microseconds_a_row", std::to_string(each));
   EXPECT_GT(size, 1'000'000u);
   EXPECT_LT(each, 500.0) << "20 is the aim; a loaded machine with sanitizers takes longer";
-}
-
-TEST(Event, WordsAreRead) {
-  using Kind = Event::Kind;
-  const std::vector<std::pair<Event, std::string>> cases{
-      {{Kind::start, -1, {}, {}}, "start"},
-      {{Kind::stop, -1, {}, {}}, "stop"},
-      {{Kind::move, 0, {}, {0.1, 0.2, -1.5}}, "move r1 x=0.1 y=0.2 theta=-1.5"},
-      {{Kind::gain, -1, core::GainName::k_tt, {0.025, 0.03, 0.0}}, "gain k_tt 0.025 -> 0.03"},
-      {{Kind::gain_held, -1, core::GainName::k_yy, {1.0, 0.1 / 3.0, 0.0}}, "gain_held k_yy 1 -> 0.03333333333333333"},
-      {{Kind::pair_gain, 1, core::GainName::k_xx, {0.008, 0.01, 0.0}, 2}, "pair_gain r2 r3 k_xx 0.008 -> 0.01"},
-      {{Kind::uncouple, 0, {}, {}, 3}, "uncouple r1 r4"},
-      {{Kind::schedule, -1, core::GainName::l_tt, {100.0, 50.0, 0.0}}, "schedule l_tt 100 -> 50"},
-      {{Kind::v_rise, -1, {}, {0.06, 0.0, 0.0}}, "v_rise 0.06"},
-      {{Kind::deadline_missed, -1, {}, {3.0, 0.0, 0.0}}, "deadline_missed 3"},
-      {{Kind::film_broken, -1, {}, {}}, "film_broken"},
-      {{Kind::link, 2, {}, {4.0, 0.0, 0.0}}, "link r3 stale"}};
-  for (const auto& [event, words] : cases) {
-    EXPECT_EQ(describe(event), words);
-    const auto read = parse_event(words);
-    ASSERT_TRUE(read) << words;
-    EXPECT_EQ(read->kind, event.kind);
-    EXPECT_EQ(read->robot, event.robot);
-    EXPECT_EQ(read->other, event.other);
-    EXPECT_EQ(read->gain, event.gain);
-    EXPECT_EQ(read->values, event.values);
-  }
-  for (const char* nonsense : {"", "boo", "lost rx", "perturb r1 dx=", "gain 1 2 3 4"})
-    EXPECT_FALSE(parse_event(nonsense));
-}
-
-TEST(Event, AListThatOverflowedSaysSo) {
-  EventList list;
-  for (std::size_t k = 0; k < EventList::capacity + 2; ++k) list.add({Event::Kind::lost, 0, {}, {}});
-  const std::string words = describe(list);
-  EXPECT_TRUE(words.ends_with("lost r1; +2 more")) << words;
 }
 
 }  // namespace

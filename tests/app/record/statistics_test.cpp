@@ -34,9 +34,9 @@ class History {
     for (int k = 0; k < count; ++k) add(row(tracking, formation));
   }
   /// A hand, at the next row.
-  void perturb(double tracking, double formation, Event::Kind kind = Event::Kind::perturb, int robot = 0) {
+  void perturb(double tracking, double formation, const Event& event = events::Perturb{0, 0.1, 0.0, 0.0}) {
     TickRecord r = row(tracking, formation);
-    r.events.add({kind, robot, {}, {0.1, 0.0, 0.0}});
+    r.events.add(event);
     add(r);
   }
   Statistics::Summary summary() const { return statistics_.summary(); }
@@ -75,7 +75,7 @@ TEST(Statistics, AWindowEndsAtTheNextPerturbation) {
   History h;
   h.perturb(0.1, 0.1);
   h.add(49, 0.1, 0.001);  // tracking never settles
-  h.perturb(0.1, 0.1, Event::Kind::move, 1);
+  h.perturb(0.1, 0.1, events::Move{1, {0.1, 0.0, 0.0}});
   h.add(25, 0.001, 0.1);  // formation never settles
   const auto perturbations = h.summary().perturbations;
   ASSERT_EQ(perturbations.size(), 2u);
@@ -99,8 +99,8 @@ TEST(Statistics, ErrorsThatNeverLeftTheBandSettledAtOnceAndProveNothing) {
 
 TEST(Statistics, AHandThatCarriesARobotIsOneDisturbance) {
   History h;
-  for (int k = 0; k < 50; ++k) h.perturb(0.1, 0.1, Event::Kind::move);  // until 1.96 s
-  h.perturb(0.1, 0.1, Event::Kind::move, 1);                            // 2 s
+  for (int k = 0; k < 50; ++k) h.perturb(0.1, 0.1, events::Move{0, {0.1, 0.0, 0.0}});  // until 1.96 s
+  h.perturb(0.1, 0.1, events::Move{1, {0.1, 0.0, 0.0}});                               // 2 s
   h.add(24, 0.1, 0.0);
   h.add(25, 0.0, 0.0);
   const auto perturbations = h.summary().perturbations;
@@ -153,8 +153,8 @@ TEST(Statistics, SumsUpTheRun) {
     h.add(r);
   }
   TickRecord r = h.row(0.01, -0.02);
-  r.events.add({Event::Kind::deadline_missed, -1, {}, {2.0, 0.0, 0.0}});
-  r.events.add({Event::Kind::stop, -1, {}, {}});
+  r.events.add(events::DeadlineMissed{2});
+  r.events.add(events::Stop{});
   r.phase = Phase::stopped;
   h.add(r);
   const Statistics::Summary s = h.summary();

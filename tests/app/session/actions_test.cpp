@@ -9,27 +9,12 @@
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
+#include "tests/app/rows.h"
 
 namespace skein::app {
 namespace {
 
-class Rows final : public RecordSink {
- public:
-  void record(const TickRecord& record) override { rows.push_back(record); }
-  std::vector<const TickRecord*> all() const {
-    std::vector<const TickRecord*> result;
-    for (const TickRecord& row : rows) result.push_back(&row);
-    return result;
-  }
-  std::vector<std::string> actions() const {
-    std::vector<std::string> result;
-    for (const TickRecord& row : rows)
-      for (const Event& event : row.events)
-        if (is_action(event.kind)) result.push_back(std::to_string(row.tick) + " " + describe(event));
-    return result;
-  }
-  std::vector<TickRecord> rows;
-};
+using test::Rows;
 
 using Hand = std::function<void(Session&, double)>;  // at time t, asked every 16 ticks; before the start: t = -1
 
@@ -64,14 +49,14 @@ Hand busy_hand() {
   return [done = 0](Session& session, double t) mutable {
     const auto at = [&](int step, double when) { return done == step && t >= when && ++done; };
     if (at(0, -1.0)) {
-      session.set_gain(core::GainName::k_yy, 0.05);
-      session.couple(0, 3, false);
+      EXPECT_TRUE(session.set_gain(core::GainName::k_yy, 0.05));
+      EXPECT_TRUE(session.couple(0, 3, false));
       ASSERT_TRUE(session.add_obstacle({0.7, 0.5, 0.04}));
     }
     if (at(1, 2.0)) {
       ASSERT_TRUE(session.kick_robot(1, 0.4, -0.1));
     }
-    if (at(2, 3.0)) session.set_gain(core::GainName::k_xx, 1, 2, 0.02, 3.0);
+    if (at(2, 3.0)) EXPECT_TRUE(session.set_gain(core::GainName::k_xx, 1, 2, 0.02, 3.0));
     if (at(3, 4.0)) {
       ASSERT_TRUE(session.move_robot(3, {-0.8, -0.6, 1.0}));
     }
@@ -84,8 +69,8 @@ Hand busy_hand() {
     if (at(6, 7.0)) {
       ASSERT_TRUE(session.hold_robot(0, false));
     }
-    if (at(7, 8.0)) session.set_gain(core::GainName::k_tt, 1.0);  // held at the border
-    if (at(8, 9.0)) session.couple(0, 3, true);
+    if (at(7, 8.0)) EXPECT_TRUE(session.set_gain(core::GainName::k_tt, 1.0));  // held at the border
+    if (at(8, 9.0)) EXPECT_TRUE(session.couple(0, 3, true));
     if (at(9, 10.0)) {
       ASSERT_TRUE(session.remove_obstacle(0));
     }

@@ -17,26 +17,17 @@
 #include "app/tick/control_tick.h"
 #include "core/simulation/simulated_robot.h"
 #include "tests/app/session/failure_links.h"
+#include "tests/eventually.h"
 
 namespace skein::app {
 namespace {
-
-using comms::LinkState;
 
 Experiment others_go_on(std::vector<std::string> sets = {}) {
   sets.push_back("failure.link_lost=others_go_on");
   return parse_experiment(paper_experiment().source, "platoon.toml", sets).value();
 }
 
-template <typename Condition>
-bool eventually(Condition&& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
-}
+using test::eventually;
 
 /// Four ideal robots around a tick, one of which the test holds.
 struct Group {
@@ -65,7 +56,7 @@ struct Group {
   void steps(int count) {
     for (int k = 0; k < count; ++k) step();
   }
-  void start() { step({{OperatorCommand::Kind::start, {}, 0.0}}); }
+  void start() { step({commands::Start{}}); }
 
   Experiment experiment;
   ControlTick tick;
@@ -128,7 +119,7 @@ TEST(FailureTable, TheOthersKeepClearOfALostRobotAndAreNotCoupledToIt) {
   Group group(others_go_on({"avoidance.enabled=true", "shield.enabled=true"}));
   group.start();
   group.steps(50);
-  group.step({{.kind = OperatorCommand::Kind::hold, .number = 1}});
+  group.step({commands::Hold{1, true}});
   group.steps(1500);  // a minute: the leader comes round and meets it as well
   const core::Pose stood = group.robots[1].pose();
   for (std::size_t k = 60; k < group.rows.size(); ++k) {
@@ -262,8 +253,8 @@ TEST(FailureTable, WhatGarblesALinkIsMendedWithinASecondCountedAndSaid) {
 TEST(LinkWatch, ToldOnceWhenALinkIsLostAndWhenItIsBack) {
   LinkWatch watch({0, 2}, 0.2, true);
   std::vector<comms::LinkStatus> links(2);
-  const auto look = [&](LinkState state, double out_for) {
-    links[0].state = LinkState::up;
+  const auto look = [&](comms::LinkState state, double out_for) {
+    links[0].state = comms::LinkState::up;
     links[1].state = state;
     links[1].out_for = out_for;
     const auto lost = watch.look(links);
@@ -271,16 +262,16 @@ TEST(LinkWatch, ToldOnceWhenALinkIsLostAndWhenItIsBack) {
     watch.tell(events);
     return std::pair(lost, events);
   };
-  EXPECT_TRUE(look(LinkState::up, 0.0).second.empty());
-  EXPECT_TRUE(look(LinkState::stale, 0.19).second.empty()) << "within the bridge time";
-  const auto [sentence, events] = look(LinkState::stale, 0.21);
+  EXPECT_TRUE(look(comms::LinkState::up, 0.0).second.empty());
+  EXPECT_TRUE(look(comms::LinkState::stale, 0.19).second.empty()) << "within the bridge time";
+  const auto [sentence, events] = look(comms::LinkState::stale, 0.21);
   ASSERT_TRUE(sentence);
   EXPECT_NE(sentence->find("robot 3: the link is stale"), std::string::npos) << *sentence;
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(describe(*events.begin()), "link r3 stale");
-  EXPECT_TRUE(look(LinkState::down, 0.3).second.empty()) << "it was lost before";
-  EXPECT_TRUE(look(LinkState::synchronising, 0.1).second.empty()) << "not back yet";
-  const auto back = look(LinkState::up, 0.0);
+  EXPECT_TRUE(look(comms::LinkState::down, 0.3).second.empty()) << "it was lost before";
+  EXPECT_TRUE(look(comms::LinkState::synchronising, 0.1).second.empty()) << "not back yet";
+  const auto back = look(comms::LinkState::up, 0.0);
   ASSERT_EQ(back.second.size(), 1u);
   EXPECT_EQ(describe(*back.second.begin()), "link r3 up");
 }
@@ -312,7 +303,7 @@ const comms::Fault broken{.kind = comms::FaultKind::disconnect, .robot = 1, .at 
 
 TEST(FailureTable, OthersGoOnWithoutARobotWhoseLinkIsLost) {
   Watched run(others_go_on(loopback), {broken});
-  run.session->start();
+  EXPECT_TRUE(run.session->start());
   ASSERT_TRUE(eventually([&] { return run.heard("link r2"); })) << run.said;
   ASSERT_TRUE(eventually([&] { return run.look().robots[1].is(stopped); }));
   EXPECT_TRUE(run.heard("hold r2")) << run.said;
@@ -330,7 +321,7 @@ TEST(FailureTable, OthersGoOnWithoutARobotWhoseLinkIsLost) {
 
 TEST(FailureTable, AllStopWhenALinkIsLostUnlessTheFileSaysOtherwise) {
   Watched run(parse_experiment(paper_experiment().source, "platoon.toml", loopback).value(), {broken});
-  run.session->start();
+  EXPECT_TRUE(run.session->start());
   ASSERT_TRUE(eventually([&] { return run.look().phase == Phase::stopped; })) << run.said;
   ASSERT_TRUE(run.session->failure());
   EXPECT_NE(run.session->failure()->find("robot 2: the link is"), std::string::npos) << *run.session->failure();
@@ -339,7 +330,7 @@ TEST(FailureTable, AllStopWhenALinkIsLostUnlessTheFileSaysOtherwise) {
 
 TEST(Session, TellsWhoTheRobotsAreAndHowTheirLinksDo) {
   Watched run(others_go_on(loopback), {});
-  run.session->start();
+  EXPECT_TRUE(run.session->start());
   ASSERT_TRUE(eventually([&] {
     const LinkRecord& link = run.look().robots[0].link;
     return run.newest.tick > 10 && link.state == LinkState::up && link.battery > 0.0 && link.left_steps > 0.0 &&

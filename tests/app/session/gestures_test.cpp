@@ -10,22 +10,12 @@
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
+#include "tests/app/rows.h"
 
 namespace skein::app {
 namespace {
 
-class Rows final : public RecordSink {
- public:
-  void record(const TickRecord& record) override { rows.push_back(record); }
-  std::vector<TickRecord> rows;
-
-  int count(Event::Kind kind) const {
-    int n = 0;
-    for (const TickRecord& row : rows)
-      for (const Event& event : row.events) n += event.kind == kind ? 1 : 0;
-    return n;
-  }
-};
+using test::Rows;
 
 using Gesture = std::function<void(Session&, double)>;  // at time t; before the start: t = -1
 
@@ -75,10 +65,10 @@ TEST(Gestures, AKickedRobotSlidesAndComesBack) {
     ASSERT_TRUE(session.kick_robot(1, 0.6, 0.0));
   };
   drive(run, short_run(), nothing, kick);
-  ASSERT_EQ(run.rows.count(Event::Kind::kick), 1);
+  ASSERT_EQ(run.rows.count<events::Kick>(), 1);
   const auto& rows = run.rows.rows;
   std::size_t k = 0;
-  while (rows[k].events.empty() || rows[k].events.begin()->kind != Event::Kind::kick) ++k;
+  while (rows[k].events.empty() || !is<events::Kick>(*rows[k].events.begin())) ++k;
   // 0.6^2 / (2 * 3) m of slide, within 0.2 s; meanwhile it steers back already.
   EXPECT_GT(rows[k + 4].robots[1].truth.x - rows[k - 1].robots[1].truth.x, 0.04);
   EXPECT_GT(rows[k + 2].tracking_error(), 0.03);
@@ -113,8 +103,8 @@ TEST(Gestures, ObstaclesAreDroppedMovedAndTakenAwayAndReplayed) {
   };
   drive(run, short_run(), before, during);
   EXPECT_NE(first, early);
-  EXPECT_EQ(run.rows.count(Event::Kind::obstacle), 4) << "dropped early, dropped, moved, taken away";
-  EXPECT_GE(run.rows.count(Event::Kind::avoid), 1) << "robot 1 drove through it";
+  EXPECT_EQ(run.rows.count<events::PutObstacle>(), 4) << "dropped early, dropped, moved, taken away";
+  EXPECT_GE(run.rows.count<events::Avoid>(), 1) << "robot 1 drove through it";
   EXPECT_LT(run.rows.rows.back().tracking_error(), 0.02) << "the obstacle has gone, the robot has not come back";
   expect_replayed(run);
 }
@@ -136,8 +126,8 @@ TEST(Gestures, ARobotThatIsHeldStandsAndTheOthersDriveOn) {
   double error_of_the_rest = 0.0;
   for (const TickRecord& row : run.rows.rows) {
     for (const Event& event : row.events) {
-      if (event.kind == Event::Kind::hold) held = true;
-      if (event.kind == Event::Kind::release) held = false;
+      if (is<events::Hold>(event)) held = true;
+      if (is<events::Release>(event)) held = false;
     }
     if (!held) continue;
     EXPECT_EQ(row.robots[3].wheels, core::WheelSpeeds{});
@@ -147,8 +137,8 @@ TEST(Gestures, ARobotThatIsHeldStandsAndTheOthersDriveOn) {
     for (std::size_t i = 0; i < 3; ++i)
       error_of_the_rest = std::fmax(error_of_the_rest, std::hypot(row.robots[i].error.x, row.robots[i].error.y));
   }
-  EXPECT_EQ(run.rows.count(Event::Kind::hold), 1);
-  EXPECT_EQ(run.rows.count(Event::Kind::release), 1);
+  EXPECT_EQ(run.rows.count<events::Hold>(), 1);
+  EXPECT_EQ(run.rows.count<events::Release>(), 1);
   EXPECT_LT(error_of_the_rest, 1e-3) << "they waited for it";
   expect_replayed(run);
 }
@@ -169,17 +159,6 @@ TEST(Gestures, AreRefusedWithAReason) {
   EXPECT_NE(one_more.error().find("no more"), std::string::npos) << one_more.error();
   ASSERT_TRUE(session.remove_obstacle(3));
   EXPECT_EQ(session.add_obstacle({0.1, 0.1, 0.01}).value_or(99), 3u) << "the number that became free";
-}
-
-TEST(Gestures, TheirWordsReadBack) {
-  for (const Event& event :
-       {Event{Event::Kind::kick, 2, {}, {0.25, -0.5, 0.0}}, Event{Event::Kind::obstacle, 11, {}, {0.1, 0.2, 0.05}}}) {
-    const auto read = parse_event(describe(event));
-    ASSERT_TRUE(read) << describe(event);
-    EXPECT_EQ(read->kind, event.kind);
-    EXPECT_EQ(read->robot, event.robot);
-    EXPECT_EQ(read->values, event.values);
-  }
 }
 
 }  // namespace

@@ -8,26 +8,17 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/session/session.h"
+#include "tests/app/rows.h"
+#include "tests/eventually.h"
 
 namespace skein::app {
 namespace {
 
 using namespace std::chrono_literals;
 
-class Rows final : public RecordSink {
- public:
-  void record(const TickRecord& record) override { rows.push_back(record); }
-  std::vector<TickRecord> rows;
-};
+using test::Rows;
 
-bool eventually(const std::function<bool()>& holds) {
-  const auto give_up = std::chrono::steady_clock::now() + 20s;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
+using test::eventually;
 
 /// The phase and the tick of the newest record that `drain` brings.
 struct Watch {
@@ -57,7 +48,7 @@ TEST(Pace, GivesTheRunOfTheVirtualClockAndSkipsNoTick) {
   // The first tick at the new speed: what came before ran in real time.
   Watch watch(**session);
   ASSERT_TRUE(watch.sees([](const TickRecord& record) { return std::isnan(record.compute_time); }));
-  (*session)->start();
+  EXPECT_TRUE((*session)->start());
   ASSERT_TRUE(watch.sees([](const TickRecord& record) { return record.phase == Phase::finished; }));
   (*session)->close();
   ASSERT_EQ(paced.rows.size(), in_step.rows.size());
@@ -81,7 +72,7 @@ TEST(Pace, StepsFromReadyAndFromPaused) {
     ASSERT_TRUE((*session)->step().has_value());
     ASSERT_TRUE(watch.sees([&](const TickRecord& r) { return r.phase == Phase::paused && r.tick == tick; })) << tick;
   }
-  (*session)->resume();
+  EXPECT_TRUE((*session)->resume());
   ASSERT_TRUE(watch.sees([](const TickRecord& r) { return r.phase == Phase::running && r.tick > 5; }));
   ASSERT_TRUE((*session)->step().has_value());  // nothing to step from: it runs on
   const std::int64_t now = watch.newest.tick;

@@ -91,7 +91,7 @@ TEST_F(Readiness, GainsThatBreak18AndAReferenceThatIsTooFastStopTheStart) {
 }
 
 TEST_F(Readiness, ARobotOutOfItsPlaceMayBeOverruled) {
-  measurements[1].pose.x += 0.5 * place_reached;
+  measurements[1].pose.x += 0.5 * experiment.staging.within;
   EXPECT_EQ(check(Check::What::places).state, Check::State::holds);
   measurements[1].pose.x += 0.2;
   const Check places = check(Check::What::places);
@@ -100,7 +100,8 @@ TEST_F(Readiness, ARobotOutOfItsPlaceMayBeOverruled) {
   EXPECT_FALSE(all_hold(all()));
   EXPECT_TRUE(may_start(all()));
   measurements[1].pose = reference->at(1, 0.0).pose;
-  measurements[0].pose.theta = core::wrap_angle(measurements[0].pose.theta + 2 * heading_reached);
+  measurements[0].pose.theta =
+      core::wrap_angle(measurements[0].pose.theta + 2 * start_tolerance(experiment.staging).heading);
   EXPECT_EQ(check(Check::What::places).state, Check::State::fails) << "it looks the wrong way";
 }
 

@@ -9,22 +9,13 @@
 #include <vector>
 
 #include "app/experiment/experiment_file.h"
+#include "tests/app/rows.h"
+#include "tests/eventually.h"
 
 namespace skein::app {
 namespace {
 
-class Rows final : public RecordSink {
- public:
-  void record(const TickRecord& record) override { rows.push_back(record); }
-  std::vector<TickRecord> rows;
-
-  int count(Event::Kind kind) const {
-    int n = 0;
-    for (const TickRecord& row : rows)
-      for (const Event& event : row.events) n += event.kind == kind ? 1 : 0;
-    return n;
-  }
-};
+using test::Rows;
 
 Experiment experiment_with(const std::vector<std::string>& sets) {
   auto experiment = parse_experiment(paper_experiment().source, "platoon.toml", sets);
@@ -35,16 +26,7 @@ Experiment experiment_with(const std::vector<std::string>& sets) {
 const std::vector<std::string> through_camera_and_protocol{
     "robot_defaults.link=loopback", "robot_defaults.model=epuck2", "camera.source=synthetic", "camera.calibration="};
 
-/// Waits for something that another thread does; false: not within ten seconds.
-template <typename Condition>
-bool eventually(Condition&& condition) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (std::chrono::steady_clock::now() < until) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
-}
+using test::eventually;
 
 TEST(Session, ThePapersExperimentOnTheVirtualClock) {
   Rows sink;
@@ -52,7 +34,7 @@ TEST(Session, ThePapersExperimentOnTheVirtualClock) {
   ASSERT_TRUE(session) << session.error();
   EXPECT_EQ((*session)->run(), Phase::finished);
   ASSERT_EQ(sink.rows.size(), 2100u);
-  EXPECT_EQ(sink.count(Event::Kind::perturb), 3);
+  EXPECT_EQ(sink.count<events::Perturb>(), 3);
   EXPECT_LT(sink.rows.back().tracking_error(), 2e-3);
   for (std::size_t k = 0; k < sink.rows.size(); ++k) ASSERT_EQ(sink.rows[k].tick, static_cast<std::int64_t>(k));
 }
@@ -123,23 +105,27 @@ TEST(Session, OnTheWallClockTheOperatorIsObeyed) {
   ASSERT_TRUE(eventually([&] { return drain() && latest.robots.size() == 4; })) << "poses flow before the start";
   EXPECT_EQ(latest.phase, Phase::ready);
 
-  session.start();
+  EXPECT_TRUE(session.start());
   ASSERT_TRUE(eventually([&] { return drain() && latest.tick >= 5; }));
   ASSERT_TRUE(session.move_robot(1, {0.2, 0.2, 0.0}));
-  session.set_gain(core::GainName::k_xx, 0.01);
+  EXPECT_TRUE(session.set_gain(core::GainName::k_xx, 0.01));
   ASSERT_TRUE(eventually([&] { return drain() && core::distance(latest.robots[1].truth, {0.2, 0.2, 0.0}) < 0.05; }));
-  session.pause();
+  EXPECT_TRUE(session.pause());
   ASSERT_TRUE(eventually([&] { return drain() && latest.phase == Phase::paused; }));
-  session.resume();
+  EXPECT_TRUE(session.resume());
   ASSERT_TRUE(eventually([&] { return drain() && latest.phase == Phase::running; }));
   session.stop();
   ASSERT_TRUE(eventually([&] { return drain() && latest.phase == Phase::stopped; }));
   for (const RobotRecord& robot : latest.robots) EXPECT_EQ(robot.wheels, core::WheelSpeeds{});
   session.close();
 
-  for (const Event::Kind kind : {Event::Kind::start, Event::Kind::move, Event::Kind::gain, Event::Kind::pause,
-                                 Event::Kind::resume, Event::Kind::stop})
-    EXPECT_EQ(sink.count(kind), 1) << describe(Event{kind, -1, {}, {}}) << ": the log of the run has it";
+  // The log of the run has them.
+  EXPECT_EQ(sink.count<events::Start>(), 1);
+  EXPECT_EQ(sink.count<events::Move>(), 1);
+  EXPECT_EQ(sink.count<events::Gain>(), 1);
+  EXPECT_EQ(sink.count<events::Pause>(), 1);
+  EXPECT_EQ(sink.count<events::Resume>(), 1);
+  EXPECT_EQ(sink.count<events::Stop>(), 1);
   EXPECT_FALSE(session.failure());
 }
 
@@ -149,7 +135,7 @@ TEST(Session, StopReachesEveryRobotOnTheWallClock) {
   Session& session = **opened;
   TickRecord latest;
   const auto drain = [&] { return session.drain([&](const TickRecord& record) { latest = record; }), true; };
-  session.start();
+  EXPECT_TRUE(session.start());
   ASSERT_TRUE(eventually([&] {
     return drain() && latest.tick > 5 && std::abs(latest.robots[0].command.v) > 0.01 && !latest.robots[0].is(lost);
   }));
@@ -226,7 +212,7 @@ TEST(Session, TheKeepOnQuestionStopsAVirtualRun) {
   ASSERT_TRUE(session);
   EXPECT_EQ((*session)->run([&] { return sink.rows.size() < 100; }), Phase::stopped);
   EXPECT_LT(sink.rows.size(), 130u);
-  EXPECT_EQ(sink.count(Event::Kind::stop), 1);
+  EXPECT_EQ(sink.count<events::Stop>(), 1);
 }
 
 TEST(Session, RealRobotsAreNotMovedByHandOnTheScreen) {

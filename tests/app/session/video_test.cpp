@@ -11,17 +11,14 @@
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
+#include "tests/app/rows.h"
 #include "vision/sources/open_source.h"
 #include "vision/tracker/tracker.h"
 
 namespace skein::app {
 namespace {
 
-class Rows final : public RecordSink {
- public:
-  void record(const TickRecord& record) override { rows.push_back(record); }
-  std::vector<TickRecord> rows;
-};
+using test::Rows;
 
 Experiment short_run(const std::vector<std::string>& more = {}) {
   std::vector<std::string> sets{"camera.source=synthetic", "duration=0.4", "perturb=[]", "expect={}"};
@@ -141,7 +138,7 @@ TEST(Video, ADiskThatIsFullDoesNotStopTheRun) {
   sink.session = session->get();
   EXPECT_EQ((*session)->run(), Phase::finished);
   int told = 0;
-  for (const TickRecord& row : sink.rows) told += row.events.contains(Event::Kind::film_broken, -1) ? 1 : 0;
+  for (const TickRecord& row : sink.rows) told += row.events.contains<events::FilmBroken>() ? 1 : 0;
   EXPECT_EQ(told, 1);
   ASSERT_FALSE(sink.rows.empty());
   for (const RobotRecord& robot : sink.rows.back().robots) EXPECT_LT(robot.pose_age, 0.1) << "tracking goes on";

@@ -47,11 +47,10 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
 
   std::vector<core::Measurement> measurements(4);
   std::vector<core::Pose> truth(4);
-  const OperatorCommand start{};
-  const OperatorCommand gain{OperatorCommand::Kind::gain, core::GainName::k_yy, 1.0};
-  const OperatorCommand pairs[] = {{OperatorCommand::Kind::pair_gain, core::GainName::k_tt, 0.01, 2, 0},
-                                   {OperatorCommand::Kind::uncouple, {}, 0.0, 1, 2},
-                                   {OperatorCommand::Kind::couple, {}, 0.0, 2, 1}};
+  const OperatorCommand start = commands::Start{};
+  const OperatorCommand gain = commands::SetGain{core::GainName::k_yy, 1.0};
+  const OperatorCommand pairs[] = {commands::SetPairGain{2, 0, core::GainName::k_tt, 0.01},
+                                   commands::Couple{1, 2, false}, commands::Couple{2, 1, true}};
 
   const long before = allocations.load();
   int avoided = 0, shielded_ticks = 0, limited_ticks = 0, lost_ticks = 0;
@@ -97,7 +96,7 @@ TEST_P(AllocationOf, AReferenceIsNothing) {
   ControlTick tick(*experiment);
   const std::size_t n = experiment->robots.size();
   std::vector<core::Measurement> measurements(n);
-  const OperatorCommand start{};
+  const OperatorCommand start = commands::Start{};
   const auto reference = make_reference(*experiment);
   const long before = allocations.load();
   for (int k = 0; k < 600; ++k) {
@@ -135,8 +134,8 @@ long allocated(const Experiment& e, int ticks, int& deadlocks, int& staging_tick
     robots.back().place(e.robots[i].start.value_or(reference->at(i, 0.0).pose));
   }
   std::vector<core::Measurement> measurements(n);
-  const OperatorCommand begin{e.robots[0].start ? OperatorCommand::Kind::stage : OperatorCommand::Kind::start};
-  const OperatorCommand start{};
+  const OperatorCommand begin = e.robots[0].start ? OperatorCommand(commands::Stage{}) : commands::Start{};
+  const OperatorCommand start = commands::Start{};
   const long before = allocations.load();
   for (int k = 0; k < ticks; ++k) {
     TickInput input;
@@ -147,7 +146,7 @@ long allocated(const Experiment& e, int ticks, int& deadlocks, int& staging_tick
     if (k > 0 && tick.record().phase == Phase::ready) input.commands = {&start, 1};
     const TickRecord& record = tick.step(input);
     staging_ticks += record.phase == Phase::staging;
-    for (const Event& event : record.events) deadlocks += event.kind == Event::Kind::deadlock;
+    for (const Event& event : record.events) deadlocks += is<events::Deadlock>(event);
     for (std::size_t i = 0; i < n; ++i) {
       robots[i].command(record.robots[i].wheels);
       robots[i].step(e.period());

@@ -43,7 +43,7 @@ class Bench {
     for (std::size_t i = 0; i < robots.size(); ++i) robots[i].command(record.robots[i].wheels);
     return record;
   }
-  const TickRecord& start() { return step({{OperatorCommand::Kind::start, {}, 0.0}}); }
+  const TickRecord& start() { return step({commands::Start{}}); }
   const TickRecord& steps(int count) {
     for (int k = 1; k < count; ++k) step();
     return step();
@@ -59,10 +59,13 @@ class Bench {
   bool stop = false;
 };
 
-bool happened(const TickRecord& record, Event::Kind kind, int robot = -1) {
-  for (const Event& event : record.events)
-    if (event.kind == kind && event.robot == robot) return true;
-  return false;
+template <typename Kind>
+bool happened(const TickRecord& record) {
+  return record.events.contains<Kind>();
+}
+template <typename Kind>
+bool happened(const TickRecord& record, std::size_t robot) {
+  return record.events.contains<Kind>(robot);
 }
 
 bool stands(const RobotRecord& robot) {
@@ -80,7 +83,7 @@ TEST(ControlTick, RobotsStandUntilTheStart) {
   const TickRecord& first = bench.start();
   EXPECT_EQ(first.phase, Phase::running);
   EXPECT_EQ(first.tick, 0);
-  EXPECT_TRUE(happened(first, Event::Kind::start));
+  EXPECT_TRUE(happened<events::Start>(first));
   EXPECT_GT(first.robots[0].command.v, 0.0);
   EXPECT_EQ(bench.step().tick, 1);
 }
@@ -103,11 +106,11 @@ TEST(ControlTick, ARobotCarriedElsewhereIsAPerturbation) {
   const core::Pose before = bench.robots[1].pose();
   bench.robots[1].place({before.x + 0.1, before.y - 0.2, before.theta});
   const TickRecord& record = bench.step();
-  ASSERT_TRUE(happened(record, Event::Kind::kidnap, 1));
+  ASSERT_TRUE(happened<events::Kidnap>(record, 1));
   const Event& event = *record.events.begin();
   EXPECT_NEAR(event.values[0], 0.1, 1e-3);
   EXPECT_NEAR(event.values[1], -0.2, 1e-3);
-  for (int k = 0; k < 100; ++k) ASSERT_FALSE(happened(bench.step(), Event::Kind::kidnap, 1));  // once
+  for (int k = 0; k < 100; ++k) ASSERT_FALSE(happened<events::Kidnap>(bench.step(), 1));  // once
 }
 
 TEST(ControlTick, FollowsThePlatoonWithoutError) {
@@ -132,12 +135,11 @@ TEST(ControlTick, StopIsLatched) {
   bench.stop = true;
   const TickRecord& record = bench.step();
   EXPECT_EQ(record.phase, Phase::stopped);
-  EXPECT_TRUE(happened(record, Event::Kind::stop));
+  EXPECT_TRUE(happened<events::Stop>(record));
   for (const RobotRecord& robot : record.robots) EXPECT_TRUE(stands(robot));
 
   bench.stop = false;  // whatever is asked afterwards, nobody moves
-  const TickRecord& after =
-      bench.step({{OperatorCommand::Kind::start, {}, 0.0}, {OperatorCommand::Kind::resume, {}, 0.0}});
+  const TickRecord& after = bench.step({commands::Start{}, commands::Resume{}});
   EXPECT_EQ(after.phase, Phase::stopped);
   for (const RobotRecord& robot : after.robots) EXPECT_TRUE(stands(robot));
 }
@@ -153,7 +155,7 @@ TEST(ControlTick, APauseStopsRobotsAndTime) {
   Bench bench;
   bench.start();
   const double t = bench.steps(100).t;
-  const TickRecord& paused = bench.step({{OperatorCommand::Kind::pause, {}, 0.0}});
+  const TickRecord& paused = bench.step({commands::Pause{}});
   EXPECT_EQ(paused.phase, Phase::paused);
   const double t_paused = paused.t;
   EXPECT_NEAR(t_paused, t, 0.05);
@@ -162,7 +164,7 @@ TEST(ControlTick, APauseStopsRobotsAndTime) {
     ASSERT_EQ(record.t, t_paused);
     for (const RobotRecord& robot : record.robots) ASSERT_TRUE(stands(robot));
   }
-  bench.step({{OperatorCommand::Kind::resume, {}, 0.0}});
+  bench.step({commands::Resume{}});
   const TickRecord& record = bench.steps(100);
   EXPECT_NEAR(record.t, t_paused + 4.0, 0.05);
   EXPECT_LT(record.tracking_error(), 2e-3);
@@ -181,7 +183,7 @@ TEST(ControlTick, ALostRobotStopsAndLeavesTheGroup) {
   int ticks_until_lost = 0;
   while (!bench.step().robots[1].is(lost)) ASSERT_LT(++ticks_until_lost, 20);
   const TickRecord& record = bench.tick.record();
-  EXPECT_TRUE(happened(record, Event::Kind::lost, 1));
+  EXPECT_TRUE(happened<events::Lost>(record, 1));
   EXPECT_GT(record.robots[1].pose_age, bench.experiment.estimation.bridge);
   EXPECT_LE(record.robots[1].pose_age, bench.experiment.estimation.bridge + bench.experiment.period() + 1e-9)
       << "within one tick of the bridge time";
@@ -195,7 +197,7 @@ TEST(ControlTick, ALostRobotStopsAndLeavesTheGroup) {
 
   bench.blind[1] = false;
   const TickRecord& found = bench.step();
-  EXPECT_TRUE(happened(found, Event::Kind::found, 1));
+  EXPECT_TRUE(happened<events::Found>(found, 1));
   EXPECT_FALSE(found.robots[1].is(lost));
 }
 
@@ -211,9 +213,9 @@ TEST(ControlTick, GainsMoveAtABoundedRateAndAreHeldAtTheBorder) {
   Bench bench;
   bench.start();
   bench.steps(10);
-  const TickRecord& asked = bench.step({{OperatorCommand::Kind::gain, core::GainName::k_xx, 1.0}});
-  EXPECT_TRUE(happened(asked, Event::Kind::gain));
-  EXPECT_TRUE(happened(asked, Event::Kind::gain_held));
+  const TickRecord& asked = bench.step({commands::SetGain{core::GainName::k_xx, 1.0}});
+  EXPECT_TRUE(happened<events::Gain>(asked));
+  EXPECT_TRUE(happened<events::GainHeld>(asked));
   double before = asked.k_xx;
   for (int k = 0; k < 500; ++k) {
     const TickRecord& record = bench.step();
@@ -227,7 +229,7 @@ TEST(ControlTick, GainsMoveAtABoundedRateAndAreHeldAtTheBorder) {
 
 TEST(ControlTick, AGainSetBeforeTheStartHoldsFromTheFirstTick) {
   Bench bench;
-  bench.step({{OperatorCommand::Kind::gain, core::GainName::k_yy, 0.05}});
+  bench.step({commands::SetGain{core::GainName::k_yy, 0.05}});
   EXPECT_EQ(bench.start().k_yy, 0.05);
 }
 
@@ -299,7 +301,7 @@ TEST(ControlTick, MissedDeadlinesShowAndKeepTheClock) {
   const TickRecord& late = bench.step({}, 4);
   EXPECT_EQ(late.tick, 13);
   EXPECT_NEAR(late.period, 4 * 0.04, 1e-12);
-  ASSERT_TRUE(happened(late, Event::Kind::deadline_missed));
+  ASSERT_TRUE(happened<events::DeadlineMissed>(late));
   EXPECT_EQ(late.events.begin()->values[0], 3.0);
 }
 

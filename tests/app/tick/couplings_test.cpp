@@ -15,20 +15,23 @@
 namespace skein::app {
 namespace {
 
+using commands::Couple, commands::SetGain, commands::SetPairGain;
 using core::GainName;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::StartsWith;
-using Kind = OperatorCommand::Kind;
 
 /// The couplings of the paper's experiment, and what happened to them.
 struct Desk {
   explicit Desk(const Experiment& e = paper_experiment())
       : experiment(e), gains(make_gains(e)), couplings(e, gains, make_reference(e)->demand(e.controller.k_y)) {}
 
-  std::string obey(const OperatorCommand& command, bool ready = false) {
+  std::string obey(const auto& command, bool ready = false) {
     EventList events;
-    couplings.obey(command, ready, events);
+    if constexpr (requires { command.on; })
+      couplings.couple(command, ready, false, events);
+    else
+      couplings.set(command, ready, false, events);
     return describe(events);
   }
   /// Ticks until nothing moves; (18) and a bounded rate all the while.
@@ -50,26 +53,24 @@ struct Desk {
 
 TEST(Couplings, OfOnePairAreSetAndHeldWhere18Ends) {
   Desk desk;
-  EXPECT_EQ(desk.obey({Kind::pair_gain, GainName::k_xx, 0.012, 2, 1}), "pair_gain r2 r3 k_xx 0.008 -> 0.012");
+  EXPECT_EQ(desk.obey(SetPairGain{2, 1, GainName::k_xx, 0.012}), "pair_gain r2 r3 k_xx 0.008 -> 0.012");
   desk.settle();
   EXPECT_DOUBLE_EQ(desk.gains.k_xx(1, 2), 0.012);
   EXPECT_DOUBLE_EQ(desk.gains.k_xx(0, 1), 0.008);
   // (18f) with 5 % left to tracking: 0.095 - 0.05 - 2 * 0.008.
-  EXPECT_THAT(desk.obey({Kind::pair_gain, GainName::k_xx, 1.0, 0, 3}),
-              StartsWith("pair_gain_held r1 r4 k_xx 1 -> 0.028999"));
+  EXPECT_THAT(desk.obey(SetPairGain{0, 3, GainName::k_xx, 1.0}), StartsWith("pair_gain_held r1 r4 k_xx 1 -> 0.028999"));
   desk.settle();
   EXPECT_NEAR(desk.gains.k_xx(0, 3), 0.029, 1e-12);
-  EXPECT_THAT(desk.obey({Kind::pair_gain, GainName::k_yy, 100.0, 0, 3}),
-              HasSubstr("pair_gain_held r1 r4 k_yy 100 -> "));
+  EXPECT_THAT(desk.obey(SetPairGain{0, 3, GainName::k_yy, 100.0}), HasSubstr("pair_gain_held r1 r4 k_yy 100 -> "));
   desk.settle();
-  EXPECT_EQ(desk.obey({Kind::pair_gain, GainName::k_xx, 0.01, 2, 2}), "") << "nobody is coupled to himself";
-  EXPECT_EQ(desk.obey({Kind::pair_gain, GainName::k_xx, 0.01, 2, 7}), "");
+  EXPECT_EQ(desk.obey(SetPairGain{2, 2, GainName::k_xx, 0.01}), "") << "nobody is coupled to himself";
+  EXPECT_EQ(desk.obey(SetPairGain{2, 7, GainName::k_xx, 0.01}), "");
 }
 
 TEST(Couplings, AreSwitchedOffAndComeBackAsTheyWere) {
   Desk desk;
-  desk.obey({Kind::pair_gain, GainName::k_yy, 0.1, 0, 1});
-  EXPECT_EQ(desk.obey({Kind::uncouple, {}, 0.0, 1, 0}), "uncouple r1 r2");
+  desk.obey(SetPairGain{0, 1, GainName::k_yy, 0.1});
+  EXPECT_EQ(desk.obey(Couple{1, 0, false}), "uncouple r1 r2");
   EXPECT_FALSE(desk.couplings.coupled(0, 1));
   desk.settle();
   for (const GainName name : core::gain_names) {
@@ -77,26 +78,26 @@ TEST(Couplings, AreSwitchedOffAndComeBackAsTheyWere) {
     EXPECT_GT(core::table(desk.couplings.now(), name)(0, 2), 0.0);
   }
   // What is said of all pairs counts for it as well, once it is back.
-  desk.obey({Kind::gain, GainName::k_tt, 0.03});
+  desk.obey(SetGain{GainName::k_tt, 0.03});
   desk.settle();
   EXPECT_EQ(desk.gains.k_tt(0, 1), 0.0);
   EXPECT_DOUBLE_EQ(desk.gains.k_tt(2, 3), 0.03);
-  EXPECT_EQ(desk.obey({Kind::couple, {}, 0.0, 0, 1}), "couple r1 r2");
+  EXPECT_EQ(desk.obey(Couple{0, 1, true}), "couple r1 r2");
   desk.settle();
   EXPECT_DOUBLE_EQ(desk.gains.k_tt(0, 1), 0.03);
   EXPECT_DOUBLE_EQ(desk.gains.k_yy(0, 1), 0.1);
-  EXPECT_EQ(desk.obey({Kind::couple, {}, 0.0, 0, 1}), "") << "it is";
+  EXPECT_EQ(desk.obey(Couple{0, 1, true}), "") << "it is";
 }
 
 TEST(Couplings, ComeBackWithLessWhereOthersHaveTakenTheirRoom) {
   Desk desk;
-  desk.obey({Kind::uncouple, {}, 0.0, 0, 1});
+  desk.obey(Couple{0, 1, false});
   desk.settle();
   // Robot 1's room of 0.045 m/s: 0.025 and 0.016 leave 0.004.
-  desk.obey({Kind::pair_gain, GainName::k_xx, 0.025, 0, 2});
-  desk.obey({Kind::pair_gain, GainName::k_xx, 0.016, 0, 3});
+  desk.obey(SetPairGain{0, 2, GainName::k_xx, 0.025});
+  desk.obey(SetPairGain{0, 3, GainName::k_xx, 0.016});
   desk.settle();
-  EXPECT_THAT(desk.obey({Kind::couple, {}, 0.0, 0, 1}), StartsWith("pair_gain_held r1 r2 k_xx 0.008 -> 0.00"));
+  EXPECT_THAT(desk.obey(Couple{0, 1, true}), StartsWith("pair_gain_held r1 r2 k_xx 0.008 -> 0.00"));
   desk.settle();
   EXPECT_NEAR(desk.gains.k_xx(0, 1), 0.004, 1e-12);
 }
@@ -122,28 +123,23 @@ TEST(Couplings, ChangeInTheFileEveryParameterOfEveryPair) {
 
 TEST(Couplings, TakeARampAsLongAsItIsAskedForAndNeverShorterThanIsSafe) {
   Desk desk;
-  OperatorCommand command{Kind::gain, GainName::k_xx, 0.002};
-  command.seconds = 30.0;
-  EXPECT_EQ(desk.obey(command), "gain k_xx 0.008 -> 0.002 ramp=30");
+  EXPECT_EQ(desk.obey(SetGain{GainName::k_xx, 0.002, 30.0}), "gain k_xx 0.008 -> 0.002 ramp=30");
   for (int k = 0; k < 375; ++k) desk.couplings.step(0.04, desk.gains);
   EXPECT_NEAR(desk.gains.k_xx(0, 1), 0.005, 1e-9) << "half of the way in half of the time";
   desk.settle();
   EXPECT_DOUBLE_EQ(desk.gains.k_xx(2, 3), 0.002);
-  command = {Kind::pair_gain, GainName::k_yy, 0.1, 0, 1};
-  command.seconds = 0.01;
-  EXPECT_EQ(desk.obey(command), "pair_gain r1 r2 k_yy 0.08 -> 0.1 ramp=0.01");
+  EXPECT_EQ(desk.obey(SetPairGain{0, 1, GainName::k_yy, 0.1, 0.01}), "pair_gain r1 r2 k_yy 0.08 -> 0.1 ramp=0.01");
   desk.settle();  // at the bounded rate
   EXPECT_DOUBLE_EQ(desk.gains.k_yy(0, 1), 0.1);
 }
 
 TEST(Couplings, OnTheWayTakeNoMoreThanThereIs) {
   Desk desk;
-  OperatorCommand slow{Kind::gain, GainName::k_tt, 0.0};
-  slow.seconds = 60.0;
-  desk.obey({Kind::gain, GainName::k_tt, 1.0});
+  const SetGain slow{GainName::k_tt, 0.0, 60.0};
+  desk.obey(SetGain{GainName::k_tt, 1.0});
   desk.settle();
   desk.obey(slow);
-  desk.obey({Kind::gain, GainName::k_yy, 1.0});
+  desk.obey(SetGain{GainName::k_yy, 1.0});
   EXPECT_GT(desk.couplings.target().k_yy.largest(), 0.2);
   desk.settle();  // checks (18) all the way
   EXPECT_LT(desk.gains.k_yy.largest(), 0.9 * desk.couplings.target().k_yy.largest()) << "k_tt still takes its share";
@@ -155,7 +151,7 @@ TEST(Couplings, OfTheFileAreHeldBesideTheOperators) {
   const Experiment e = good("[[gain_change]]\nt = 1\nramp = 2\nk_yy = 0.2");
   Desk desk(e);
   EventList events;
-  desk.obey({Kind::gain, GainName::k_tt, 1.0});
+  desk.obey(SetGain{GainName::k_tt, 1.0});
   desk.couplings.follow_file(1.0, events);
   EXPECT_THAT(describe(events), HasSubstr("schedule k_yy 0.08 -> 0.2; gain_held k_yy 0.2 -> 0.0"));
   desk.settle();
@@ -185,7 +181,7 @@ TEST(Couplings, FixedTrackingGainsAreRefusedWhere18FailsAndKeptOtherwise) {
     }
   // Online they are the border.
   Desk desk(e);
-  EXPECT_THAT(desk.obey({Kind::gain, GainName::k_xx, 1.0}), StartsWith("gain_held k_xx 1 -> 0.01"));
+  EXPECT_THAT(desk.obey(SetGain{GainName::k_xx, 1.0}), StartsWith("gain_held k_xx 1 -> 0.01"));
 }
 
 TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
@@ -196,16 +192,25 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
   auto session = Session::open(e, Session::Clock::virtual_, {.sinks = {&writer}});
   ASSERT_TRUE(session) << session.error();
   Session& s = **session;
-  s.set_gain(GainName::k_yy, 0.05);
-  s.set_gain(GainName::k_tt, 1, 3, 1.0);
-  s.couple(0, 2, false);
+  EXPECT_TRUE(s.set_gain(GainName::k_yy, 0.05));
+  EXPECT_TRUE(s.set_gain(GainName::k_tt, 1, 3, 1.0));
+  EXPECT_TRUE(s.couple(0, 2, false));
   int asked = 0;
   s.run([&] {
-    if (++asked == 10) s.couple(1, 2, false);
-    if (asked == 20) s.set_gain(GainName::k_xx, 2, 1, 0.02), s.set_gain(GainName::k_tt, 0.01);
-    if (asked == 25) s.couple(1, 2, true), s.couple(0, 2, true);
-    if (asked == 28) s.set_gain(GainName::k_yy, 0.02, 7.5), s.set_gain(GainName::k_tt, 0, 1, 0.02, 3.0);
-    if (asked == 30) s.set_gain(GainName::k_xx, 0, 3, 0.0);
+    if (++asked == 10) EXPECT_TRUE(s.couple(1, 2, false));
+    if (asked == 20) {
+      EXPECT_TRUE(s.set_gain(GainName::k_xx, 2, 1, 0.02));
+      EXPECT_TRUE(s.set_gain(GainName::k_tt, 0.01));
+    }
+    if (asked == 25) {
+      EXPECT_TRUE(s.couple(1, 2, true));
+      EXPECT_TRUE(s.couple(0, 2, true));
+    }
+    if (asked == 28) {
+      EXPECT_TRUE(s.set_gain(GainName::k_yy, 0.02, 7.5));
+      EXPECT_TRUE(s.set_gain(GainName::k_tt, 0, 1, 0.02, 3.0));
+    }
+    if (asked == 30) EXPECT_TRUE(s.set_gain(GainName::k_xx, 0, 3, 0.0));
     return true;
   });
   EXPECT_TRUE(s.coupled(0, 2));
@@ -231,7 +236,7 @@ TEST(Couplings, OfTheFileThatWereHeldAreRepeatedFromTheRecord) {
   ASSERT_TRUE(session) << session.error();
   int asked = 0;
   (*session)->run([&] {
-    if (++asked == 5) (*session)->set_gain(GainName::k_tt, 1.0, 4.0);
+    if (++asked == 5) EXPECT_TRUE((*session)->set_gain(GainName::k_tt, 1.0, 4.0));
     return true;
   });
   (*session)->close();

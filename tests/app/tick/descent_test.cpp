@@ -10,7 +10,7 @@ namespace {
 int alarms(const std::vector<TickRecord>& rows) {
   int count = 0;
   for (const TickRecord& row : rows)
-    for (const Event& event : row.events) count += event.kind == Event::Kind::v_rise;
+    for (const Event& event : row.events) count += is<events::VRise>(event);
   return count;
 }
 

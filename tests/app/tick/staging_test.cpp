@@ -13,6 +13,7 @@
 #include "app/session/session.h"
 #include "app/tick/control_tick.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/app/rows.h"
 
 namespace skein::app {
 namespace {
@@ -25,16 +26,7 @@ const Sets disorder{"duration=10",
                     "robot.3.start=[0.1, 0.1, 0.0]",
                     "robot.4.start=[0.0, -0.6, 1.0]"};
 
-class Rows final : public RecordSink {
- public:
-  void record(const TickRecord& record) override { rows.push_back(record); }
-  bool has(Event::Kind kind) const {
-    return std::any_of(rows.begin(), rows.end(), [&](const TickRecord& row) {
-      return std::any_of(row.events.begin(), row.events.end(), [&](const Event& e) { return e.kind == kind; });
-    });
-  }
-  std::vector<TickRecord> rows;
-};
+using test::Rows;
 
 TEST(Staging, RobotsInDisorderFindTheirStartsBeforeTheRun) {
   const Experiment e = good(paper_experiment().source, disorder);
@@ -46,8 +38,8 @@ TEST(Staging, RobotsInDisorderFindTheirStartsBeforeTheRun) {
   ASSERT_TRUE(session) << session.error();
   EXPECT_EQ((*session)->run(), Phase::finished) << (*session)->failure().value_or("");
 
-  EXPECT_TRUE(rows.has(Event::Kind::stage));
-  EXPECT_TRUE(rows.has(Event::Kind::staged));
+  EXPECT_TRUE(rows.has<events::Stage>());
+  EXPECT_TRUE(rows.has<events::Staged>());
   double least = 1.0;
   const TickRecord* first = nullptr;
   for (const TickRecord& row : rows.rows) {
@@ -80,7 +72,7 @@ TEST(Staging, ThoseAtTheirStartsDoNotStage) {
   Rows rows;
   auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows}});
   (*session)->run();
-  EXPECT_FALSE(rows.has(Event::Kind::stage));
+  EXPECT_FALSE(rows.has<events::Stage>());
   EXPECT_EQ(rows.rows.size(), 25U);
 }
 
@@ -100,7 +92,7 @@ TEST(Staging, AfterTheRunTheyMayDriveBack) {
   EXPECT_EQ(std::count_if(rows.rows.begin(), rows.rows.end(),
                           [](const TickRecord& row) { return row.phase == Phase::running; }),
             50);
-  EXPECT_TRUE(rows.has(Event::Kind::staged));
+  EXPECT_TRUE(rows.has<events::Staged>());
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_LT(core::distance(rows.rows.back().robots[i].truth, make_reference(e)->at(i, 0.0).pose), 0.012);
 }
@@ -110,7 +102,7 @@ TEST(Staging, StopEndsIt) {
   ControlTick tick(e);
   std::vector<core::Measurement> measured(4);
   for (std::size_t i = 0; i < 4; ++i) measured[i] = {*e.robots[i].start, 0.0};
-  const OperatorCommand stage{OperatorCommand::Kind::stage, {}, 0.0};
+  const OperatorCommand stage = commands::Stage{};
   TickInput input;
   input.measurements = measured;
   input.commands = {&stage, 1};

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+/// The words of an enumeration. Beside each enumeration that has words stands
+///
+///     constexpr std::string_view word(Enum value) noexcept;
+///
+/// an exhaustive switch without a default that gives each enumerator's word, and nothing for any other value. The
+/// enumerators count from 0. This switch is the enumeration's one table: a new enumerator does not compile until it has
+/// its word, and printers, parsers, messages and editors all take the words from here.
+namespace skein::core {
+
+/// All enumerators, in their order.
+template <typename Enum>
+constexpr auto all_of() noexcept {
+  constexpr std::size_t count = [] {
+    std::size_t n = 0;
+    while (!word(static_cast<Enum>(n)).empty()) ++n;
+    return n;
+  }();
+  std::array<Enum, count> all{};
+  for (std::size_t k = 0; k < count; ++k) all[k] = static_cast<Enum>(k);
+  return all;
+}
+
+/// The enumerator that has this word; none: it is no word of the enumeration.
+template <typename Enum>
+constexpr std::optional<Enum> from_word(std::string_view text) noexcept {
+  for (const Enum value : all_of<Enum>())
+    if (word(value) == text) return value;
+  return std::nullopt;
+}
+
+}  // namespace skein::core
