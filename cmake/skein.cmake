@@ -25,10 +25,11 @@ find_package(Threads REQUIRED)
 
 add_library(skein_options INTERFACE)
 target_include_directories(skein_options INTERFACE ${PROJECT_SOURCE_DIR})
+# A new enumerator does not compile until every switch handles it; switches over enumerations have no default.
 # -Wno-restrict: GCC 12 at -O3 sees overlaps in std::string's operator+ that are not there (GCC bug 105651, mended in 13).
 # -ffp-contract=off: the same source gives the same bits whether or not the compiler could fuse a multiply and an add.
 target_compile_options(skein_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-  -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wswitch-enum -Werror=switch -Werror=switch-enum -ffp-contract=off
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict> $<$<BOOL:${SKEIN_WERROR}>:-Werror>)
 if(SKEIN_SANITIZE)
   target_compile_options(skein_options INTERFACE -fsanitize=${SKEIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

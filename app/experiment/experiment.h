@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/run/event.h"
@@ -37,6 +38,27 @@ struct PathSpec {
   bool closed = true;                ///< of polyline and spline
 };
 
+/// As files call it (core/words.h).
+constexpr std::string_view word(PathSpec::Shape shape) noexcept {
+  switch (shape) {
+    case PathSpec::Shape::rounded_rectangle:
+      return "rounded_rectangle";
+    case PathSpec::Shape::circle:
+      return "circle";
+    case PathSpec::Shape::ellipse:
+      return "ellipse";
+    case PathSpec::Shape::lemniscate:
+      return "lemniscate";
+    case PathSpec::Shape::polyline:
+      return "polyline";
+    case PathSpec::Shape::spline:
+      return "spline";
+    case PathSpec::Shape::line:
+      return "line";
+  }
+  return {};
+}
+
 /// The robots' places in a formation.
 struct ShapeSpec {
   core::ShapeName shape = core::ShapeName::line;
@@ -65,6 +87,19 @@ struct ReferenceSpec {
   double acceleration = 0.1;             ///< of trajectories that say nothing else [m/s^2]
   bool may_meet = false;                 ///< of trajectories: the shield is to keep robots apart whose references meet
 };
+
+/// As files call it (core/words.h).
+constexpr std::string_view word(ReferenceSpec::Kind kind) noexcept {
+  switch (kind) {
+    case ReferenceSpec::Kind::platoon:
+      return "platoon";
+    case ReferenceSpec::Kind::formation:
+      return "formation";
+    case ReferenceSpec::Kind::independent:
+      return "independent";
+  }
+  return {};
+}
 
 /// How one robot drives, where every robot has a trajectory of its own.
 struct TrajectorySpec {
@@ -161,6 +196,17 @@ struct FailureSpec {
   /// every 20 ms, and the group obeys in the next tick: at 25 Hz it reacts within 0.2 s.
   double link_bridge = 0.1;
 };
+
+/// As files call it (core/words.h).
+constexpr std::string_view word(FailureSpec::LinkLost then) noexcept {
+  switch (then) {
+    case FailureSpec::LinkLost::all_stop:
+      return "all_stop";
+    case FailureSpec::LinkLost::others_go_on:
+      return "others_go_on";
+  }
+  return {};
+}
 
 struct Perturbation {
   double t = 0.0;

@@ -67,14 +67,7 @@ void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points
 }
 
 void read_path(TomlTable t, PathSpec& path, bool closed) {
-  t.choice("shape", path.shape,
-           {{"rounded_rectangle", PathShape::rounded_rectangle},
-            {"circle", PathShape::circle},
-            {"ellipse", PathShape::ellipse},
-            {"lemniscate", PathShape::lemniscate},
-            {"polyline", PathShape::polyline},
-            {"spline", PathShape::spline},
-            {"line", PathShape::line}});
+  t.choice("shape", path.shape);
   if (path.shape == PathShape::line) {
     path.closed = false;
     path.points.assign(2, {});

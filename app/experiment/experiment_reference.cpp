@@ -21,12 +21,7 @@ constexpr double longest_run = 86400;  // a day [s]
 
 /// A shape by name, or the robots' own places.
 void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
-  t.choice("shape", shape.shape,
-           {{"line", core::ShapeName::line},
-            {"column", core::ShapeName::column},
-            {"diamond", core::ShapeName::diamond},
-            {"v", core::ShapeName::v},
-            {"circle", core::ShapeName::circle}});
+  t.choice("shape", shape.shape);
   t.number("spacing", shape.spacing, above(0.0, longest, "m"));
   shape.offsets.clear();
   read_points(t, "offsets", shape.offsets, robots, robots);
@@ -224,8 +219,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
 
 void read_reference(TomlTable t, Experiment& e, Problems& problems) {
   ReferenceSpec& r = e.reference;
-  t.choice("kind", r.kind,
-           {{"platoon", Kind::platoon}, {"formation", Kind::formation}, {"independent", Kind::independent}});
+  t.choice("kind", r.kind);
   t.number("speed", r.speed, between(0.0, 10.0, "m/s"));
   if (r.kind == Kind::independent) {
     t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));

@@ -64,7 +64,7 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   t.number("wheel_diameter", robot.spec.drive.wheel_diameter, between(0.01, 0.2, "m"));
   t.number("track", robot.spec.drive.track, between(0.01, 0.5, "m"));
   Model model = Model::ideal;
-  t.choice("model", model, {{"ideal", Model::ideal}, {"epuck1", Model::epuck1}, {"epuck2", Model::epuck2}});
+  t.choice("model", model);
   if (t.has("model")) robot.model = model, robot.model_key = t.full("model");
 }
 

@@ -93,7 +93,7 @@ constexpr PairKey pair_keys[] = {{core::GainName::k_xx, "k_xx", between(0.0, 100
 
 /// The tracking gains, where they are not what (18f, g) leaves.
 void read_policy(TomlTable& t, ControllerSpec& c) {
-  t.choice("policy", c.policy, {{"authority", core::GainPolicy::authority}, {"fixed", core::GainPolicy::fixed}});
+  t.choice("policy", c.policy);
   const bool fixed = c.policy == core::GainPolicy::fixed;
   for (const auto& [key, target] : {std::pair{"k_x", &c.k_x}, std::pair{"k_theta", &c.k_theta}}) {
     if (fixed) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
@@ -104,8 +104,8 @@ void read_policy(TomlTable& t, ControllerSpec& c) {
 }
 
 void read_controller(TomlTable t, ControllerSpec& c, Problems& problems) {
-  t.choice("saturation", c.saturation, {{"tanh", core::Saturation::tanh}, {"algebraic", core::Saturation::algebraic}});
-  t.choice("coupling", c.coupling, {{"paper", core::Coupling::paper}, {"bounded", core::Coupling::bounded}});
+  t.choice("saturation", c.saturation);
+  t.choice("coupling", c.coupling);
   t.number("v_max", c.v_max, above(0.0, 10.0, "m/s"));
   t.number("omega_max", c.omega_max, above(0.0, 100.0, "rad/s"));
   t.number("c_x", c.c_x, above(0.0, 1e4, "1/m"));  // (18a)
@@ -219,8 +219,7 @@ void read_simulation(TomlTable t, Experiment& e) {
 
 void read_failure(TomlTable t, FailureSpec& failure) {
   using LinkLost = FailureSpec::LinkLost;
-  t.choice("link_lost", failure.link_lost,
-           {{"all_stop", LinkLost::all_stop}, {"others_go_on", LinkLost::others_go_on}});
+  t.choice("link_lost", failure.link_lost);
   t.number("link_bridge", failure.link_bridge, between(0.05, 10.0, "s"));
   t.finish();
 }

@@ -35,7 +35,13 @@ void read_amounts(TomlTable& table, Fault& fault) {
       table.number("volts", fault.volts, between(0.0, 5.0, "V"));
       table.number("sag", fault.sag, between(0.0, 10.0, "V/min"));
       break;
-    default:
+    case FaultKind::burst:
+    case FaultKind::disconnect:
+    case FaultKind::reboot:
+    case FaultKind::stuck:
+    case FaultKind::ring:
+    case FaultKind::swapped_wheels:
+    case FaultKind::silent_encoders:
       break;
   }
 }
@@ -43,23 +49,12 @@ void read_amounts(TomlTable& table, Fault& fault) {
 std::optional<Fault> read_fault(TomlTable& table, std::size_t robots) {
   Fault fault;
   std::optional<std::int64_t> robot;
-  const char* const kinds =
-      "latency, loss, burst, corruption, disconnect, reboot, stuck, ring, battery, swapped_wheels, silent_encoders";
+  std::string kinds;
+  for (const FaultKind each : core::all_of<FaultKind>()) kinds += (kinds.empty() ? "" : ", ") + std::string(word(each));
   table.require("kind", kinds);
   if (!table.has("kind")) return {};
   std::optional<FaultKind> kind;
-  table.choice<std::optional<FaultKind>>("kind", kind,
-                                         {{"latency", FaultKind::latency},
-                                          {"loss", FaultKind::loss},
-                                          {"burst", FaultKind::burst},
-                                          {"corruption", FaultKind::corruption},
-                                          {"disconnect", FaultKind::disconnect},
-                                          {"reboot", FaultKind::reboot},
-                                          {"stuck", FaultKind::stuck},
-                                          {"ring", FaultKind::ring},
-                                          {"battery", FaultKind::battery},
-                                          {"swapped_wheels", FaultKind::swapped_wheels},
-                                          {"silent_encoders", FaultKind::silent_encoders}});
+  table.choice("kind", kind);
   if (!kind) return {};  // which keys it may have nobody knows
   fault.kind = *kind;
   table.integer("robot", robot, 1, static_cast<std::int64_t>(robots));

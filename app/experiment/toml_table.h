@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include <tl/expected.hpp>
 
 #include "app/experiment/problem.h"
+#include "core/words.h"
 
 namespace skein::app {
 
@@ -48,6 +48,7 @@ class Problems {
 
   bool has(const std::string& key) const { return find(key).whole; }
   bool empty() const noexcept { return found_.empty(); }
+  std::size_t size() const noexcept { return found_.size(); }
   /// In the order of the file; then what comes from other files, and last what --set brought.
   std::vector<Problem> sorted() &&;
 
@@ -63,6 +64,15 @@ class Problems {
   std::string file_;
   std::vector<Problem> found_;
 };
+
+/// The words of an enumeration for a message: "\"tanh\", \"algebraic\"".
+template <typename Enum>
+std::string quoted_words() {
+  std::string words;
+  for (const Enum value : core::all_of<Enum>())
+    words += (words.empty() ? "\"" : ", \"") + std::string(word(value)) + '"';
+  return words;
+}
 
 /// Reads one table, key by key: a key that is there must have the right type and a value in range, a key that is not
 /// leaves its target alone. `finish` refuses every key that nobody asked for.
@@ -107,20 +117,23 @@ class TomlTable {
     optional(key, target, [&](bool& value) { flag(key, value); });
   }
 
-  /// One of a few words.
+  /// One of the words of an enumeration (core/words.h).
   template <typename Enum>
-  void choice(const char* key, Enum& target, std::initializer_list<std::pair<const char*, Enum>> words) {
+  void choice(const char* key, Enum& target) {
     const toml::node* const found = node(key);
     if (!found) return;
-    std::string allowed;
-    for (const auto& [word, value] : words) {
-      if (found->value_exact<std::string_view>() == word) {
-        target = value;
-        return;
-      }
-      allowed += (allowed.empty() ? "\"" : ", \"") + std::string(word) + '"';
-    }
-    refuse(key, *found, allowed);
+    if (const auto value = core::from_word<Enum>(found->value_exact<std::string_view>().value_or("")))
+      target = *value;
+    else
+      refuse(key, *found, quoted_words<Enum>());
+  }
+  /// The same into an optional that stays empty where there is no key, or another word.
+  template <typename Enum>
+  void choice(const char* key, std::optional<Enum>& target) {
+    Enum value{};
+    const std::size_t refused = problems_->size();
+    choice(key, value);
+    if (has(key) && problems_->size() == refused) target = value;
   }
 
   /// The table below a key, without keys where there is none.

@@ -111,25 +111,6 @@ inline std::string pair_column(core::GainName gain, std::size_t i, std::size_t j
   return std::string(word(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);
 }
 
-struct ModeName {
-  Mode mode;
-  std::string_view name;
-};
-inline constexpr std::array<ModeName, 7> mode_names{{{staging, "staging"},
-                                                     {tracking, "tracking"},
-                                                     {avoiding, "avoiding"},
-                                                     {shielded, "shielded"},
-                                                     {limited, "limited"},
-                                                     {stopped, "stopped"},
-                                                     {lost, "lost"}}};
-
-struct LimitName {
-  Limit limit;
-  std::string_view name;
-};
-inline constexpr std::array<LimitName, 3> limit_names{
-    {{limit_v, "v"}, {limit_omega, "omega"}, {limit_wheels, "wheels"}}};
-
 /// The lines before the header row.
 inline constexpr std::string_view version_line = "# skein ";
 inline constexpr std::string_view experiment_line = "# experiment: ";

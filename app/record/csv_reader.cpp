@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "app/record/csv_columns.h"
+#include "core/words.h"
 
 namespace skein::app {
 namespace {
@@ -23,26 +24,26 @@ bool read_cell(std::string_view cell, double& value) {
   return cell.empty() || read_number(cell, value);
 }
 
-/// Words joined by +, each of them a bit; `names` is mode_names or limit_names.
-template <typename Names>
-bool read_words(std::string_view cell, const Names& names, std::uint8_t& bits) {
+/// Words joined by +, each of them a bit.
+template <typename Bit>
+bool read_words(std::string_view cell, std::uint8_t& bits) {
   bits = 0;
   while (!cell.empty()) {
-    const std::size_t end = std::min(cell.find('+'), cell.size());
-    const auto found =
-        std::find_if(names.begin(), names.end(), [&](const auto& each) { return each.name == cell.substr(0, end); });
-    if (found == names.end()) return false;
-    const auto& [bit, name] = *found;
-    bits |= static_cast<std::uint8_t>(bit);
-    cell.remove_prefix(std::min(end + 1, cell.size()));
+    const std::size_t plus = std::min(cell.find('+'), cell.size());
+    std::uint8_t found = 0;
+    for (const Bit bit : core::all_bits_of<Bit>())
+      if (word(bit) == cell.substr(0, plus)) found = bit;
+    if (found == 0) return false;
+    bits |= found;
+    cell.remove_prefix(std::min(plus + 1, cell.size()));
   }
   return true;
 }
 
 bool read_how(std::string_view cell, core::How& how) {
-  for (const core::How each : {core::How::none, core::How::detected, core::How::tracked, core::How::recovered})
-    if (cell == core::name(each)) return how = each, true;
-  return false;
+  const auto found = core::from_word<core::How>(cell);
+  if (found) how = *found;
+  return found.has_value();
 }
 
 bool read_events(std::string_view cell, EventList& events) {
@@ -161,10 +162,10 @@ void CsvReader::find_columns() {
       return cell.empty() || r.robots[i].link.state.has_value();
     };
     known[prefix + "mode"] = [i](TickRecord& r, std::string_view cell) {
-      return read_words(cell, mode_names, r.robots[i].mode);
+      return read_words<Mode>(cell, r.robots[i].mode);
     };
     known[prefix + "limit"] = [i](TickRecord& r, std::string_view cell) {
-      return read_words(cell, limit_names, r.robots[i].limits);
+      return read_words<Limit>(cell, r.robots[i].limits);
     };
   }
   for (const std::string& column : columns_) {

@@ -23,28 +23,24 @@ struct CsvWriter::Impl {
     }
     row += ',';
   }
-  void mode(std::uint8_t bits) {
+  /// The words of the bits, joined by +.
+  template <typename Bit>
+  void words(std::uint8_t bits) {
     const char* joint = "";
-    for (const auto& [mode, name] : mode_names)
-      if (bits & mode) row.append(joint).append(name), joint = "+";
-    row += ',';
-  }
-  void limits(std::uint8_t bits) {
-    const char* joint = "";
-    for (const auto& [limit, name] : limit_names)
-      if (bits & limit) row.append(joint).append(name), joint = "+";
+    for (const Bit bit : core::all_bits_of<Bit>())
+      if (bits & bit) row.append(joint).append(word(bit)), joint = "+";
     row += ',';
   }
   void robot(const RobotRecord& record) {
     for (const auto& column : robot_columns) number(column.get(record));
-    mode(record.mode);
+    words<Mode>(record.mode);
     const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
     for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
-    row.append(core::name(record.measurement.how)) += ',';
+    row.append(word(record.measurement.how)) += ',';
     if (record.link.state) row += word(*record.link.state);
     row += ',';
     for (const auto& column : link_columns) number(column.get(record));
-    limits(record.limits);
+    words<Limit>(record.limits);
     for (const auto& column : link_health_columns) number(column.get(record));
   }
 

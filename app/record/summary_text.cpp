@@ -48,7 +48,7 @@ Json json(const Histogram& histogram) {
 Json latency(const Statistics::Summary& s) {
   Json result = Json::object();
   for (std::size_t stage = 0; stage < stages; ++stage)
-    if (s.latency[stage].total() > 0) result[name(static_cast<Stage>(stage))] = json(s.latency[stage]);
+    if (s.latency[stage].total() > 0) result[std::string(word(static_cast<Stage>(stage)))] = json(s.latency[stage]);
   if (s.latency_total.total() > 0) result["total"] = json(s.latency_total);
   return result;
 }

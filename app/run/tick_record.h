@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "app/run/event.h"
@@ -13,6 +14,7 @@
 #include "core/control/tracking_error.h"
 #include "core/estimation/measurement.h"
 #include "core/kinematics/differential_drive.h"
+#include "core/words.h"
 
 namespace skein::app {
 
@@ -29,6 +31,27 @@ enum Mode : std::uint8_t {
   stopped = 32,  ///< commanded to stand: not running, paused, STOP, lost
   lost = 64,     ///< no pose within the bridge time
 };
+
+/// As the CSV calls it (core/words.h); of one bit.
+constexpr std::string_view word(Mode bit) noexcept {
+  switch (bit) {
+    case staging:
+      return "staging";
+    case tracking:
+      return "tracking";
+    case avoiding:
+      return "avoiding";
+    case shielded:
+      return "shielded";
+    case limited:
+      return "limited";
+    case stopped:
+      return "stopped";
+    case lost:
+      return "lost";
+  }
+  return {};
+}
 
 /// What is known of a robot's link at a tick; nothing of one that has none.
 struct LinkRecord {
@@ -47,6 +70,19 @@ enum Limit : std::uint8_t {
   limit_omega = 2,   ///< |omega| <= omega_max (14)
   limit_wheels = 4,  ///< what a wheel can do
 };
+
+/// As the CSV calls it (core/words.h); of one bit.
+constexpr std::string_view word(Limit bit) noexcept {
+  switch (bit) {
+    case limit_v:
+      return "v";
+    case limit_omega:
+      return "omega";
+    case limit_wheels:
+      return "wheels";
+  }
+  return {};
+}
 
 /// One robot at one tick. Poses in the world frame.
 struct RobotRecord {
@@ -92,18 +128,38 @@ enum class Stage : std::uint8_t {
   write,        ///< to the last robot's command in the system's hands
   acknowledge,  ///< to the last robot's answer
 };
-inline constexpr std::size_t stages = 8;
-
-constexpr const char* name(Stage stage) noexcept {
-  constexpr const char* names[stages] = {"capture",  "dequeue", "detect", "hand_over",
-                                         "estimate", "law",     "write",  "acknowledge"};
-  return names[static_cast<std::size_t>(stage)];
+/// As the CSV and the summary call it (core/words.h).
+constexpr std::string_view word(Stage stage) noexcept {
+  switch (stage) {
+    case Stage::capture:
+      return "capture";
+    case Stage::dequeue:
+      return "dequeue";
+    case Stage::detect:
+      return "detect";
+    case Stage::hand_over:
+      return "hand_over";
+    case Stage::estimate:
+      return "estimate";
+    case Stage::law:
+      return "law";
+    case Stage::write:
+      return "write";
+    case Stage::acknowledge:
+      return "acknowledge";
+  }
+  return {};
 }
+inline constexpr std::size_t stages = core::all_of<Stage>().size();
 
 /// How long each stage took of the tick BEFORE the record's, since its robots have answered by now. [s]; none: not
 /// known, or no such stage
 struct Latency {
-  std::array<double, stages> of{none, none, none, none, none, none, none, none};
+  std::array<double, stages> of = [] {
+    std::array<double, stages> unknown{};
+    unknown.fill(none);
+    return unknown;
+  }();
   double total = none;  ///< from the frame's arrival to its command written: dequeue ... write
 
   double& operator[](Stage stage) noexcept { return of[static_cast<std::size_t>(stage)]; }

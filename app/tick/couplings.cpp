@@ -44,7 +44,22 @@ bool Couplings::is_pair(std::size_t i, std::size_t j) const noexcept {
 
 double Couplings::rate(GainName name, bool ready) const noexcept {
   if (ready) return std::numeric_limits<double>::infinity();
-  const double authority = name == GainName::k_xx ? limits_.v_max[0] : limits_.omega_max[0];
+  double authority = std::numeric_limits<double>::infinity();
+  switch (name) {
+    case GainName::k_xx:
+      authority = limits_.v_max[0];
+      break;
+    case GainName::k_tt:
+    case GainName::k_yy:
+      authority = limits_.omega_max[0];
+      break;
+    case GainName::c_xx:
+    case GainName::c_tt:
+    case GainName::c_yy:
+    case GainName::l_xx:
+    case GainName::l_tt:
+      break;  // the file's ramps alone move them
+  }
   return authority / static_cast<double>(std::max<std::size_t>(1, off_.robots() - 1)) / operator_ramp;
 }
 

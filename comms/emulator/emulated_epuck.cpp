@@ -58,9 +58,14 @@ bool EmulatedEpuck::carries() const noexcept {
       case FaultKind::disconnect:
       case FaultKind::reboot:
         return true;
-      default:
-        return false;
+      case FaultKind::stuck:
+      case FaultKind::ring:
+      case FaultKind::battery:
+      case FaultKind::swapped_wheels:
+      case FaultKind::silent_encoders:
+        break;
     }
+    return false;
   });
 }
 

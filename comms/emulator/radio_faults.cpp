@@ -1,19 +1,14 @@
 #include "comms/emulator/radio_faults.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 
 #include "core/simulation/random.h"
+#include "core/words.h"
 
 namespace skein::comms {
 namespace {
-
-constexpr std::array kinds{FaultKind::latency,        FaultKind::loss,           FaultKind::burst,
-                           FaultKind::corruption,     FaultKind::disconnect,     FaultKind::reboot,
-                           FaultKind::stuck,          FaultKind::ring,           FaultKind::battery,
-                           FaultKind::swapped_wheels, FaultKind::silent_encoders};
 
 /// Any fault of a kind, as bad as a bad day in a lab makes it.
 Fault random_fault(FaultKind kind, core::Random& random) {
@@ -61,35 +56,8 @@ Fault random_fault(FaultKind kind, core::Random& random) {
 
 }  // namespace
 
-std::string_view to_text(FaultKind kind) noexcept {
-  switch (kind) {
-    case FaultKind::latency:
-      return "latency";
-    case FaultKind::loss:
-      return "loss";
-    case FaultKind::burst:
-      return "burst";
-    case FaultKind::corruption:
-      return "corruption";
-    case FaultKind::disconnect:
-      return "disconnect";
-    case FaultKind::reboot:
-      return "reboot";
-    case FaultKind::stuck:
-      return "stuck";
-    case FaultKind::ring:
-      return "ring";
-    case FaultKind::battery:
-      return "battery";
-    case FaultKind::swapped_wheels:
-      return "swapped_wheels";
-    case FaultKind::silent_encoders:
-      return "silent_encoders";
-  }
-  return "?";
-}
-
 std::vector<Fault> random_faults(std::size_t robots, double duration, double mean_interval, std::uint64_t seed) {
+  constexpr auto kinds = core::all_of<FaultKind>();
   std::vector<Fault> faults;
   for (std::size_t robot = 0; robot < robots; ++robot) {
     core::Random random(seed, robot);

@@ -37,8 +37,34 @@ struct Fault {
   double end() const noexcept { return at + duration; }
 };
 
-/// The kind as a word in a fault file: "latency", "swapped_wheels".
-std::string_view to_text(FaultKind kind) noexcept;
+/// As a fault file calls it (core/words.h).
+constexpr std::string_view word(FaultKind kind) noexcept {
+  switch (kind) {
+    case FaultKind::latency:
+      return "latency";
+    case FaultKind::loss:
+      return "loss";
+    case FaultKind::burst:
+      return "burst";
+    case FaultKind::corruption:
+      return "corruption";
+    case FaultKind::disconnect:
+      return "disconnect";
+    case FaultKind::reboot:
+      return "reboot";
+    case FaultKind::stuck:
+      return "stuck";
+    case FaultKind::ring:
+      return "ring";
+    case FaultKind::battery:
+      return "battery";
+    case FaultKind::swapped_wheels:
+      return "swapped_wheels";
+    case FaultKind::silent_encoders:
+      return "silent_encoders";
+  }
+  return {};
+}
 
 /// Faults of every kind at random: on each robot one begins every `mean_interval` seconds on average, from second 0 to
 /// `duration`; none lasts beyond it. The same seed gives the same faults.

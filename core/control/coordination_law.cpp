@@ -11,9 +11,13 @@ namespace {
 /// times it, because phi is odd. That sign is what makes the sums (21) vanish.
 double coupling_factor(const Gains& gains, double k, double c, double l, double b_i, double b_j) noexcept {
   const double phi = saturate(gains.saturation, k, c * (b_i - b_j));
-  if (gains.coupling == Coupling::paper) {
-    const double product = l * b_i * b_j;
-    return l * phi / std::sqrt(1.0 + product * product);
+  switch (gains.coupling) {
+    case Coupling::paper: {
+      const double product = l * b_i * b_j;
+      return l * phi / std::sqrt(1.0 + product * product);
+    }
+    case Coupling::bounded:
+      break;
   }
   return std::sqrt(l) * phi / std::sqrt((1.0 + l * b_i * b_i) * (1.0 + l * b_j * b_j));
 }

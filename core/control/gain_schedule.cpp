@@ -51,9 +51,21 @@ namespace {
 /// What (18f) or (18g) leaves one gain's row of robot i, beside the gain that shares the bound.
 double left_to(GainName name, std::size_t i, const Gains& gains, const CouplingGains& couplings,
                const ReferenceDemand& demand) noexcept {
-  if (name == GainName::k_xx) return free_v(gains, i) - demand.v;
-  const GainName partner = name == GainName::k_tt ? GainName::k_yy : GainName::k_tt;
-  return free_omega(gains, i) - demand.turning - table(couplings, partner).row_sum(i);
+  switch (name) {
+    case GainName::k_xx:
+      return free_v(gains, i) - demand.v;
+    case GainName::k_tt:
+      return free_omega(gains, i) - demand.turning - couplings.k_yy.row_sum(i);
+    case GainName::k_yy:
+      return free_omega(gains, i) - demand.turning - couplings.k_tt.row_sum(i);
+    case GainName::c_xx:
+    case GainName::c_tt:
+    case GainName::c_yy:
+    case GainName::l_xx:
+    case GainName::l_tt:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();  // slopes and weights have no part in (18f, g)
 }
 
 }  // namespace
@@ -75,10 +87,24 @@ double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gai
   const double own = table(others, name)(i, j);
   double border = std::numeric_limits<double>::infinity();
   for (const std::size_t robot : {i, j}) {
-    const double taken =
-        name == GainName::k_xx ? others.k_xx.row_sum(robot) : others.k_tt.row_sum(robot) + others.k_yy.row_sum(robot);
-    const double free =
-        name == GainName::k_xx ? free_v(gains, robot) - demand.v : free_omega(gains, robot) - demand.turning;
+    double taken = 0.0, free = std::numeric_limits<double>::infinity();
+    switch (name) {
+      case GainName::k_xx:
+        taken = others.k_xx.row_sum(robot);
+        free = free_v(gains, robot) - demand.v;
+        break;
+      case GainName::k_tt:
+      case GainName::k_yy:
+        taken = others.k_tt.row_sum(robot) + others.k_yy.row_sum(robot);
+        free = free_omega(gains, robot) - demand.turning;
+        break;
+      case GainName::c_xx:
+      case GainName::c_tt:
+      case GainName::c_yy:
+      case GainName::l_xx:
+      case GainName::l_tt:
+        break;  // slopes and weights have no part in (18f, g)
+    }
     border = std::min(border, free - (taken - own));
   }
   return std::max(0.0, border);

@@ -57,16 +57,32 @@ void use_all_authority(Gains& gains, std::span<const Twist> reference) noexcept 
 }
 
 void use_policy(Gains& gains, std::span<const Twist> reference) noexcept {
-  if (gains.policy == GainPolicy::authority) use_all_authority(gains, reference);
+  switch (gains.policy) {
+    case GainPolicy::authority:
+      return use_all_authority(gains, reference);
+    case GainPolicy::fixed:
+      return;
+  }
 }
 
 double free_v(const Gains& gains, std::size_t i) noexcept {
-  return gains.policy == GainPolicy::fixed ? gains.v_max[i] - gains.k_x[i] : (1.0 - tracking_share) * gains.v_max[i];
+  switch (gains.policy) {
+    case GainPolicy::fixed:
+      return gains.v_max[i] - gains.k_x[i];
+    case GainPolicy::authority:
+      break;
+  }
+  return (1.0 - tracking_share) * gains.v_max[i];
 }
 
 double free_omega(const Gains& gains, std::size_t i) noexcept {
-  return gains.policy == GainPolicy::fixed ? gains.omega_max[i] - gains.k_theta[i]
-                                           : (1.0 - tracking_share) * gains.omega_max[i];
+  switch (gains.policy) {
+    case GainPolicy::fixed:
+      return gains.omega_max[i] - gains.k_theta[i];
+    case GainPolicy::authority:
+      break;
+  }
+  return (1.0 - tracking_share) * gains.omega_max[i];
 }
 
 Margins margins(const Gains& gains, std::size_t i, const Twist& reference) noexcept {

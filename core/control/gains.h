@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/control/pair_table.h"
@@ -20,11 +21,33 @@ enum class Coupling {
   bounded,
 };
 
+/// As files call it (core/words.h).
+constexpr std::string_view word(Coupling form) noexcept {
+  switch (form) {
+    case Coupling::paper:
+      return "paper";
+    case Coupling::bounded:
+      return "bounded";
+  }
+  return {};
+}
+
 /// Where the tracking gains k_x, k_theta come from.
 enum class GainPolicy {
   authority,  ///< all that (18f, g) leaves, as in (36): see `use_all_authority`
   fixed,      ///< numbers that were given, the same all along the reference
 };
+
+/// As files call it (core/words.h).
+constexpr std::string_view word(GainPolicy policy) noexcept {
+  switch (policy) {
+    case GainPolicy::authority:
+      return "authority";
+    case GainPolicy::fixed:
+      return "fixed";
+  }
+  return {};
+}
 
 /// The design parameters of the law (15), as they are at one time. Robots counted from 0.
 struct Gains {

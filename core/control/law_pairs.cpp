@@ -42,6 +42,7 @@ SKEIN_INLINE Fraction phi(double c, double b_i, double b_j, double exp_i, double
     const double sum = exp_i + exp_j;
     return {sum < 1.0 ? exp_i - exp_j : expm1_i - expm1_j, sum};
   } else {
+    static_assert(saturation == Saturation::algebraic);
     const double a = c * (b_i - b_j);
     return {a, std::sqrt(1.0 + a * a)};
   }
@@ -54,6 +55,7 @@ SKEIN_INLINE Fraction weight(double l, double b_i, double b_j) noexcept {
     const double product = l * b_i * b_j;
     return {l, std::sqrt(1.0 + product * product)};
   } else {
+    static_assert(coupling == Coupling::bounded);
     return {std::sqrt(l), std::sqrt((1.0 + l * b_i * b_i) * (1.0 + l * b_j * b_j))};
   }
 }
@@ -115,18 +117,27 @@ SKEIN_INLINE void add_rows(const Gains& gains, LawPairs& pairs, std::size_t robo
             : add_row<saturation, coupling, false>(gains, pairs, i, robots);
 }
 
+template <Saturation saturation>
+SKEIN_INLINE void add_coupled_rows(const Gains& gains, LawPairs& pairs, std::size_t robots, bool uniform) noexcept {
+  switch (gains.coupling) {
+    case Coupling::paper:
+      return add_rows<saturation, Coupling::paper>(gains, pairs, robots, uniform);
+    case Coupling::bounded:
+      return add_rows<saturation, Coupling::bounded>(gains, pairs, robots, uniform);
+  }
+}
+
 SKEIN_INLINE void add_all(const Gains& gains, LawPairs& pairs, std::size_t robots) noexcept {
   bool uniform = true;
   for (const PairTable* table :
        {&gains.k_xx, &gains.k_tt, &gains.k_yy, &gains.c_xx, &gains.c_tt, &gains.c_yy, &gains.l_xx, &gains.l_tt})
     uniform = uniform && table->uniform();
-  if (gains.saturation == Saturation::tanh)
-    gains.coupling == Coupling::paper ? add_rows<Saturation::tanh, Coupling::paper>(gains, pairs, robots, uniform)
-                                      : add_rows<Saturation::tanh, Coupling::bounded>(gains, pairs, robots, uniform);
-  else
-    gains.coupling == Coupling::paper
-        ? add_rows<Saturation::algebraic, Coupling::paper>(gains, pairs, robots, uniform)
-        : add_rows<Saturation::algebraic, Coupling::bounded>(gains, pairs, robots, uniform);
+  switch (gains.saturation) {
+    case Saturation::tanh:
+      return add_coupled_rows<Saturation::tanh>(gains, pairs, robots, uniform);
+    case Saturation::algebraic:
+      return add_coupled_rows<Saturation::algebraic>(gains, pairs, robots, uniform);
+  }
 }
 
 void add_all_baseline(const Gains& gains, LawPairs& pairs, std::size_t robots) noexcept {
@@ -170,7 +181,12 @@ LawPairs::LawPairs(std::size_t robots, Instructions instructions) : instructions
 
 bool LawPairs::suit(const Gains& gains, std::span<const TrackingError> errors) const noexcept {
   if (errors.size() < 2 || errors.size() > v.size()) return false;
-  if (gains.saturation == Saturation::algebraic) return true;
+  switch (gains.saturation) {
+    case Saturation::algebraic:
+      return true;
+    case Saturation::tanh:
+      break;
+  }
   if (!gains.c_xx.uniform() || !gains.c_tt.uniform() || !gains.c_yy.uniform()) return false;
   const double c_xx = gains.c_xx(0, 1), c_tt = gains.c_tt(0, 1), c_yy = gains.c_yy(0, 1);
   return std::all_of(errors.begin(), errors.end(), [&](const TrackingError& e) {
@@ -189,10 +205,14 @@ void LawPairs::add(const Gains& gains, std::span<const TrackingError> errors, st
     sinc[i] = core::sinc(errors[i].theta);
     v[i] = omega[i] = 0.0;
   }
-  if (gains.saturation == Saturation::tanh) {
-    exponentials(x, gains.c_xx(0, 1), robots);
-    exponentials(theta, gains.c_tt(0, 1), robots);
-    exponentials(y, gains.c_yy(0, 1), robots);
+  switch (gains.saturation) {
+    case Saturation::tanh:
+      exponentials(x, gains.c_xx(0, 1), robots);
+      exponentials(theta, gains.c_tt(0, 1), robots);
+      exponentials(y, gains.c_yy(0, 1), robots);
+      break;
+    case Saturation::algebraic:
+      break;
   }
 #if defined(__x86_64__)
   instructions_ == Instructions::avx2 ? add_all_avx2(gains, *this, robots) : add_all_baseline(gains, *this, robots);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <string_view>
 
 namespace skein::core {
 
@@ -10,9 +11,26 @@ enum class Saturation {
   algebraic,  ///< (11a)  phi_r(kx) = r kx / sqrt(1 + (kx)^2)
 };
 
+/// As files call it (core/words.h).
+constexpr std::string_view word(Saturation kind) noexcept {
+  switch (kind) {
+    case Saturation::tanh:
+      return "tanh";
+    case Saturation::algebraic:
+      return "algebraic";
+  }
+  return {};
+}
+
 /// phi_r(kx) of (11): bounded by `r`, slope r at kx = 0.
 inline double saturate(Saturation kind, double r, double kx) noexcept {
-  return kind == Saturation::tanh ? r * std::tanh(kx) : r * kx / std::sqrt(1.0 + kx * kx);
+  switch (kind) {
+    case Saturation::tanh:
+      return r * std::tanh(kx);
+    case Saturation::algebraic:
+      break;
+  }
+  return r * kx / std::sqrt(1.0 + kx * kx);
 }
 
 }  // namespace skein::core

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "core/geometry/pose.h"
 
@@ -14,9 +15,19 @@ enum class How : std::uint8_t {
   recovered,  ///< found again after it was lost
 };
 
-constexpr const char* name(How how) noexcept {
-  constexpr const char* names[] = {"", "detected", "tracked", "recovered"};
-  return names[static_cast<std::uint8_t>(how)];
+/// As the CSV calls it (core/words.h).
+constexpr std::string_view word(How how) noexcept {
+  switch (how) {
+    case How::none:
+      return "";
+    case How::detected:
+      return "detected";
+    case How::tracked:
+      return "tracked";
+    case How::recovered:
+      return "recovered";
+  }
+  return {};
 }
 
 /// The newest pose that was measured of one robot, by a camera or a simulation.

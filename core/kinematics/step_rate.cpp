@@ -6,13 +6,27 @@ namespace skein::core {
 namespace {
 
 double timer_rate(MotorModel motor) noexcept {
-  return motor == MotorModel::epuck2 ? 50000.0 : 10000.0;
+  switch (motor) {
+    case MotorModel::epuck2:
+      return 50000.0;
+    case MotorModel::epuck1:
+    case MotorModel::ideal:
+      break;
+  }
+  return 10000.0;
 }
 
 }  // namespace
 
 double max_step_rate(MotorModel motor) noexcept {
-  return motor == MotorModel::epuck2 ? 1100.0 : 1000.0;
+  switch (motor) {
+    case MotorModel::epuck2:
+      return 1100.0;
+    case MotorModel::epuck1:
+    case MotorModel::ideal:
+      break;
+  }
+  return 1000.0;
 }
 
 double actual_step_rate(MotorModel motor, double commanded) noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "core/kinematics/differential_drive.h"
 
 namespace skein::core {
@@ -10,6 +12,19 @@ enum class MotorModel {
   epuck1,  ///< timer of 10 kHz: a step every floor(10000/|s|) ticks; clamps at 1000 steps/s
   epuck2,  ///< timer of 50 kHz: a step every floor(50000/|s|) ticks; clamps at 1100 steps/s
 };
+
+/// As files call it (core/words.h).
+constexpr std::string_view word(MotorModel motor) noexcept {
+  switch (motor) {
+    case MotorModel::ideal:
+      return "ideal";
+    case MotorModel::epuck1:
+      return "epuck1";
+    case MotorModel::epuck2:
+      return "epuck2";
+  }
+  return {};
+}
 
 /// Largest speed that the motors' firmware accepts before it clamps. [steps/s]
 double max_step_rate(MotorModel motor) noexcept;

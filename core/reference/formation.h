@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "core/reference/curve.h"
@@ -19,6 +20,23 @@ enum class ShapeName {
   v,        ///< robot 1 in front, the even ones behind it to the left, the odd ones to the right
   circle,   ///< robot 1 in front, then counter-clockwise
 };
+/// As files call it (core/words.h).
+constexpr std::string_view word(ShapeName name) noexcept {
+  switch (name) {
+    case ShapeName::line:
+      return "line";
+    case ShapeName::column:
+      return "column";
+    case ShapeName::diamond:
+      return "diamond";
+    case ShapeName::v:
+      return "v";
+    case ShapeName::circle:
+      return "circle";
+  }
+  return {};
+}
+
 Shape make_shape(ShapeName name, std::size_t robots, double spacing);
 
 /// From time t on, the shape turns into another one within `duration`: places, their velocities and accelerations are

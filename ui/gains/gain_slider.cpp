@@ -32,8 +32,12 @@ Words words(core::GainName gain) {
     case core::GainName::k_yy:
       return {"<i>k</i><sub>yy</sub>", "rad/s", QT_TRANSLATE_NOOP("GainSlider", "sideways"),
               QT_TRANSLATE_NOOP("GainSlider", "Coupling of the sideways errors y_e")};
-    default:  // slopes and weights have no slider
-      break;
+    case core::GainName::c_xx:
+    case core::GainName::c_tt:
+    case core::GainName::c_yy:
+    case core::GainName::l_xx:
+    case core::GainName::l_tt:
+      break;  // slopes and weights have no slider
   }
   return {"", "", "", ""};
 }

@@ -56,7 +56,7 @@ TEST(FaultFile, EveryKindHasItsWord) {
   for (const char* const kind : {"burst", "disconnect", "reboot", "ring", "swapped_wheels", "silent_encoders"}) {
     const auto faults = parse_faults(std::string("[[fault]]\nkind = \"") + kind + "\"\n", "faults.toml", 1);
     ASSERT_TRUE(faults) << kind;
-    EXPECT_EQ(comms::to_text(faults->at(0).kind), kind);
+    EXPECT_EQ(word(faults->at(0).kind), kind);
   }
 }
 

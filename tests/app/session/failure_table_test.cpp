@@ -228,7 +228,7 @@ TEST(FailureTable, WhatGarblesALinkIsMendedWithinASecondCountedAndSaid) {
       restart{.kind = reboot, .at = 1.0, .duration = 0.1},
       late{.kind = latency, .at = 1.0, .duration = 0.3, .median = 0.15, .p99 = 0.3};
   for (const comms::Fault& fault : {garbage, half_a_line, swallowed, restart, late}) {
-    SCOPED_TRACE(to_text(fault.kind));
+    SCOPED_TRACE(word(fault.kind));
     test::FailureLinks links({fault}, 100.0);
     links.run_until(1.0);
     std::vector<std::uint64_t> before;

@@ -167,7 +167,7 @@ TEST(Session, TellsHowLongEveryStageTook) {
   }));
   double sum = 0.0;
   for (std::size_t stage = 0; stage < stages; ++stage) {
-    EXPECT_GE(complete.latency.of[stage], 0.0) << name(static_cast<Stage>(stage));
+    EXPECT_GE(complete.latency.of[stage], 0.0) << word(static_cast<Stage>(stage));
     sum += complete.latency.of[stage];
   }
   sum -= complete.latency[Stage::capture] + complete.latency[Stage::acknowledge];
