@@ -111,7 +111,7 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   const auto source = open(request.source, request.words, nullptr, status);
   if (!source) return status;
   const bool stills = source->stills();
-  const bool live = request.source.starts_with("v4l2:");
+  const bool live = vision::is_camera(request.source);
   BoardViews seen(request.board, *source, live);
   vision::Frame frame;
   // A camera is watched until it has seen enough; of a film, which is over when it is over, the best views are taken.

@@ -51,7 +51,15 @@ void complain(const std::string& text) {
 bool anything_real(const Experiment& experiment) {
   const bool real_robot = std::any_of(experiment.robots.begin(), experiment.robots.end(),
                                       [](const RobotSpec& robot) { return !robot.simulated(); });
-  return real_robot || (experiment.camera.source != "none" && experiment.camera.source != "synthetic");
+  switch (experiment.camera.kind()) {
+    case CameraKind::recorded:
+    case CameraKind::live:
+      return true;
+    case CameraKind::none:
+    case CameraKind::synthetic:
+      break;
+  }
+  return real_robot;
 }
 
 std::optional<Experiment> load(const ExperimentRequest& request) {

@@ -9,13 +9,15 @@
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "vision/sources/open_source.h"
 #include "vision/track/track.h"
 
 namespace skein::app {
 
 int track(const TrackRequest& request) {
   if (request.list_controls) {
-    if (request.source.starts_with("v4l2:")) return list_cameras(request.source.substr(5));
+    if (const auto camera = vision::parse_source(request.source); camera && camera->live())
+      return list_cameras(camera->where);
     fmt::print(stderr, "skein: {} is no camera; allowed with --list-controls: v4l2:DEVICE\n", request.source);
     return wrong_input;
   }
@@ -70,7 +72,7 @@ int track(const TrackRequest& request) {
     std::FILE* out = request.csv.empty() ? stderr : stdout;
     fmt::print(out, "source: {}\nframes: {}\ndetections: {}\nids: {}\nskipped: {}\n", summary->source, summary->frames,
                summary->detections, fmt::join(summary->ids, " "), summary->skipped.size());
-    if (request.source.starts_with("v4l2:"))
+    if (vision::is_camera(request.source))
       fmt::print(out, "outages: {}\ndamaged: {}\npassed_over: {}\n", summary->status.outages, summary->status.damaged,
                  summary->status.passed_over);
     if (!request.record.empty())

@@ -6,6 +6,7 @@
 
 #include "core/reference/platoon.h"
 #include "core/reference/polyline.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -47,8 +48,16 @@ std::int64_t Experiment::ticks() const noexcept {
   return std::llround(duration * rate);
 }
 
+std::optional<CameraKind> camera_kind(std::string_view source) {
+  if (source == "none") return CameraKind::none;
+  if (source == "synthetic") return CameraKind::synthetic;
+  const auto address = vision::parse_source(source);
+  if (!address) return {};
+  return address->live() ? CameraKind::live : CameraKind::recorded;
+}
+
 std::optional<std::string> real_time_reason(const Experiment& experiment) {
-  if (experiment.camera.source != "none")
+  if (experiment.camera.kind() != CameraKind::none)
     return fmt::format("the camera \"{}\" lives in real time", experiment.camera.source);
   for (std::size_t i = 0; i < experiment.robots.size(); ++i)
     if (experiment.robots[i].link != RobotSpec::Link::sim)

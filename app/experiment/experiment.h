@@ -158,11 +158,23 @@ struct RobotSpec {
   bool simulated() const noexcept { return link != Link::device; }
 };
 
+/// What an experiment sees its robots with.
+enum class CameraKind {
+  none,       ///< poses come straight from the simulation
+  synthetic,  ///< a camera that renders the simulated robots
+  recorded,   ///< a film, or pictures
+  live,       ///< a camera
+};
+/// Of an address, "none", "synthetic" or one of vision::source_kinds(); empty: it is none of these.
+std::optional<CameraKind> camera_kind(std::string_view source);
+
 struct CameraSpec {
-  std::string source = "none";  ///< "none" | "synthetic" | "v4l2:DEV" | "video:FILE" | "images:DIR"
+  std::string source = "none";  ///< what `camera_kind` knows
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
   /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
+
+  CameraKind kind() const { return camera_kind(source).value_or(CameraKind::none); }
 };
 
 /// How patient the links to the robots are, on the wall clock.

@@ -10,6 +10,7 @@
 #include "app/experiment/experiment_events.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_trajectory.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -26,8 +27,20 @@ void check_duration(const Experiment& e, Problems& problems) {
                                          e.duration, e.rate, std::floor(ticks), most_ticks));
 }
 
+bool sees_the_real(CameraKind camera) {
+  switch (camera) {
+    case CameraKind::recorded:
+    case CameraKind::live:
+      return true;
+    case CameraKind::none:
+    case CameraKind::synthetic:
+      break;
+  }
+  return false;
+}
+
 void check_robots(const Experiment& e, Problems& problems) {
-  const bool real_camera = e.camera.source.find(':') != std::string::npos;  // "v4l2:DEVICE" and its like
+  const bool real_camera = sees_the_real(e.camera.kind());
   std::map<int, std::size_t> tags;
   std::map<std::string, std::size_t> addresses, names, adapters;  // adapters: robots that each holds
   constexpr std::size_t most_on_an_adapter = 7;                   // connections of a Bluetooth piconet
@@ -52,9 +65,9 @@ void check_robots(const Experiment& e, Problems& problems) {
     if (!real_camera)
       problems.add(
           "camera.source",
-          fmt::format("found \"{}\", allowed: \"v4l2:DEVICE\", \"video:FILE\" or \"images:DIR\", since robot {} "
-                      "is a real one (link \"{}\") and only a camera can see it",
-                      e.camera.source, i + 1, robot.address));
+          fmt::format("found \"{}\", allowed: {}, since robot {} is a real one (link \"{}\") and only a camera can see "
+                      "it",
+                      e.camera.source, vision::source_forms(), i + 1, robot.address));
   }
   if (real_camera && e.camera.calibration.empty())
     problems.add("camera.calibration",

@@ -8,6 +8,7 @@
 #include "app/experiment/experiment_events.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_robots.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -170,14 +171,9 @@ void read_obstacles(TomlTable& document, Experiment& e) {
 
 void read_camera(TomlTable t, CameraSpec& camera, Problems& problems) {
   t.text("source", camera.source);
-  const auto names_something = [&](std::string_view prefix) {
-    return camera.source.starts_with(prefix) && camera.source.size() > prefix.size();
-  };
-  if (camera.source != "none" && camera.source != "synthetic" && !names_something("v4l2:") &&
-      !names_something("video:") && !names_something("images:"))
+  if (!camera_kind(camera.source))
     problems.add(t.full("source"),
-                 fmt::format(R"(found "{}", allowed: "none", "synthetic", "v4l2:DEVICE", "video:FILE" or "images:DIR")",
-                             camera.source));
+                 fmt::format(R"(found "{}", allowed: "none", "synthetic", {})", camera.source, vision::source_forms()));
   t.text("calibration", camera.calibration);
   t.number("exposure", camera.exposure, between(0.0, 10.0, "s"));
   t.number("gain", camera.gain, between(0.0, 1e6));

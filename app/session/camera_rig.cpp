@@ -27,7 +27,7 @@ tl::expected<vision::Calibration, std::string> find_calibration(const Experiment
               fmt::format("camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor",
                           experiment.camera.calibration));
         });
-  if (experiment.camera.source == "synthetic") {
+  if (experiment.camera.kind() == CameraKind::synthetic) {
     vision::Calibration calibration = vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
     calibration.tag_size = synthetic_tag_size;
     return calibration;
@@ -59,7 +59,7 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
   auto calibration = find_calibration(experiment);
   if (!calibration) return tl::unexpected(calibration.error());
   std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
-  if (experiment.camera.source == "synthetic") {
+  if (experiment.camera.kind() == CameraKind::synthetic) {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
   } else {
     vision::SourceOptions options{calibration->width, calibration->height, experiment.rate};
@@ -71,7 +71,7 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
     auto source = vision::open_source(experiment.camera.source, options);
     if (!source) return tl::unexpected(source.error());
     rig->source_ = std::move(*source);
-    rig->live_ = experiment.camera.source.starts_with("v4l2:");
+    rig->live_ = experiment.camera.kind() == CameraKind::live;
   }
   return rig;
 }

@@ -46,7 +46,7 @@ struct CameraCalibration::Work {
     options->keep_waiting = [&stop] { return !stop.stop_requested(); };
     auto opened = vision::open_source(source, *options);
     if (!opened) return end(opened.error());
-    BoardViews seen(board, **opened, source.starts_with("v4l2:"));
+    BoardViews seen(board, **opened, vision::is_camera(source));
     vision::Frame frame;
     while (!stop.stop_requested()) {
       const auto more = (*opened)->read(frame);

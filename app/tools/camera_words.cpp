@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "app/run/interrupted.h"
+#include "vision/sources/open_source.h"
 #include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
@@ -38,15 +39,14 @@ tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::st
     return tl::unexpected(fmt::format("--size {}; allowed: WIDTHxHEIGHT, such as 1280x960", size));
   options.rate = rate;
   const char* const word = !settings.empty() ? "--set" : !size.empty() ? "--size" : rate > 0.0 ? "--rate" : nullptr;
-  if (word != nullptr && !source.starts_with("v4l2:"))
+  if (word != nullptr && !vision::is_camera(source))
     return tl::unexpected(fmt::format("{}: {} is no camera; allowed with {}: v4l2:DEVICE", word, source, word));
   return options;
 }
 
 std::string wrong_source(const std::string& source) {
-  for (const char* kind : {"images:", "video:", "v4l2:"})
-    if (source.starts_with(kind) && source != kind) return {};
-  return fmt::format("source \"{}\"; allowed: images:DIR, video:FILE, v4l2:DEVICE (such as v4l2:/dev/video0)", source);
+  const auto address = vision::parse_source(source);
+  return address ? std::string() : address.error();
 }
 
 }  // namespace skein::app

@@ -1,4 +1,5 @@
 #include "ui/calibration/calibration_dialog.h"
+#include "app/experiment/experiment.h"
 
 #include <QEvent>
 #include <QFormLayout>
@@ -216,7 +217,7 @@ void CalibrationDialog::press_look() {
 
 app::CalibratedCamera CalibrationDialog::camera() const {
   const std::string source = source_->text().trimmed().toStdString();
-  const bool is_camera = source.starts_with("v4l2:");
+  const bool is_camera = app::camera_kind(source) == app::CameraKind::live;
   return {source, size_->text().trimmed().toStdString(), is_camera ? settings_ : std::vector<std::string>{}};
 }
 

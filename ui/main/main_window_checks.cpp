@@ -122,7 +122,8 @@ void MainWindow::bring_to_places() {
 void MainWindow::calibrate_camera() {
   const app::Experiment& experiment = live_.experiment();
   const app::CameraSpec& spec = experiment.camera;
-  const bool looks_at_nothing = spec.source == "none" || spec.source == "synthetic" || spec.source.empty();
+  const app::CameraKind kind = spec.kind();
+  const bool looks_at_nothing = kind == app::CameraKind::none || kind == app::CameraKind::synthetic;
   app::CalibratedCamera camera{looks_at_nothing ? "v4l2:/dev/video0" : spec.source};
   for (const auto& [name, value] : {std::pair("exposure", spec.exposure), {"gain", spec.gain}, {"focus", spec.focus}})
     if (!std::isnan(value)) camera.settings.push_back(fmt::format("{}={}", name, value));
@@ -132,7 +133,7 @@ void MainWindow::calibrate_camera() {
                                            .filePath(name.isEmpty() ? QStringLiteral("camera.toml") : name),
                                        this);
   connect(dialog, &CalibrationDialog::camera_wanted, this, [this, dialog] {
-    const bool has_it = live_.is_open() && live_.experiment().camera.source.starts_with("v4l2:");
+    const bool has_it = live_.is_open() && live_.experiment().camera.kind() == app::CameraKind::live;
     const app::Phase phase = live_.phase();
     if (has_it && (phase == app::Phase::running || phase == app::Phase::paused || phase == app::Phase::staging))
       return dialog->refuse(tr("The run needs the camera: stop it first"));
