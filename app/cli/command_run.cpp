@@ -118,7 +118,7 @@ int run(const RunRequest& request) {
   summary.stopped = end != Phase::finished;
   summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
   summary.failure = (*session)->failure().value_or("");
-  const CameraStatus camera = (*session)->camera();
+  const vision::SourceStatus camera = (*session)->camera();
   for (const std::string& notice : camera.notices) complain(notice);
   if (camera.outages > 0) complain(fmt::format("the camera failed {} times: {}", camera.outages, camera.reason));
   summary.camera_outages = camera.outages;

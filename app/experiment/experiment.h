@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/run/event.h"
+#include "comms/link_options.h"
 #include "core/avoidance/potential_field.h"
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
@@ -179,7 +180,7 @@ struct CameraSpec {
 
 /// How patient the links to the robots are, on the wall clock.
 struct LinksSpec {
-  double reply_timeout = 0.08;            ///< a reply later than this is a lost reply [s]
+  double reply_timeout = comms::LinkOptions{}.reply_timeout;  ///< a reply later than this is a lost reply [s]
   std::optional<double> command_silence;  ///< without a new command for this long a link stops its robot [s]
 };
 

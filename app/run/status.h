@@ -39,16 +39,6 @@ struct WheelCheck {
   std::vector<std::string> faults{};    ///< a sentence each; empty: the robot does as it is told
 };
 
-/// How a real camera has been doing.
-struct CameraStatus {
-  bool up = true;                    ///< false: it does not deliver, and is opened again and again
-  std::int64_t outages = 0;          ///< times that it stopped delivering
-  std::int64_t damaged = 0;          ///< frames that could not be used
-  std::int64_t passed_over = 0;      ///< whole frames that a newer one had overtaken
-  std::string reason;                ///< of the last outage
-  std::vector<std::string> notices;  ///< what could not be set as it was asked for
-};
-
 /// The film that a session keeps of its camera's frames.
 struct VideoStatus {
   std::int64_t frames = 0;   ///< kept

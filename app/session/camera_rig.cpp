@@ -121,10 +121,8 @@ void CameraRig::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
 }
 
-CameraStatus CameraRig::camera() const {
-  if (!source_) return {};
-  const vision::SourceStatus status = source_->status();
-  return {status.up, status.outages, status.damaged, status.passed_over, status.reason, status.notices};
+vision::SourceStatus CameraRig::camera() const {
+  return source_ ? source_->status() : vision::SourceStatus{};
 }
 
 void CameraRig::end() {

@@ -51,7 +51,7 @@ class CameraRig {
   tl::expected<void, std::string> keep(const std::string& path);
   /// Any thread.
   VideoStatus video() const;
-  CameraStatus camera() const;
+  vision::SourceStatus camera() const;
   /// An event, once, when the film has broken off. The control thread's.
   void tell(EventList& events) noexcept;
 

@@ -77,9 +77,9 @@ std::vector<RobotStatus> Session::robots() const {
   return wiring_->plant->robots();
 }
 
-CameraStatus Session::camera() const {
+vision::SourceStatus Session::camera() const {
   const CameraRig* camera = wiring_->plant->camera();
-  return camera ? camera->camera() : CameraStatus{};
+  return camera ? camera->camera() : vision::SourceStatus{};
 }
 
 VideoStatus Session::video() const {

@@ -15,6 +15,7 @@
 #include "app/run/status.h"
 #include "app/run/tick_record.h"
 #include "app/session/session_options.h"
+#include "vision/frames/frame_source.h"
 
 namespace skein::app {
 
@@ -122,7 +123,7 @@ class Session {
 
   std::vector<RobotStatus> robots() const;
   /// Any thread.
-  CameraStatus camera() const;
+  vision::SourceStatus camera() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
   /// Why there is no guard although one was asked for: should this program be killed, nothing stops the robots.
