@@ -13,6 +13,7 @@
 #include "app/cli/command_line_robots.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
+#include "app/experiment/experiment_schema.h"
 #include "app/experiment/fault_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -100,6 +101,13 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
       "check", "Says everything that is wrong with an experiment file, and certifies its gains");
   ExperimentOptions check_experiment;
   check_experiment.add_to(check_command, true);
+  check_command.add_flag_callback(
+      "--schema",
+      [] {
+        fmt::print("{}", experiment_schema());
+        throw CLI::Success();
+      },
+      "prints a JSON schema of experiment files instead, for editors that complete and check TOML");
 
   CLI::App& replay_command = *program.add_subcommand(
       "replay", "Runs a recorded CSV through the same tick and says whether every command comes out bit for bit");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_path.h"
 #include "app/experiment/experiment_trajectory.h"
 
@@ -219,8 +220,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
 
 void read_reference(TomlTable t, Experiment& e, Problems& problems) {
   ReferenceSpec& r = e.reference;
-  t.choice("kind", r.kind);
-  t.number("speed", r.speed, between(0.0, 10.0, "m/s"));
+  read_keys(t, "reference", e);
   if (r.kind == Kind::independent) {
     t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
     t.flag("may_meet", r.may_meet);

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "app/experiment/experiment_events.h"
+#include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_robots.h"
 #include "vision/sources/open_source.h"
@@ -18,18 +18,15 @@ constexpr double longest = 100.0;      // [m]
 constexpr double longest_run = 86400;  // a day [s]
 
 void read_run(TomlTable& t, Experiment& e) {
-  constexpr std::size_t longest_name = 100;
-  t.line("name", e.name, longest_name);
-  t.number("duration", e.duration, above(0.0, longest_run, "s"));
-  t.number("rate", e.rate, between(1.0, 1000.0, "Hz"));
-  t.integer("seed", e.seed, 0, std::numeric_limits<std::int64_t>::max());
+  read_keys(t, "", e);
   std::string robots_file;  // embed_known_robots() has put its robots in; what is still there is no text
   t.text("robots_file", robots_file);
 }
 
-void read_arena(TomlTable t, Experiment& e) {
-  t.number("width", e.arena_width, between(0.1, longest, "m"));
-  t.number("height", e.arena_height, between(0.1, longest, "m"));
+/// A table of which each key has one value.
+void read_table(TomlTable& document, const char* name, Experiment& e) {
+  TomlTable t = document.table(name);
+  read_keys(t, name, e);
   t.finish();
 }
 
@@ -104,15 +101,9 @@ void read_policy(TomlTable& t, ControllerSpec& c) {
   }
 }
 
-void read_controller(TomlTable t, ControllerSpec& c, Problems& problems) {
-  t.choice("saturation", c.saturation);
-  t.choice("coupling", c.coupling);
-  t.number("v_max", c.v_max, above(0.0, 10.0, "m/s"));
-  t.number("omega_max", c.omega_max, above(0.0, 100.0, "rad/s"));
-  t.number("c_x", c.c_x, above(0.0, 1e4, "1/m"));  // (18a)
-  t.number("c_theta", c.c_theta, above(0.0, 1e4, "1/rad"));
-  t.number("k_y", c.k_y, above(0.0, 1e4, "rad/m"));
-  t.number("k", c.k, above(0.0, 1e6, "1/m"));
+void read_controller(TomlTable t, Experiment& e, Problems& problems) {
+  ControllerSpec& c = e.controller;
+  read_keys(t, "controller", e);
   read_policy(t, c);
   TomlTable gains = t.table("gains");
   for (const auto& [name, key, range] : pair_keys)
@@ -139,24 +130,6 @@ void read_gain_changes(TomlTable& document, Experiment& e, Problems& problems) {
   }
 }
 
-void read_avoidance(TomlTable t, core::AvoidanceParameters& a) {
-  t.flag("enabled", a.enabled);
-  t.number("alpha", a.alpha, above(0.0, longest, "m"));
-  t.number("beta", a.beta, above(0.0, longest, "m"));
-  t.integer("p", a.p, 1, 50);
-  t.number("K_a", a.K_a, between(0.0, 1e3, "1/s"));
-  t.number("K_o", a.K_o, between(0.0, 1e3, "m^2/s"));
-  t.number("horizon", a.horizon, between(0.0, 60.0, "s"));
-  t.finish();
-}
-
-void read_shield(TomlTable t, Experiment& e) {
-  t.flag("enabled", e.shield.enabled);
-  t.number("distance", e.shield.distance, between(2.0 * core::robot_radius, longest, "m"));
-  t.number("gamma", e.shield.gamma, above(0.0, e.rate, "1/s"));  // more would close the whole gap in one tick
-  t.finish();
-}
-
 void read_obstacles(TomlTable& document, Experiment& e) {
   for (TomlTable& t : document.tables("obstacle")) {
     core::Obstacle obstacle;
@@ -169,64 +142,10 @@ void read_obstacles(TomlTable& document, Experiment& e) {
   }
 }
 
-void read_camera(TomlTable t, CameraSpec& camera, Problems& problems) {
-  t.text("source", camera.source);
+void check_camera(const CameraSpec& camera, Problems& problems) {
   if (!camera_kind(camera.source))
-    problems.add(t.full("source"),
+    problems.add("camera.source",
                  fmt::format(R"(found "{}", allowed: "none", "synthetic", {})", camera.source, vision::source_forms()));
-  t.text("calibration", camera.calibration);
-  t.number("exposure", camera.exposure, between(0.0, 10.0, "s"));
-  t.number("gain", camera.gain, between(0.0, 1e6));
-  t.number("focus", camera.focus, between(0.0, 1e6));
-  t.finish();
-}
-
-void read_links(TomlTable t, Experiment& e) {
-  t.number("reply_timeout", e.links.reply_timeout, between(0.02, 10.0, "s"));
-  t.number("command_silence", e.links.command_silence, above(1.0 / e.rate, 10.0, "s, longer than a tick"));
-  t.finish();
-}
-
-void read_estimation(TomlTable t, EstimationSpec& estimation) {
-  t.number("bridge", estimation.bridge, above(0.0, 10.0, "s"));
-  t.number("actuation_delay", estimation.actuation_delay, between(0.0, 1.0, "s"));
-  t.number("slip", estimation.filter.slip, between(0.0, 1.0));
-  t.number("kidnap", estimation.filter.kidnap, above(0.0, 10.0, "m"));
-  t.finish();
-}
-
-void read_staging(TomlTable t, StagingSpec& staging) {
-  t.flag("automatic", staging.automatic);
-  t.number("within", staging.within, between(0.02, longest, "m"));
-  t.number("timeout", staging.timeout, above(0.0, longest_run, "s"));
-  t.flag("back", staging.back);
-  t.finish();
-}
-
-void read_simulation(TomlTable t, Experiment& e) {
-  constexpr double in_flight = 62.0;  // measurements that a simulated robot can have on their way
-  t.number("pose_noise", e.simulation.pose_noise, between(0.0, 1.0, "m"));
-  t.number("heading_noise", e.simulation.heading_noise, between(0.0, 4.0, "rad"));
-  t.number("latency", e.simulation.latency, between(0.0, in_flight / e.rate, "s"));
-  t.number("dropout", e.simulation.dropout, between(0.0, 1.0));
-  t.number("slip", e.simulation.slip, between(0.0, 1.0));
-  t.finish();
-}
-
-void read_failure(TomlTable t, FailureSpec& failure) {
-  using LinkLost = FailureSpec::LinkLost;
-  t.choice("link_lost", failure.link_lost);
-  t.number("link_bridge", failure.link_bridge, between(0.05, 10.0, "s"));
-  t.finish();
-}
-
-void read_expectations(TomlTable t, Expectations& expect) {
-  t.number("final_error", expect.final_error, between(0.0, longest, "m"));
-  t.number("min_distance", expect.min_distance, between(0.0, longest, "m"));
-  t.number("arrived", expect.arrived, between(0.0, longest_run, "s"));
-  t.flag("formation_first", expect.formation_first);
-  t.integer("collisions", expect.collisions, 0, 1000000);
-  t.finish();
 }
 
 }  // namespace
@@ -239,23 +158,24 @@ core::CouplingGains paper_couplings(std::size_t robots) {
 void read_tables(const toml::table& document, Experiment& e, Problems& problems) {
   TomlTable t(&document, "", problems);
   read_run(t, e);
-  read_arena(t.table("arena"), e);
+  read_table(t, "arena", e);
   read_robots(t, e, problems);  // before everything that is said of robots
   read_reference(t.table("reference"), e, problems);
   e.controller.gains = paper_couplings(e.robots.size());
-  read_controller(t.table("controller"), e.controller, problems);
+  read_controller(t.table("controller"), e, problems);
   read_gain_changes(t, e, problems);
-  read_avoidance(t.table("avoidance"), e.avoidance);
-  read_shield(t.table("shield"), e);
+  read_table(t, "avoidance", e);
+  read_table(t, "shield", e);
   read_obstacles(t, e);
-  read_camera(t.table("camera"), e.camera, problems);
-  read_links(t.table("links"), e);
-  read_failure(t.table("failure"), e.failure);
-  read_simulation(t.table("simulation"), e);
-  read_estimation(t.table("estimation"), e.estimation);
-  read_staging(t.table("staging"), e.staging);
+  read_table(t, "camera", e);
+  check_camera(e.camera, problems);
+  read_table(t, "links", e);
+  read_table(t, "failure", e);
+  read_table(t, "simulation", e);
+  read_table(t, "estimation", e);
+  read_table(t, "staging", e);
   read_events(t, e);
-  read_expectations(t.table("expect"), e.expect);
+  read_table(t, "expect", e);
   t.finish();
 }
 

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <QWidget>
-#include <functional>
 #include <vector>
-
-#include "app/experiment/experiment.h"
 
 class QComboBox;
 class QLineEdit;
@@ -25,12 +22,14 @@ class EditorForm final : public QWidget {
 
  private:
   struct Field {
-    QString key;
-    bool is_text;  // a TOML string
+    QString name;   // of the key, dotted
+    bool is_text;   // a TOML string
+    QString usual;  // its default
     QLineEdit* line;
     QComboBox* box;  // one of the two
-    std::function<QString(const app::Experiment&)> usual;
   };
+  /// `label` without the unit; `usual` and `unit` are those of the table of keys where the key stands there.
+  void add(const char* name, const QString& label, const QString& usual = {}, const QString& unit = {});
   std::vector<Field> fields_;
 };
 

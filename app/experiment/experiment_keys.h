@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/experiment/toml_table.h"
+
+namespace skein::app {
+
+/// The kinds of values that a key of an experiment file can have. `at` says where in the experiment the value goes;
+/// what is allowed may depend on what was read before.
+struct NumberKey {
+  double& (*at)(Experiment&);
+  Range (*range)(const Experiment&);
+};
+struct OptionalNumberKey {  ///< empty where the file does not say
+  std::optional<double>& (*at)(Experiment&);
+  Range (*range)(const Experiment&);
+};
+struct WholeKey {
+  std::int64_t (*get)(const Experiment&);
+  void (*set)(Experiment&, std::int64_t);
+  std::int64_t low, high;
+};
+struct OptionalWholeKey {
+  std::optional<std::int64_t>& (*at)(Experiment&);
+  std::int64_t low, high;
+};
+struct FlagKey {
+  bool& (*at)(Experiment&);
+};
+struct OptionalFlagKey {
+  std::optional<bool>& (*at)(Experiment&);
+};
+struct TextKey {
+  std::string& (*at)(Experiment&);
+  std::size_t longest;  ///< one line of at most so many bytes; 0: any text
+};
+struct ChoiceKey {  ///< a word of an enumeration
+  void (*read)(TomlTable& table, const char* key, Experiment&);
+  std::string_view (*get)(const Experiment&);
+  std::vector<std::string_view> (*words)();
+};
+
+/// A key of an experiment file that has one value: the parser, its messages, the editor's form, the JSON schema and the
+/// test of docs/experiment-file.md all take it from here. What has a structure of its own (paths, gains of pairs,
+/// robots, lists of tables) is read by functions of its own.
+struct ExperimentKey {
+  const char* table;  ///< "controller"; empty: the top of the file
+  const char* key;
+  const char* help;  ///< a line of words
+  std::variant<NumberKey, OptionalNumberKey, WholeKey, OptionalWholeKey, FlagKey, OptionalFlagKey, TextKey, ChoiceKey>
+      value;
+
+  std::string name() const;  ///< dotted, as for --set: "controller.v_max"
+};
+
+/// All of them, table by table, in the order in which they are read.
+std::span<const ExperimentKey> experiment_keys();
+
+/// The one with this dotted name; null: there is none.
+const ExperimentKey* find_experiment_key(std::string_view name);
+
+/// Reads all keys of one table; the rest of the table is the caller's, and so is `finish`.
+void read_keys(TomlTable& t, std::string_view table, Experiment& e);
+
+/// The value that an experiment has, as the file would write it; empty: it has none.
+std::string shown_value(const ExperimentKey& key, const Experiment& e);
+
+/// What the key may be, in words: "a number above 0 and up to 10 m/s", "true or false".
+std::string allowed_values(const ExperimentKey& key, const Experiment& e);
+
+/// The unit of a number: "m/s"; empty: it has none.
+std::string unit_of(const ExperimentKey& key);
+
+}  // namespace skein::app

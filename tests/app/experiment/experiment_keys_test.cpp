@@ -1,0 +1,129 @@
+#include "app/experiment/experiment_keys.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/experiment_schema.h"
+
+namespace skein::app {
+namespace {
+
+std::string file_text(const std::string& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// The rows of the tables of docs/experiment-file.md: "controller.v_max" -> "default | allowed | meaning".
+std::map<std::string, std::string> documented() {
+  std::istringstream text(file_text(SKEIN_SOURCE_DIR "/docs/experiment-file.md"));
+  std::map<std::string, std::string> rows;
+  std::string table;
+  const std::regex heading("#+ \\[+([a-z_.]+)\\]+.*"), top("## The run.*"), name("`([A-Za-z_]+)`");
+  for (std::string line; std::getline(text, line);) {
+    std::smatch found;
+    if (std::regex_match(line, top)) table.clear();
+    if (std::regex_match(line, found, heading)) table = std::string(found[1]) + ".";
+    if (!line.starts_with("| `")) continue;
+    const std::size_t second = line.find(" | ");
+    const std::string keys = line.substr(0, second), rest = line.substr(second);
+    for (std::sregex_iterator k(keys.begin(), keys.end(), name), none; k != none; ++k)
+      rows.emplace(table + (*k)[1].str(), rest);
+  }
+  return rows;
+}
+
+/// Every number in a text.
+std::vector<double> numbers(const std::string& text) {
+  std::vector<double> all;
+  const std::regex number("-?[0-9]+([.][0-9]+)?(e[0-9]+)?");
+  for (std::sregex_iterator k(text.begin(), text.end(), number), none; k != none; ++k)
+    all.push_back(std::stod(k->str()));
+  return all;
+}
+
+bool contains(const std::vector<double>& all, double value) {
+  return std::any_of(all.begin(), all.end(), [&](double v) { return std::abs(v - value) <= 1e-9 * std::abs(value); });
+}
+
+TEST(ExperimentKeys, AreDocumentedWithTheirDefaultsRangesAndWords) {
+  const auto rows = documented();
+  const Experiment defaults;
+  for (const ExperimentKey& key : experiment_keys()) {
+    SCOPED_TRACE(key.name());
+    const auto row = rows.find(key.name());
+    ASSERT_NE(row, rows.end()) << "not in docs/experiment-file.md";
+    const std::string& said = row->second;
+    const std::string value = shown_value(key, defaults);
+    std::visit(Overloaded{
+                   [&](const one_of<NumberKey, OptionalNumberKey> auto& k) {
+                     const Range range = k.range(defaults);
+                     if (!value.empty()) EXPECT_TRUE(contains(numbers(said), std::stod(value))) << value << said;
+                     const bool open = said.find("and more") != std::string::npos ||
+                                       said.find("own range") != std::string::npos || range.high == 86400.0 ||
+                                       said.find("`rate`") != std::string::npos ||
+                                       said.find("ticks") != std::string::npos;
+                     if (!open) EXPECT_TRUE(contains(numbers(said), range.high)) << range.text() << said;
+                     if (range.above) EXPECT_NE(said.find("above"), std::string::npos) << said;
+                   },
+                   [&](const WholeKey&) { EXPECT_TRUE(contains(numbers(said), std::stod(value))) << value << said; },
+                   [&](const ChoiceKey& k) {
+                     for (const std::string_view word : k.words())
+                       EXPECT_NE(said.find(fmt::format("`\"{}\"`", word)), std::string::npos) << word << said;
+                   },
+                   [&](const FlagKey&) { EXPECT_NE(said.find('`' + value + '`'), std::string::npos) << said; },
+                   [](const one_of<OptionalWholeKey, OptionalFlagKey, TextKey> auto&) {},
+               },
+               key.value);
+  }
+}
+
+TEST(ExperimentKeys, AreReadWithTheirOwnDefaultAndRefusedOutsideTheirRange) {
+  for (const ExperimentKey& key : experiment_keys()) {
+    SCOPED_TRACE(key.name());
+    if (const auto* const number = std::get_if<NumberKey>(&key.value)) {
+      const double above_all = 2.0 * number->range(Experiment{}).high + 1.0;
+      const auto refused = parse_experiment("", "e.toml", {fmt::format("{}={}", key.name(), above_all)});
+      ASSERT_FALSE(refused);
+      EXPECT_NE(refused.error().front().text.find(key.name()), std::string::npos) << refused.error().front().text;
+      EXPECT_NE(refused.error().front().text.find(allowed_values(key, Experiment{})), std::string::npos)
+          << refused.error().front().text;
+    }
+    if (const auto* const choice = std::get_if<ChoiceKey>(&key.value)) {
+      const auto refused = parse_experiment("", "e.toml", {key.name() + "=nonsense"});
+      ASSERT_FALSE(refused);
+      for (const std::string_view word : choice->words())
+        EXPECT_NE(refused.error().front().text.find(word), std::string::npos) << refused.error().front().text;
+    }
+  }
+  EXPECT_EQ(find_experiment_key("controller.v_max")->name(), "controller.v_max");
+  EXPECT_EQ(find_experiment_key("controller.v"), nullptr);
+}
+
+TEST(ExperimentSchema, IsTheOneThatComesWithSkein) {
+  EXPECT_EQ(file_text(SKEIN_SOURCE_DIR "/resources/experiment.schema.json"), experiment_schema())
+      << "write it again: skein check --schema > resources/experiment.schema.json";
+}
+
+TEST(ExperimentSchema, KnowsTheKeys) {
+  const auto schema = nlohmann::json::parse(experiment_schema());
+  const auto& v_max = schema["properties"]["controller"]["properties"]["v_max"];
+  EXPECT_EQ(v_max["type"], "number");
+  EXPECT_EQ(v_max["exclusiveMinimum"], 0.0);
+  EXPECT_EQ(v_max["maximum"], 10.0);
+  EXPECT_EQ(v_max["default"], 0.1);
+  EXPECT_EQ(schema["properties"]["controller"]["properties"]["saturation"]["enum"][1], "algebraic");
+  EXPECT_FALSE(schema["properties"]["shield"]["additionalProperties"].get<bool>());
+}
+
+}  // namespace
+}  // namespace skein::app
