@@ -55,7 +55,7 @@ bool anything_real(const Experiment& experiment) {
     case CameraKind::recorded:
     case CameraKind::live:
       return true;
-    case CameraKind::none:
+    case CameraKind::absent:
     case CameraKind::synthetic:
       break;
   }

@@ -81,12 +81,16 @@ std::string as_text(const Certificate::Theorem& theorem) {
   const std::string omega = fmt::format("{:.4g} rad/s, robot {} at t = {:g} s", theorem.omega.value,
                                         theorem.omega.robot + 1, theorem.omega.t);
   const std::string from = theorem.from > 0.0 ? fmt::format(" from t = {:.4g} s on", theorem.from) : "";
-  if (theorem.holds == Case::moving)
-    return fmt::format("case 1{}, v_ref is nonzero (smallest: {}), bounded and uniformly continuous", from, v);
-  if (theorem.holds == Case::stopping)
-    return fmt::format(
-        "case 2{}, v_ref vanishes ({}) while omega_ref is nonzero (smallest: {}) and uniformly continuous", from, v,
-        omega);
+  switch (theorem.holds) {
+    case Case::moving:
+      return fmt::format("case 1{}, v_ref is nonzero (smallest: {}), bounded and uniformly continuous", from, v);
+    case Case::stopping:
+      return fmt::format(
+          "case 2{}, v_ref vanishes ({}) while omega_ref is nonzero (smallest: {}) and uniformly continuous", from, v,
+          omega);
+    case Case::neither:
+      break;
+  }
   return fmt::format(
       "does not apply: v_ref vanishes ({}), against case 1, and omega_ref {}, against case 2; errors stay "
       "bounded but need not vanish",

@@ -49,7 +49,7 @@ std::int64_t Experiment::ticks() const noexcept {
 }
 
 std::optional<CameraKind> camera_kind(std::string_view source) {
-  if (source == "none") return CameraKind::none;
+  if (source == "none") return CameraKind::absent;
   if (source == "synthetic") return CameraKind::synthetic;
   const auto address = vision::parse_source(source);
   if (!address) return {};
@@ -57,7 +57,7 @@ std::optional<CameraKind> camera_kind(std::string_view source) {
 }
 
 std::optional<std::string> real_time_reason(const Experiment& experiment) {
-  if (experiment.camera.kind() != CameraKind::none)
+  if (experiment.camera.kind() != CameraKind::absent)
     return fmt::format("the camera \"{}\" lives in real time", experiment.camera.source);
   for (std::size_t i = 0; i < experiment.robots.size(); ++i)
     if (experiment.robots[i].link != RobotSpec::Link::sim)

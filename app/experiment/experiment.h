@@ -161,7 +161,7 @@ struct RobotSpec {
 
 /// What an experiment sees its robots with.
 enum class CameraKind {
-  none,       ///< poses come straight from the simulation
+  absent,     ///< "none": poses come straight from the simulation
   synthetic,  ///< a camera that renders the simulated robots
   recorded,   ///< a film, or pictures
   live,       ///< a camera
@@ -175,7 +175,7 @@ struct CameraSpec {
   /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
 
-  CameraKind kind() const { return camera_kind(source).value_or(CameraKind::none); }
+  CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }
 };
 
 /// How patient the links to the robots are, on the wall clock.

@@ -32,7 +32,7 @@ bool sees_the_real(CameraKind camera) {
     case CameraKind::recorded:
     case CameraKind::live:
       return true;
-    case CameraKind::none:
+    case CameraKind::absent:
     case CameraKind::synthetic:
       break;
   }

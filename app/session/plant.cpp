@@ -78,7 +78,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     plant->watch_.emplace(plant->linked_, experiment.failure.link_bridge, clock.wall());
     if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
   }
-  if (experiment.camera.kind() != CameraKind::none) {
+  if (experiment.camera.kind() != CameraKind::absent) {
     auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_);
     if (!camera) return tl::unexpected(camera.error());
     if (!options.video.empty())

@@ -24,7 +24,7 @@ std::string numbers(const std::vector<std::size_t>& robots) {
 Check camera(const Experiment& e) {
   const CameraKind kind = e.camera.kind();
   const bool real = kind == CameraKind::live;
-  if (kind == CameraKind::none) return {What::camera, State::holds, "none: poses come from the simulation", real};
+  if (kind == CameraKind::absent) return {What::camera, State::holds, "none: poses come from the simulation", real};
   if (e.camera.calibration.empty() && kind != CameraKind::synthetic)
     return {What::camera, State::fails, "camera.calibration names no file", real};
   if (const auto file = std::filesystem::path(e.directory) / e.camera.calibration;

@@ -65,7 +65,7 @@ bool Session::picture(Picture& out) {
   return has_camera() && !wiring_->closed && wiring_->plant->camera()->picture(out);
 }
 bool Session::has_camera() const noexcept {
-  return wiring_->experiment.camera.kind() != CameraKind::none;
+  return wiring_->experiment.camera.kind() != CameraKind::absent;
 }
 
 std::array<double, 2> Session::pixel(double x, double y) const {

@@ -25,7 +25,7 @@ constexpr double trusted_deviations = 3.0;
 /// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
 /// sees.
 double rise_tolerance(const Experiment& e) {
-  const double position = std::max(e.camera.kind() == CameraKind::none ? 0.5e-3 : 1e-3, e.simulation.pose_noise);
+  const double position = std::max(e.camera.kind() == CameraKind::absent ? 0.5e-3 : 1e-3, e.simulation.pose_noise);
   constexpr double deviations = 8.0, heading_error = 0.3;  // [rad]: its slope by a heading is that heading's error
   return deviations * (e.controller.k_y * position + heading_error * e.simulation.heading_noise);
 }

@@ -219,7 +219,7 @@ tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   if (!experiment) return tl::unexpected(experiment.error());
   if (const bool simulated = std::all_of(experiment->robots.begin(), experiment->robots.end(),
                                          [](const RobotSpec& r) { return r.link == RobotSpec::Link::sim; });
-      !simulated || experiment->camera.kind() != CameraKind::none)
+      !simulated || experiment->camera.kind() != CameraKind::absent)
     return tl::unexpected(std::vector<Problem>{
         {path, 0, 0,
          "experiment: allowed: one whose robots all have link \"sim\" and whose camera is \"none\", so that runs go as "

@@ -160,7 +160,7 @@ void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
   if (live_.is_busy()) return;
   leave_replay();
   teaches_ = start_at_once;
-  const bool films = records_ && experiment.camera.kind() != app::CameraKind::none;
+  const bool films = records_ && experiment.camera.kind() != app::CameraKind::absent;
   live_.open(experiment, start_at_once, films ? recording_path(experiment, QStringLiteral(".mkv")) : QString());
   show_experiment();
 }
@@ -182,7 +182,7 @@ void MainWindow::show_experiment_of(const app::Experiment& experiment) {
   rows_missed_ = 0;
   log_->clear();
   alert_->clear_alert();
-  picture_->setEnabled(experiment.camera.kind() != app::CameraKind::none);
+  picture_->setEnabled(experiment.camera.kind() != app::CameraKind::absent);
   regions_->setEnabled(experiment.avoidance.enabled || experiment.shield.enabled);
   const bool comparable = other_ && other_->experiment.robots.size() == experiment.robots.size();
   compare(comparable ? other_ : nullptr);

@@ -123,7 +123,7 @@ void MainWindow::calibrate_camera() {
   const app::Experiment& experiment = live_.experiment();
   const app::CameraSpec& spec = experiment.camera;
   const app::CameraKind kind = spec.kind();
-  const bool looks_at_nothing = kind == app::CameraKind::none || kind == app::CameraKind::synthetic;
+  const bool looks_at_nothing = kind == app::CameraKind::absent || kind == app::CameraKind::synthetic;
   app::CalibratedCamera camera{looks_at_nothing ? "v4l2:/dev/video0" : spec.source};
   for (const auto& [name, value] : {std::pair("exposure", spec.exposure), {"gain", spec.gain}, {"focus", spec.focus}})
     if (!std::isnan(value)) camera.settings.push_back(fmt::format("{}={}", name, value));

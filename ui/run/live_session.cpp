@@ -47,7 +47,7 @@ void LiveSession::open(const app::Experiment& experiment, bool start_at_once, co
   film_is_broken_ = false;
   history_.clear();
   app::SessionOptions options;
-  options.pictures = experiment.camera.kind() != app::CameraKind::none;
+  options.pictures = experiment.camera.kind() != app::CameraKind::absent;
   options.guard = true;
   const auto last_recorder = std::exchange(recorder_, std::make_shared<app::CsvRecorder>());
   record_file_.clear();
