@@ -14,6 +14,7 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_schema.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -25,7 +26,7 @@ std::string file_text(const std::string& path) {
 
 /// The rows of the tables of docs/experiment-file.md: "controller.v_max" -> "default | allowed | meaning".
 std::map<std::string, std::string> documented() {
-  std::istringstream text(file_text(SKEIN_SOURCE_DIR "/docs/experiment-file.md"));
+  std::istringstream text(file_text(test::in_source("docs/experiment-file.md")));
   std::map<std::string, std::string> rows;
   std::string table;
   const std::regex heading("#+ \\[+([a-z_.]+)\\]+.*"), top("## The run.*"), name("`([A-Za-z_]+)`");
@@ -110,7 +111,7 @@ TEST(ExperimentKeys, AreReadWithTheirOwnDefaultAndRefusedOutsideTheirRange) {
 }
 
 TEST(ExperimentSchema, IsTheOneThatComesWithSkein) {
-  EXPECT_EQ(file_text(SKEIN_SOURCE_DIR "/resources/experiment.schema.json"), experiment_schema())
+  EXPECT_EQ(file_text(test::in_source("resources/experiment.schema.json")), experiment_schema())
       << "write it again: skein check --schema > resources/experiment.schema.json";
 }
 
