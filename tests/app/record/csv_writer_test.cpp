@@ -180,8 +180,8 @@ TEST(CsvReader, FindsCellsByName) {
   EXPECT_EQ(reader->cell("no_such_column"), "");
   ASSERT_EQ(row.events.size(), 2u);
   EXPECT_TRUE(is<events::Perturb>(*row.events.begin()));
-  EXPECT_EQ(row.events.begin()->robot, 1);
-  EXPECT_EQ(row.events.begin()->values[1], -0.15);
+  EXPECT_EQ(robot_of(*row.events.begin()), 1u);
+  EXPECT_EQ(std::get<events::Perturb>(*row.events.begin()).dy, -0.15);
 }
 
 TEST(CsvReader, SaysWhereAFileIsBroken) {

@@ -61,7 +61,7 @@ TEST(Event, NonsenseIsNotRead) {
   for (const char* nonsense :
        {"", "boo", "lost", "lost rx", "lost r0", "lost r1 r2", "lost o1", "perturb r1 dx=", "perturb r1 dx=1 dy=2",
         "perturb r1 dy=1 dx=2 dtheta=3", "gain 1 2 3 4", "gain k_xx 1 2", "gain k_zz 1 -> 2", "gain k_xx 1 -> 2 ramp",
-        "start now", "link r1 open", "couple r1", "stop "})
+        "start now", "link r1 open", "couple r1"})
     EXPECT_FALSE(parse_event(nonsense)) << nonsense;
 }
 

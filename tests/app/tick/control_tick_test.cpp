@@ -107,9 +107,9 @@ TEST(ControlTick, ARobotCarriedElsewhereIsAPerturbation) {
   bench.robots[1].place({before.x + 0.1, before.y - 0.2, before.theta});
   const TickRecord& record = bench.step();
   ASSERT_TRUE(happened<events::Kidnap>(record, 1));
-  const Event& event = *record.events.begin();
-  EXPECT_NEAR(event.values[0], 0.1, 1e-3);
-  EXPECT_NEAR(event.values[1], -0.2, 1e-3);
+  const auto& kidnap = std::get<events::Kidnap>(*record.events.begin());
+  EXPECT_NEAR(kidnap.dx, 0.1, 1e-3);
+  EXPECT_NEAR(kidnap.dy, -0.2, 1e-3);
   for (int k = 0; k < 100; ++k) ASSERT_FALSE(happened<events::Kidnap>(bench.step(), 1));  // once
 }
 
@@ -302,7 +302,7 @@ TEST(ControlTick, MissedDeadlinesShowAndKeepTheClock) {
   EXPECT_EQ(late.tick, 13);
   EXPECT_NEAR(late.period, 4 * 0.04, 1e-12);
   ASSERT_TRUE(happened<events::DeadlineMissed>(late));
-  EXPECT_EQ(late.events.begin()->values[0], 3.0);
+  EXPECT_EQ(std::get<events::DeadlineMissed>(*late.events.begin()).ticks, 3);
 }
 
 TEST(ControlTick, PosesAreCarriedToTheTimeOfTheCommand) {
