@@ -145,7 +145,7 @@ TEST(RobotsModel, SaysWhatIsWrongWithALink) {
   model.set_colours(colours(palette(Theme::light)));
   model.show_experiment(experiment);
   std::vector<app::RobotStatus> links(4);
-  links[2].link = "failed";
+  links[2].link = app::LinkState::failed;
   links[2].reason = "no route to it";
   links[2].round_trip = 0.0123;
   model.take(standing(experiment), links, false);

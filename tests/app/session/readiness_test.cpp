@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/experiment/at_start.h"
 #include "app/experiment/experiment_file.h"
 #include "app/tick/control_tick.h"
 #include "tests/places.h"
@@ -16,7 +17,7 @@ class Readiness : public ::testing::Test {
  protected:
   Readiness() {
     for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-      robots.push_back({"simulated", {}});
+      robots.push_back({LinkState::simulated, {}});
       measurements.push_back({reference->at(i, 0.0).pose, 0.0});
     }
   }
@@ -64,7 +65,7 @@ TEST_F(Readiness, ARobotThatIsNotSeenIsNamedWithItsTag) {
 }
 
 TEST_F(Readiness, ALinkThatIsDownSaysWhy) {
-  robots[1] = {"failed", "host is down"};
+  robots[1] = {LinkState::failed, "host is down"};
   const Check links = check(Check::What::links);
   EXPECT_EQ(links.state, Check::State::fails);
   EXPECT_NE(links.reason.find("robot 2"), std::string::npos) << links.reason;
