@@ -56,7 +56,9 @@ Hand busy_hand() {
     if (at(1, 2.0)) {
       ASSERT_TRUE(session.kick_robot(1, 0.4, -0.1));
     }
-    if (at(2, 3.0)) EXPECT_TRUE(session.set_gain(core::GainName::k_xx, 1, 2, 0.02, 3.0));
+    if (at(2, 3.0)) {
+      EXPECT_TRUE(session.set_gain(core::GainName::k_xx, 1, 2, 0.02, 3.0));
+    }
     if (at(3, 4.0)) {
       ASSERT_TRUE(session.move_robot(3, {-0.8, -0.6, 1.0}));
     }
@@ -69,8 +71,12 @@ Hand busy_hand() {
     if (at(6, 7.0)) {
       ASSERT_TRUE(session.hold_robot(0, false));
     }
-    if (at(7, 8.0)) EXPECT_TRUE(session.set_gain(core::GainName::k_tt, 1.0));  // held at the border
-    if (at(8, 9.0)) EXPECT_TRUE(session.couple(0, 3, true));
+    if (at(7, 8.0)) {  // held at the border
+      EXPECT_TRUE(session.set_gain(core::GainName::k_tt, 1.0));
+    }
+    if (at(8, 9.0)) {
+      EXPECT_TRUE(session.couple(0, 3, true));
+    }
     if (at(9, 10.0)) {
       ASSERT_TRUE(session.remove_obstacle(0));
     }

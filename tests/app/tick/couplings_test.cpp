@@ -197,7 +197,9 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
   EXPECT_TRUE(s.couple(0, 2, false));
   int asked = 0;
   s.run([&] {
-    if (++asked == 10) EXPECT_TRUE(s.couple(1, 2, false));
+    if (++asked == 10) {
+      EXPECT_TRUE(s.couple(1, 2, false));
+    }
     if (asked == 20) {
       EXPECT_TRUE(s.set_gain(GainName::k_xx, 2, 1, 0.02));
       EXPECT_TRUE(s.set_gain(GainName::k_tt, 0.01));
@@ -210,7 +212,9 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
       EXPECT_TRUE(s.set_gain(GainName::k_yy, 0.02, 7.5));
       EXPECT_TRUE(s.set_gain(GainName::k_tt, 0, 1, 0.02, 3.0));
     }
-    if (asked == 30) EXPECT_TRUE(s.set_gain(GainName::k_xx, 0, 3, 0.0));
+    if (asked == 30) {
+      EXPECT_TRUE(s.set_gain(GainName::k_xx, 0, 3, 0.0));
+    }
     return true;
   });
   EXPECT_TRUE(s.coupled(0, 2));
@@ -236,7 +240,9 @@ TEST(Couplings, OfTheFileThatWereHeldAreRepeatedFromTheRecord) {
   ASSERT_TRUE(session) << session.error();
   int asked = 0;
   (*session)->run([&] {
-    if (++asked == 5) EXPECT_TRUE((*session)->set_gain(GainName::k_tt, 1.0, 4.0));
+    if (++asked == 5) {
+      EXPECT_TRUE((*session)->set_gain(GainName::k_tt, 1.0, 4.0));
+    }
     return true;
   });
   (*session)->close();
