@@ -184,8 +184,9 @@ int calibrate_floor(const FloorRequest& request) {
   int status = done;
   auto looked = look(request, /*need_world=*/false, status);
   if (!looked) return status;
-  auto result = vision::solve_floor(looked->calibration, looked->marks);
-  if (!result) return complain(result.error(), device_failed);
+  auto solved = vision::solve_trusted_floor(looked->calibration, looked->marks);
+  if (!solved) return complain(solved.error() + "; nothing was written", device_failed);
+  vision::Calibration* const result = &solved->calibration;
   if (request.tag_size > 0.0) result->tag_size = request.tag_size;
   if (request.tag_height >= 0.0) result->tag_height = request.tag_height;
   if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return complain(wrong, wrong_input);
@@ -213,8 +214,10 @@ int calibrate_floor(const FloorRequest& request) {
     fmt::print("camera: {:.4f} {:.4f} {:.4f}\ntag_height: {:.4f}\ntag_size: {:.4f}\ncalibration: {}\n", p.x(), p.y(),
                p.z(), result->tag_height, result->tag_size, out);
   }
-  if (const vision::FloorMark* odd = vision::suspect(looked->calibration, looked->marks))
-    fmt::print(stderr, "skein: {}: the others agree without it: check its place\n", odd->name);
+  if (solved->left_out)
+    fmt::print(stderr,
+               "skein: {} was left out: it is {:.1f} mm from the place in {}, and the others agree without it\n",
+               solved->left_out->name, mm(solved->off), request.marks);
   else if (check->worst > 5e-3)
     fmt::print(stderr, "skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",
                mm(check->worst));

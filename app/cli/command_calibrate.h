@@ -38,7 +38,7 @@ int calibrate_check(const FloorRequest& request);
 struct TagsRequest {
   std::string out = "tags.pdf";  ///< .pdf or .svg
   std::string ids = "1-4";       ///< "1-4,7"
-  double size_mm = 60.0;
+  double size_mm = 40.0;
   int copies = 1;
   std::string paper = "A4";
   bool is_board = false;  ///< a calibration board instead of tags

@@ -7,18 +7,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 
 #include "vision/sources/open_source.h"
 
 namespace skein::app {
-namespace {
 
-/// Edge of the black square of the tags that the synthetic camera draws: what fits on an e-puck without a plate. [m]
-constexpr double synthetic_tag_size = 0.04;
-
-tl::expected<vision::Calibration, std::string> find_calibration(const Experiment& experiment) {
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment) {
   if (!experiment.camera.calibration.empty())
     return vision::load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
         .and_then([&](vision::Calibration c) -> tl::expected<vision::Calibration, std::string> {
@@ -27,16 +24,11 @@ tl::expected<vision::Calibration, std::string> find_calibration(const Experiment
               fmt::format("camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor",
                           experiment.camera.calibration));
         });
-  if (experiment.camera.kind() == CameraKind::synthetic) {
-    vision::Calibration calibration = vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
-    calibration.tag_size = synthetic_tag_size;
-    return calibration;
-  }
+  if (experiment.camera.kind() == CameraKind::synthetic)
+    return vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
   return tl::unexpected(
       fmt::format("camera.calibration is missing: {} needs a calibration file", experiment.camera.source));
 }
-
-}  // namespace
 
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
   constexpr int tags = 587;  // of the family 36h11
@@ -56,7 +48,7 @@ void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, st
 tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
                                                                       SimulatedWorld& world, bool pictures,
                                                                       std::vector<int> wanted) {
-  auto calibration = find_calibration(experiment);
+  auto calibration = camera_calibration(experiment);
   if (!calibration) return tl::unexpected(calibration.error());
   std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
   if (experiment.camera.kind() == CameraKind::synthetic) {
@@ -184,8 +176,43 @@ bool CameraRig::capture() {
   return true;
 }
 
+void CameraRig::answer_question() {
+  const std::lock_guard lock(question_mutex_);
+  if (!asked_) return;
+  asked_ = false;
+  answer_.frame = frame_;
+  answer_.missing.clear();
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i) {
+    const core::Measurement& tag = seen_.tags[i];
+    if (tag.captured_at >= frame_.captured_at) continue;
+    const bool ever = std::isfinite(tag.captured_at) && std::isfinite(tag.pose.x);
+    answer_.missing.push_back({wanted_[i], ever ? std::optional(tag.pose) : std::nullopt});
+  }
+  answered_.notify_all();
+}
+
+std::vector<std::string> CameraRig::why_not_seen() {
+  constexpr auto patience = std::chrono::seconds(1);
+  std::unique_lock lock(question_mutex_);
+  asked_ = true;
+  if (!answered_.wait_for(lock, patience, [this] { return !asked_; })) {
+    asked_ = false;
+    return {};
+  }
+  const Question question = answer_;
+  lock.unlock();
+  if (question.frame.width != calibration_.width || question.frame.height != calibration_.height)
+    return {fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}", question.frame.width,
+                        question.frame.height, calibration_.width, calibration_.height)};
+  std::vector<std::string> sentences;
+  for (const vision::TagDiagnosis& tag : vision::diagnose(question.frame, calibration_, question.missing))
+    sentences.push_back(vision::sentence(tag, calibration_));
+  return sentences;
+}
+
 void CameraRig::work_off() {
   take(tracker_.process(frame_), wanted_, seen_.tags);
+  answer_question();
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();

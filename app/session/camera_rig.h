@@ -2,7 +2,9 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <thread>
@@ -16,6 +18,7 @@
 #include "app/session/newest.h"
 #include "app/session/simulated_world.h"
 #include "vision/calibration/calibration.h"
+#include "vision/diagnosis/diagnosis.h"
 #include "vision/frames/frame_source.h"
 #include "vision/recording/recorder.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -36,6 +39,9 @@ struct FrameTimes {
   double grey_at = none;      ///< the picture is in the tracker's hands
   double ready_at = none;     ///< its poses are known
 };
+
+/// The calibration of an experiment's camera. The error: it is missing, wrong, or has no world frame.
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment);
 
 /// The camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
 /// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
@@ -68,6 +74,11 @@ class CameraRig {
   /// thread's. [s, session's clock]
   void wait_for_frame(double since, double until) noexcept;
 
+  /// Why robots' tags were not seen in the next frame, a sentence each (see vision::sentence); none: all were, or no
+  /// frame came for a second. Takes up to some seconds. Wall clock only; not the control thread's, one caller at a
+  /// time.
+  std::vector<std::string> why_not_seen();
+
   bool picture(Picture& out);
   std::array<double, 2> pixel(double x, double y) const;
 
@@ -81,6 +92,7 @@ class CameraRig {
   void thread(const std::stop_token& stop);
   bool capture();  // false: the stream is over or broken, reason_ says which
   void work_off();
+  void answer_question();
 
   const Experiment& experiment_;
   SessionClock& clock_;
@@ -107,6 +119,14 @@ class CameraRig {
   std::atomic<double> ready_at_{-1e9};  // of the newest frame
   int ready_ = -1;                      // eventfd: rung for every frame that was worked off
   Newest<Picture> picture_;
+  struct Question {
+    vision::Frame frame;
+    std::vector<vision::MissingTag> missing;
+  };
+  std::mutex question_mutex_;  // of what follows
+  std::condition_variable answered_;
+  bool asked_ = false;  // the next frame is wanted
+  Question answer_;
   std::string reason_;
   std::atomic<bool> failed_{false}, ending_{false};
   std::jthread thread_;

@@ -1,6 +1,9 @@
 // A session's life: opened, run, looked at, closed.
 #include "app/session/session.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "app/session/session_wiring.h"
 
 namespace skein::app {
@@ -59,6 +62,11 @@ std::uint64_t Session::dropped_rows() const noexcept {
 
 std::uint64_t Session::undrained_rows() const noexcept {
   return wiring_->window_channel ? wiring_->window_channel->dropped() : 0;
+}
+
+std::vector<std::string> Session::why_not_seen() const {
+  if (!has_camera() || wiring_->closed || !wiring_->clock.wall()) return {};
+  return wiring_->plant->camera()->why_not_seen();
 }
 
 bool Session::picture(Picture& out) {
@@ -136,8 +144,10 @@ Phase Session::run(const std::function<bool()>& keep_on) {
     const double give_up = i.clock.now() + first_sight_timeout;
     for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed(); turn()) {
       if (i.clock.now() < give_up) continue;
-      i.fail(fmt::format("robot {}: its tag {} is not seen", unseen + 1,
-                         i.experiment.robots[static_cast<std::size_t>(unseen)].tag));
+      const std::vector<std::string> why = why_not_seen();
+      i.fail(fmt::format("robot {}: its tag {} is not seen{}{}", unseen + 1,
+                         i.experiment.robots[static_cast<std::size_t>(unseen)].tag, why.empty() ? "" : ": ",
+                         fmt::join(why, "; ")));
       break;
     }
     away = i.loop->away();

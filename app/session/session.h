@@ -117,6 +117,9 @@ class Session {
   /// window's.
   bool picture(Picture& out);
   bool has_camera() const noexcept;
+  /// Why the camera does not see robots' tags, a sentence each: "tag 3 is there, but its edge is 40 mm, 33 % smaller
+  /// than [tags] size 60 mm ...". Takes up to some seconds; wall clock only, one caller at a time.
+  std::vector<std::string> why_not_seen() const;
   /// Where a point of the plane of the robots' tags stands in the camera's picture, (0, 0) the centre of its top-left
   /// pixel.
   std::array<double, 2> pixel(double x, double y) const;

@@ -35,7 +35,7 @@ vision::Board board_of(const CalibrationBoard& board) {
 
 struct CameraCalibration::Work {
   Work(const CalibratedCamera& camera, const vision::Board& shown)
-      : source(camera.source), words{camera.size, 0.0, camera.settings}, board(shown) {}
+      : source(camera.source), words{.size = camera.size, .settings = camera.settings}, board(shown) {}
 
   /// Looks at pictures until they end or nobody wants them any more.
   void look(const std::stop_token& stop) {

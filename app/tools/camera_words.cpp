@@ -21,6 +21,8 @@ void CameraWords::add_to(CLI::App& command, bool calibrated) {
   if (!calibrated)
     command.add_option("--size", size, "of a camera's frames; default: the calibration's, or as it is set")
         ->type_name("WxH");
+  command.add_option("--format", format, "of a camera's frames; default: the cheapest that gives size and rate")
+      ->type_name("YUYV|MJPG|...");
   command.add_option("--rate", rate, "of a camera [frames/s]; default: as it is set")->check(CLI::Range(0.1, 10000.0));
 }
 
@@ -38,7 +40,12 @@ tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::st
   if (!size.empty() && !is_size)
     return tl::unexpected(fmt::format("--size {}; allowed: WIDTHxHEIGHT, such as 1280x960", size));
   options.rate = rate;
-  const char* const word = !settings.empty() ? "--set" : !size.empty() ? "--size" : rate > 0.0 ? "--rate" : nullptr;
+  options.format = format;
+  const char* const word = !settings.empty() ? "--set"
+                           : !size.empty()   ? "--size"
+                           : !format.empty() ? "--format"
+                           : rate > 0.0      ? "--rate"
+                                             : nullptr;
   if (word != nullptr && !vision::is_camera(source))
     return tl::unexpected(fmt::format("{}: {} is no camera; allowed with {}: v4l2:DEVICE", word, source, word));
   return options;

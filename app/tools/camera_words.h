@@ -15,9 +15,10 @@ namespace skein::app {
 
 /// How a camera is asked to be, in the words of `skein track` and `skein calibrate`.
 struct CameraWords {
-  std::string size;  ///< "1280x960"; empty: the calibration's, or as it is set
+  std::string size{};    ///< "1280x960"; empty: the calibration's, or as it is set
+  std::string format{};  ///< "MJPG"; empty: any
   double rate = 0.0;
-  std::vector<std::string> settings;  ///< "exposure=0.005"
+  std::vector<std::string> settings{};  ///< "exposure=0.005"
 
   /// `calibrated`: the frames' size is the calibration's, and not asked for.
   void add_to(CLI::App& command, bool calibrated);

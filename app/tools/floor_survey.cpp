@@ -20,7 +20,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   const auto lens = vision::load_calibration(question.calibration);
   if (!lens) return tl::unexpected(lens.error());
   if (const std::string wrong = wrong_source(question.source); !wrong.empty()) return tl::unexpected(wrong);
-  auto options = CameraWords{{}, 0.0, question.settings}.read(question.source);
+  auto options = CameraWords{.settings = question.settings}.read(question.source);
   if (!options) return tl::unexpected(options.error());
   options->width = lens->width;
   options->height = lens->height;
@@ -33,8 +33,9 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   for (const FloorTag& tag : question.tags)
     marks.push_back({.name = fmt::format("tag {}", tag.id), .tag = tag.id, .x = tag.x, .y = tag.y, .z = tag.z});
   vision::enter(*sight, marks);
-  auto result = vision::solve_floor(*lens, marks);
-  if (!result) return tl::unexpected(result.error());
+  auto solved = vision::solve_trusted_floor(*lens, marks);
+  if (!solved) return tl::unexpected(solved.error());
+  vision::Calibration* const result = &solved->calibration;
   result->tag_size = question.tag_size;
   result->tag_height = question.tag_height;
   if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return tl::unexpected(wrong);
@@ -51,7 +52,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   }
   const Eigen::Vector3d& place = result->world_from_camera->position;
   survey.camera = {place.x(), place.y(), place.z()};
-  if (const vision::FloorMark* odd = vision::suspect(*lens, marks)) survey.suspect = odd->name;
+  if (solved->left_out) survey.suspect = solved->left_out->name;
   return survey;
 }
 

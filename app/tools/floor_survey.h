@@ -30,7 +30,7 @@ struct FloorQuestion {
   std::string source;                         ///< v4l2:DEVICE, images:DIR, video:FILE
   std::string calibration;                    ///< file with the intrinsics; the floor is written into it
   std::vector<FloorTag> tags;                 ///< four and more, not all on one line
-  double tag_size = 0.06, tag_height = 0.06;  ///< of the robots' tags [m]
+  double tag_size = 0.04, tag_height = 0.06;  ///< of the robots' tags [m]
 };
 
 /// Looks at the floor for a second or so, solves, and writes the calibration with its world frame, as `skein calibrate

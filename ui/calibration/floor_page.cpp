@@ -116,7 +116,7 @@ Qt::ItemFlags FloorModel::flags(const QModelIndex& index) const {
 FloorPage::FloorPage(QWidget* parent)
     : QWidget(parent),
       table_(new QTableView(this)),
-      size_(millimetres(this, QStringLiteral("floor_tag_size"), tr("Edge of the robots' tags in millimetres"), 60)),
+      size_(millimetres(this, QStringLiteral("floor_tag_size"), tr("Edge of the robots' tags in millimetres"), 40)),
       height_(
           millimetres(this, QStringLiteral("floor_tag_height"), tr("Height of the robots' tags in millimetres"), 60)),
       add_(button(this, tr("Add tag"), QStringLiteral("floor_add"), tr("Another tag that lies on the floor"))),

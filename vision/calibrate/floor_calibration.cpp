@@ -164,6 +164,36 @@ const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorM
   return worst;
 }
 
+tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
+                                                            const std::vector<FloorMark>& marks) {
+  constexpr double clearly_off = 5e-3;  // [m]
+  constexpr double most_off = 10e-3;    // of a mark that is used [m]
+  TrustedFloor floor;
+  std::vector<FloorMark> used = marks;
+  if (const FloorMark* odd = suspect(intrinsics, marks)) {
+    used[static_cast<std::size_t>(odd - marks.data())].seen = false;
+    const auto without = solve_floor(intrinsics, used);
+    const auto check = without ? check_floor(*without, {*odd}) : tl::expected<FloorCheck, std::string>{};
+    if (without && check && check->worst > clearly_off) {
+      floor.left_out = odd;
+      floor.off = check->worst;
+    } else {
+      used = marks;
+    }
+  }
+  const auto solved = solve_floor(intrinsics, used);
+  if (!solved) return tl::unexpected(solved.error());
+  floor.calibration = *solved;
+  const auto check = check_floor(*solved, used);
+  if (!check) return tl::unexpected(check.error());
+  if (check->worst > most_off)
+    return tl::unexpected(
+        fmt::format("the marks disagree by up to {:.0f} mm; allowed: {:.0f} mm: check their places, and the camera's "
+                    "focus",
+                    1e3 * check->worst, 1e3 * most_off));
+  return floor;
+}
+
 std::string wrong_tag_height(const Calibration& calibration) {
   const double camera = calibration.world_from_camera->position.z();
   if (calibration.tag_height < camera) return {};

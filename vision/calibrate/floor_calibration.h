@@ -63,6 +63,17 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
 /// six marks and more.
 const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorMark>& marks);
 
+/// A solution that one wrong mark does not spoil.
+struct TrustedFloor {
+  Calibration calibration{};
+  const FloorMark* left_out = nullptr;  // of `marks`: not used, since the others agree without it
+  double off = 0.0;                     // how far from where it was said to be the picture shows it [m]
+};
+/// solve_floor, without the suspect where that is more than 5 mm off. The error: solve_floor's, or marks that disagree
+/// by more than 10 mm all the same, so that any solution would be a guess.
+tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
+                                                            const std::vector<FloorMark>& marks);
+
 /// None, or why the robots' tags cannot be as high as the calibration says: not below its camera.
 std::string wrong_tag_height(const Calibration& calibration);
 

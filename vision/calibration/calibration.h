@@ -23,6 +23,10 @@ struct CameraPose {
   }
 };
 
+/// Edge of the black square of the tags that a robot carries, wherever nothing else is said: what fits on an e-puck
+/// without a plate. [m]
+inline constexpr double default_tag_size = 0.04;
+
 /// Everything needed to turn the corners of a tag (px) into a pose on the floor (m): pinhole with Brown-Conrady
 /// distortion as in OpenCV, pixel (0, 0) at the centre of the top-left one.
 struct Calibration {
@@ -36,7 +40,7 @@ struct Calibration {
   double row_time = 0.0;               // a rolling shutter reads so much later per row [s]; 0: all rows at once
   std::optional<CameraPose> world_from_camera;  // none: intrinsics only, pixels cannot be placed on the floor
   double tag_height = 0.06;                     // the plane of the tags above the floor [m]; an e-puck is 55 mm tall
-  double tag_size = 0.06;                       // edge of a tag's black square, without its white border [m]
+  double tag_size = default_tag_size;           // edge of a tag's black square, without its white border [m]
 
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };

@@ -13,9 +13,8 @@
 
 // The file:
 //   [camera]   width, height, fx, fy, cx, cy, distortion = [k1, k2, p1, p2, k3], row_time (0 if missing)
-//   [world]    rotation = three rows of three, position = [x, y, z]                         (may be missing: intrinsics
-//   only) [tags]     height, size                                                                  (may be missing:
-//   0.06 m both)
+//   [world]    rotation = three rows of three, position = [x, y, z]   (may be missing: intrinsics only)
+//   [tags]     height, size                                           (may be missing: 0.06 m and 0.04 m)
 
 namespace skein::vision {
 namespace {

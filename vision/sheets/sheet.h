@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vision/calibration/board.h"
+#include "vision/calibration/calibration.h"
 #include "vision/frames/frame.h"
 #include "vision/modules/page.h"
 
@@ -14,8 +15,8 @@ namespace skein::vision {
 tl::expected<std::pair<double, double>, std::string> paper_size(const std::string& name);
 
 struct TagSheetOptions {
-  std::vector<int> tags{};  // ids of the family 36h11
-  double size = 0.06;       // edge of the black square [m]
+  std::vector<int> tags{};         // ids of the family 36h11
+  double size = default_tag_size;  // edge of the black square [m]
   std::string paper = "A4";
   int copies = 1;  // of every tag
 };

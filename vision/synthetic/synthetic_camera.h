@@ -13,9 +13,9 @@ namespace skein::vision {
 /// A tag to be seen, on its robot. The tag's x axis, from its left edge to its right as printed upright, points along
 /// the robot's heading: theta = 0 shows the tag upright in a picture whose u runs along the world's x.
 struct SyntheticTag {
-  int tag = 0;         // id in the family 36h11, 0..586; another id is drawn as blank paper
-  core::Pose pose;     // centre of the tag in the world [m, rad]
-  double size = 0.06;  // edge of the black square [m]; the paper is 10/8 of it
+  int tag = 0;                     // id in the family 36h11, 0..586; another id is drawn as blank paper
+  core::Pose pose;                 // centre of the tag in the world [m, rad]
+  double size = default_tag_size;  // edge of the black square [m]; the paper is 10/8 of it
   double smear = 0.0;  // how far it drives ahead while the shutter is open; `pose` is where it is halfway [m]
 };
 

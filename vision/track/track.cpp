@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <ostream>
+#include <tuple>
 
 #include "vision/detector/detector.h"
 #include "vision/frames/frame.h"
@@ -99,6 +100,28 @@ double choose_decimate(const TrackOptions& options, const FrameSource& source, c
   return is_camera(options.source) && options.calibration ? decimate_for_edge(tag_edge_px(*options.calibration)) : 1.0;
 }
 
+/// Pictures have time: at half the resolution AprilTag finds tags that it misses at full resolution (large ones on
+/// textured paper), and the other way round. Those of both, each once, in TagDetector's order.
+std::vector<Detection> with_large_tags(std::vector<Detection> found, const Frame& frame, TagDetector& detector) {
+  const std::size_t before = found.size();
+  detector.set_decimate(2.0);
+  for (const Detection& detection : detector.detect(frame)) {
+    const bool known =
+        std::any_of(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(before), [&](const auto& other) {
+          const double edge =
+              std::hypot(other.corners[1][0] - other.corners[0][0], other.corners[1][1] - other.corners[0][1]);
+          const double apart =
+              std::hypot(other.corners[0][0] - detection.corners[0][0], other.corners[0][1] - detection.corners[0][1]);
+          return other.tag == detection.tag && apart < 0.5 * edge;
+        });
+    if (!known) found.push_back(detection);
+  }
+  std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
+    return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
+  });
+  return found;
+}
+
 void write_header(std::ostream& csv, bool calibrated) {
   csv << "frame,source,t,tag,u1,v1,u2,v2,u3,v3,u4,v4," << (calibrated ? "x,y,theta,sigma_xy,sigma_theta," : "")
       << "how\n";
@@ -171,7 +194,9 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
                                         options.calibration->width, options.calibration->height));
     }
     detector.set_decimate(choose_decimate(options, **source, frame));
-    for (const Detection& detection : detector.detect(frame)) {
+    const std::vector<Detection>& at_once = detector.detect(frame);
+    const bool again = options.decimate == 0.0 && (*source)->stills();
+    for (const Detection& detection : again ? with_large_tags(at_once, frame, detector) : at_once) {
       const How how = memory.how(detection, frame.index);
       if (options.csv != nullptr) write_row(*options.csv, row, options, frame, detection, how);
       ++summary.detections;

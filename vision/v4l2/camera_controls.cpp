@@ -125,7 +125,13 @@ bool write(const V4l2Device& device, std::uint32_t id, std::int64_t value) {
 
 /// The control behind a name of ours; what it is called by the driver where it is one of the driver's.
 std::uint32_t id_of(const std::vector<CameraControl>& controls, const std::string& name) {
-  if (name == "exposure") return V4L2_CID_EXPOSURE_ABSOLUTE;
+  if (name == "exposure") {
+    const bool has_unit =
+        std::any_of(controls.begin(), controls.end(), [](const auto& c) { return c.id == V4L2_CID_EXPOSURE_ABSOLUTE; });
+    const bool has_other =
+        std::any_of(controls.begin(), controls.end(), [](const auto& c) { return c.id == V4L2_CID_EXPOSURE; });
+    return has_other && !has_unit ? V4L2_CID_EXPOSURE : V4L2_CID_EXPOSURE_ABSOLUTE;
+  }
   if (name == "gain") return V4L2_CID_GAIN;
   if (name == "focus") return V4L2_CID_FOCUS_ABSOLUTE;
   const auto found = std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.name == name; });
@@ -134,7 +140,7 @@ std::uint32_t id_of(const std::vector<CameraControl>& controls, const std::strin
 
 /// Turns off what would set it by itself. A camera without such an automatic does not mind.
 void take_over(const V4l2Device& device, std::uint32_t id, bool automatic) {
-  if (id == V4L2_CID_EXPOSURE_ABSOLUTE) {
+  if (id == V4L2_CID_EXPOSURE_ABSOLUTE || id == V4L2_CID_EXPOSURE) {
     if (!automatic) {
       write(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
       write(device, V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0);  // which would lower the frame rate in the dark
@@ -176,7 +182,12 @@ tl::expected<std::vector<std::string>, std::string> set_controls(const V4l2Devic
     const auto control = std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.id == id; });
     if (id == 0 || control == controls.end())
       return tl::unexpected(fmt::format("{}: has no control {}; it has: {}", device.path(), name, names_of(controls)));
-    const double unit = name == "exposure" ? exposure_unit : 1.0;
+    const double unit = id == V4L2_CID_EXPOSURE_ABSOLUTE ? exposure_unit : 1.0;
+    if (id == V4L2_CID_EXPOSURE && wanted != std::round(wanted))
+      return tl::unexpected(
+          fmt::format("{}: exposure = {}; allowed: a whole number from {} to {}, since the driver does not say how "
+                      "many seconds one is",
+                      device.path(), wanted, control->least, control->most));
     const double value = std::round(wanted / unit);
     if (!(value >= static_cast<double>(control->least) && value <= static_cast<double>(control->most)))
       return tl::unexpected(fmt::format("{}: {} = {}; allowed: {} to {}", device.path(), name, wanted,

@@ -45,7 +45,8 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
                                                              V4l2Kernel& kernel = system_kernel());
 
 /// Sets controls, in order, and reads them back. Names: the driver's (see CameraControl), in its units, or
-///   exposure   [s]  how long the shutter is open; turns the automatic off (0: on)
+///   exposure   [s]  how long the shutter is open; turns the automatic off (0: on). Where the driver only has a
+///                   control without a unit (V4L2_CID_EXPOSURE), a whole number of its units
 ///   gain            driver's units; turns its automatic off
 ///   focus           driver's units; turns the autofocus off
 /// A name that is not there or a value out of range is refused with what is allowed. Returns a line for each control

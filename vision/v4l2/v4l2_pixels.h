@@ -21,15 +21,70 @@ inline bool grey_from_grey(std::span<const std::uint8_t> bytes, std::size_t stri
   return true;
 }
 
+namespace detail {
+
+/// Every other byte of a row, from `first` on.
+inline bool grey_from_bytes(std::span<const std::uint8_t> bytes, std::size_t stride, std::size_t first, Frame& frame) {
+  const auto width = static_cast<std::size_t>(frame.width);
+  stride = std::max(stride, 2 * width);
+  if (bytes.size() < stride * static_cast<std::size_t>(frame.height - 1) + 2 * width) return false;
+  for (int v = 0; v < frame.height; ++v) {
+    const std::uint8_t* from = bytes.data() + stride * static_cast<std::size_t>(v) + first;
+    std::uint8_t* to = frame.row(v);
+    for (std::size_t u = 0; u < width; ++u) to[u] = from[2 * u];
+  }
+  return true;
+}
+
+}  // namespace detail
+
 /// The same for YUYV: two pixels in four bytes, Y0 U Y1 V; the grey is every other byte.
 inline bool grey_from_yuyv(std::span<const std::uint8_t> bytes, std::size_t stride, Frame& frame) {
+  return detail::grey_from_bytes(bytes, stride, 0, frame);
+}
+
+/// The same for UYVY: U Y0 V Y1.
+inline bool grey_from_uyvy(std::span<const std::uint8_t> bytes, std::size_t stride, Frame& frame) {
+  return detail::grey_from_bytes(bytes, stride, 1, frame);
+}
+
+/// The same for grey levels of `bits` bits, each in two bytes, the lower one first: their highest eight bits.
+template <int bits>
+bool grey_from_words(std::span<const std::uint8_t> bytes, std::size_t stride, Frame& frame) {
   const auto width = static_cast<std::size_t>(frame.width);
   stride = std::max(stride, 2 * width);
   if (bytes.size() < stride * static_cast<std::size_t>(frame.height - 1) + 2 * width) return false;
   for (int v = 0; v < frame.height; ++v) {
     const std::uint8_t* from = bytes.data() + stride * static_cast<std::size_t>(v);
     std::uint8_t* to = frame.row(v);
-    for (std::size_t u = 0; u < width; ++u) to[u] = from[2 * u];
+    for (std::size_t u = 0; u < width; ++u)
+      to[u] = static_cast<std::uint8_t>(std::min(255, (from[2 * u] | from[2 * u + 1] << 8) >> (bits - 8)));
+  }
+  return true;
+}
+
+/// The same for raw colours, one byte a pixel: weights 1 2 1 in both directions give every pixel a quarter of red, a
+/// quarter of blue and half of green, wherever the pattern of colours begins, and shift nothing.
+inline bool grey_from_bayer(std::span<const std::uint8_t> bytes, std::size_t stride, Frame& frame) {
+  const auto width = static_cast<std::size_t>(frame.width);
+  stride = std::max(stride, width);
+  if (frame.width < 2 || frame.height < 2 || bytes.size() < stride * static_cast<std::size_t>(frame.height - 1) + width)
+    return false;
+  const auto row = [&](int v) {  // mirrored at the borders, which keeps the pattern
+    const int inside = v < 0 ? 1 : v >= frame.height ? frame.height - 2 : v;
+    return bytes.data() + stride * static_cast<std::size_t>(inside);
+  };
+  for (int v = 0; v < frame.height; ++v) {
+    const std::uint8_t* above = row(v - 1);
+    const std::uint8_t* here = row(v);
+    const std::uint8_t* below = row(v + 1);
+    const auto column = [&](std::size_t u) { return above[u] + 2 * here[u] + below[u]; };
+    std::uint8_t* to = frame.row(v);
+    for (std::size_t u = 0; u < width; ++u) {
+      const std::size_t left = u == 0 ? 1 : u - 1;
+      const std::size_t right = u + 1 == width ? width - 2 : u + 1;
+      to[u] = static_cast<std::uint8_t>((column(left) + 2 * column(u) + column(right) + 8) / 16);
+    }
   }
   return true;
 }

@@ -5,7 +5,6 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <ctime>
@@ -17,7 +16,7 @@
 #include "vision/modules/media_loader.h"
 #include "vision/v4l2/camera_controls.h"
 #include "vision/v4l2/v4l2_device.h"
-#include "vision/v4l2/v4l2_pixels.h"
+#include "vision/v4l2/v4l2_formats.h"
 
 namespace skein::vision {
 namespace {
@@ -52,7 +51,7 @@ class V4l2Camera final : public FrameSource {
     if (problem.empty()) {
       const auto set = set_controls(device_, options_.controls);
       if (set)
-        note(*set);
+        note(*set, slow_rate());
       else
         problem = set.error();
     }
@@ -105,9 +104,18 @@ class V4l2Camera final : public FrameSource {
     device_.close();
   }
 
-  void note(const std::vector<std::string>& notices) {
+  void note(const std::vector<std::string>& notices, const std::string& another) {
     const std::lock_guard lock(status_mutex_);
     status_.notices = notices;
+    if (!another.empty()) status_.notices.push_back(another);
+  }
+
+  /// Empty, or that the camera gives fewer frames than it was asked for.
+  std::string slow_rate() const {
+    constexpr double as_good = 0.99;  // 29.97 is 30
+    if (options_.rate <= 0.0 || 1.0 / period_ >= as_good * options_.rate) return {};
+    return fmt::format("{}: gives {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
+                       height_, four_letters(format_), options_.rate);
   }
 
   /// A camera may lower its rate in the dark: what counts as a stall follows it. [s]
@@ -203,23 +211,9 @@ class V4l2Camera final : public FrameSource {
 
   std::string choose_format() {
     const SourceOptions& options = options_;
-    // From free to costly: grey as it is, grey among colours, a JPEG to decode (3 ms at 1280x960).
-    constexpr std::array liked = {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG};
-    std::string offered;
-    std::size_t best = liked.size();
-    for (std::uint32_t i = 0;; ++i) {
-      v4l2_fmtdesc description{};
-      description.index = i;
-      description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-      if (device_.control(VIDIOC_ENUM_FMT, &description) == -1) break;
-      offered += (offered.empty() ? "" : ", ") + four_letters(description.pixelformat);
-      const auto place = std::find(liked.begin(), liked.end(), description.pixelformat);
-      best = std::min(best, static_cast<std::size_t>(place - liked.begin()));
-    }
-    if (best == liked.size()) {
-      return fmt::format("{}: offers {}; needed: GREY, YUYV or MJPG", device_.path(),
-                         offered.empty() ? "no format" : offered);
-    }
+    const auto chosen = detail::choose_format(device_, {options.width, options.height, options.rate, options.format});
+    if (!chosen) return chosen.error();
+    pixels_ = *chosen;
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     if (device_.control(VIDIOC_G_FMT, &format) == -1) return device_.failed("does not tell its format");
@@ -227,23 +221,23 @@ class V4l2Camera final : public FrameSource {
       format.fmt.pix.width = static_cast<std::uint32_t>(options.width);
       format.fmt.pix.height = static_cast<std::uint32_t>(options.height);
     }
-    format.fmt.pix.pixelformat = liked[best];
+    format.fmt.pix.pixelformat = pixels_->number;
     format.fmt.pix.field = V4L2_FIELD_NONE;
     format.fmt.pix.bytesperline = 0;
     if (device_.control(VIDIOC_S_FMT, &format) == -1)
-      return device_.failed("refuses the format " + four_letters(liked[best]));
+      return device_.failed("refuses the format " + four_letters(pixels_->number));
     format_ = format.fmt.pix.pixelformat;
     width_ = static_cast<int>(format.fmt.pix.width);
     height_ = static_cast<int>(format.fmt.pix.height);
     stride_ = format.fmt.pix.bytesperline;
-    if (format_ != liked[best])
+    if (format_ != pixels_->number)
       return fmt::format("{}: gives {} where {} was asked for", device_.path(), four_letters(format_),
-                         four_letters(liked[best]));
+                         four_letters(pixels_->number));
     if (options.width > 0 && (width_ != options.width || height_ != options.height)) {
       return fmt::format("{}: cannot give {}x{} in {}, only {}x{}", device_.path(), options.width, options.height,
                          four_letters(format_), width_, height_);
     }
-    if (format_ == V4L2_PIX_FMT_MJPEG) {
+    if (pixels_->to_grey == nullptr) {
       const auto module = media();
       if (!module) return module.error();
       media_ = *module;
@@ -309,12 +303,11 @@ class V4l2Camera final : public FrameSource {
     if (buffer.index >= buffers_.size()) return false;
     const auto* bytes = static_cast<const std::uint8_t*>(buffers_[buffer.index].start);
     const std::size_t used = std::min<std::size_t>(buffer.bytesused, buffers_[buffer.index].length);
-    if (format_ == V4L2_PIX_FMT_MJPEG) {
+    if (pixels_->to_grey == nullptr) {
       return media_->decode_jpeg(bytes, used, frame) && frame.width == width_ && frame.height == height_;
     }
     frame.resize(width_, height_);
-    return format_ == V4L2_PIX_FMT_GREY ? grey_from_grey({bytes, used}, stride_, frame)
-                                        : grey_from_yuyv({bytes, used}, stride_, frame);
+    return pixels_->to_grey({bytes, used}, stride_, frame);
   }
 
   static TimeStamps stamps_of(const v4l2_buffer& buffer) {
@@ -356,6 +349,7 @@ class V4l2Camera final : public FrameSource {
   bool streaming_ = false;
   std::vector<Buffer> buffers_;
   std::uint32_t format_ = 0;
+  const detail::PixelFormat* pixels_ = nullptr;
   int width_ = 0;
   int height_ = 0;
   std::size_t stride_ = 0;      // bytes from row to row

@@ -89,6 +89,36 @@ TEST(FloorCalibration, NamesTheMarkThatWasMeasuredWrongly) {
   EXPECT_EQ(odd->name, "tag 4");
 }
 
+TEST(FloorCalibration, LeavesAWrongMarkOut) {
+  Lab lab;
+  Drawn film = lab.film(1);
+  enter(look_at_floor(film, lab.intrinsics(), 1).value(), lab.marks);
+  const auto right = solve_trusted_floor(lab.intrinsics(), lab.marks);
+  ASSERT_TRUE(right) << right.error();
+  EXPECT_EQ(right->left_out, nullptr);
+  lab.marks[0].x += 0.03;
+  const Eigen::Vector3d truth = lab.truth.world_from_camera->position;
+  const auto spoilt = solve_floor(lab.intrinsics(), lab.marks);
+  ASSERT_TRUE(spoilt);
+  EXPECT_GT((spoilt->world_from_camera->position - truth).norm(), 5e-3) << "the control: with the wrong mark";
+  const auto solved = solve_trusted_floor(lab.intrinsics(), lab.marks);
+  ASSERT_TRUE(solved) << solved.error();
+  ASSERT_NE(solved->left_out, nullptr);
+  EXPECT_EQ(solved->left_out->name, "tag 0");
+  EXPECT_NEAR(solved->off, 0.03, 1e-3);
+  EXPECT_LT((solved->calibration.world_from_camera->position - truth).norm(), 2e-3);
+}
+
+TEST(FloorCalibration, RefusesMarksThatDisagree) {
+  Lab lab;
+  Drawn film = lab.film(1);
+  enter(look_at_floor(film, lab.intrinsics(), 1).value(), lab.marks);
+  for (const std::size_t i : {1U, 4U, 6U}) lab.marks[i].y += i == 4U ? -0.05 : 0.05;
+  const auto solved = solve_trusted_floor(lab.intrinsics(), lab.marks);
+  ASSERT_FALSE(solved);
+  EXPECT_NE(solved.error().find("the marks disagree by up to"), std::string::npos) << solved.error();
+}
+
 TEST(FloorCalibration, MeasuresHowHighATagIsCarried) {
   Lab lab;
   Calibration robots = lab.truth;

@@ -50,7 +50,7 @@ TEST(CalibrationFile, MayHaveIntrinsicsOnly) {
   const auto camera = parse_calibration(text.substr(0, text.find("[world]")), "cal.toml");
   ASSERT_TRUE(camera) << camera.error();
   EXPECT_FALSE(camera->world_from_camera);
-  EXPECT_EQ(camera->tag_size, 0.06);
+  EXPECT_EQ(camera->tag_size, default_tag_size);
 }
 
 TEST(CalibrationFile, WhatIsSavedReadsBackToTheSameBits) {

@@ -1,5 +1,8 @@
 #include "vision/sources/open_source.h"
 
+#include <array>
+#include <utility>
+
 #include "tests/vision/support.h"
 #include "vision/v4l2/v4l2_pixels.h"
 
@@ -112,6 +115,43 @@ TEST(CameraPixels, AreTakenFromPaddedRows) {
   EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{5, 6, 7, 8}));
   EXPECT_FALSE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7}, 0, frame)) << "a frame cut short on the bus";
   EXPECT_FALSE(grey_from_yuyv(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
+}
+
+Frame blank(int width, int height) {
+  Frame frame;
+  frame.resize(width, height);
+  return frame;
+}
+
+TEST(Pixels, GreyOutOfEveryFormat) {
+  Frame frame = blank(2, 2);
+  const std::vector<std::uint8_t> uyvy{128, 10, 128, 20, 0, 0, 128, 30, 128, 40, 0, 0};  // two bytes between rows
+  ASSERT_TRUE(grey_from_uyvy(uyvy, 6, frame));
+  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{10, 20, 30, 40}));
+  const std::vector<std::uint8_t> y10{0xff, 0x03, 0x00, 0x02, 0x04, 0x00, 0x00, 0x00};
+  ASSERT_TRUE(grey_from_words<10>(y10, 0, frame));
+  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{255, 128, 1, 0}));
+  const std::vector<std::uint8_t> y16{0xff, 0xff, 0x00, 0x80, 0xff, 0x00, 0x00, 0x01};
+  ASSERT_TRUE(grey_from_words<16>(y16, 0, frame));
+  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{255, 128, 0, 1}));
+  EXPECT_FALSE(grey_from_words<16>(std::span(y16).first(7), 0, frame)) << "a byte is missing";
+  EXPECT_FALSE(grey_from_uyvy(std::span(uyvy).first(9), 6, frame));
+}
+
+TEST(Pixels, BayerIsTheSameGreyAtEveryColour) {
+  // Red 40, green 80, blue 120, in each order of the four: 0.25 * 40 + 0.5 * 80 + 0.25 * 120.
+  constexpr int width = 6;
+  constexpr int height = 4;
+  for (const auto& [even, odd] : std::vector<std::pair<std::array<int, 2>, std::array<int, 2>>>{
+           {{40, 80}, {80, 120}}, {{80, 40}, {120, 80}}, {{80, 120}, {40, 80}}, {{120, 80}, {80, 40}}}) {
+    std::vector<std::uint8_t> bytes;
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u)
+        bytes.push_back(static_cast<std::uint8_t>((v % 2 == 0 ? even : odd)[static_cast<std::size_t>(u % 2)]));
+    Frame frame = blank(width, height);
+    ASSERT_TRUE(grey_from_bayer(bytes, 0, frame));
+    EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(width * height, 80));
+  }
 }
 
 }  // namespace

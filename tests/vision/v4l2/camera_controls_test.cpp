@@ -63,6 +63,19 @@ TEST(CameraControls, AreSetAndReadBack) {
   EXPECT_EQ((*camera)->status().notices, std::vector<std::string>{"/dev/fake: focus is 6, not 7"});
 }
 
+TEST(CameraControls, ExposureUnderItsOtherName) {
+  // A PS3 Eye: V4L2_CID_EXPOSURE, whose unit the driver does not say.
+  FakeCamera fake = webcam();
+  fake.controls.erase(V4L2_CID_EXPOSURE_ABSOLUTE);
+  fake.controls[V4L2_CID_EXPOSURE] = {.name = "Exposure", .most = 255, .value = 120};
+  EXPECT_EQ(problem(fake, {{"exposure", 40.0}}), "");
+  EXPECT_EQ(fake.controls[V4L2_CID_EXPOSURE].value, 40);
+  EXPECT_EQ(fake.controls[V4L2_CID_EXPOSURE_AUTO].value, V4L2_EXPOSURE_MANUAL);
+  EXPECT_EQ(problem(fake, {{"exposure", 0.004}}),
+            "/dev/fake: exposure = 0.004; allowed: a whole number from 0 to 255, since the driver does not say how "
+            "many seconds one is");
+}
+
 TEST(CameraControls, AreRefusedWithWhatIsAllowed) {
   FakeCamera fake = webcam();
   EXPECT_EQ(problem(fake, {{"zoom", 1.0}}),

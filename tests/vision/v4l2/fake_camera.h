@@ -26,7 +26,9 @@ class FakeCamera final : public V4l2Kernel {
   std::uint32_t width = 640;
   std::uint32_t height = 480;
   bool fixed_size = false;
-  std::uint32_t padding = 0;  // bytes at the end of each row
+  std::map<std::uint32_t, std::vector<std::uint32_t>> rates{};  // by format, at every size; others give 30 and 15
+  std::uint32_t rate = 10;                                      // as it is set, or what it gives for what it is asked
+  std::uint32_t padding = 0;                                    // bytes at the end of each row
   std::uint32_t timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   bool busy = false;
   struct Control {
@@ -126,7 +128,7 @@ class FakeCamera final : public V4l2Kernel {
       case VIDIOC_S_PARM:
         return fail(ENOTTY);  // as many cameras answer
       case VIDIOC_G_PARM:
-        static_cast<v4l2_streamparm*>(argument)->parm.capture.timeperframe = {1, 10};
+        static_cast<v4l2_streamparm*>(argument)->parm.capture.timeperframe = {1, rate_of(pixelformat)};
         return 0;
       case VIDIOC_REQBUFS:
         return busy ? fail(EBUSY) : 0;
@@ -195,9 +197,11 @@ class FakeCamera final : public V4l2Kernel {
       }
       case VIDIOC_ENUM_FRAMEINTERVALS: {
         auto& interval = *static_cast<v4l2_frmivalenum*>(argument);
-        if (interval.index >= 2) return fail(EINVAL);
+        const auto known = rates.find(interval.pixel_format);
+        const std::vector<std::uint32_t> listed = known == rates.end() ? std::vector{30U, 15U} : known->second;
+        if (interval.index >= listed.size()) return fail(EINVAL);
         interval.type = V4L2_FRMIVAL_TYPE_DISCRETE;
-        interval.discrete = {1, interval.index == 0 ? 30U : 15U};
+        interval.discrete = {1, listed[interval.index]};
         return 0;
       }
       default:
@@ -212,7 +216,17 @@ class FakeCamera final : public V4l2Kernel {
     errno = reason;
     return -1;
   }
-  std::uint32_t stride() const { return (pixelformat == V4L2_PIX_FMT_YUYV ? 2 : 1) * width + padding; }
+  std::uint32_t rate_of(std::uint32_t format) const {
+    const auto known = rates.find(format);
+    return known == rates.end() ? rate : known->second.front();
+  }
+  std::uint32_t stride() const {
+    return (pixelformat == V4L2_PIX_FMT_YUYV || pixelformat == V4L2_PIX_FMT_UYVY || pixelformat == V4L2_PIX_FMT_Y16
+                ? 2
+                : 1) *
+               width +
+           padding;
+  }
   void describe(v4l2_format& format) const {
     format.fmt.pix.width = width;
     format.fmt.pix.height = height;

@@ -48,6 +48,42 @@ TEST(V4l2, TakesGreyOutOfColours) {
   EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(320 * 240, 77));
 }
 
+TEST(V4l2, ChoosesTheFormatBySizeAndRate) {
+  // A C920: raw frames of this size come at 10 frames/s, JPEGs at 30.
+  FakeCamera fake;
+  fake.formats = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG};
+  fake.rates = {{V4L2_PIX_FMT_YUYV, {10, 5}}, {V4L2_PIX_FMT_MJPEG, {30, 15}}};
+  {
+    auto camera = open_v4l2("/dev/fake", {.width = 1280, .height = 960, .rate = 25.0}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    EXPECT_EQ(fake.pixelformat, V4L2_PIX_FMT_MJPEG);
+    EXPECT_TRUE((*camera)->status().notices.empty());
+  }
+  {
+    auto camera = open_v4l2("/dev/fake", {.width = 1280, .height = 960, .rate = 5.0}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    EXPECT_EQ(fake.pixelformat, V4L2_PIX_FMT_YUYV) << "cheaper, and fast enough";
+  }
+  {
+    auto camera = open_v4l2("/dev/fake", {.width = 1280, .height = 960, .rate = 25.0, .format = "YUYV"}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    EXPECT_EQ(fake.pixelformat, V4L2_PIX_FMT_YUYV) << "as it was asked for";
+    const auto notices = (*camera)->status().notices;
+    ASSERT_EQ(notices.size(), 1U);
+    EXPECT_EQ(notices[0], "/dev/fake: gives 10 frames/s at 1280x960 YUYV, not 25");
+  }
+}
+
+TEST(V4l2, TakesTheFastestFormatWhereNoneGivesTheRate) {
+  FakeCamera fake;
+  fake.formats = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY};
+  fake.rates = {{V4L2_PIX_FMT_YUYV, {5}}, {V4L2_PIX_FMT_UYVY, {15}}};
+  auto camera = open_v4l2("/dev/fake", {.width = 1280, .height = 960, .rate = 25.0}, fake);
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_EQ(fake.pixelformat, V4L2_PIX_FMT_UYVY);
+  ASSERT_EQ((*camera)->status().notices.size(), 1U);
+}
+
 TEST(V4l2, StampsFramesItselfWhenTheDriversClockIsAnother) {
   FakeCamera fake;
   fake.timestamp = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
@@ -211,7 +247,10 @@ TEST(V4l2, RefusesWhatDoesNotFit) {
   EXPECT_EQ(error_of(metadata), "/dev/fake: does not capture video (a camera often has a second device that does)");
   FakeCamera h264;
   h264.formats = {V4L2_PIX_FMT_H264};
-  EXPECT_EQ(error_of(h264), "/dev/fake: offers H264; needed: GREY, YUYV or MJPG");
+  EXPECT_EQ(
+      error_of(h264),
+      "/dev/fake: offers H264; needed: GREY, NV12, NV21, YU12, YV12, YUYV, UYVY, Y10 , Y12 , Y16 , RGGB, GRBG, GBRG, "
+      "BA81, MJPG");
   FakeCamera small;
   small.fixed_size = true;
   EXPECT_EQ(error_of(small, {.width = 1280, .height = 960}), "/dev/fake: cannot give 1280x960 in GREY, only 640x480");

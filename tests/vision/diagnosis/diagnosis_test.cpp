@@ -1,0 +1,130 @@
+// Each reason for which a tag is not reported, made and told apart from the others.
+#include "vision/diagnosis/diagnosis.h"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag25h9.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "tests/vision/support.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tracker/tracker.h"
+
+namespace skein::vision {
+namespace {
+
+/// A camera that is calibrated for 60 mm tags, and what it shows.
+struct Lab {
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  Frame frame;
+
+  Lab() { calibration.tag_size = 0.06; }
+  void show(const std::vector<SyntheticTag>& tags, const SceneOptions& scene = {}) {
+    SyntheticCamera(calibration, scene, 5).render(tags, 0.0, frame);
+  }
+  TagDiagnosis diagnosis(const MissingTag& missing = {3, {}}) const {
+    return diagnose(frame, calibration, std::vector{missing}).front();
+  }
+  std::string said() const { return sentence(diagnosis(), calibration); }
+  /// What the tracker makes of the frame.
+  bool tracked() const { return !TagTracker(calibration, {.tags = {3}}).process(frame).empty(); }
+};
+
+TEST(Diagnosis, WrongSizeIsSaidInMillimetres) {
+  Lab lab;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.04}});
+  ASSERT_FALSE(lab.tracked());
+  const TagDiagnosis found = lab.diagnosis();
+  EXPECT_EQ(found.why, NotSeen::wrong_size);
+  EXPECT_NEAR(found.size, 0.04, 0.001);
+  EXPECT_TRUE(lab.said().starts_with("tag 3 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
+      << lab.said();
+  const auto middle = pixel_from_world(lab.calibration, {0.3, -0.2, lab.calibration.tag_height});
+  EXPECT_GT(middle->x(), found.crop.left);
+  EXPECT_LT(middle->x(), found.crop.left + found.crop.width);
+  EXPECT_GT(middle->y(), found.crop.top);
+  EXPECT_LT(middle->y(), found.crop.top + found.crop.height);
+}
+
+TEST(Diagnosis, LargerTagToo) {
+  Lab lab;
+  lab.calibration.tag_size = 0.04;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}});
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_NE(lab.said().find("its edge is 60 mm, 50 % larger than [tags] size 40 mm"), std::string::npos) << lab.said();
+}
+
+TEST(Diagnosis, TwoRobotsWithOneTag) {
+  Lab lab;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}, {3, {-0.5, 0.1, 2.0}, 0.06}});
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::doubled);
+  EXPECT_NE(lab.said().find("twice"), std::string::npos) << lab.said();
+  EXPECT_NE(lab.said().find("(0.30, -0.20) m"), std::string::npos) << lab.said();
+  EXPECT_NE(lab.said().find("(-0.50, 0.10) m"), std::string::npos) << lab.said();
+}
+
+TEST(Diagnosis, MirroredFrames) {
+  Lab lab;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}});
+  for (int v = 0; v < lab.frame.height; ++v) std::reverse(lab.frame.row(v), lab.frame.row(v) + lab.frame.width);
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::mirrored);
+}
+
+TEST(Diagnosis, TagThatTheBorderCuts) {
+  Lab lab;
+  lab.show({});
+  const core::Pose out = {-1.02, 0.0, 0.0};
+  const auto at = pixel_from_world(lab.calibration, {out.x, out.y, lab.calibration.tag_height});
+  ASSERT_LT(at->x(), 60.0);
+  EXPECT_EQ(lab.diagnosis({3, out}).why, NotSeen::at_border);
+  EXPECT_EQ(lab.diagnosis({3, core::Pose{0.0, 0.0, 0.0}}).why, NotSeen::not_found);
+}
+
+TEST(Diagnosis, TooLittleAndTooMuchLight) {
+  Lab lab;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.noise_sigma = 1.0, .brightness = 0.02});
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::in_shadow);
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.brightness = 20.0});
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::too_bright);
+}
+
+TEST(Diagnosis, TagsWithTooFewPixels) {
+  Lab lab;
+  lab.calibration.tag_size = 0.012;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.012}});
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::too_small);
+  EXPECT_NE(lab.said().find("12 mm has 7."), std::string::npos) << lab.said();
+}
+
+TEST(Diagnosis, TagOfAnotherFamily) {
+  Lab lab;
+  lab.show({});
+  apriltag_family_t* family = tag25h9_create();
+  image_u8_t* picture = apriltag_to_image(family, 3);
+  constexpr int cell = 5;  // [px]
+  for (int v = 0; v < picture->height * cell; ++v)
+    for (int u = 0; u < picture->width * cell; ++u)
+      lab.frame.row(400 + v)[600 + u] = picture->buf[v / cell * picture->stride + u / cell] > 127 ? 220 : 30;
+  std::free(picture->buf);  // image_u8_destroy, which Debian's library does not export
+  std::free(picture);
+  tag25h9_destroy(family);
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::other_family);
+  EXPECT_EQ(lab.said(), "tag 3 looks like 3 of the family 25h9: print it anew in 36h11");
+}
+
+TEST(Diagnosis, EmptyFloorHasNoTag) {
+  Lab lab;
+  lab.show({});
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::not_found);
+  EXPECT_EQ(lab.said(), "no tag 3 is in the picture");
+}
+
+}  // namespace
+}  // namespace skein::vision

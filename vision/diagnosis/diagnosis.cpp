@@ -1,0 +1,287 @@
+#include "vision/diagnosis/diagnosis.h"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h10.h>
+#include <apriltag/tagStandard41h12.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "vision/tags/detection.h"
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision {
+namespace {
+
+// The tracker's own tolerance for shapes (TrackerOptions::shape_tolerance).
+constexpr double size_tolerance = 0.06;
+
+// Of a square's edge: how far its corners may be from a square's on the plane of the tags.
+constexpr double misfit_tolerance = 0.03;
+
+// Below this the photometric fit has too little to go by. [grey levels]
+constexpr double least_contrast = 12.0;
+
+// A tag of 8 modules needs so many pixels to be decoded.
+constexpr double least_edge_px = 10.0;
+
+// Share of a frame's pixels at 250 and more from which on it counts as too bright, and the grey level that 99 % of a
+// dark frame keep below.
+constexpr double saturated_share = 0.25;
+constexpr int dark_grey = 40;
+
+Eigen::Vector2d middle_of(const Corners& corners) {
+  Eigen::Vector2d middle(0.0, 0.0);
+  for (const auto& corner : corners) middle += 0.25 * Eigen::Vector2d(corner[0], corner[1]);
+  return middle;
+}
+
+double edge_px_of(const Corners& corners) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& a = corners[i];
+    const auto& b = corners[(i + 1) % 4];
+    sum += std::hypot(a[0] - b[0], a[1] - b[1]);
+  }
+  return sum / 4.0;
+}
+
+Window crop_around(const Corners& corners) {
+  const Eigen::Vector2d middle = middle_of(corners);
+  const double half = edge_px_of(corners);  // a turned tag with its border spans 1.8 edges
+  const int size = static_cast<int>(std::ceil(2.0 * half));
+  return {static_cast<int>(middle.x() - half), static_cast<int>(middle.y() - half), size, size};
+}
+
+/// The white border of a tag reaches over the border of the frame.
+bool cut_by_border(const Frame& frame, const Corners& corners) {
+  constexpr double paper = 10.0 / 8.0;
+  const Eigen::Vector2d middle = middle_of(corners);
+  return std::any_of(corners.begin(), corners.end(), [&](const auto& corner) {
+    const Eigen::Vector2d at = middle + paper * (Eigen::Vector2d(corner[0], corner[1]) - middle);
+    return at.x() < 0.0 || at.y() < 0.0 || at.x() > frame.width - 1.0 || at.y() > frame.height - 1.0;
+  });
+}
+
+/// A tag at this pose, or its border, is at most half a tag away from the border of the frame.
+bool near_border(const Frame& frame, const Calibration& calibration, const core::Pose& pose) {
+  const auto at = pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
+  const double reach = 1.5 * tag_edge_px(calibration);
+  return !at || at->x() < reach || at->y() < reach || at->x() > frame.width - 1.0 - reach ||
+         at->y() > frame.height - 1.0 - reach;
+}
+
+Frame mirrored(const Frame& frame) {
+  Frame turned = frame;
+  for (int v = 0; v < frame.height; ++v) std::reverse(turned.row(v), turned.row(v) + frame.width);
+  return turned;
+}
+
+Corners mirrored_back(Corners corners, int width) {
+  for (auto& corner : corners) corner[0] = width - 1.0 - corner[0];
+  return corners;
+}
+
+/// Where a detection is and how it looks, into the answer.
+void describe(const Detection& seen, const Calibration& calibration, TagDiagnosis& answer) {
+  answer.crop = crop_around(seen.corners);
+  answer.edge_px = edge_px_of(seen.corners);
+  answer.contrast = 2.0 * seen.decision_margin;
+  if (const auto place = place_on_plane(calibration, seen.corners)) {
+    answer.places.emplace_back(place->pose.x, place->pose.y);
+    answer.size = place->edge;
+  }
+}
+
+/// Of a tag that AprilTag decodes in a single place.
+NotSeen reason_of(const Detection& seen, const Frame& frame, const Calibration& calibration,
+                  const TagDiagnosis& answer) {
+  if (cut_by_border(frame, seen.corners)) return NotSeen::at_border;
+  const auto place = place_on_plane(calibration, seen.corners);
+  if (!place || place->misfit > misfit_tolerance * place->edge) return NotSeen::tilted;
+  if (std::abs(place->edge / calibration.tag_size - 1.0) > size_tolerance) return NotSeen::wrong_size;
+  return answer.contrast < least_contrast ? NotSeen::in_shadow : NotSeen::covered;
+}
+
+struct OtherFamily {
+  const char* name;
+  apriltag_family_t* (*create)();
+  void (*destroy)(apriltag_family_t*);
+};
+constexpr std::array other_families{
+    OtherFamily{"25h9", tag25h9_create, tag25h9_destroy},
+    OtherFamily{"36h10", tag36h10_create, tag36h10_destroy},
+    OtherFamily{"Standard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
+    OtherFamily{"16h5", tag16h5_create, tag16h5_destroy},
+};
+
+/// The family in which one of the tags is found, with no bit corrected and a clear contrast, since the small families
+/// find ghosts in any texture.
+void look_for_other_families(const Frame& frame, const Calibration& calibration, std::vector<TagDiagnosis>& answers) {
+  constexpr double clear_margin = 30.0;
+  for (const OtherFamily& other : other_families) {
+    const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(other.create(), other.destroy);
+    const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector(apriltag_detector_create(),
+                                                                                        apriltag_detector_destroy);
+    apriltag_detector_add_family_bits(detector.get(), family.get(), 0);
+    detector->quad_decimate = 1.0F;
+    // AprilTag only reads the pixels.
+    image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
+    zarray_t* found = apriltag_detector_detect(detector.get(), &image);
+    for (int i = 0; i < zarray_size(found); ++i) {
+      apriltag_detection_t* seen = nullptr;
+      zarray_get(found, i, &seen);
+      const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
+        return a.tag == seen->id && a.why == NotSeen::not_found;
+      });
+      if (answer == answers.end() || static_cast<double>(seen->decision_margin) < clear_margin) continue;
+      Detection detection;
+      detection.decision_margin = static_cast<double>(seen->decision_margin);
+      for (std::size_t corner = 0; corner < 4; ++corner)
+        detection.corners[corner] = {seen->p[corner][0] - 0.5, seen->p[corner][1] - 0.5};
+      describe(detection, calibration, *answer);
+      answer->why = NotSeen::other_family;
+      answer->family = other.name;
+    }
+    apriltag_detections_destroy(found);
+  }
+}
+
+struct Light {
+  double saturated = 0.0;  // share of the pixels
+  int brightest = 0;       // 99 % of the pixels are darker or equal
+};
+
+Light light_of(const Frame& frame) {
+  std::array<std::size_t, 256> count{};
+  for (const std::uint8_t grey : frame.grey) ++count[grey];
+  Light light;
+  std::size_t above = 0;
+  const auto hundredth = frame.grey.size() / 100;
+  for (int grey = 255; grey >= 0; --grey) {
+    above += count[static_cast<std::size_t>(grey)];
+    if (grey == 250) light.saturated = static_cast<double>(above) / static_cast<double>(frame.grey.size());
+    if (light.brightest == 0 && above > hundredth) light.brightest = grey;
+  }
+  return light;
+}
+
+bool any_not_found(const std::vector<TagDiagnosis>& answers) {
+  return std::any_of(answers.begin(), answers.end(),
+                     [](const TagDiagnosis& answer) { return answer.why == NotSeen::not_found; });
+}
+
+std::string millimetres(double metres) {
+  return fmt::format("{:.3g} mm", 1e3 * metres);
+}
+
+std::string place(const Eigen::Vector2d& at) {
+  return fmt::format("({:.2f}, {:.2f}) m", at.x(), at.y());
+}
+
+}  // namespace
+
+std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
+                                   std::span<const MissingTag> missing) {
+  std::vector<TagDiagnosis> answers;
+  for (const MissingTag& tag : missing) answers.push_back({.tag = tag.tag});
+  // Ink and paper may differ by as little as this. [grey levels]
+  constexpr int faint = 2;
+  TagDetector detector({.decimate = 1.0, .min_white_black_diff = faint});
+  const std::vector<Detection> found = detector.detect(frame);
+  for (TagDiagnosis& answer : answers) {
+    const Detection* one = nullptr;
+    int times = 0;
+    for (const Detection& seen : found) {
+      if (seen.tag != answer.tag) continue;
+      one = &seen;
+      ++times;
+      describe(seen, calibration, answer);
+    }
+    if (times == 1) answer.why = reason_of(*one, frame, calibration, answer);
+    if (times > 1) answer.why = NotSeen::doubled;
+  }
+  if (any_not_found(answers)) {
+    const std::vector<Detection> reversed = detector.detect(mirrored(frame));
+    for (TagDiagnosis& answer : answers)
+      for (Detection seen : reversed) {
+        if (seen.tag != answer.tag || answer.why != NotSeen::not_found) continue;
+        seen.corners = mirrored_back(seen.corners, frame.width);
+        describe(seen, calibration, answer);
+        answer.why = NotSeen::mirrored;
+      }
+  }
+  if (any_not_found(answers)) look_for_other_families(frame, calibration, answers);
+
+  const Light light = light_of(frame);
+  const double expected_px = tag_edge_px(calibration);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    TagDiagnosis& answer = answers[i];
+    if (answer.why != NotSeen::not_found) continue;
+    answer.edge_px = expected_px;
+    const auto& last = missing[i].last;
+    if (expected_px < least_edge_px)
+      answer.why = NotSeen::too_small;
+    else if (light.saturated > saturated_share)
+      answer.why = NotSeen::too_bright;
+    else if (light.brightest < dark_grey)
+      answer.why = NotSeen::in_shadow;
+    else if (last && near_border(frame, calibration, *last))
+      answer.why = NotSeen::at_border;
+  }
+  return answers;
+}
+
+std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
+  switch (d.why) {
+    case NotSeen::not_found:
+      return fmt::format("no tag {} is in the picture", d.tag);
+    case NotSeen::wrong_size: {
+      const double part = d.size / calibration.tag_size - 1.0;
+      return fmt::format(
+          "tag {} is there, but its edge is {}, {:.0f} % {} than [tags] size {}: correct the size, or [tags] height if "
+          "all robots' tags are off by as much",
+          d.tag, millimetres(std::round(1e3 * d.size) / 1e3), 100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger",
+          millimetres(calibration.tag_size));
+    }
+    case NotSeen::tilted:
+      return fmt::format("tag {} is there, but does not lie flat at [tags] height {}", d.tag,
+                         millimetres(calibration.tag_height));
+    case NotSeen::doubled: {
+      std::string where;
+      for (std::size_t i = 0; i < d.places.size(); ++i)
+        where += (i == 0 ? "" : i + 1 == d.places.size() ? " and " : ", ") + place(d.places[i]);
+      return fmt::format("tag {} is there {}, at {}: give one of the robots another tag", d.tag,
+                         d.places.size() == 2 ? "twice" : "more than once", where);
+    }
+    case NotSeen::covered:
+      return fmt::format("tag {} is there, but part of it is covered or blurred", d.tag);
+    case NotSeen::at_border:
+      return fmt::format("the border of the picture cuts tag {}: move the robot inwards", d.tag);
+    case NotSeen::too_small:
+      return fmt::format("tag {} cannot be read: a tag of {} has {:.1f} px in this picture, and {:.0f} are needed",
+                         d.tag, millimetres(calibration.tag_size), d.edge_px, least_edge_px);
+    case NotSeen::too_bright:
+      return fmt::format("no tag {} is in the picture, and much of the picture is too bright: lower the exposure",
+                         d.tag);
+    case NotSeen::in_shadow:
+      return d.contrast > 0.0
+                 ? fmt::format(
+                       "tag {} is there, but in shadow: {:.0f} grey levels between ink and paper, "
+                       "and {:.0f} are needed",
+                       d.tag, d.contrast, least_contrast)
+                 : fmt::format("no tag {} is in the picture, and the picture is dark: raise the exposure", d.tag);
+    case NotSeen::mirrored:
+      return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
+    case NotSeen::other_family:
+      return fmt::format("tag {} looks like {} of the family {}: print it anew in 36h11", d.tag, d.tag, d.family);
+  }
+  return {};
+}
+
+}  // namespace skein::vision
