@@ -11,7 +11,7 @@ int check(const ExperimentRequest& request) {
   if (!experiment) return wrong_input;
   const Certificate certificate = certify(*experiment);
   fmt::print("experiment: {}\n{}", experiment->name, as_lines(certificate));
-  return certificate.holds() ? done : wrong_input;
+  return certificate.sound() ? done : wrong_input;
 }
 
 }  // namespace skein::app
