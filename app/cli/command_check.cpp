@@ -17,7 +17,7 @@ int check(const ExperimentRequest& request) {
     }
   const Certificate certificate = certify(*experiment);
   fmt::print("experiment: {}\n{}", experiment->name, as_lines(certificate));
-  return certificate.holds() ? done : wrong_input;
+  return certificate.sound() ? done : wrong_input;
 }
 
 }  // namespace skein::app

@@ -74,10 +74,13 @@ int sweep(const SweepRequest& request) {
   };
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const std::vector<RunOutcome> outcomes = sweep(*study, request.threads > 0 ? request.threads : cores, progress);
-  if (shown) print_error("\r\033[K");
+  std::vector<RunOutcome> control;
+  if (!study->control.empty() && !interrupted())
+    control = sweep(*study, request.threads > 0 ? request.threads : cores, progress, true);
+  if (shown) print_error("[K");
 
   if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
-  const SweepSummary summary = summarise(*study, outcomes);
+  const SweepSummary summary = summarise(*study, outcomes, control);
   if (request.only && !request.quiet && !request.json) fmt::print("command: {}\n", run_command(*study, *request.only));
   if (!request.quiet) fmt::print("{}", request.json ? as_json(summary) + "\n" : as_lines(summary));
 

@@ -141,6 +141,14 @@ bool Certificate::holds() const noexcept {
   });
 }
 
+bool Certificate::keeps_tracking() const noexcept {
+  constexpr double rounding = 1e-9;
+  return std::all_of(robots.begin(), robots.end(), [&](const Robot& r) {
+    return r.k_x.value >= (core::tracking_share - rounding) * v_max &&
+           r.k_theta.value >= (core::tracking_share - rounding) * omega_max;
+  });
+}
+
 Certificate certify(const Experiment& experiment) {
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   core::Gains gains = make_gains(experiment);
@@ -151,6 +159,8 @@ Certificate certify(const Experiment& experiment) {
   certificate.fixed = gains.policy == core::GainPolicy::fixed;
   certificate.v_max = experiment.controller.v_max;
   certificate.omega_max = experiment.controller.omega_max;
+  certificate.rate = experiment.rate;
+  certificate.coupling = gains.coupling;
   Certificate::Robot start;
   start.k_x.value = start.k_theta.value = start.b.value = start.f.value = start.g.value = infinite;
   start.v.value = start.omega.value = start.wheel.value = -infinite;
@@ -167,6 +177,7 @@ Certificate certify(const Experiment& experiment) {
       begin(experiment.gain_changes[next_change], schedule, experiment.gain_changes[next_change].ramp);
     if (k > 0) schedule.step(experiment.period());
     put(schedule.now(), gains);
+    certificate.coupled = certificate.coupled || gains.k_xx.largest() > 0.0 || gains.k_tt.largest() > 0.0;
     reference->at(t, points);
     for (std::size_t i = 0; i < n; ++i) twists[i] = points[i].twist;
     core::use_policy(gains, twists);
@@ -251,9 +262,31 @@ std::string as_lines(const Certificate& certificate) {
         i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
   }
   fmt::format_to(out, "theorem_1: {}\n", as_text(certificate.theorem));
+  fmt::format_to(out,
+                 "theorem_1_silent: while a robot follows a modified reference, is shielded or limited, with delay and "
+                 "sampling{}; the CSV's mode says at which ticks\n",
+                 certificate.theorem.continuous_omega ? "" : ", and k_theta of (36) jumps wherever omega_ref does");
+  fmt::format_to(out, "limits_14: {}\n",
+                 certificate.coupling == core::Coupling::bounded || !certificate.coupled
+                     ? "follow from (18f, g)"
+                     : "do NOT follow from (18f, g) with coupling = \"paper\", whose terms k_xx and k_tt do not bound; "
+                       "commands are limited after the law, and V may rise then");
   fmt::format_to(out, "delay_margin: {}{:.4g} s (robot {} at t = {:g} s)\n",
                  certificate.delay.margin.unbounded ? "more than " : "", certificate.delay.margin.delay,
                  certificate.delay.robot + 1, certificate.delay.t);
+  fmt::format_to(
+      out, "sampled_loop: {}\n",
+      certificate.sampled_loop_stable()
+          ? fmt::format("stable at {:g} Hz with a delay below the margin", certificate.rate)
+          : fmt::format("UNSTABLE at {:g} Hz even without any delay: errors swing and do not vanish; smaller "
+                        "c_x, c_theta or k",
+                        certificate.rate));
+  fmt::format_to(out, "tracking_authority: {}\n",
+                 certificate.keeps_tracking()
+                     ? fmt::format("at least {:.0f} % of v_max and omega_max", 100.0 * core::tracking_share)
+                     : fmt::format("TOO SMALL: k_x or k_theta falls below {:.0f} % of v_max or omega_max, and errors "
+                                   "hardly shrink; a slower reference or smaller couplings",
+                                   100.0 * core::tracking_share));
   fmt::format_to(out, "conditions_18: {}\n", certificate.holds() ? "hold over the whole reference" : "VIOLATED");
   return text;
 }

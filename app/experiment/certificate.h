@@ -56,9 +56,20 @@ struct Certificate {
   Delay delay;
   double v_max = 0.0, omega_max = 0.0;
   bool fixed = false;  ///< the tracking gains are given
+  double rate = 0.0;   ///< at which the loop is sampled [Hz]
+  core::Coupling coupling = core::Coupling::paper;
+  bool coupled = false;  ///< some k_xx or k_tt is above 0
 
   /// (18a-g) hold and the reference is inside the actuators' limits, everywhere.
   bool holds() const noexcept;
+  /// The sampled loop is stable at least while poses and commands take no time. Continuous time, and so (18), forbids
+  /// no gain that is too large for the sampling.
+  bool sampled_loop_stable() const noexcept { return delay.margin.delay > 0.0; }
+  /// Tracking keeps `core::tracking_share` of v_max and omega_max, everywhere: (18a) is content with less than a robot
+  /// can be driven with.
+  bool keeps_tracking() const noexcept;
+  /// All of these.
+  bool sound() const noexcept { return holds() && sampled_loop_stable() && keeps_tracking(); }
 };
 
 /// Goes through the whole reference at the experiment's rate.

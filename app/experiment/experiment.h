@@ -241,6 +241,7 @@ struct Expectations {
   std::optional<double> arrived;        ///< all references rest and all robots are there by this time [s]
   std::optional<bool> formation_first;  ///< after every perturbation the formation settles (1 cm) before tracking does
   std::optional<std::int64_t> collisions;  ///< number of times two robots come closer than 70 mm
+  std::optional<bool> inside{};            ///< no body is ever over the edge of the arena
 };
 
 struct Experiment {

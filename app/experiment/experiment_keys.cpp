@@ -136,7 +136,12 @@ const std::vector<ExperimentKey>& all_keys() {
 }
 ,
 
-    {"avoidance", "enabled", "robots go round one another and round obstacles",
+    {"avoidance", "kind", "field: the paper's, with detours where it is stuck; plan: planned routes",
+     choice < [](E& e) -> auto& {return e.avoidance.kind;
+}
+> ()
+}
+, {"avoidance", "enabled", "robots go round one another and round obstacles",
      FlagKey{[](E & e) -> auto& {return e.avoidance.enabled;
 }
 }
@@ -351,6 +356,11 @@ const std::vector<ExperimentKey>& all_keys() {
 }
 , {"expect", "formation_first", "after every perturbation the formation settles before the tracking does",
    OptionalFlagKey{[](E & e) -> auto& {return e.expect.formation_first;
+}
+}
+}
+, {"expect", "inside", "true: no body is ever over the edge of the arena",
+   OptionalFlagKey{[](E & e) -> auto& {return e.expect.inside;
 }
 }
 }

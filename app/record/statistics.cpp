@@ -29,13 +29,30 @@ double tracking_error(const TickRecord& record) noexcept {
   return largest;
 }
 
+/// Of neighbours i, i+1, as their delta.
+double relative_error(const TickRecord& record) noexcept {
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < record.robots.size(); ++i) {
+    const RobotRecord &a = record.robots[i], &b = record.robots[i + 1];
+    const double x = a.pose.x - a.nominal.pose.x - (b.pose.x - b.nominal.pose.x);
+    const double y = a.pose.y - a.nominal.pose.y - (b.pose.y - b.nominal.pose.y);
+    largest = std::fmax(largest, std::hypot(x, y));
+  }
+  return largest;
+}
+
 }  // namespace
 
 bool PerturbationResult::formation_first() const noexcept {
   return settling.formation_1cm && (!settling.tracking_1cm || *settling.formation_1cm < *settling.tracking_1cm);
 }
 
-Statistics::Statistics(const Experiment& experiment) : experiment_(experiment) {
+bool PerturbationResult::relative_first() const noexcept {
+  return settling.relative_1cm && (!settling.tracking_1cm || *settling.relative_1cm < *settling.tracking_1cm);
+}
+
+Statistics::Statistics(const Experiment& experiment) : experiment_(experiment), obstacles_(experiment.obstacles) {
+  obstacles_.resize(experiment.obstacles.size() + core::ObstacleField::room_for_more);
   so_far_.name = experiment.name;
 }
 
@@ -43,7 +60,7 @@ void Statistics::record(const TickRecord& record) {
   so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
   count_collisions(record);
   if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
-  const Sample sample{record.t, record.formation_error(), tracking_error(record)};
+  const Sample sample{record.t, record.formation_error(), tracking_error(record), relative_error(record)};
   const bool there = sample.tracking <= arrived_within &&
                      std::all_of(record.robots.begin(), record.robots.end(),
                                  [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
@@ -77,8 +94,11 @@ void Statistics::record(const TickRecord& record) {
 
 void Statistics::count_collisions(const TickRecord& record) {
   const std::size_t n = record.robots.size();
-  const std::vector<core::Obstacle>& obstacles = experiment_.obstacles;
-  touching_.resize(n * n + n * obstacles.size());
+  for (const Event& event : record.events) {
+    const auto* const put = std::get_if<events::PutObstacle>(&event);
+    if (put && put->number < obstacles_.size()) obstacles_[put->number] = put->obstacle;
+  }
+  touching_.resize(n * n + n * obstacles_.size());
   const auto see = [&](std::size_t pair, double gap) {
     if (gap < 0.0 && !touching_[pair]) {
       ++so_far_.collisions;
@@ -90,11 +110,19 @@ void Statistics::count_collisions(const TickRecord& record) {
   for (std::size_t i = 0; i < n; ++i) {
     const core::Pose here = place(record.robots[i]);
     for (std::size_t j = i + 1; j < n; ++j) see(i * n + j, core::distance(here, place(record.robots[j])) - touch);
-    for (std::size_t k = 0; k < obstacles.size(); ++k) {
-      const core::Obstacle& o = obstacles[k];
+    const double over =
+        std::fmax(std::abs(here.x) - 0.5 * experiment_.arena_width, std::abs(here.y) - 0.5 * experiment_.arena_height) +
+        core::robot_radius;
+    so_far_.outside = std::fmax(so_far_.outside, over);
+    for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+      const core::Obstacle& o = obstacles_[k];
+      if (o.radius <= 0.0) {
+        touching_[n * n + i * obstacles_.size() + k] = false;
+        continue;
+      }
       const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - core::robot_radius;
       so_far_.obstacle_gap = std::fmin(so_far_.obstacle_gap, gap);
-      see(n * n + i * obstacles.size() + k, gap);
+      see(n * n + i * obstacles_.size() + k, gap);
     }
   }
 }
@@ -131,11 +159,14 @@ void Statistics::Bands::add(const Sample& sample) {
   look(formation_5mm, sample.formation, 0.005);
   look(tracking_1cm, sample.tracking, 0.01);
   look(tracking_5mm, sample.tracking, 0.005);
+  look(relative_1cm, sample.relative, 0.01);
+  look(relative_5mm, sample.relative, 0.005);
 }
 
 Settling Statistics::Bands::since(double begin) const {
   const auto after = [begin](const std::optional<double>& t) { return t ? std::optional(*t - begin) : t; };
-  return {after(formation_1cm), after(formation_5mm), after(tracking_1cm), after(tracking_5mm)};
+  return {after(formation_1cm), after(formation_5mm), after(tracking_1cm), after(tracking_5mm),
+          after(relative_1cm), after(relative_5mm)};
 }
 
 void Statistics::Durations::add(double seconds) {
@@ -185,6 +216,9 @@ std::vector<std::string> failed_expectations(const Expectations& expect, const S
   if (expect.collisions && summary.collisions > *expect.collisions)
     failed.push_back(
         fmt::format("expect.collisions: expected at most {}, found {}", *expect.collisions, summary.collisions));
+  if (expect.inside && *expect.inside && summary.outside > 0.0)
+    failed.push_back(fmt::format(
+        "expect.inside: expected every body inside the arena, found one {:.4g} m over its edge", summary.outside));
   const auto time = [](const std::optional<double>& t) { return t ? fmt::format("after {:.2f} s", *t) : "never"; };
   if (expect.formation_first)
     for (const PerturbationResult& p : summary.perturbations)

@@ -21,6 +21,9 @@ struct Settling {
   /// Largest distance of a robot from its place in the formation (the reference BEFORE avoidance: one that avoids is
   /// close to its modified reference all the while) [s]
   std::optional<double> tracking_1cm, tracking_5mm;
+  /// Largest vector error of where a neighbour is seen from a robot, |(p_i - p_j) - (r_i - r_j)|. delta of (37)
+  /// compares distances alone, and is of second order in errors across the line between the two. [s]
+  std::optional<double> relative_1cm{}, relative_5mm{};
 };
 
 struct PerturbationResult {
@@ -30,6 +33,8 @@ struct PerturbationResult {
   Settling settling;
   /// The paper's claim, at 1 cm: the formation settled, and before tracking did.
   bool formation_first() const noexcept;
+  /// The same of the neighbours' relative positions.
+  bool relative_first() const noexcept;
 };
 
 /// The sum of a run, gathered row by row, in a memory that does not grow with its length (but for its first 10,000
@@ -46,10 +51,12 @@ class Statistics final : public RecordSink {
     double duration = 0.0;                ///< of the experiment, as far as it ran [s]
     double final_error = none;            ///< largest distance from the places in the formation, last tick [m]
     double final_formation_error = none;  ///< [m]
-    double arrived = none;        ///< since when all references rest and every robot is within 1 cm of its place [s]
-    double min_distance = none;   ///< [m]
-    double obstacle_gap = none;   ///< smallest between a robot's edge and an obstacle's; none without any [m]
-    std::int64_t collisions = 0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle
+    double arrived = none;       ///< since when all references rest and every robot is within 1 cm of its place [s]
+    double min_distance = none;  ///< [m]
+    double obstacle_gap = none;  ///< smallest between a robot's edge and an obstacle's; none without any [m]
+    double outside = 0.0;        ///< farthest that a robot's body was over the edge of the arena [m]
+    std::int64_t collisions =
+        0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
     std::int64_t missed_deadlines = 0;
     std::int64_t dropped_rows = 0;    ///< that the recorder was too slow to take: they are in no file and in no figure
     std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
@@ -75,11 +82,11 @@ class Statistics final : public RecordSink {
 
  private:
   struct Sample {
-    double t, formation, tracking;
+    double t, formation, tracking, relative;
   };
   /// Since when an error has been inside a band without a break; empty: it is outside.
   struct Bands {
-    std::optional<double> formation_1cm, formation_5mm, tracking_1cm, tracking_5mm;
+    std::optional<double> formation_1cm, formation_5mm, tracking_1cm, tracking_5mm, relative_1cm, relative_5mm;
     void add(const Sample& sample);
     Settling since(double begin) const;
   };
@@ -101,6 +108,7 @@ class Statistics final : public RecordSink {
   void disturb(double t, const Event& event);
 
   const Experiment experiment_;
+  std::vector<core::Obstacle> obstacles_;  // as they stand now, the operator's too, by their numbers
   Summary so_far_;
   std::vector<Disturbance> disturbances_;
   Bands bands_;   // since the newest disturbance

@@ -35,7 +35,10 @@ Json json(const PerturbationResult& p) {
           {"formation_5mm", json(p.settling.formation_5mm)},
           {"tracking_1cm", json(p.settling.tracking_1cm)},
           {"tracking_5mm", json(p.settling.tracking_5mm)},
-          {"formation_first", p.formation_first()}};
+          {"relative_1cm", json(p.settling.relative_1cm)},
+          {"relative_5mm", json(p.settling.relative_5mm)},
+          {"formation_first", p.formation_first()},
+          {"relative_first", p.relative_first()}};
 }
 
 Json json(const Histogram& histogram) {
@@ -79,6 +82,7 @@ Json json(const Statistics::Summary& s) {
               {"arrived", json(s.arrived)},
               {"min_distance", json(s.min_distance)},
               {"obstacle_gap", json(s.obstacle_gap)},
+              {"outside", json(s.outside)},
               {"collisions", s.collisions},
               {"missed_deadlines", s.missed_deadlines},
               {"dropped_rows", s.dropped_rows},

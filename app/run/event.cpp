@@ -19,7 +19,7 @@ using namespace events;
 
 void fields(auto&, one_of<Start, Pause, Resume, Stop, Stage, Staged, FilmBroken> auto&) {}
 
-void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock> auto& e) {
+void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoWay> auto& e) {
   io.number_of('r', e.robot);
 }
 
@@ -78,6 +78,17 @@ void fields(auto& io, one_of<Couple, Uncouple> auto& e) {
 
 void fields(auto& io, one_of<DeadlineMissed> auto& e) {
   io.bare(e.ticks);
+}
+
+void fields(auto& io, one_of<NoProgress> auto& e) {
+  io.number_of('r', e.robot);
+  io.bare(e.distance);
+  io.word_of(e.hindrance);
+}
+
+void fields(auto& io, one_of<Outside> auto& e) {
+  io.number_of('r', e.robot);
+  io.bare(e.over);
 }
 
 void fields(auto& io, one_of<VRise> auto& e) {
@@ -220,8 +231,8 @@ bool is_action(const Event& event) noexcept {
             return true;
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
-                          Avoid, Clear, Stage, Staged, Deadlock, DeadlineMissed, VRise, events::Link,
-                          FilmBroken> auto&) { return false; },
+                          Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
+                          events::Link, FilmBroken> auto&) { return false; },
       },
       event);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,44 @@
 #include "core/geometry/pose.h"
 
 namespace skein::app {
+
+/// What keeps a robot from its place, the first that applies.
+enum class Hindrance : std::uint8_t {
+  lost,       ///< no pose within the bridge time
+  held,       ///< the operator or its link made it stand
+  outside,    ///< over the edge of the arena
+  no_way,     ///< planning finds no way to its place
+  turn,       ///< on a planned route: it waits for others to pass first
+  shield,     ///< the shield holds it back from a robot, an obstacle or the edge
+  avoidance,  ///< it follows a modified reference
+  limits,     ///< (14) or its wheels take from what the law asks for
+  law,        ///< none of these: the law alone brings it no nearer
+};
+
+/// As a word for logs (core/words.h).
+constexpr std::string_view word(Hindrance hindrance) noexcept {
+  switch (hindrance) {
+    case Hindrance::lost:
+      return "lost";
+    case Hindrance::held:
+      return "held";
+    case Hindrance::outside:
+      return "outside";
+    case Hindrance::no_way:
+      return "no_way";
+    case Hindrance::turn:
+      return "turn";
+    case Hindrance::shield:
+      return "shield";
+    case Hindrance::avoidance:
+      return "avoidance";
+    case Hindrance::limits:
+      return "limits";
+    case Hindrance::law:
+      return "law";
+  }
+  return {};
+}
 
 /// What can happen at a tick: one small struct each, with its word in logs and in the CSV. Robots and obstacles count
 /// from 0 here, from 1 in words.
@@ -146,6 +185,22 @@ struct FilmBroken {  ///< the disk took no more of the camera's film; the run go
   static constexpr std::string_view word = "film_broken";
 };
 
+struct NoWay {  ///< planning finds no way to its place: it stands, and planning goes on trying
+  static constexpr std::string_view word = "no_way";
+  std::size_t robot = 0;
+};
+struct NoProgress {  ///< it has come no nearer to its place for 3 s
+  static constexpr std::string_view word = "no_progress";
+  std::size_t robot = 0;
+  double distance = 0.0;  ///< to its place [m]
+  Hindrance hindrance = Hindrance::law;
+};
+struct Outside {  ///< its body is over the edge of the arena
+  static constexpr std::string_view word = "outside";
+  std::size_t robot = 0;
+  double over = 0.0;  ///< by so much [m]
+};
+
 }  // namespace events
 
 /// Something that happened at a tick; `describe` makes the log's words of it.
@@ -154,7 +209,7 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
                            events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
                            events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
-                           events::FilmBroken>;
+                           events::FilmBroken, events::NoWay, events::NoProgress, events::Outside>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

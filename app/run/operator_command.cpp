@@ -33,9 +33,8 @@ std::optional<OperatorCommand> command_of(const Event& event) noexcept {
             return commands::PutObstacle{e.number, e.obstacle};
           },
           [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, GainHeld, PairGainHeld, Lost, Found, Avoid,
-                          Clear, Staged, Deadlock, DeadlineMissed, VRise, events::Link, FilmBroken> auto&) -> Command {
-            return std::nullopt;
-          },
+                          Clear, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link,
+                          FilmBroken> auto&) -> Command { return std::nullopt; },
       },
       event);
 }

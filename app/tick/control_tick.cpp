@@ -18,8 +18,28 @@ constexpr double detour_margin = 0.012;
 /// Staging looks so far ahead [s].
 constexpr double staging_horizon = 3.0;
 
+/// The time within which the filter comes to believe a new pose. [s]
+constexpr double settles = 0.5;
+
 /// How many standard deviations a pose is trusted to be off at most.
 constexpr double trusted_deviations = 3.0;
+
+/// The shield keeps bodies inside the arena as well.
+core::ShieldParameters shield_of(const Experiment& e) {
+  core::ShieldParameters parameters = e.shield;
+  parameters.half_width = 0.5 * e.arena_width;
+  parameters.half_height = 0.5 * e.arena_height;
+  return parameters;
+}
+
+std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Reference& reference,
+                                            std::size_t obstacles) {
+  if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
+  return std::make_unique<core::Planner>(
+      core::Planner::Setup{
+          e.robots.size(), obstacles, {0.5 * e.arena_width, 0.5 * e.arena_height}, e.shield.distance, e.duration},
+      reference);
+}
 
 /// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
 /// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
@@ -36,14 +56,19 @@ TickState::TickState(const Experiment& e)
     : experiment(e),
       reference(make_reference(e)),
       demand(reference->demand(e.controller.k_y)),
+      shield_parameters(shield_of(e)),
       gains(make_gains(e)),
       couplings(e, gains, demand),
       obstacles(e.obstacles),
       avoidance(e.robots.size(), obstacles.all().size()),
+      planner(make_planner(e, *reference, obstacles.all().size())),
       shield(e.robots.size(), obstacles.all().size()),
       near(e.robots.size()),
       pairs(e.robots.size()),
       watch(e.robots.size(), rise_tolerance(e)),
+      progress(e.robots.size()),
+      outside(e.robots.size()),
+      had_no_way(e.robots.size()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
@@ -63,6 +88,7 @@ TickState::TickState(const Experiment& e)
   errors.resize(n);
   v_limits.resize(n);
   doubt.resize(n);
+  out.resize(n);
   record.robots.resize(n);
   record.events.reserve(EventList::room_for(n));
   record.delta.resize(n > 0 ? n - 1 : 0);
@@ -84,6 +110,7 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   tick.limit_and_shield();
   tick.drive_wheels();
   tick.account(input);
+  tick.watch_progress();
   if (tick.record.phase == Phase::staging) tick.watch_staging();
   return tick.record;
 }
@@ -119,6 +146,8 @@ void TickState::estimate(const TickInput& input) noexcept {
                     : 0.0;
     // One that has never been seen was not lost, and its first sight is what everybody expects.
     if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event(events::Found{i}) : Event(events::Lost{i}));
+    // The filter, which had nothing to go by, comes to believe the pose.
+    if (seen && !seen_before[i]) explained_until = input.now + experiment.simulation.latency + settles;
     if (seen) seen_before[i] = true;
     if (robot.is(lost)) avoidance.reset(i);
   }
@@ -130,38 +159,73 @@ void TickState::schedule_gains() noexcept {
   couplings.step(dt, gains);
 }
 
-/// The formation's reference, and what avoidance (29-34) makes of it; then the tracking gains that these leave (36).
+/// The formation's reference, and what field or plan makes of it; then the tracking gains that these leave (36).
 void TickState::follow_reference() noexcept {
-  const bool to_the_starts = record.phase == Phase::staging;
-  reference->at(to_the_starts ? 0.0 : record.t, nominal);
+  reference->at(record.phase == Phase::staging ? 0.0 : record.t, nominal);
   if (!running())
     for (core::ReferencePoint& point : nominal) point.twist = {};
-  if (moving()) {
-    const double most_doubt = *std::max_element(doubt.begin(), doubt.end());
-    const core::Scene scene{poses,
-                            commands,
-                            {shield_touched.get(), robots()},
-                            obstacles.standing(),
-                            experiment.shield.distance + 2.0 * most_doubt + detour_margin,
-                            0.5 * experiment.arena_width - core::robot_radius,
-                            0.5 * experiment.arena_height - core::robot_radius};
-    core::AvoidanceParameters parameters = experiment.avoidance;
-    if (to_the_starts) {
-      parameters.enabled = true;
-      parameters.horizon = std::max(parameters.horizon, staging_horizon);
-    }
-    avoidance.step(parameters, gains, motion_dt, scene, nominal, followed);
-    for (std::size_t i = 0; i < robots(); ++i) {
-      const bool modified = avoidance.state(i) != core::Avoidance::State::nominal;
-      if (modified != off_nominal[i] && running()) note(modified ? Event(events::Avoid{i}) : Event(events::Clear{i}));
-      off_nominal[i] = modified;
-      if (avoidance.stuck(i)) note(events::Deadlock{i});
-    }
-  } else {
+  if (!moving())
     std::copy(nominal.begin(), nominal.end(), followed.begin());
+  else if (planner)
+    follow_plan();
+  else
+    follow_field();
+  for (std::size_t i = 0; moving() && i < robots(); ++i) {
+    const bool modified = !on_nominal(i);
+    if (modified != off_nominal[i] && running()) note(modified ? Event(events::Avoid{i}) : Event(events::Clear{i}));
+    off_nominal[i] = modified;
   }
   for (std::size_t i = 0; i < robots(); ++i) followed_twists[i] = followed[i].twist;
   core::use_policy(gains, followed_twists);
+}
+
+/// Avoidance by (29)-(34), and detours.
+void TickState::follow_field() noexcept {
+  const double most_doubt = *std::max_element(doubt.begin(), doubt.end());
+  const core::Scene scene{poses,
+                          commands,
+                          {shield_touched.get(), robots()},
+                          obstacles.standing(),
+                          experiment.shield.distance + 2.0 * most_doubt + detour_margin,
+                          0.5 * experiment.arena_width - core::robot_radius,
+                          0.5 * experiment.arena_height - core::robot_radius};
+  core::AvoidanceParameters parameters = experiment.avoidance;
+  if (record.phase == Phase::staging) {
+    parameters.enabled = true;
+    parameters.horizon = std::max(parameters.horizon, staging_horizon);
+  }
+  avoidance.step(parameters, gains, motion_dt, scene, nominal, followed);
+  for (std::size_t i = 0; i < robots(); ++i)
+    if (avoidance.stuck(i)) note(events::Deadlock{i});
+}
+
+/// Planned routes. A robot on a way of its own has no couplings: they are ramped, so that Theorem 1's gains stay
+/// continuous, and what they leave goes to the route.
+void TickState::follow_plan() noexcept {
+  for (std::size_t i = 0; i < robots(); ++i) out[i] = is_out(i);
+  const auto release = [&](core::PairTable& table) {
+    for (std::size_t i = 0; i < robots(); ++i)
+      for (std::size_t j = i + 1; j < robots(); ++j)
+        if (const double share = planner->share(i) * planner->share(j); share < 1.0 && table(i, j) > 0.0)
+          table.set(i, j, share * table(i, j));
+  };
+  release(gains.k_xx);
+  release(gains.k_tt);
+  release(gains.k_yy);
+  // While staging the experiment's time stands still, and routes need one that goes on.
+  staging_time = record.phase == Phase::staging ? staging_time + motion_dt : 0.0;
+  const core::Planner::Scene scene{record.phase == Phase::staging ? staging_time : record.t,
+                                   record.phase == Phase::staging,
+                                   poses,
+                                   commands,
+                                   out,
+                                   obstacles.standing(),
+                                   *std::max_element(doubt.begin(), doubt.end())};
+  planner->step(scene, gains, motion_dt, nominal, followed);
+  for (std::size_t i = 0; i < robots(); ++i) {
+    if (planner->no_way(i) && !had_no_way[i]) note(events::NoWay{i});
+    had_no_way[i] = planner->no_way(i);
+  }
 }
 
 /// (4) and (15). The error of a robot that is lost or held counts as zero, which takes it out of the group: nobody is
@@ -197,7 +261,7 @@ void TickState::limit_and_shield() noexcept {
     midway[i] = poses[i];
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
-  shield.apply(experiment.shield, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
+  shield.apply(shield_parameters, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
                doubt);
   for (std::size_t i = 0; i < robots(); ++i)
     if (shield_touched[i]) record.robots[i].mode |= shielded;
@@ -233,8 +297,8 @@ bool may_raise_v(const Event& event) noexcept {
       Overloaded{
           [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
-                          Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, DeadlineMissed, VRise,
-                          events::Link, FilmBroken> auto&) { return false; },
+                          Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
+                          DeadlineMissed, VRise, events::Link, FilmBroken> auto&) { return false; },
       },
       event);
 }
@@ -244,12 +308,44 @@ bool may_raise_v(const Event& event) noexcept {
 /// (20) forbids that V rises. Says where it does and nothing explains it: neither a hand nor a robot that was lost or
 /// found (within the time in which the filter comes to believe the new pose).
 void TickState::watch_descent() noexcept {
-  constexpr double settles = 0.5;  // [s]
   for (const Event& event : record.events)
     if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
   if (!running() || record.now < explained_until) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
   if (rise > 0.0) note(events::VRise{rise});
+}
+
+Hindrance TickState::hindrance(std::size_t i) const noexcept {
+  const RobotRecord& robot = record.robots[i];
+  if (robot.is(lost)) return Hindrance::lost;
+  if (held[i]) return Hindrance::held;
+  if (outside[i]) return Hindrance::outside;
+  if (planner && planner->no_way(i)) return Hindrance::no_way;
+  if (planner && planner->waits_for(i) < robots()) return Hindrance::turn;
+  if (robot.is(shielded)) return Hindrance::shield;
+  if (robot.is(avoiding)) return Hindrance::avoidance;
+  if (robot.is(limited)) return Hindrance::limits;
+  return Hindrance::law;
+}
+
+/// Says who comes no nearer to its place, and whose body is over the edge of the arena.
+void TickState::watch_progress() noexcept {
+  for (const Event& event : record.events) {
+    const bool elsewhere = is<events::Perturb, events::Kidnap, events::Move, events::Kick>(event);
+    if (const auto robot = robot_of(event); elsewhere && robot) progress.restart(*robot);
+    if (is<events::Start>(event))
+      for (std::size_t i = 0; i < robots(); ++i) progress.restart(i);
+  }
+  for (std::size_t i = 0; i < robots(); ++i) {
+    const double over = std::max(std::abs(stands[i].x) - shield_parameters.half_width,
+                                 std::abs(stands[i].y) - shield_parameters.half_height) +
+                        core::robot_radius;
+    if (over > 0.0 && !outside[i]) note(events::Outside{i, over});
+    outside[i] = over > 0.0;
+    const double away = core::distance(poses[i], nominal[i].pose);
+    if (!moving() || std::isnan(away) || !progress.stuck(i, away, motion_dt)) continue;
+    note(events::NoProgress{i, away, hindrance(i)});
+  }
 }
 
 /// Everything that this tick did, for the log, the plots and the tests.

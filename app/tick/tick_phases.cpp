@@ -74,7 +74,7 @@ void TickState::obey(const OperatorCommand& command, bool recorded) noexcept {
 void TickState::start() noexcept {
   if (record.phase != Phase::ready) return;
   record.phase = Phase::running;
-  for (std::size_t i = 0; i < robots(); ++i) avoidance.reset(i);
+  forget_ways();
   couplings.note_changes_before_start(record.events);
   for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
     const core::Obstacle first = k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{};
@@ -92,7 +92,7 @@ void TickState::stage() noexcept {
   after_staging = record.phase;
   record.phase = Phase::staging;
   stood_for = 0.0;
-  for (std::size_t i = 0; i < robots(); ++i) avoidance.reset(i);
+  forget_ways();
   note(events::Stage{});
   forget_history();
 }
@@ -102,8 +102,7 @@ void TickState::watch_staging() noexcept {
   bool all_there = true;
   for (std::size_t i = 0; i < robots(); ++i) {
     const core::Pose& start = nominal[i].pose;
-    all_there = all_there && !record.robots[i].is(lost) && avoidance.state(i) == core::Avoidance::State::nominal &&
-                at_start(poses[i], start, staged_tolerance);
+    all_there = all_there && !record.robots[i].is(lost) && on_nominal(i) && at_start(poses[i], start, staged_tolerance);
   }
   stood_for = all_there ? stood_for + motion_dt : 0.0;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "core/control/coordination_law.h"
 #include "core/control/descent_watch.h"
 #include "core/estimation/pose_filter.h"
+#include "core/planning/planner.h"
+#include "core/safety/progress_watch.h"
 
 namespace skein::app {
 
@@ -31,6 +34,8 @@ struct TickState {
   void estimate(const TickInput& input) noexcept;
   void schedule_gains() noexcept;
   void follow_reference() noexcept;
+  void follow_field() noexcept;
+  void follow_plan() noexcept;
   void apply_law() noexcept;
   void limit_and_shield() noexcept;
   void drive_wheels() noexcept;
@@ -38,11 +43,22 @@ struct TickState {
 
   void watch_staging() noexcept;
   void watch_descent() noexcept;
+  void watch_progress() noexcept;
+  Hindrance hindrance(std::size_t i) const noexcept;
 
   bool running() const noexcept { return record.phase == Phase::running; }
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
   /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
   bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i]; }
+  bool on_nominal(std::size_t i) const noexcept {
+    return planner ? planner->state(i) == core::Planner::State::nominal
+                   : avoidance.state(i) == core::Avoidance::State::nominal;
+  }
+  /// Forget what was planned or avoided.
+  void forget_ways() noexcept {
+    for (std::size_t i = 0; i < robots(); ++i) avoidance.reset(i);
+    if (planner) planner->reset();
+  }
   std::size_t robots() const noexcept { return record.robots.size(); }
   void note(const Event& event) noexcept { record.events.add(event); }
 
@@ -50,6 +66,7 @@ struct TickState {
   const Experiment experiment;
   const std::unique_ptr<const core::Reference> reference;
   const core::ReferenceDemand demand;
+  const core::ShieldParameters shield_parameters;  // with the arena's edge
   std::vector<core::CommandLimits> limits;
 
   // What lasts from tick to tick.
@@ -57,15 +74,20 @@ struct TickState {
   double dt = 0.0;         // of the experiment, since the tick before; 0 unless running
   double motion_dt = 0.0;  // the same of everything that drives: while staging as well
   Phase after_staging = Phase::ready;
-  double stood_for = 0.0;  // at the starts, while staging [s]
+  double staging_time = 0.0;  // that planned routes count from while staging [s]
+  double stood_for = 0.0;     // at the starts, while staging [s]
   core::Gains gains;
   Couplings couplings;
   core::ObstacleField obstacles;
   core::Avoidance avoidance;
+  const std::unique_ptr<core::Planner> planner;  // where the file asks for planned routes
   core::Shield shield;
   core::NearRobots near;
   core::LawPairs pairs;  // workspace of the law
   core::DescentWatch watch;
+  core::ProgressWatch progress;
+  std::vector<bool> outside;  // over the edge of the arena
+  std::vector<bool> had_no_way;
   double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
   std::vector<core::PoseFilter> filters;
   std::vector<bool> seen_before;
@@ -79,7 +101,8 @@ struct TickState {
   std::vector<core::Twist> followed_twists, law, commands;
   std::vector<core::TrackingError> errors;
   std::vector<double> v_limits;
-  std::vector<double> doubt;  // how far off each pose may be [m]
+  std::vector<std::uint8_t> out;  // is_out of each, for the planner
+  std::vector<double> doubt;      // how far off each pose may be [m]
   std::unique_ptr<bool[]> shield_touched;
   TickRecord record;
 };

@@ -94,8 +94,21 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     s.finish();
     study.scatter = scatter;
   }
+  if (t.has("crowd")) {
+    Study::Crowd crowd;
+    TomlTable c = t.table("crowd");
+    Span robots{static_cast<double>(crowd.robots[0]), static_cast<double>(crowd.robots[1])};
+    read_span(c, "robots", robots, between(1.0, 64.0));
+    crowd.robots = {static_cast<std::int64_t>(std::ceil(robots[0])), static_cast<std::int64_t>(std::floor(robots[1]))};
+    c.number("clearance", crowd.clearance, between(2.0 * core::robot_radius, longest, "m"));
+    c.number("border", crowd.border, between(core::robot_radius, longest, "m"));
+    c.finish();
+    study.crowd = crowd;
+  }
+  read_texts(t, "control", study.control);
   TomlTable expect = t.table("expect");
   expect.integer("collisions", study.expect.collisions, 0, 1'000'000'000);
+  expect.flag("inside", study.expect.inside);
   expect.number("recovered", study.expect.recovered, between(0.0, 1.0));
   expect.number("formation_first", study.expect.formation_first, between(0.0, 1.0));
   expect.finish();
@@ -158,6 +171,31 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
     sets.push_back(fmt::format("robot.{}.start=[{}, {}, {}]", placed.size(), there.x, there.y, there.theta));
   }
   return sets;
+}
+
+tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, const Experiment& e, Dice& dice) {
+  const double w = 0.5 * e.arena_width - crowd.border, h = 0.5 * e.arena_height - crowd.border;
+  const auto span = static_cast<double>(crowd.robots[1] - crowd.robots[0] + 1);
+  const auto n = static_cast<std::size_t>(crowd.robots[0]) + static_cast<std::size_t>(span * dice.random.uniform());
+  std::vector<core::Pose> starts, places;
+  for (std::vector<core::Pose>* const drawn : {&starts, &places})
+    for (int tries = 0; drawn->size() < n; ++tries) {
+      if (tries == most_tries) return tl::unexpected(fmt::format("there is no room for {} robots", n));
+      const core::Pose pose{dice.between({-w, w}), dice.between({-h, h}), dice.angle()};
+      const bool free =
+          std::all_of(drawn->begin(), drawn->end(),
+                      [&](const core::Pose& p) { return core::distance(p, pose) >= crowd.clearance; }) &&
+          std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
+            return std::hypot(pose.x - o.x, pose.y - o.y) >= o.radius + crowd.clearance - core::robot_radius;
+          });
+      if (free) drawn->push_back(pose);
+    }
+  std::string text;
+  for (std::size_t i = 0; i < n; ++i)
+    text += fmt::format("{}{{start=[{}, {}, {}], trajectory={{path={{shape=\"line\", from=[{}, {}], to=[{}, {}]}}}}}}",
+                        i ? ", " : "", starts[i].x, starts[i].y, starts[i].theta, starts[i].x, starts[i].y, places[i].x,
+                        places[i].y);
+  return "robot=[" + text + "]";
 }
 
 /// Where the robots are when the hand comes: on their places, since nothing has disturbed them yet.
@@ -248,6 +286,9 @@ tl::expected<std::vector<std::string>, std::string> variation(const Study& study
   };
   if (study.field)
     if (auto done = with([&](const Experiment& e) { return one(place_obstacles(*study.field, e, dice)); }); !done)
+      return tl::unexpected(done.error());
+  if (study.crowd)
+    if (auto done = with([&](const Experiment& e) { return one(draw_crowd(*study.crowd, e, dice)); }); !done)
       return tl::unexpected(done.error());
   if (study.scatter)
     if (auto done = with([&](const Experiment& e) { return scatter_starts(*study.scatter, e, dice); }); !done)

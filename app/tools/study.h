@@ -53,11 +53,23 @@ struct Study {
   };
   std::optional<Scatter> scatter;
 
+  /// Robots of its own instead of the experiment's: any start, any heading, each a straight line to any place.
+  struct Crowd {
+    std::array<std::int64_t, 2> robots{4, 30};  ///< from ... to, both allowed
+    double clearance = 0.12;                    ///< between two starts, and between two places [m]
+    double border = 0.1;                        ///< from a start or a place to the arena's edge [m]
+  };
+  std::optional<Crowd> crowd;
+
+  /// What is changed in the control: the same runs once more, with these keys on top, beside the others in the summary.
+  std::vector<std::string> control;
+
   double recovered_within = 0.005;    ///< a run recovered if in its last second no robot is farther from its place [m]
   double formation_first_over = 0.1;  ///< [m]: of smaller perturbations it is not asked
 
   struct Expect {
     std::optional<std::int64_t> collisions;
+    std::optional<bool> inside;                        ///< no body was over the arena's edge
     std::optional<double> recovered, formation_first;  ///< at least this share of the runs
   } expect;
 

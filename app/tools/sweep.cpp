@@ -74,28 +74,39 @@ Json json(double value) {
 }
 
 Json json(const SweepSummary& s) {
-  return {{"study", s.name},
-          {"experiment", s.experiment},
-          {"runs", s.runs},
-          {"failed_runs", s.failed_runs},
-          {"collisions", s.collisions},
-          {"runs_with_collisions", s.runs_with_collisions},
-          {"min_distance", json(s.min_distance)},
-          {"min_distance_seed", s.min_distance_seed},
-          {"obstacle_gap", json(s.obstacle_gap)},
-          {"recovered", s.recovered},
-          {"recovered_share", json(s.recovered_share())},
-          {"recovery_p50", json(s.recovery_p50)},
-          {"recovery_p90", json(s.recovery_p90)},
-          {"recovery_p99", json(s.recovery_p99)},
-          {"recovery_max", json(s.recovery_max)},
-          {"final_error_p50", json(s.final_error_p50)},
-          {"final_error_p99", json(s.final_error_p99)},
-          {"final_error_max", json(s.final_error_max)},
-          {"formation_first", s.formation_first},
-          {"formation_first_asked", s.formation_first_asked},
-          {"formation_first_share", json(s.formation_first_share())},
-          {"bad_seeds", s.bad_seeds}};
+  Json result{{"study", s.name},
+              {"experiment", s.experiment},
+              {"runs", s.runs},
+              {"failed_runs", s.failed_runs},
+              {"collisions", s.collisions},
+              {"runs_with_collisions", s.runs_with_collisions},
+              {"min_distance", json(s.min_distance)},
+              {"min_distance_seed", s.min_distance_seed},
+              {"obstacle_gap", json(s.obstacle_gap)},
+              {"outside", json(s.outside)},
+              {"recovered", s.recovered},
+              {"recovered_share", json(s.recovered_share())},
+              {"recovery_p50", json(s.recovery_p50)},
+              {"recovery_p90", json(s.recovery_p90)},
+              {"recovery_p99", json(s.recovery_p99)},
+              {"recovery_max", json(s.recovery_max)},
+              {"final_error_p50", json(s.final_error_p50)},
+              {"final_error_p99", json(s.final_error_p99)},
+              {"final_error_max", json(s.final_error_max)},
+              {"formation_first", s.formation_first},
+              {"formation_first_asked", s.formation_first_asked},
+              {"formation_first_share", json(s.formation_first_share())},
+              {"relative_first_share", json(s.relative_first_share())},
+              {"bad_seeds", s.bad_seeds}};
+  for (const SweepSummary& control : s.control)
+    result.update({{"control_collisions", control.collisions},
+                   {"control_recovered_share", json(control.recovered_share())},
+                   {"control_recovery_p50", json(control.recovery_p50)},
+                   {"control_recovery_p99", json(control.recovery_p99)},
+                   {"control_recovery_max", json(control.recovery_max)},
+                   {"control_formation_first_share", json(control.formation_first_share())},
+                   {"control_relative_first_share", json(control.relative_first_share())}});
+  return result;
 }
 
 double share(std::int64_t part, std::int64_t whole) noexcept {
@@ -104,10 +115,11 @@ double share(std::int64_t part, std::int64_t whole) noexcept {
 
 }  // namespace
 
-RunOutcome run_one(const Study& study, std::uint64_t seed) {
+RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   auto sets = variation(study, seed);
   if (!sets) return failed(seed, sets.error());
   sets->insert(sets->begin(), study.sets.begin(), study.sets.end());
+  if (control) sets->insert(sets->end(), study.control.begin(), study.control.end());
   const auto experiment = parse_experiment(study.text, study.experiment, *sets);
   if (!experiment) return failed(seed, experiment.error().front().message());
 
@@ -130,13 +142,20 @@ RunOutcome run_one(const Study& study, std::uint64_t seed) {
   // Where references come to rest, a robot that was never off its way has still to arrive.
   if (outcome.recovery && outcome.perturbation == 0.0 && !std::isnan(summary.arrived))
     outcome.recovery = summary.arrived;
+  outcome.outside = summary.outside;
+  const auto all = [&](bool (PerturbationResult::*first)() const noexcept) {
+    return std::all_of(summary.perturbations.begin(), summary.perturbations.end(),
+                       [&](const PerturbationResult& p) { return (p.*first)(); });
+  };
   if (outcome.perturbation > study.formation_first_over)
-    outcome.formation_first = std::all_of(summary.perturbations.begin(), summary.perturbations.end(),
-                                          [](const PerturbationResult& p) { return p.formation_first(); });
+    outcome.relative_first = all(&PerturbationResult::relative_first);
+  if (outcome.perturbation > study.formation_first_over)
+    outcome.formation_first = all(&PerturbationResult::formation_first);
   return outcome;
 }
 
-std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress) {
+std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress,
+                              bool control) {
   std::vector<std::optional<RunOutcome>> outcomes(static_cast<std::size_t>(study.runs));
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> ended{false};
@@ -147,7 +166,7 @@ std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::f
         for (std::size_t run = next++; run < outcomes.size() && !ended; run = next++) {
           const std::uint64_t seed = study.seed + run;
           try {
-            outcomes[run] = run_one(study, seed);
+            outcomes[run] = run_one(study, seed, control);
           } catch (const std::exception& error) {
             outcomes[run] = failed(seed, error.what());
           }
@@ -175,11 +194,15 @@ double quantile(std::vector<double> values, double share_of_all) {
 double SweepSummary::recovered_share() const noexcept {
   return share(recovered, runs);
 }
+double SweepSummary::relative_first_share() const noexcept {
+  return share(relative_first, formation_first_asked);
+}
 double SweepSummary::formation_first_share() const noexcept {
   return share(formation_first, formation_first_asked);
 }
 
-SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes) {
+SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes,
+                       const std::vector<RunOutcome>& control) {
   SweepSummary s;
   s.name = study.name;
   s.experiment = study.experiment;
@@ -200,6 +223,8 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     if (o.recovery) recoveries.push_back(*o.recovery);
     s.formation_first_asked += o.formation_first.has_value();
     s.formation_first += o.formation_first.value_or(false);
+    s.relative_first += o.relative_first.value_or(false);
+    s.outside = std::fmax(s.outside, o.outside);
   }
   s.recovered = static_cast<std::int64_t>(recoveries.size());
   s.recovery_p50 = quantile(recoveries, 0.5);
@@ -209,6 +234,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.final_error_p50 = quantile(errors, 0.5);
   s.final_error_p99 = quantile(errors, 0.99);
   s.final_error_max = quantile(errors, 1.0);
+  if (!control.empty()) s.control.push_back(summarise(study, control));
   return s;
 }
 
@@ -238,6 +264,9 @@ std::vector<std::string> failed_expectations(const Study::Expect& expect, const 
   if (expect.collisions && summary.collisions > *expect.collisions)
     sentences.push_back(
         fmt::format("expect.collisions: expected at most {}, found {}", *expect.collisions, summary.collisions));
+  if (expect.inside && *expect.inside && summary.outside > 0.0)
+    sentences.push_back(fmt::format(
+        "expect.inside: expected every body inside the arena, found one {:.4g} m over its edge", summary.outside));
   const auto at_least = [&](const char* key, const std::optional<double>& least, double found) {
     if (least && !(found >= *least))
       sentences.push_back(fmt::format("expect.{}: expected a share of at least {}, found {:.6g}", key, *least, found));

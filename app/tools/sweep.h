@@ -21,17 +21,20 @@ struct RunOutcome {
   std::optional<double> recovery;       ///< until every robot was within `recovered_within` for good, from the (first)
                                         ///< perturbation, or the start; empty: never [s]
   std::optional<bool> formation_first;  ///< where a perturbation was large enough to ask
+  std::optional<bool> relative_first;   ///< the same of the neighbours' relative positions
+  double outside = 0.0;                 ///< farthest that a body was over the arena's edge [m]
   std::string failure;                  ///< why there is no run, where there is none
 
   bool collided() const noexcept { return collisions > 0; }
 };
 
-/// One run of a study, on the virtual clock.
-RunOutcome run_one(const Study& study, std::uint64_t seed);
+/// One run of a study, or of its control, on the virtual clock.
+RunOutcome run_one(const Study& study, std::uint64_t seed, bool control = false);
 
 /// All runs of a study over `threads` threads; `progress` is told now and then, on the calling thread, how many are
 /// done, and says no to end it. Outcomes in the order of their seeds; those of runs that were not made are left out.
-std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress);
+std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress,
+                              bool control = false);
 
 /// The smallest value of which a share of all are not larger; NaN of nothing.
 double quantile(std::vector<double> values, double share);
@@ -47,13 +50,17 @@ struct SweepSummary {
   std::int64_t recovered = 0;
   double recovery_p50 = 0.0, recovery_p90 = 0.0, recovery_p99 = 0.0, recovery_max = 0.0;  ///< of those that did [s]
   double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;             ///< [m]
-  std::int64_t formation_first = 0, formation_first_asked = 0;
+  std::int64_t formation_first = 0, formation_first_asked = 0, relative_first = 0;
+  double outside = 0.0;                  ///< farthest of all runs [m]
   std::vector<std::uint64_t> bad_seeds;  ///< of runs that collided, did not recover or failed
 
   double recovered_share() const noexcept;
   double formation_first_share() const noexcept;
+  double relative_first_share() const noexcept;
+  std::vector<SweepSummary> control;  ///< of the same seeds, where the study has one
 };
-SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes);
+SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes,
+                       const std::vector<RunOutcome>& control = {});
 std::string as_lines(const SweepSummary& summary);
 std::string as_json(const SweepSummary& summary);
 

@@ -45,6 +45,13 @@ Repulsion repulsion(const AvoidanceParameters& region, const Scene& scene, std::
   };
   for (const std::uint32_t j : near) add(region, scene.poses[j].x, scene.poses[j].y);
   for (const Obstacle& obstacle : scene.obstacles) add(around(region, obstacle), obstacle.x, obstacle.y);
+  // The nearest point of each edge is an obstacle without a size; over the edge it would drive a robot farther out.
+  const double edge_x = scene.half_width + robot_radius, edge_y = scene.half_height + robot_radius;
+  const AvoidanceParameters at_edge = around(region, {});
+  for (const double side : {-1.0, 1.0}) {
+    if (std::abs(pose.x) < edge_x) add(at_edge, side * edge_x, pose.y);
+    if (std::abs(pose.y) < edge_y) add(at_edge, pose.x, side * edge_y);
+  }
   return sum;
 }
 
@@ -216,6 +223,9 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     }
     robot.previous = pose;
     robot.has_previous = known;
+    // Noise and delay let a pose, and what is worked out from it, seem to be over the edge.
+    robot.reference.pose.x = std::clamp(robot.reference.pose.x, -scene.half_width, scene.half_width);
+    robot.reference.pose.y = std::clamp(robot.reference.pose.y, -scene.half_height, scene.half_height);
     reference[i] = robot.state == State::nominal ? nominal[i] : robot.reference;
   }
 }

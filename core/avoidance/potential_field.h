@@ -1,12 +1,32 @@
 #pragma once
 
+#include <string_view>
+
 #include "core/avoidance/obstacle.h"
 #include "core/geometry/pose.h"
 
 namespace skein::core {
 
+/// What changes references so that robots do not meet.
+enum class AvoidanceKind {
+  field,  ///< the paper's (29)-(34), and detours where that is stuck
+  plan,   ///< planned routes: `Planner`
+};
+
+/// As files call it (core/words.h).
+constexpr std::string_view word(AvoidanceKind kind) noexcept {
+  switch (kind) {
+    case AvoidanceKind::field:
+      return "field";
+    case AvoidanceKind::plan:
+      return "plan";
+  }
+  return {};
+}
+
 /// Parameters of the artificial potential field (29-34).
 struct AvoidanceParameters {
+  AvoidanceKind kind = AvoidanceKind::field;
   bool enabled = true;
   double alpha = 0.10;  ///< half width of the detection region along x [m]; smaller than the formation's spacing, or it
                         ///< avoids itself

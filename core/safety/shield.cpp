@@ -6,7 +6,8 @@
 namespace skein::core {
 
 Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(robots), upper_(robots), near_(robots) {
-  constraints_.reserve(robots * (robots - 1) / 2 + robots * obstacles);
+  constexpr std::size_t edges = 4;
+  constraints_.reserve(robots * (robots - 1) / 2 + robots * (obstacles + edges));
 }
 
 void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
@@ -35,6 +36,17 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
     for (const Obstacle& o : obstacles)
       add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - robot_radius + o.radius + doubt_of(i), v_limit[i],
           false);
+    // n_ij points into the arena. The room may be negative: then the robot may only come back.
+    const auto add_edge = [&](double n_x, double n_y, double room) {
+      if (!(p.gamma * room < v_limit[i])) return;
+      const double a_i = n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta);
+      constraints_.push_back({i, i, a_i, 0.0, -p.gamma * std::max(0.0, room), 0.0});
+    };
+    const double keep = p.distance - robot_radius + doubt_of(i);
+    add_edge(1.0, 0.0, p.half_width - keep + poses[i].x);
+    add_edge(-1.0, 0.0, p.half_width - keep - poses[i].x);
+    add_edge(0.0, 1.0, p.half_height - keep + poses[i].y);
+    add_edge(0.0, -1.0, p.half_height - keep - poses[i].y);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct ShieldParameters {
   double distance =
       0.078;  ///< midpoints are kept this far apart [m]: an e-puck's 70 mm, and 8 mm for what sampling and wheels lose
   double gamma = 4.0;  ///< how fast the gap may close, as a share of what is left of it [1/s]
+  /// Half the arena's size, centred on the origin: a body keeps as far from its edge as from an obstacle. [m]
+  double half_width = std::numeric_limits<double>::infinity();
+  double half_height = std::numeric_limits<double>::infinity();
 };
 
 /// The last word before the wheels: changes forward speeds alone, as little as possible, so that no two robots close in
@@ -22,7 +26,8 @@ struct ShieldParameters {
 ///   minimise sum (v_i - v_i*)^2   s.t.  n_ij . (v_i u_i - v_j u_j) >= -gamma (d_ij - D),   |v_i| <= v_limit,i
 /// with u_i the heading and n_ij the unit vector from j to i. v = 0 always satisfies it, so it is always feasible;
 /// where d < D already, it asks that the gap does not shrink. Turning rates stay as they are: robots go on turning
-/// away. A round obstacle counts as a robot that stands still.
+/// away. A round obstacle counts as a robot that stands still, and so does the nearest point of each edge of the arena:
+/// a robot that is already over the edge may drive back, never farther out.
 class Shield {
  public:
   Shield(std::size_t robots, std::size_t obstacles);
@@ -35,7 +40,7 @@ class Shield {
              std::span<const double> doubt = {}) noexcept;
 
  private:
-  /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle (then j = i).
+  /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle or an edge (then j = i).
   struct Constraint {
     std::size_t i, j;
     double a_i, a_j, bound, multiplier;
@@ -43,7 +48,7 @@ class Shield {
   void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>, std::span<const double>,
                std::span<const double>) noexcept;
 
-  std::vector<Constraint> constraints_;  // reserved for every pair: apply never allocates
+  std::vector<Constraint> constraints_;  // reserved for every pair, obstacle and edge: apply never allocates
   std::vector<double> v_, lower_, upper_;
   NearRobots near_;
 };

@@ -157,5 +157,58 @@ TEST(ShieldDrive, ARobotThatIsTooNearIsFreeToLeave) {
   EXPECT_NEAR(core::distance(poses[0], poses[1]), 0.076, 1e-12);
 }
 
+/// Robots driven by a will of their own that changes every second, and turned by hand now and then, never leave the
+/// arena: a body that begins inside stays inside, and standing is always allowed.
+TEST(ShieldDrive, NobodyLeavesTheArena) {
+  ShieldParameters arena;
+  arena.half_width = 0.4;
+  arena.half_height = 0.3;
+  double farthest = -1.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Draw draw(seed);
+    constexpr std::size_t n = 4;
+    std::vector<Pose> poses{{0.3, 0.2, draw.angle()}, {-0.3, 0.2, draw.angle()}, {0.3, -0.2, draw.angle()}, {}};
+    std::vector<Twist> wish(n);
+    Shield shield(n, 0);
+    std::array<bool, n> touched{};
+    for (int k = 0; k < 1500; ++k) {
+      if (k % 25 == 0)
+        for (Twist& twist : wish) twist = {draw.sign() * 0.1, draw.between(-1.7, 1.7)};
+      if (k % 40 == 0) poses[static_cast<std::size_t>(k / 40) % n].theta = draw.angle();
+      std::vector<Twist> commands = wish;
+      std::vector<double> v_limit(n);
+      std::vector<Pose> told = poses;
+      for (std::size_t i = 0; i < n; ++i) {
+        commands[i] = limits.limit(commands[i]);
+        v_limit[i] = limits.v_limit(commands[i].omega);
+        told[i].theta += 0.5 * commands[i].omega * dt;
+      }
+      shield.apply(arena, told, {}, v_limit, commands, touched);
+      for (std::size_t i = 0; i < n; ++i) {
+        poses[i] = core::advance(poses[i], commands[i], dt);
+        farthest = std::max({farthest, std::abs(poses[i].x) + core::robot_radius - arena.half_width,
+                             std::abs(poses[i].y) + core::robot_radius - arena.half_height});
+      }
+    }
+  }
+  EXPECT_LE(farthest, 0.0);
+  EXPECT_GE(farthest, -0.0081) << "they did come to the edge, and as near as the shield lets them";
+}
+
+TEST(ShieldDrive, ARobotOverTheEdgeComesBackAndNoFartherOut) {
+  ShieldParameters arena;
+  arena.half_width = 0.4;
+  arena.half_height = 0.3;
+  const std::vector<Pose> poses{{0.5, 0.0, 0.0}};
+  Shield shield(1, 0);
+  std::array<bool, 1> touched{};
+  std::vector<Twist> out{{0.1, 0.0}}, back{{-0.1, 0.0}};
+  const std::vector<double> v_limit{0.1};
+  shield.apply(arena, poses, {}, v_limit, out, touched);
+  EXPECT_NEAR(out[0].v, 0.0, 1e-9);
+  shield.apply(arena, poses, {}, v_limit, back, touched);
+  EXPECT_EQ(back[0].v, -0.1);
+}
+
 }  // namespace
 }  // namespace skein::test

@@ -63,6 +63,14 @@ QString words(const app::Event& event, double t) {
                                                  .arg(e.obstacle.y, 0, 'f', 2)
                                            : tr("Obstacle %1 was taken away").arg(e.number + 1);
           },
+          [&](const NoWay& e) { return tr("Robot %1 stands: there is no way to its place").arg(e.robot + 1); },
+          [&](const NoProgress& e) {
+            return tr("Robot %1 has come no nearer to its place for 3 s, %2 m away (%3)")
+                .arg(e.robot + 1)
+                .arg(e.distance, 0, 'f', 2)
+                .arg(QString::fromUtf8(word(e.hindrance).data()));
+          },
+          [&](const Outside& e) { return tr("Robot %1 is over the edge of the arena").arg(e.robot + 1); },
           // Said elsewhere in the window: the run bar, the sliders, the state of the strip.
           [](const one_of<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear,
                           app::events::Stage, Staged, Deadlock, VRise> auto&) { return QString(); },

@@ -46,5 +46,36 @@ TEST(Certificate, LooksAtTheMarginsWhereChangesEnd) {
   EXPECT_GT(after.robots[0].k_x.t, 10.0);
 }
 
+TEST(Certificate, RefusesALoopThatSamplingMakesUnstable) {
+  EXPECT_TRUE(certify(steady()).sound());
+  for (const auto& [gain, value] : {std::pair{&ControllerSpec::c_theta, 500.0}, std::pair{&ControllerSpec::c_x, 2000.0},
+                                    std::pair{&ControllerSpec::k, 20000.0}}) {
+    Experiment e = steady();
+    e.controller.*gain = value;
+    const Certificate certificate = certify(e);
+    EXPECT_TRUE(certificate.holds()) << "(18) says nothing of sampling";
+    EXPECT_FALSE(certificate.sampled_loop_stable()) << value;
+    EXPECT_FALSE(certificate.sound()) << value;
+    EXPECT_NE(as_lines(certificate).find("sampled_loop: UNSTABLE at 25 Hz"), std::string::npos);
+  }
+}
+
+TEST(Certificate, RefusesGainsThatLeaveTrackingNextToNothing) {
+  Experiment e = steady();
+  // v_max 0.1 - v_ref 0.05 - 3 k_xx leaves 0.2 um/s.
+  core::table(e.controller.gains, core::GainName::k_xx).fill((0.05 - 2e-7) / 3.0);
+  const Certificate certificate = certify(e);
+  EXPECT_TRUE(certificate.holds());
+  EXPECT_FALSE(certificate.keeps_tracking());
+  EXPECT_FALSE(certificate.sound());
+}
+
+TEST(Certificate, SaysThatThePapersCouplingsDoNotImplyTheLimits) {
+  Experiment e = steady();
+  EXPECT_NE(as_lines(certify(e)).find("limits_14: do NOT follow"), std::string::npos);
+  e.controller.coupling = core::Coupling::bounded;
+  EXPECT_NE(as_lines(certify(e)).find("limits_14: follow from (18f, g)"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace skein::app

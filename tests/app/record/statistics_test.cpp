@@ -246,5 +246,35 @@ TEST(Summary, ReadsAsLinesAndAsJson) {
   EXPECT_EQ(json["events"][1]["what"], "perturb r2");
 }
 
+TEST(Statistics, CountCollisionsWithWhatTheOperatorPutsDown) {
+  History h;
+  h.add(5, 0.0, 0.0);
+  EXPECT_EQ(h.summary().collisions, 0);
+  TickRecord r = h.row();
+  r.events.add(events::PutObstacle{0, {0.0, 0.05, 0.03}});  // its edge 20 mm from the first robot's midpoint
+  h.add(r);
+  h.add(5, 0.0, 0.0);
+  EXPECT_EQ(h.summary().collisions, 1);
+  EXPECT_NEAR(h.summary().obstacle_gap, 0.02 - core::robot_radius, 1e-12);
+  r = h.row();
+  r.events.add(events::PutObstacle{0, {0.0, 0.05, 0.0}});  // taken away, and put down again
+  h.add(r);
+  r = h.row();
+  r.events.add(events::PutObstacle{0, {0.0, 0.05, 0.03}});
+  h.add(r);
+  EXPECT_EQ(h.summary().collisions, 2);
+}
+
+TEST(Statistics, FindHowFarBodiesAreOverTheEdge) {
+  History h;
+  h.add(5, 0.0, 0.0);
+  Expectations inside;
+  inside.inside = true;
+  EXPECT_EQ(h.summary().outside, 0.035) << "the second robot stands at x = 1 m, the edge";
+  EXPECT_EQ(failed_expectations(inside, h.summary()).size(), 1u);
+  Statistics alone{Experiment{}};
+  EXPECT_TRUE(failed_expectations(inside, alone.summary()).empty());
+}
+
 }  // namespace
 }  // namespace skein::app

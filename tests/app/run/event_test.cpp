@@ -42,7 +42,10 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::DeadlineMissed{3}, "deadline_missed 3"},
     {events::VRise{0.06}, "v_rise 0.06"},
     {events::Link{2, LinkState::stale}, "link r3 stale"},
-    {events::FilmBroken{}, "film_broken"}};
+    {events::FilmBroken{}, "film_broken"},
+    {events::NoWay{1}, "no_way r2"},
+    {events::NoProgress{1, 0.31, Hindrance::shield}, "no_progress r2 0.31 shield"},
+    {events::Outside{0, 0.01}, "outside r1 0.01"}};
 
 TEST(Event, WordsOfEveryKindAreReadBack) {
   std::vector<bool> seen(std::variant_size_v<Event>, false);
@@ -58,10 +61,9 @@ TEST(Event, WordsOfEveryKindAreReadBack) {
 }
 
 TEST(Event, NonsenseIsNotRead) {
-  for (const char* nonsense :
-       {"", "boo", "lost", "lost rx", "lost r0", "lost r1 r2", "lost o1", "perturb r1 dx=", "perturb r1 dx=1 dy=2",
-        "perturb r1 dy=1 dx=2 dtheta=3", "gain 1 2 3 4", "gain k_xx 1 2", "gain k_zz 1 -> 2", "gain k_xx 1 -> 2 ramp",
-        "start now", "link r1 open", "couple r1"})
+  for (const char* nonsense : {"", "boo", "lost", "lost rx", "lost r0", "lost r1 r2", "lost o1", "perturb r1 dx=",
+                               "perturb r1 dx=1 dy=2", "perturb r1 dy=1 dx=2 dtheta=3", "gain 1 2 3 4", "gain k_xx 1 2",
+                               "gain k_zz 1 -> 2", "gain k_xx 1 -> 2 ramp", "start now", "link r1 open", "couple r1"})
     EXPECT_FALSE(parse_event(nonsense)) << nonsense;
 }
 

@@ -163,6 +163,11 @@ TEST(Allocation, DetoursDeadlocksAndStagingAllocateNothing) {
   // The field alone, which does jam.
   EXPECT_EQ(allocated(*load_experiment(swap, {"avoidance.horizon=0"}), 700, deadlocks, staging_ticks), 0);
   EXPECT_GT(deadlocks, 0);
+  EXPECT_EQ(allocated(*load_experiment(swap, {"avoidance.kind=plan"}), 700, deadlocks, staging_ticks), 0);
+  Experiment planned = paper_experiment();  // kicked by hand, and with obstacles on its way
+  planned.avoidance.kind = core::AvoidanceKind::plan;
+  planned.obstacles = {{0.3, 0.47, 0.03}, {0.65, 0.0, 0.03}};
+  EXPECT_EQ(allocated(planned, 900, deadlocks, staging_ticks), 0);
   Experiment platoon = paper_experiment();
   for (std::size_t i = 0; i < 4; ++i)
     platoon.robots[i].start = core::Pose{-0.3 + 0.2 * static_cast<double>(i), 0.1, 1.0};

@@ -320,5 +320,80 @@ TEST(ControlTick, PosesAreCarriedToTheTimeOfTheCommand) {
   }
 }
 
+Experiment undisturbed(double duration) {
+  Experiment e = paper_experiment();
+  e.duration = duration;
+  e.perturbations.clear();
+  e.gain_changes.clear();
+  return e;
+}
+
+TEST(ControlTick, ARobotTurnedByHandBesideTheEdgeStaysInside) {
+  Experiment e = undisturbed(60.0);
+  e.arena_width = 1.5, e.arena_height = 1.1;  // 0.1 m from the path to the edge
+  double over = -1.0;
+  for (int k = 0; k < 8; ++k) {
+    Bench bench(e);
+    bench.start();
+    bench.steps(50 + 40 * k);
+    core::Pose pose = bench.robots[0].pose();  // beside the nearest edge, while its place drives on behind it
+    pose.x = std::copysign(0.75 - 0.045, pose.x);
+    pose.theta = pose.x > 0.0 ? core::pi - 0.05 * k : 0.05 * k;
+    bench.robots[0].place(pose);
+    for (int step = 0; step < 750; ++step) {
+      bench.step();
+      for (const core::SimulatedRobot& r : bench.robots)
+        over = std::max(
+            {over, std::abs(r.pose().x) - 0.75 + core::robot_radius, std::abs(r.pose().y) - 0.55 + core::robot_radius});
+    }
+  }
+  EXPECT_LE(over, 0.0);
+}
+
+TEST(ControlTick, SaysOnceThatARobotIsOverTheEdge) {
+  Bench bench(undisturbed(60.0));
+  bench.start();
+  bench.robots[2].place({1.05, 0.0, 0.0});
+  int said = 0;
+  for (int k = 0; k < 25; ++k)
+    for (const Event& event : bench.step().events)
+      if (const auto* const e = std::get_if<events::Outside>(&event)) {
+        EXPECT_EQ(++said, 1);
+        EXPECT_EQ(e->robot, 2u);
+        EXPECT_NEAR(e->over, 0.05 + core::robot_radius, 0.003);  // it drives on
+      }
+  EXPECT_EQ(said, 1);
+}
+
+TEST(ControlTick, SaysWhoMakesNoProgressForThreeSecondsAndWhy) {
+  Bench bench(undisturbed(60.0));
+  bench.start();
+  bench.steps(25);
+  bench.step({commands::Hold{1, true}});
+  double held_at = bench.now, said_at = -1.0;
+  for (int k = 0; k < 250; ++k)
+    for (const Event& event : bench.step().events)
+      if (const auto* const e = std::get_if<events::NoProgress>(&event); e && e->robot == 1) {
+        EXPECT_EQ(e->hindrance, Hindrance::held);
+        EXPECT_LT(said_at, 0.0);  // said once
+        said_at = bench.now;
+      }
+  EXPECT_GT(said_at, held_at + 3.0 - 1e-9);
+  EXPECT_LT(said_at, held_at + 4.0);  // it is at its place for the first moment
+}
+
+TEST(ControlTick, TheFirstSightOfARobotIsNoRiseOfV) {
+  for (const double latency : {0.04, 0.08, 0.16}) {
+    Experiment e = undisturbed(20.0);
+    e.simulation.latency = latency;
+    Bench bench(e);
+    for (core::SimulatedRobot& r : bench.robots) r.place({r.pose().x + 0.03, r.pose().y - 0.03, r.pose().theta + 0.2});
+    bench.start();
+    for (int k = 0; k < 250; ++k)
+      for (const Event& event : bench.step().events)
+        EXPECT_FALSE(is<events::VRise>(event)) << latency << " s, at " << bench.now << " s";
+  }
+}
+
 }  // namespace
 }  // namespace skein::app

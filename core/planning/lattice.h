@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/avoidance/obstacle.h"
+#include "core/geometry/pose.h"
+
+namespace skein::core {
+
+/// Half the arena's size, centred on the origin. [m]
+struct HalfSize {
+  double width = 1.0, height = 0.75;
+};
+
+/// The places that routes run through: one in each cell of a square grid, at its centre, or beside obstacles where
+/// there is most room in the cell, so that a gap narrower than a cell is found. Neighbours (8 of them) are joined where
+/// the straight line between them is free. Allocates in its constructor only.
+class Lattice {
+ public:
+  static constexpr std::size_t directions = 8;
+  static constexpr std::size_t most_cells = 8192;
+
+  /// `keep`: from a midpoint to an edge of the arena or of an obstacle [m].
+  Lattice(const HalfSize& arena, double keep, std::size_t obstacles);
+  void build(std::span<const Obstacle> obstacles) noexcept;
+
+  std::size_t size() const noexcept { return places_.size(); }
+  double cell() const noexcept { return cell_; }
+  bool free(std::size_t vertex) const noexcept { return free_[vertex]; }
+  struct Place {
+    double x, y;
+  };
+  const Place& place(std::size_t vertex) const noexcept { return places_[vertex]; }
+  /// The neighbour in direction d (0: +x, counter-clockwise), where the way there is free; otherwise size().
+  std::size_t neighbour(std::size_t vertex, std::size_t d) const noexcept;
+
+  /// Whether a midpoint may stand there, and drive straight from there to there.
+  bool free(double x, double y) const noexcept { return clearance(x, y) >= 0.0; }
+  bool free(const Place& from, const Place& to) const noexcept;
+  /// The nearest point inside the arena's edges less what is to be kept.
+  Place inside(double x, double y) const noexcept;
+
+  /// Calls f(vertex) for every free vertex within `reach` of a point [m].
+  template <typename F>
+  void near(double x, double y, double reach, F&& f) const {
+    const auto low = [](double value, double size) { return value < 0.0 ? 0.0 : value > size ? size : value; };
+    const double most_x = static_cast<double>(columns_ - 1), most_y = static_cast<double>(rows_ - 1);
+    const double r = reach + 0.5 * cell_;  // a place may be half a cell from its centre
+    const auto i0 = static_cast<std::size_t>(low((x - r - left_) / cell_, most_x));
+    const auto i1 = static_cast<std::size_t>(low((x + r - left_) / cell_, most_x));
+    const auto j0 = static_cast<std::size_t>(low((y - r - bottom_) / cell_, most_y));
+    const auto j1 = static_cast<std::size_t>(low((y + r - bottom_) / cell_, most_y));
+    for (std::size_t j = j0; j <= j1; ++j)
+      for (std::size_t i = i0; i <= i1; ++i) {
+        const std::size_t v = j * columns_ + i;
+        const double dx = places_[v].x - x, dy = places_[v].y - y;
+        if (free_[v] && dx * dx + dy * dy < reach * reach) f(v);
+      }
+  }
+
+ private:
+  /// How much more room there is than must be kept; negative: too little. [m]
+  double clearance(double x, double y) const noexcept { return clearance(x, y, obstacles_); }
+  bool free(const Place& from, const Place& to, std::span<const Obstacle> obstacles) const noexcept;
+  double clearance(double x, double y, std::span<const Obstacle> obstacles) const noexcept;
+
+  double keep_, cell_, left_, bottom_;
+  std::size_t columns_, rows_;
+  HalfSize most_, routes_;  // that a midpoint's coordinates may be, and those of a route's places
+  std::vector<Place> places_;
+  std::vector<std::uint8_t> free_, open_;  // open_: a bit for each direction
+  std::vector<Obstacle> obstacles_;
+  std::vector<Obstacle> close_;  // those that matter to one cell
+};
+
+}  // namespace skein::core

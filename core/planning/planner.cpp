@@ -1,0 +1,259 @@
+#include "core/planning/planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/kinematics/unicycle.h"
+
+namespace skein::core {
+namespace {
+
+constexpr double comfort = 0.02;        // routes keep so much more than the shield asks for [m]
+constexpr double arrived = 1e-3;        // [m]
+constexpr double longest_way = 300.0;   // [s]
+constexpr double arrived_angle = 0.03;  // [rad]
+constexpr double held_back = 0.10;      // by the shield, from a place that moves: a new plan [m]
+constexpr double too_late = 0.4;        // [s]
+constexpr double put_off = 0.015;       // by the shield, on the last piece of a way [m]
+constexpr double again_after = 1.0;     // at least [s]
+constexpr double pushed_away = 0.008;   // from a place at rest [m]
+constexpr double ramp = 0.3;            // of couplings that are released or come back [s]
+constexpr double rate_slope = 2.0;      // of a clock [1/s]
+constexpr double error_free = 0.010;    // behind its route: clocks run on; at `error_stop` they stand [m]
+constexpr double error_stop = 0.025;    // [m]
+constexpr double sees_ahead = 3.0;      // who stands in its way [s]
+constexpr double looks_every = 5;       // ticks
+constexpr double stuck_for = 4.0;       // a clock that hardly runs so long: a new plan for everybody [s]
+
+}  // namespace
+
+Planner::Planner(const Setup& setup, const Reference& reference)
+    : reference_(&reference),
+      setup_(setup),
+      lattice_(setup.arena, setup.shield_distance - robot_radius + 0.0005, setup.obstacles),
+      traffic_(setup.robots),
+      search_(lattice_, setup.robots),
+      merge_(setup.robots),
+      robots_(setup.robots),
+      goals_(setup.robots),
+      rest_from_(setup.robots, never),
+      coupled_(setup.robots),
+      shift_(setup.robots * setup.robots) {
+  constexpr double sampled = 0.1;  // [s]
+  // Beyond the end as well: a robot may be on its way to a place at rest when time is over.
+  const double end = setup.duration + longest_way;
+  for (std::size_t i = 0; i < setup.robots; ++i) {
+    goals_[i] = reference.at(i, end).pose;
+    for (double t = end; t >= 0.0 && reference.at(i, t).twist == Twist{}; t -= sampled) rest_from_[i] = t;
+  }
+  obstacles_.reserve(setup.obstacles);
+  group_.order.reserve(setup.robots);
+  group_.member.resize(setup.robots);
+  group_.planned.resize(setup.robots);
+  group_.failed.resize(setup.robots);
+  group_.from.resize(setup.robots);
+  group_.stands.resize(setup.robots);
+  group_.routes.resize(setup.robots);
+  group_.best.resize(setup.robots);
+  reset();
+}
+
+void Planner::reset() noexcept {
+  for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robots_.size();
+  std::fill(shift_.begin(), shift_.end(), 0.0);
+  group_.active = false;
+  begun_ = false;
+}
+
+bool Planner::rests(std::size_t i, const Scene& scene) const noexcept {
+  if (scene.to_starts) return true;
+  return rest_from_[i] < never && (!coupled_[i] || scene.t >= rest_from_[i]);
+}
+
+Pose Planner::goal(std::size_t i, const Scene& scene) const noexcept {
+  return scene.to_starts ? reference_->at(i, 0.0).pose : goals_[i];
+}
+
+/// Whether robot i, as it drives now, comes upon somebody who stands or an obstacle.
+void Planner::watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
+  Robot& robot = robots_[i];
+  const bool follows = robot.state == State::nominal && nominal[i].twist != Twist{};
+  if (!follows && robot.state != State::driving) return;
+  constexpr double step = 0.2;
+  Pose before = scene.poses[i];
+  for (double ahead = step; ahead < sees_ahead; ahead += step) {
+    const Pose there = follows ? reference_->at(i, scene.t + ahead).pose : robot.route.at(robot.clock + ahead).pose;
+    bool meets = false;
+    if (const Lattice::Place in = lattice_.inside(there.x, there.y);
+        !lattice_.free(in.x, in.y) || !lattice_.free({before.x, before.y}, {before.x, before.y}))
+      meets = !lattice_.free(in.x, in.y) && lattice_.free(before.x, before.y);
+    for (std::size_t j = 0; j < robots_.size() && !meets; ++j) {
+      if (j == i) continue;
+      const bool stands = scene.out[j] || (robots_[j].state == State::waiting && robots_[j].no_way);
+      const bool drives_by =
+          follows && !stands && robots_[j].state == State::nominal && j < i && nominal[j].twist != Twist{};
+      if (!stands && !drives_by) continue;
+      const Pose other = stands ? scene.poses[j] : reference_->at(j, scene.t + ahead).pose;
+      const double d = distance(there, other), keep = setup_.shield_distance + 0.008;
+      meets = d < keep && d < distance(before, stands ? other : scene.poses[j]) - 1e-3;
+    }
+    if (meets) {
+      robot.needs_plan = true;
+      return;
+    }
+    before = there;
+  }
+}
+
+/// Whether somebody who was to be there before robot i has not passed yet.
+bool Planner::must_wait(std::size_t i, double ahead) noexcept {
+  Robot& robot = robots_[i];
+  const std::size_t n = robots_.size();
+  robot.waits_for = n;
+  const double at = robot.clock + ahead, planned = robot.due + at;
+  const Pose there = robot.route.at(at).pose;
+  constexpr double less = 0.004, step = 0.1;
+  for (std::size_t j = 0; j < n; ++j) {
+    const Robot& other = robots_[j];
+    if (j == i || other.state != State::driving) continue;
+    const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
+    const double until = std::min(planned - theirs, other.route.duration());
+    if (other.clock >= until) continue;
+    const double d_now = distance(other.route.at(other.clock).pose, robot.route.at(robot.clock).pose);
+    const double keep = std::min(keep_ - less, d_now - 2e-3);
+    for (double t = other.clock; t < until + step; t += step)
+      if (distance(other.route.at(std::min(t, until)).pose, there) < keep) {
+        robot.waits_for = j;
+        return true;
+      }
+  }
+  return false;
+}
+
+void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
+  Robot& robot = robots_[i];
+  const Pose here = robot.route.at(robot.clock).pose;
+  const double error = distance(here, scene.poses[i]);
+  double wanted = std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0);
+  if (must_wait(i, 0.2) || must_wait(i, 0.4)) wanted = 0.0;
+  robot.rate += std::clamp(wanted - robot.rate, -rate_slope * dt, rate_slope * dt);
+  robot.held_for = robot.rate < 0.3 ? robot.held_for + dt : 0.0;
+  const State before = robot.state;
+  const double step = robot.rate * dt;
+  const Twist twist = robot.route.twist(robot.clock, std::max(step, 1e-9));
+  robot.reference = {here, {twist.v * robot.rate, twist.omega * robot.rate}};
+  robot.clock += step;
+  robot.state = before;
+}
+
+void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
+                   std::span<ReferencePoint> reference) noexcept {
+  const std::size_t n = robots_.size();
+  now_ = scene.t;
+  spent_ = 0;
+  ++tick_;
+  keep_ = setup_.shield_distance + comfort + 2.0 * scene.doubt;
+  const double free = n > 0 ? free_v(gains, 0) : 0.1;
+  pace_.v = std::min(0.98 * free, 0.9 * free_omega(gains, 0) / gains.k_y);
+  pace_.omega = 0.85 * free_omega(gains, 0);
+  const bool changed =
+      !std::equal(obstacles_.begin(), obstacles_.end(), scene.obstacles.begin(), scene.obstacles.end());
+  if (changed) {
+    obstacles_.assign(scene.obstacles.begin(), scene.obstacles.end());
+    lattice_.build(scene.obstacles);
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    if (robots_[i].state == State::nominal) {
+      coupled_[i] = gains.k_xx.row_sum(i) + gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i) > 0.0;
+      robots_[i].reference = nominal[i];
+    }
+  if (!begun_ || to_starts_ != scene.to_starts) find_conflicts_of_all(scene, nominal);
+  begun_ = true;
+  to_starts_ = scene.to_starts;
+
+  for (std::size_t i = 0; i < n; ++i) {
+    Robot& robot = robots_[i];
+    const Pose& pose = scene.poses[i];
+    if (std::isnan(pose.x)) continue;
+    if (scene.out[i]) {
+      if (robot.state != State::waiting) robot.route.stand(pose);
+      robot.state = State::waiting;
+      robot.was_out = true;
+      robot.needs_plan = false;
+      continue;
+    }
+    if (robot.was_out) robot.was_out = false, robot.needs_plan = true, robot.retry = 0.0;
+    const double away = distance(pose, robot.reference.pose);
+    if (robot.state == State::nominal) {
+      const bool at_rest = nominal[i].twist == Twist{};
+      if (std::abs(wrap_angle(pose.theta - robot.reference.pose.theta)) > looks_elsewhere && rests(i, scene) &&
+          (scene.t < rest_from_[i] || scene.to_starts))
+        robot.needs_plan = true;
+      // A hand moves a robot within a tick. One that the shield has held up comes back by the law alone, unless that is
+      // far: a plan begins with a stop, which would hold up those behind it.
+      const bool by_hand = distance(pose, robot.before) > put_elsewhere;
+      const double far = at_rest && rests(i, scene) ? pushed_away : by_hand ? put_elsewhere : held_back;
+      if (away > far + 2.0 * scene.doubt) robot.needs_plan = true;
+    } else if (robot.state != State::waiting && away > 2.0 * put_elsewhere + 2.0 * scene.doubt) {
+      robot.needs_plan = true;
+    }
+    // A way to a moving place is planned for a time: whoever is late for it would meet others there.
+    const bool late = robot.state == State::driving && !rests(i, scene) && lag(i) > too_late;
+    if ((late || (robot.state == State::returning && away > put_off + 2.0 * scene.doubt)) &&
+        scene.t > robot.due + again_after)
+      robot.needs_plan = true;
+    if ((tick_ + i) % static_cast<std::size_t>(looks_every) == 0 || changed) watch(i, scene, nominal);
+    if (robot.state == State::driving && robot.held_for > stuck_for && !group_.active) {
+      robot.held_for = 0.0;
+      robot.needs_plan = true;
+      robot.no_way = rests(i, scene);  // everybody is planned anew
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) robots_[i].before = scene.poses[i];
+  plan(scene, gains, nominal);
+
+  for (std::size_t i = 0; i < n; ++i) {
+    Robot& robot = robots_[i];
+    switch (robot.state) {
+      case State::nominal:
+        robot.reference = nominal[i];
+        break;
+      case State::waiting: {  // brakes along its route, and stands at its end
+        const Twist twist = robot.route.twist(robot.clock, dt);
+        robot.reference = {robot.route.at(robot.clock).pose, twist};
+        robot.clock += dt;
+        break;
+      }
+      case State::driving:
+        run_clock(i, scene, dt);
+        if (robot.clock >= robot.route.duration()) {
+          robot.state = rests(i, scene) ? State::nominal : State::returning;
+          robot.reference.pose = robot.route.end();
+          if (robot.state == State::nominal && scene.t < rest_from_[i] && !scene.to_starts) {
+            // Sooner at its place than the file asks: it stays.
+            robot.state = State::driving;
+          } else if (robot.state == State::nominal) {
+            robot.reference = nominal[i];
+          }
+        }
+        break;
+      case State::returning: {
+        robot.reference.pose = advance(robot.reference.pose, robot.reference.twist, dt);
+        const ReferenceBounds bounds = reference_bounds(gains, i);
+        robot.reference.twist = homing(nominal[i], robot.reference, bounds, dt);
+        if (distance(robot.reference.pose, nominal[i].pose) < arrived &&
+            std::abs(wrap_angle(robot.reference.pose.theta - nominal[i].pose.theta)) < arrived_angle) {
+          robot.state = State::nominal;
+          robot.reference = nominal[i];
+        }
+        break;
+      }
+    }
+    const double wanted = robot.state == State::nominal && !scene.out[i] ? 1.0 : 0.0;
+    robot.share += std::clamp(wanted - robot.share, -dt / ramp, dt / ramp);
+    reference[i] = robot.reference;
+  }
+}
+
+}  // namespace skein::core

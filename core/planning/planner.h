@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/avoidance/obstacle.h"
+#include "core/avoidance/steering.h"
+#include "core/control/gains.h"
+#include "core/planning/lattice.h"
+#include "core/planning/merge.h"
+#include "core/planning/route.h"
+#include "core/planning/route_search.h"
+#include "core/planning/traffic.h"
+#include "core/reference/reference.h"
+
+namespace skein::core {
+
+/// Coordination by planned routes, above the law and below nothing but the shield. A robot whose nominal reference is
+/// free follows that. One that would meet somebody, or has been put elsewhere, gets a route of its own:
+///   to a place at rest     all robots concerned are planned one after the other, each through the traffic of those
+///                          before it (prioritised planning, restarted with whoever failed in front)
+///   to a place that moves  a straight way to a point from which the law, simulated, brings it to its place
+/// Routes are driven on clocks: a robot goes only past points that everybody who was due there earlier has left, and a
+/// robot that falls behind its reference holds its clock back. So a delay of one robot delays others and breaks
+/// nothing. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
+/// constructor only.
+class Planner {
+ public:
+  enum class State {
+    nominal,    ///< follows the formation's reference
+    driving,    ///< on a route
+    returning,  ///< behind a route's end, towards its moving place as the law would drive it
+    waiting,    ///< stands: it is out of the group, is being planned, or there is no way
+  };
+
+  struct Setup {
+    std::size_t robots = 0;
+    std::size_t obstacles = 0;  ///< at most
+    HalfSize arena;
+    double shield_distance = 0.078;  ///< [m]
+    double duration = 0.0;           ///< of the experiment [s]
+  };
+  Planner(const Setup& setup, const Reference& reference);
+
+  struct Scene {
+    double t = 0.0;          ///< of the experiment [s]
+    bool to_starts = false;  ///< places stand where they are at t = 0
+    std::span<const Pose> poses;
+    std::span<const Twist> commands;    ///< the latest
+    std::span<const std::uint8_t> out;  ///< lost or held: stands wherever it is
+    std::span<const Obstacle> obstacles;
+    double doubt = 0.0;  ///< how far off the least certain pose may be [m]
+  };
+  /// One step of length dt [s]. `gains`: with the couplings as they are now.
+  void step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
+            std::span<ReferencePoint> reference) noexcept;
+
+  State state(std::size_t i) const noexcept { return robots_[i].state; }
+  /// What share of its couplings robot i has: they are released while it is on a way of its own, and come back.
+  double share(std::size_t i) const noexcept { return robots_[i].share; }
+  /// Planning has found no way for robot i, and goes on trying.
+  bool no_way(std::size_t i) const noexcept { return robots_[i].no_way; }
+  /// Robot i waits for somebody to pass first, or nobody (robots()).
+  std::size_t waits_for(std::size_t i) const noexcept { return robots_[i].waits_for; }
+  /// Nodes that the latest step took.
+  std::size_t nodes() const noexcept { return spent_; }
+  void reset() noexcept;
+
+ private:
+  struct Robot {
+    State state = State::nominal;
+    Route route;
+    double clock = 0.0, rate = 0.0;  // [s], its share of real time
+    double due = 0.0;                // time of the experiment at which its clock was 0, were nothing late [s]
+    double share = 1.0;
+    double held_for = 0.0;  // how long its clock has hardly run [s]
+    double retry = 0.0;     // no new plan before [s]
+    ReferencePoint reference;
+    Pose before;  // where it was at the step before
+    std::size_t waits_for = 0;
+    bool no_way = false, needs_plan = false, was_out = false;
+  };
+
+  void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  void watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  void begin_route(std::size_t i, const Scene& scene) noexcept;
+  void plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
+  void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
+  void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  bool improve(const Scene& scene) noexcept;
+  void end_group(const Scene& scene) noexcept;
+  void expect(std::size_t j, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  void plan_merge(std::size_t i, const Scene& scene, const Gains& gains,
+                  std::span<const ReferencePoint> nominal) noexcept;
+  void set_off(std::size_t i, double due) noexcept;
+  void run_clock(std::size_t i, const Scene& scene, double dt) noexcept;
+  bool must_wait(std::size_t i, double ahead) noexcept;
+  bool rests(std::size_t i, const Scene& scene) const noexcept;
+  Pose goal(std::size_t i, const Scene& scene) const noexcept;
+  double lag(std::size_t i) const noexcept { return now_ - robots_[i].due - robots_[i].clock; }
+
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr double put_elsewhere = 0.03;    // from a place that moves, or a route: a new plan [m]
+  static constexpr double looks_elsewhere = 0.35;  // than its place: the law turns slowly [rad]
+
+  const Reference* reference_;
+  Setup setup_;
+  Lattice lattice_;
+  Traffic traffic_;
+  RouteSearch search_;
+  Merge merge_;
+  Pace pace_;
+  std::vector<Robot> robots_;
+  std::vector<Pose> goals_;        // where references come to rest
+  std::vector<double> rest_from_;  // since when, or infinity [s]
+  std::vector<bool> coupled_;
+  std::vector<double> shift_;  // robot i's schedule as robot j's plan took it, against its own [s], n x n
+  std::vector<Obstacle> obstacles_;
+  double now_ = 0.0, keep_ = 0.1;
+  std::size_t tick_ = 0, spent_ = 0;
+  bool begun_ = false, to_starts_ = false;
+
+  struct Group {
+    bool active = false, everybody = false, asking = false;
+    double began = 0.0, lead = 0.0;                                    // [s]
+    std::size_t next = 0;                                              // in the order
+    enum class Others { leave, stay, absent } others = Others::leave;  // what those without a route are taken to do
+    int attempt = 0;
+    std::vector<std::size_t> order;
+    std::vector<std::uint8_t> member, planned, failed;
+    std::vector<Pose> from;      // where members stand when they have braked
+    std::vector<double> stands;  // from when on, after `began` [s]
+    std::vector<Route> routes, best;
+    double best_arrival = 0.0;  // of the last of all, after `began` [s]
+    int improvements = 0;
+  } group_;
+};
+
+}  // namespace skein::core

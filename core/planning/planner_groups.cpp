@@ -1,0 +1,310 @@
+// Whom to plan, when, and in what order.
+#include "core/planning/planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace skein::core {
+namespace {
+
+constexpr double try_again = 1.0;      // after there was no way [s]
+constexpr double lead_each = 0.016;    // planning a robot takes about so long [s]
+constexpr double longest_lead = 0.8;   // [s]
+constexpr double leaves_within = 4.0;  // so long whoever has no route yet is taken to stand where it is [s]
+constexpr std::size_t nodes_each_tick = 3000;
+constexpr int most_attempts = 40;
+constexpr int most_improvements = 6;
+constexpr double good_enough = 1.12;  // against the straight line of whoever has the longest
+constexpr double slowest = 0.005;     // who is slower stands [m/s]
+
+}  // namespace
+
+/// Puts into the traffic what robot j is expected to do.
+void Planner::expect(std::size_t j, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
+  constexpr double horizon = 60.0;  // of places that move [s]
+  const Robot& robot = robots_[j];
+  const Pose& pose = scene.poses[j];
+  if (std::isnan(pose.x)) return traffic_.remove(j);
+  if (scene.out[j] || robot.state == State::waiting) return traffic_.stands(j, pose.x, pose.y);
+  if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
+  if (scene.to_starts || nominal[j].twist == Twist{}) {
+    if (scene.to_starts || scene.t >= rest_from_[j]) return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
+  }
+  const double most = rest_from_[j] < never ? std::max(0.0, rest_from_[j] - scene.t) + 0.2 : horizon;
+  traffic_.follows(j, *reference_, scene.t, std::min(most, Traffic::step * Traffic::steps));
+}
+
+/// Before anybody has moved: whose nominal ways to rest meet.
+void Planner::find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
+  const std::size_t n = robots_.size();
+  for (std::size_t j = 0; j < n; ++j) expect(j, scene, nominal);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!traffic_.present(i)) continue;
+    for (std::size_t j = i + 1; j < n; ++j) {
+      if (!traffic_.present(j) || (!rests(i, scene) && !rests(j, scene))) continue;
+      const std::size_t end = std::max(traffic_.still_from(i), traffic_.still_from(j));
+      double least = never;
+      for (std::size_t k = 0; k <= end; k += 2)
+        least = std::min(least, std::hypot(traffic_.x(i, k) - traffic_.x(j, k), traffic_.y(i, k) - traffic_.y(j, k)));
+      if (least < keep_) {
+        if (rests(i, scene)) robots_[i].needs_plan = true;
+        if (rests(j, scene)) robots_[j].needs_plan = true;
+      }
+    }
+    // Obstacles on its way.
+    if (!rests(i, scene)) continue;
+    for (std::size_t k = 0; k <= traffic_.still_from(i); k += 2)
+      if (!lattice_.free(traffic_.x(i, k), traffic_.y(i, k)) && k > 0) robots_[i].needs_plan = true;
+  }
+}
+
+void Planner::set_off(std::size_t i, double due) noexcept {
+  Robot& robot = robots_[i];
+  robot.due = due;
+  robot.clock = now_ - due;
+  robot.rate = 1.0;
+  robot.state = State::driving;
+  robot.held_for = 0.0;
+  robot.no_way = false;
+  robot.needs_plan = false;
+  // Its plan took the others as they are; theirs knew nothing of it.
+  for (std::size_t j = 0; j < robots_.size(); ++j) {
+    if (j == i) continue;
+    const double late = robots_[j].state == State::driving ? lag(j) : 0.0;
+    shift_[i * robots_.size() + j] = late;
+    shift_[j * robots_.size() + i] = -late;
+  }
+}
+
+/// Robot i brakes from whatever it does, and stands until it has a plan.
+void Planner::begin_route(std::size_t i, const Scene& scene) noexcept {
+  Robot& robot = robots_[i];
+  const Pose& pose = scene.poses[i];
+  // Whoever drives goes on from its reference, so that noise does not become a jump; whoever stands, from where it is.
+  const double v = std::abs(scene.commands[i].v) < slowest ? 0.0 : scene.commands[i].v;
+  const bool tracks = v != 0.0 && distance(pose, robot.reference.pose) < put_elsewhere &&
+                      std::abs(wrap_angle(pose.theta - robot.reference.pose.theta)) < looks_elsewhere;
+  const Pose from = tracks ? robot.reference.pose : pose;
+  robot.route.brake(from, v, pace_);
+  group_.from[i] = robot.route.end();
+  group_.stands[i] = robot.route.duration();
+  robot.clock = 0.0;
+  robot.rate = 1.0;
+  robot.state = State::waiting;
+}
+
+void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept {
+  Group& g = group_;
+  const std::size_t n = robots_.size();
+  g.order.clear();
+  std::fill(g.planned.begin(), g.planned.end(), std::uint8_t{0});
+  std::fill(g.failed.begin(), g.failed.end(), std::uint8_t{0});
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool can = rests(i, scene) && !scene.out[i] && !std::isnan(scene.poses[i].x);
+    g.member[i] = can && (robots_[i].needs_plan || everybody);
+    if (g.member[i]) g.order.push_back(i);
+  }
+  if (g.order.empty()) return;
+  g.active = true;
+  g.asking = false;
+  g.best_arrival = never;
+  g.improvements = 0;
+  g.everybody = everybody;
+  g.others = Group::Others::leave;
+  g.next = 0;
+  g.attempt = 0;
+  g.began = scene.t;
+  const auto count = static_cast<double>(g.order.size());
+  g.lead = count > 2.0 ? std::min(longest_lead, lead_each * count) : 0.0;
+  for (const std::size_t i : g.order) {
+    begin_route(i, scene);
+    robots_[i].needs_plan = false;
+  }
+  for (std::size_t j = 0; j < n; ++j)
+    if (!g.member[j]) expect(j, scene, nominal);
+  // The longest way first. (stable_sort would allocate.)
+  std::sort(g.order.begin(), g.order.end(), [&](std::size_t a, std::size_t b) {
+    const double way_a = distance(g.from[a], goal(a, scene)), way_b = distance(g.from[b], goal(b, scene));
+    return way_a != way_b ? way_a > way_b : a < b;
+  });
+}
+
+/// One robot after the other; whoever finds no way goes to the front, and all begin anew.
+void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoint>) noexcept {
+  Group& g = group_;
+  while (g.active && spent_ < nodes_each_tick) {
+    if (g.next == g.order.size()) {
+      if (improve(scene)) continue;
+      end_group(scene);
+      return;
+    }
+    const std::size_t i = g.order[g.next];
+    if (!g.asking) {
+      for (const std::size_t j : g.order) {
+        if (j == i || g.planned[j]) continue;
+        const Pose& p = g.from[j];
+        switch (g.others) {
+          case Group::Others::leave:
+            traffic_.stands(j, p.x, p.y, leaves_within);
+            break;
+          case Group::Others::stay:
+            traffic_.stands(j, p.x, p.y);
+            break;
+          case Group::Others::absent:
+            traffic_.remove(j);
+            break;
+        }
+      }
+      RouteSearch::Query query;
+      query.robot = i;
+      query.from = g.from[i];
+      query.begins = std::max(g.stands[i], g.lead);
+      query.to = goal(i, scene);
+      query.keep = keep_;
+      query.least = setup_.shield_distance + 5e-4;
+      query.pace = pace_;
+      search_.begin(query, traffic_);
+      spent_ += search_.status() == RouteSearch::Status::found ? 60 : 500;  // the stamps and the estimate
+      g.asking = true;
+    }
+    if (search_.status() == RouteSearch::Status::searching)
+      spent_ += search_.advance(std::max<std::size_t>(200, nodes_each_tick - std::min(nodes_each_tick, spent_)));
+    if (search_.status() == RouteSearch::Status::searching) return;
+    g.asking = false;
+    Route& route = g.routes[i];
+    route = robots_[i].route;  // that it brakes along
+    if (search_.status() == RouteSearch::Status::found && route.append(search_.legs(), goal(i, scene).theta, pace_)) {
+      traffic_.drives(i, route, 0.0);
+      g.planned[i] = 1;
+      g.others = Group::Others::leave;
+      ++g.next;
+      continue;
+    }
+    if (g.others != Group::Others::absent && g.next + 1 < g.order.size()) {
+      g.others = g.others == Group::Others::leave ? Group::Others::stay : Group::Others::absent;
+      continue;
+    }
+    ++g.attempt;
+    if (g.best_arrival < never) {  // the plan that there is, is good enough
+      end_group(scene);
+      return;
+    }
+    if (g.attempt > most_attempts || g.next == 0) {  // first and yet no way: it stands where it is
+      g.failed[i] = 1;
+      traffic_.stands(i, g.from[i].x, g.from[i].y);
+      g.planned[i] = 0;
+      g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
+      robots_[i].no_way = true;
+      robots_[i].retry = scene.t + try_again;
+      robots_[i].needs_plan = true;
+      g.member[i] = 0;
+    } else {
+      std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(g.next),
+                  g.order.begin() + static_cast<std::ptrdiff_t>(g.next + 1));
+    }
+    if (g.attempt <= most_attempts) {
+      for (const std::size_t j : g.order) g.planned[j] = 0;
+      g.next = 0;
+      g.others = Group::Others::leave;
+    }
+  }
+}
+
+/// All have routes. Keeps them if they are the best so far; whether to try again with whoever arrives last in front.
+bool Planner::improve(const Scene& scene) noexcept {
+  Group& g = group_;
+  double last = 0.0, soonest = 0.0;
+  std::size_t latest = 0;
+  for (std::size_t k = 0; k < g.order.size(); ++k) {
+    const std::size_t i = g.order[k];
+    const Pose to = goal(i, scene);
+    const double alone = std::max(g.stands[i], g.lead) + distance(g.from[i], to) / pace_.v;
+    soonest = std::max(soonest, alone);
+    if (g.routes[i].duration() > last) last = g.routes[i].duration(), latest = k;
+  }
+  if (last < g.best_arrival) {
+    g.best_arrival = last;
+    g.best = g.routes;
+  }
+  const auto tries = std::min(most_improvements, 60 / static_cast<int>(g.order.size()));
+  if (latest == 0 || g.best_arrival < good_enough * soonest || g.improvements++ >= tries ||
+      scene.t > g.began + 0.7 * g.lead)
+    return false;
+  std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(latest),
+              g.order.begin() + static_cast<std::ptrdiff_t>(latest + 1));
+  std::fill(g.planned.begin(), g.planned.end(), std::uint8_t{0});
+  g.next = 0;
+  return true;
+}
+
+void Planner::end_group(const Scene& scene) noexcept {
+  Group& g = group_;
+  // Routes begin when they were planned to, or now, if planning took longer.
+  const double late = std::max(0.0, scene.t - g.began - g.lead);
+  const double due = g.began + late;
+  for (const std::size_t i : g.order) {
+    robots_[i].route = g.best[i];
+    // A member that is still braking is taken from where it will stand.
+    set_off(i, due);
+  }
+  for (const std::size_t i : g.order)
+    for (const std::size_t j : g.order) shift_[i * robots_.size() + j] = 0.0;
+  g.active = false;
+}
+
+void Planner::plan_merge(std::size_t i, const Scene& scene, const Gains& gains,
+                         std::span<const ReferencePoint> nominal) noexcept {
+  Robot& robot = robots_[i];
+  for (std::size_t j = 0; j < robots_.size(); ++j) expect(j, scene, nominal);
+  begin_route(i, scene);
+  Merge::Query query;
+  query.robot = i;
+  query.from = group_.from[i];
+  query.begins = group_.stands[i];
+  query.t = scene.t;
+  query.pace = pace_;
+  query.bounds = {free_v(gains, i), free_omega(gains, i), gains.k_y};
+  // With room to spare, then as near as the shield allows, then whatever the shield makes of it.
+  Merge::Way way;
+  constexpr double grace = 2.5;  // [s]
+  struct Care {
+    double room, grace;
+  };
+  for (const Care care :
+       {Care{0.008, 0.0}, Care{0.002, 0.0}, Care{0.006, grace}, Care{-0.02, grace}, Care{-1.0, grace}}) {
+    query.keep = care.room <= -1.0 ? 0.0 : setup_.shield_distance + care.room + 2.0 * scene.doubt;
+    query.grace = care.grace;
+    way = merge_.find(query, *reference_, lattice_, traffic_);
+    spent_ += 20 * merge_.trials();
+    if (way.found) break;
+  }
+  if (!way.found || !robot.route.append({way.legs.data(), way.count}, way.heading, pace_)) {
+    robot.no_way = true;
+    robot.retry = scene.t + 0.4;
+    robot.needs_plan = true;
+    return;
+  }
+  set_off(i, scene.t);
+}
+
+void Planner::plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
+  if (group_.active) return go_on_with_group(scene, nominal);
+  bool group = false, everybody = false;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Robot& robot = robots_[i];
+    if (!robot.needs_plan || scene.out[i] || scene.t < robot.retry) continue;
+    if (!rests(i, scene)) {
+      if (spent_ >= nodes_each_tick) continue;
+      plan_merge(i, scene, gains, nominal);
+    } else {
+      group = true;
+      everybody = everybody || robot.no_way;
+    }
+  }
+  if (!group) return;
+  begin_group(scene, nominal, everybody);
+  go_on_with_group(scene, nominal);
+}
+
+}  // namespace skein::core

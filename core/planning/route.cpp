@@ -1,0 +1,134 @@
+#include "core/planning/route.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace skein::core {
+namespace {
+
+constexpr double no_angle = 1e-6;  // [rad]
+constexpr double no_way = 1e-6;    // [m]
+
+}  // namespace
+
+double Pace::turn_time(double angle) const noexcept {
+  return std::abs(angle) < no_angle ? 0.0 : Travel(std::abs(angle), omega, alpha).duration();
+}
+
+double Pace::drive_time(double distance) const noexcept {
+  return distance < no_way ? 0.0 : Travel(distance, v, acceleration).duration();
+}
+
+double Pace::start_time() const noexcept {
+  return SmoothStep::steepest * v / acceleration;
+}
+
+void Route::stand(const Pose& pose) noexcept {
+  size_ = 0;
+  start_ = pose;
+}
+
+Pose Route::stop(const Pose& pose, double v, const Pace& pace) noexcept {
+  const double way = 0.5 * v * std::abs(v) / pace.acceleration;
+  return {pose.x + way * std::cos(pose.theta), pose.y + way * std::sin(pose.theta), pose.theta};
+}
+
+double Route::stop_time(double v, const Pace& pace) noexcept {
+  return std::abs(v) / pace.acceleration;
+}
+
+void Route::brake(const Pose& pose, double v, const Pace& pace) noexcept {
+  stand(pose);
+  Segment segment;
+  segment.kind = Segment::Kind::brake;
+  segment.duration = stop_time(v, pace);
+  segment.from.pose = pose;
+  segment.amount = v;
+  add(segment);
+}
+
+void Route::add(const Segment& segment) noexcept {
+  segments_[size_++] = segment;
+}
+
+bool Route::append(std::span<const Leg> legs, double heading, const Pace& pace) noexcept {
+  if (size_ + 2 * legs.size() + 1 > segments_.size()) return false;
+  State at_end = at(duration());
+  double t = duration();
+  const auto turn = [&](double to) {
+    const double angle = wrap_angle(to - at_end.pose.theta);
+    if (std::abs(angle) < no_angle) return;
+    Segment segment;
+    segment.kind = Segment::Kind::turn;
+    segment.t = t;
+    segment.from = at_end;
+    segment.amount = angle;
+    segment.travel = Travel(std::abs(angle), pace.omega, pace.alpha);
+    segment.duration = segment.travel.duration();
+    add(segment);
+    t += segment.duration;
+    at_end = at(segment, segment.duration);
+  };
+  for (const Leg& leg : legs) {
+    const double dx = leg.x - at_end.pose.x, dy = leg.y - at_end.pose.y, way = std::hypot(dx, dy);
+    if (way < no_way) continue;
+    turn(std::atan2(dy, dx));
+    Segment segment;
+    segment.kind = Segment::Kind::drive;
+    segment.t = std::max(t, leg.drives_at);
+    segment.from = at_end;
+    segment.amount = way;
+    const double shortest = pace.drive_time(way), planned = leg.arrives_at - segment.t;
+    segment.travel =
+        planned > shortest ? Travel::within(way, planned, pace.acceleration) : Travel(way, pace.v, pace.acceleration);
+    segment.duration = segment.travel.duration();
+    add(segment);
+    t = segment.t + segment.duration;
+    at_end = at(segment, segment.duration);
+    at_end.pose.x = leg.x, at_end.pose.y = leg.y;
+  }
+  turn(heading);
+  return true;
+}
+
+Route::State Route::at(const Segment& segment, double t) noexcept {
+  State state = segment.from;
+  switch (segment.kind) {
+    case Segment::Kind::turn: {
+      const double turned = std::copysign(segment.travel.at(t).s, segment.amount);
+      state.turned += turned;
+      state.pose.theta = wrap_angle(state.pose.theta + turned);
+      return state;
+    }
+    case Segment::Kind::drive:
+    case Segment::Kind::brake: {
+      const double share = segment.duration > 0.0 ? t / segment.duration : 1.0;
+      const double way = segment.kind == Segment::Kind::drive
+                             ? segment.travel.at(t).s
+                             : segment.amount * segment.duration * share * (1.0 - 0.5 * share);
+      state.driven += way;
+      state.pose.x += way * std::cos(state.pose.theta);
+      state.pose.y += way * std::sin(state.pose.theta);
+      return state;
+    }
+  }
+  return state;
+}
+
+Route::State Route::at(double t) const noexcept {
+  if (size_ == 0) return {start_, 0.0, 0.0};
+  std::size_t low = 0, high = size_;  // the last segment that has begun
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    (segments_[middle].t <= t ? low : high) = middle;
+  }
+  const Segment& segment = segments_[low];
+  return at(segment, std::clamp(t - segment.t, 0.0, segment.duration));
+}
+
+Twist Route::twist(double t, double dt) const noexcept {
+  const State now = at(t), then = at(t + dt);
+  return {(then.driven - now.driven) / dt, (then.turned - now.turned) / dt};
+}
+
+}  // namespace skein::core

@@ -1,0 +1,398 @@
+#include "core/planning/route_search.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace skein::core {
+namespace {
+
+constexpr double attach = 1.7;     // start and goal are joined with vertices within so many cells
+constexpr double weight = 1.05;    // of what is left, against what was driven: fewer nodes, at most 5 % longer ways
+constexpr double wait_step = 0.2;  // [s]
+constexpr int most_waits = 60;
+constexpr std::size_t most_nodes = 60000;  // of one search
+constexpr float never = std::numeric_limits<float>::infinity();
+
+}  // namespace
+
+RouteSearch::RouteSearch(const Lattice& lattice, std::size_t robots)
+    : lattice_(&lattice),
+      radius_(robots),
+      taken_((lattice.size() + 2) * words),
+      intervals_((lattice.size() + 2) * intervals_each),
+      interval_count_(lattice.size() + 2),
+      left_(lattice.size() + 2),
+      best_((lattice.size() + 2) * headings * intervals_each),
+      best_of_(best_.size()),
+      is_exit_(lattice.size() + 2) {
+  nodes_.reserve(most_nodes);
+  open_.reserve(most_nodes);
+  exits_.reserve(64);
+}
+
+Lattice::Place RouteSearch::place(std::size_t vertex) const noexcept {
+  if (vertex == goal()) return lattice_->inside(query_.to.x, query_.to.y);
+  if (vertex == start()) return {query_.from.x, query_.from.y};
+  return lattice_->place(vertex);
+}
+
+void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
+  query_ = query;
+  traffic_ = &traffic;
+  ++search_;
+  nodes_.clear();
+  open_.clear();
+  leg_count_ = 0;
+  status_ = Status::searching;
+  const auto k0 = std::min(Traffic::steps - 1, static_cast<std::size_t>(query.begins / Traffic::step));
+  for (std::size_t j = 0; j < radius_.size(); ++j) {
+    if (j == query.robot || !traffic.present(j)) {
+      radius_[j] = 0.0;
+      continue;
+    }
+    const std::size_t last = Traffic::steps - 1;
+    const double at_start = std::hypot(traffic.x(j, k0) - query.from.x, traffic.y(j, k0) - query.from.y);
+    const double at_end = std::hypot(traffic.x(j, last) - query.to.x, traffic.y(j, last) - query.to.y);
+    constexpr double less = 1e-3;
+    radius_[j] = std::min(std::max(std::min(query.keep, at_end - less), query.least), at_start - less);
+  }
+  if (direct()) {
+    status_ = Status::found;
+    return;
+  }
+  stamp();
+  estimate();
+  // The start, if the robot may stand there now.
+  const auto now = intervals(start());
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (now[k].begin <= query_.begins + Traffic::step && query_.begins <= now[k].end) {
+      nodes_.push_back({static_cast<float>(query_.begins), 0.0f, static_cast<float>(query_.begins),
+                        static_cast<std::uint32_t>(state_of(start(), headings - 1, k)), nobody});
+      open_.emplace_back(0.0f, 0u);
+      return;
+    }
+  status_ = Status::none;
+}
+
+/// Straight there at once.
+bool RouteSearch::direct() noexcept {
+  const Lattice::Place to = place(goal());
+  double arrival = 0.0;
+  const std::array<Lattice::Place, 2> points{place(start()), to};
+  if (!lattice_->free(points[0], points[1]) || !retime(points, legs_, arrival)) return false;
+  const double soonest =
+      query_.begins +
+      query_.pace.turn_time(wrap_angle(std::atan2(to.y - query_.from.y, to.x - query_.from.x) - query_.from.theta)) +
+      query_.pace.drive_time(std::hypot(to.x - query_.from.x, to.y - query_.from.y)) + 1.0;
+  if (legs_[0].arrives_at > soonest) return false;
+  leg_count_ = 1;
+  arrival_ = arrival;
+  return true;
+}
+
+/// Takes the others' ways out of the vertices' time.
+void RouteSearch::stamp() noexcept {
+  std::fill(taken_.begin(), taken_.end(), 0);
+  std::fill(interval_count_.begin(), interval_count_.end(), std::uint8_t{255});
+  const Lattice::Place ends[2] = {place(goal()), place(start())};
+  for (std::size_t j = 0; j < radius_.size(); ++j) {
+    if (radius_[j] <= 0.0) continue;
+    const std::size_t still = traffic_->still_from(j);
+    const auto mark = [&](std::size_t v, std::size_t k) {
+      std::uint64_t* const row = &taken_[v * words];
+      if (k < still) {
+        row[k / 64] |= std::uint64_t{1} << (k % 64);
+        return;
+      }
+      row[k / 64] |= ~std::uint64_t{0} << (k % 64);
+      for (std::size_t w = k / 64 + 1; w < words; ++w) row[w] = ~std::uint64_t{0};
+    };
+    for (std::size_t k = 0; k <= still; ++k) {
+      const double x = traffic_->x(j, k), y = traffic_->y(j, k), r = radius_[j];
+      lattice_->near(x, y, r, [&](std::size_t v) { mark(v, k); });
+      for (std::size_t e = 0; e < 2; ++e) {
+        const double dx = ends[e].x - x, dy = ends[e].y - y;
+        if (dx * dx + dy * dy < r * r) mark(goal() + e, k);
+      }
+    }
+  }
+}
+
+/// How far it is from every vertex to the goal, were nobody there.
+void RouteSearch::estimate() noexcept {
+  std::fill(left_.begin(), left_.end(), never);
+  std::fill(is_exit_.begin(), is_exit_.end(), std::uint8_t{0});
+  const Lattice::Place to = place(goal());
+  open_.clear();
+  left_[goal()] = 0.0f;
+  exits_.clear();
+  lattice_->near(to.x, to.y, attach * lattice_->cell(), [&](std::size_t v) {
+    if (exits_.size() == exits_.capacity() || !lattice_->free(lattice_->place(v), to)) return;
+    exits_.push_back(static_cast<std::uint32_t>(v));
+    is_exit_[v] = 1;
+    left_[v] = static_cast<float>(std::hypot(lattice_->place(v).x - to.x, lattice_->place(v).y - to.y));
+    open_.emplace_back(left_[v], static_cast<std::uint32_t>(v));
+  });
+  const auto later = [](const auto& a, const auto& b) { return a > b; };
+  std::make_heap(open_.begin(), open_.end(), later);
+  while (!open_.empty()) {
+    const auto [d, v] = open_.front();
+    std::pop_heap(open_.begin(), open_.end(), later);
+    open_.pop_back();
+    if (d > left_[v]) continue;
+    const Lattice::Place& here = lattice_->place(v);
+    for (std::size_t k = 0; k < Lattice::directions; ++k) {
+      const std::size_t u = lattice_->neighbour(v, k);
+      if (u == lattice_->size()) continue;
+      const auto way = d + static_cast<float>(std::hypot(lattice_->place(u).x - here.x, lattice_->place(u).y - here.y));
+      if (way >= left_[u]) continue;
+      left_[u] = way;
+      open_.emplace_back(way, static_cast<std::uint32_t>(u));
+      std::push_heap(open_.begin(), open_.end(), later);
+    }
+  }
+  open_.clear();
+}
+
+std::span<const RouteSearch::Interval> RouteSearch::intervals(std::size_t vertex) noexcept {
+  Interval* const all = &intervals_[vertex * intervals_each];
+  std::uint8_t& count = interval_count_[vertex];
+  if (count == 255) {
+    count = 0;
+    const std::uint64_t* const row = &taken_[vertex * words];
+    const auto next = [&](std::size_t k, bool set) {  // the first step from k on that is taken, or is not
+      while (k < Traffic::steps) {
+        const std::uint64_t word = (set ? row[k / 64] : ~row[k / 64]) >> (k % 64);
+        if (word != 0) return std::min(Traffic::steps, k + static_cast<std::size_t>(std::countr_zero(word)));
+        k = (k / 64 + 1) * 64;
+      }
+      return Traffic::steps;
+    };
+    for (std::size_t k = next(0, false); k < Traffic::steps && count < intervals_each;) {
+      const std::size_t end = next(k, true);
+      all[count++] = {
+          static_cast<float>(Traffic::step * static_cast<double>(k)),
+          end == Traffic::steps ? never : static_cast<float>(Traffic::step * (static_cast<double>(end) - 1.0))};
+      k = next(end, false);
+    }
+  }
+  return {all, count};
+}
+
+std::size_t RouteSearch::advance(std::size_t budget) noexcept {
+  std::size_t spent = 0;
+  const auto later = [](const auto& a, const auto& b) { return a > b; };
+  while (status_ == Status::searching && spent < budget) {
+    if (open_.empty() || nodes_.size() + 64 > nodes_.capacity() || open_.size() + 64 > open_.capacity()) {
+      status_ = Status::none;
+      break;
+    }
+    const auto [f, node] = open_.front();
+    std::pop_heap(open_.begin(), open_.end(), later);
+    open_.pop_back();
+    const Node& n = nodes_[node];
+    if (node != 0 && (best_of_[n.state] != search_ || n.g > best_[n.state])) continue;
+    ++spent;
+    if (n.state / intervals_each / headings == goal()) {
+      finish(node);
+      break;
+    }
+    expand(node);
+  }
+  return spent;
+}
+
+/// Drives to a vertex, as soon as it is free: in each of its intervals a state of its own.
+void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t heading, double ready,
+                        double duration) noexcept {
+  const std::size_t from_state = nodes_[parent].state;
+  const std::size_t from = from_state / intervals_each / headings;
+  const double may_stay = intervals(from)[from_state % intervals_each].end;
+  const auto all = intervals(vertex);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double leaves = std::max(ready, static_cast<double>(all[k].begin));
+    // Whoever waits starts anew.
+    const double takes =
+        duration + (leaves > ready + 1e-6 && heading < Lattice::directions ? query_.pace.start_time() : 0.0);
+    const double arrives = leaves + takes;
+    if (arrives > may_stay) break;
+    if (arrives > all[k].end) continue;
+    double g = arrives;
+    if (vertex == goal()) {
+      if (all[k].end < never) continue;  // somebody passes later
+    }
+    const std::size_t state = state_of(vertex, heading, k);
+    if (best_of_[state] == search_ && best_[state] <= g) continue;
+    best_of_[state] = search_;
+    best_[state] = static_cast<float>(g);
+    const double left = weight * left_[vertex] / query_.pace.v;
+    nodes_.push_back({static_cast<float>(g), static_cast<float>(g + left), static_cast<float>(leaves),
+                      static_cast<std::uint32_t>(state), parent});
+    open_.emplace_back(static_cast<float>(g + left), static_cast<std::uint32_t>(nodes_.size() - 1));
+    std::push_heap(open_.begin(), open_.end(), [](const auto& a, const auto& b) { return a > b; });
+  }
+}
+
+void RouteSearch::expand(std::uint32_t node) noexcept {
+  const Node n = nodes_[node];
+  const std::size_t v = n.state / intervals_each / headings;
+  const Lattice::Place here = place(v);
+  double theta = query_.from.theta;
+  const bool begins = n.parent == nobody;
+  if (!begins) {
+    const Lattice::Place before = place(nodes_[n.parent].state / intervals_each / headings);
+    theta = std::atan2(here.y - before.y, here.x - before.x);
+  }
+  const auto drive = [&](std::size_t to, std::size_t heading) {
+    const Lattice::Place there = place(to);
+    const double dx = there.x - here.x, dy = there.y - here.y, way = std::hypot(dx, dy);
+    const double turn = way > 1e-9 ? wrap_angle(std::atan2(dy, dx) - theta) : 0.0;
+    const bool straight = !begins && std::abs(turn) < 0.02;
+    const double ready = n.g + (straight ? 0.0 : query_.pace.turn_time(turn));
+    double duration = way / query_.pace.v + (straight ? 0.0 : query_.pace.start_time());
+    if (to == goal()) duration += query_.pace.start_time() * 0.5;
+    reach(node, to, heading, ready, duration);
+  };
+  if (begins) {
+    lattice_->near(here.x, here.y, attach * lattice_->cell(), [&](std::size_t u) {
+      if (left_[u] < never && lattice_->free(here, lattice_->place(u))) drive(u, headings - 1);
+    });
+    const Lattice::Place to = place(goal());
+    if (std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() && lattice_->free(here, to))
+      drive(goal(), headings - 1);
+    return;
+  }
+  for (std::size_t d = 0; d < Lattice::directions; ++d)
+    if (const std::size_t u = lattice_->neighbour(v, d); u != lattice_->size() && left_[u] < never) drive(u, d);
+  if (is_exit_[v]) drive(goal(), 0);
+}
+
+/// The way back along the parents, straight pieces as one leg.
+void RouteSearch::finish(std::uint32_t node) noexcept {
+  status_ = Status::none;
+  std::array<std::uint32_t, 512> chain{};
+  std::size_t count = 0;
+  for (std::uint32_t at = node; at != nobody; at = nodes_[at].parent) {
+    if (count == chain.size()) return;
+    chain[count++] = at;
+  }
+  leg_count_ = 0;
+  double theta = 0.0;
+  for (std::size_t k = count - 1; k-- > 0;) {
+    const Node& n = nodes_[chain[k]];
+    const Lattice::Place to = place(n.state / intervals_each / headings);
+    const Lattice::Place from = place(nodes_[n.parent].state / intervals_each / headings);
+    const double direction = std::atan2(to.y - from.y, to.x - from.x);
+    const bool goes_on =
+        leg_count_ > 0 && std::abs(wrap_angle(direction - theta)) < 0.02 && n.leaves <= nodes_[n.parent].g + 1e-3f;
+    if (goes_on) {
+      Leg& leg = legs_[leg_count_ - 1];
+      leg.x = to.x, leg.y = to.y, leg.arrives_at = n.g;
+      continue;
+    }
+    if (leg_count_ == legs_.size()) return;
+    legs_[leg_count_++] = {to.x, to.y, n.leaves, n.g};
+    theta = direction;
+  }
+  arrival_ = nodes_[node].g + query_.pace.turn_time(wrap_angle(query_.to.theta - theta));
+  status_ = Status::found;
+  straighten();
+}
+
+bool RouteSearch::clear(double x, double y, double t) const noexcept {
+  const double at = std::clamp(t / Traffic::step, 0.0, static_cast<double>(Traffic::steps - 1));
+  const auto k = static_cast<std::size_t>(at);
+  const std::size_t next = std::min(k + 1, Traffic::steps - 1);
+  const double share = at - static_cast<double>(k);
+  for (std::size_t j = 0; j < radius_.size(); ++j) {
+    const double r = radius_[j];
+    if (r <= 0.0) continue;
+    const double o_x = traffic_->x(j, k), dx = o_x + share * (traffic_->x(j, next) - o_x) - x;
+    if (std::abs(dx) >= r) continue;
+    const double o_y = traffic_->y(j, k), dy = o_y + share * (traffic_->y(j, next) - o_y) - y;
+    if (dx * dx + dy * dy < r * r) return false;
+  }
+  return true;
+}
+
+bool RouteSearch::clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves,
+                             double arrives) const noexcept {
+  const double duration = arrives - leaves;
+  const auto samples = static_cast<int>(std::ceil(duration / Traffic::step)) + 1;
+  for (int k = 0; k <= samples; ++k) {
+    const double share = static_cast<double>(k) / samples;
+    if (!clear(from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), leaves + share * duration))
+      return false;
+  }
+  return true;
+}
+
+/// The soonest times of legs through these points, one leg after the other.
+bool RouteSearch::retime(std::span<const Lattice::Place> points, std::span<Leg> legs, double& arrival) const noexcept {
+  double t = query_.begins, theta = query_.from.theta;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    const Lattice::Place &from = points[k], &to = points[k + 1];
+    const double way = std::hypot(to.x - from.x, to.y - from.y);
+    const double heading = way > 1e-6 ? std::atan2(to.y - from.y, to.x - from.x) : theta;
+    const double turned = t + query_.pace.turn_time(wrap_angle(heading - theta));
+    const double takes = query_.pace.drive_time(way);
+    const bool last = k + 2 == points.size();
+    double stood = t;
+    bool done = false;
+    for (int wait = 0; wait < most_waits && !done; ++wait) {
+      const double leaves = turned + wait * wait_step;
+      if (!clear_line(from, from, stood, leaves)) return false;
+      stood = leaves;
+      if (!clear_line(from, to, leaves, leaves + takes)) continue;
+      if (last) {
+        bool stays = true;
+        for (double s = leaves + takes; stays && s < Traffic::step * Traffic::steps; s += Traffic::step)
+          stays = clear(to.x, to.y, s);
+        if (!stays) continue;
+      }
+      legs[k] = {to.x, to.y, leaves, leaves + takes};
+      t = leaves + takes;
+      done = true;
+    }
+    if (!done) return false;
+    theta = heading;
+  }
+  arrival = t + query_.pace.turn_time(wrap_angle(query_.to.theta - theta));
+  return true;
+}
+
+/// Leaves out corners as long as that brings the robot there sooner.
+void RouteSearch::straighten() noexcept {
+  constexpr int most_trials = 60;
+  std::array<Lattice::Place, Route::most_legs + 1> points{}, fewer{};
+  std::array<Leg, Route::most_legs> legs{};
+  std::size_t count = 1;
+  points[0] = place(start());
+  for (std::size_t k = 0; k < leg_count_; ++k) points[count++] = {legs_[k].x, legs_[k].y};
+  double arrival = 0.0;
+  if (retime({points.data(), count}, legs, arrival) && arrival < arrival_) {
+    for (std::size_t k = 0; k + 1 < count; ++k) legs_[k] = legs[k];
+    arrival_ = arrival;
+  }
+  int trials = 0;
+  for (std::size_t i = 0; i + 2 < count; ++i)
+    for (std::size_t j = count - 1; j > i + 1 && trials < most_trials; --j) {
+      if (j >= count) break;
+      if (!lattice_->free(points[i], points[j])) continue;
+      ++trials;
+      std::size_t left = 0;
+      for (std::size_t k = 0; k < count; ++k)
+        if (k <= i || k >= j) fewer[left++] = points[k];
+      if (!retime({fewer.data(), left}, legs, arrival) || arrival >= arrival_ - 1e-9) continue;
+      arrival_ = arrival;
+      count = left;
+      leg_count_ = count - 1;
+      points = fewer;
+      legs_ = legs;
+      break;
+    }
+}
+
+}  // namespace skein::core

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/planning/lattice.h"
+#include "core/planning/route.h"
+#include "core/planning/traffic.h"
+
+namespace skein::core {
+
+/// The fastest way of one robot through the others' traffic: safe-interval path planning (Phillips and Likhachev, 2011)
+/// on the lattice, with the heading as a part of the state, then straightened. Work is counted in nodes and comes in
+/// slices, so that a tick can do as much as it has time for and every run repeats it. Allocates in its constructor
+/// only.
+class RouteSearch {
+ public:
+  RouteSearch(const Lattice& lattice, std::size_t robots);
+
+  struct Query {
+    std::size_t robot = 0;
+    Pose from;              ///< at rest, at time 0 of the traffic + `begins`
+    double begins = 0.0;    ///< [s]
+    Pose to;                ///< at rest, for ever
+    double keep = 0.1;      ///< between two midpoints [m]
+    double least = 0.0785;  ///< and where both want to be nearer, at least [m]
+    Pace pace;
+  };
+  enum class Status { idle, searching, found, none };
+
+  void begin(const Query& query, const Traffic& traffic) noexcept;
+  /// Goes on with up to so many nodes; returns those that it took.
+  std::size_t advance(std::size_t nodes) noexcept;
+  Status status() const noexcept { return status_; }
+  /// Where it was found: the legs, with times that count as the query's, and when the robot has arrived and turned. [s]
+  std::span<const Leg> legs() const noexcept { return {legs_.data(), leg_count_}; }
+  double arrival() const noexcept { return arrival_; }
+
+  /// Whether a robot that is at (x, y) at time t of the traffic keeps its distance from everybody.
+  bool clear(double x, double y, double t) const noexcept;
+
+ private:
+  struct Interval {
+    float begin, end;  // [s]
+  };
+  struct Node {
+    float g, f;    // arrival, and with what is left [s]
+    float leaves;  // its parent, driving [s]
+    std::uint32_t state, parent;
+  };
+  static constexpr std::size_t words = Traffic::steps / 64;
+  static constexpr std::size_t intervals_each = 12;
+  static constexpr std::size_t headings = Lattice::directions + 1;  // the last: straight from the start
+  static constexpr std::uint32_t nobody = 0xffffffff;
+
+  void stamp() noexcept;
+  void estimate() noexcept;
+  std::span<const Interval> intervals(std::size_t vertex) noexcept;
+  void expand(std::uint32_t node) noexcept;
+  void reach(std::uint32_t parent, std::size_t vertex, std::size_t heading, double ready, double duration) noexcept;
+  void finish(std::uint32_t node) noexcept;
+  bool direct() noexcept;
+  bool retime(std::span<const Lattice::Place> points, std::span<Leg> legs, double& arrival) const noexcept;
+  bool clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) const noexcept;
+  void straighten() noexcept;
+
+  Lattice::Place place(std::size_t vertex) const noexcept;
+  std::size_t goal() const noexcept { return lattice_->size(); }
+  std::size_t start() const noexcept { return lattice_->size() + 1; }
+  std::size_t state_of(std::size_t vertex, std::size_t heading, std::size_t interval) const noexcept {
+    return (vertex * headings + heading) * intervals_each + interval;
+  }
+
+  const Lattice* lattice_;
+  const Traffic* traffic_ = nullptr;
+  Query query_;
+  Status status_ = Status::idle;
+  std::vector<double> radius_;                // to keep from each robot [m]
+  std::vector<std::uint64_t> taken_;          // a bit for each step of each vertex
+  std::vector<Interval> intervals_;           // of each vertex
+  std::vector<std::uint8_t> interval_count_;  // 255: not looked for yet
+  std::vector<float> left_;                   // way from each vertex to the goal [m]
+  std::vector<float> best_;                   // arrival at each state
+  std::vector<std::uint32_t> best_of_;        // the search that it belongs to
+  std::vector<Node> nodes_;
+  std::vector<std::pair<float, std::uint32_t>> open_;
+  std::vector<std::uint32_t> exits_;  // vertices that see the goal
+  std::vector<std::uint8_t> is_exit_;
+  std::uint32_t search_ = 0;
+  std::array<Leg, Route::most_legs> legs_{};
+  std::size_t leg_count_ = 0;
+  double arrival_ = 0.0;
+};
+
+}  // namespace skein::core

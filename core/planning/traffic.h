@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "core/planning/route.h"
+#include "core/reference/reference.h"
+
+namespace skein::core {
+
+/// Where every robot is expected to be, every tenth of a second from now on. Allocates in its constructor only.
+class Traffic {
+ public:
+  static constexpr double step = 0.1;         ///< [s]
+  static constexpr std::size_t steps = 1280;  ///< whoever drives longer is taken to stand at the end
+
+  explicit Traffic(std::size_t robots)
+      : x_(robots * steps), y_(robots * steps), still_from_(robots), present_(robots, false) {}
+
+  std::size_t robots() const noexcept { return present_.size(); }
+  bool present(std::size_t j) const noexcept { return present_[j]; }
+  double x(std::size_t j, std::size_t k) const noexcept { return x_[j * steps + k]; }
+  double y(std::size_t j, std::size_t k) const noexcept { return y_[j * steps + k]; }
+  /// From this step on it stands.
+  std::size_t still_from(std::size_t j) const noexcept { return still_from_[j]; }
+
+  void remove(std::size_t j) noexcept { present_[j] = false; }
+  void stands(std::size_t j, double x, double y) noexcept;
+  /// Stands there for a while [s], and is nowhere afterwards.
+  void stands(std::size_t j, double x, double y, double seconds) noexcept;
+  /// Drives a route that it has come to `clock` of [s].
+  void drives(std::size_t j, const Route& route, double clock) noexcept;
+  /// Follows its reference, which is at time t now [s]; only as far as `horizon` looks.
+  void follows(std::size_t j, const Reference& reference, double t, double horizon) noexcept;
+
+ private:
+  std::vector<double> x_, y_;
+  std::vector<std::size_t> still_from_;
+  std::vector<bool> present_;
+};
+
+}  // namespace skein::core

@@ -1,0 +1,293 @@
+// Planned routes: what a route is, that narrow gaps are found, and that everybody arrives, under law, limits and
+// shield.
+#include "core/planning/planner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/control/coordination_law.h"
+#include "core/kinematics/unicycle.h"
+#include "core/planning/route_search.h"
+#include "core/safety/limits.h"
+#include "core/safety/shield.h"
+#include "draw.h"
+
+namespace skein::test {
+namespace {
+
+using core::Lattice;
+using core::Leg;
+using core::Obstacle;
+using core::Planner;
+using core::Pose;
+using core::ReferencePoint;
+using core::Route;
+using core::Twist;
+
+constexpr double dt = 0.04;  // 25 Hz
+constexpr core::HalfSize arena{1.0, 0.75};
+
+/// From a start to a place on a straight line, from rest to rest.
+class Lines final : public core::Reference {
+ public:
+  void add(const Pose& from, const Pose& to) {
+    const double heading = std::atan2(to.y - from.y, to.x - from.x);
+    from_.push_back({from.x, from.y, heading});
+    travels_.emplace_back(core::distance(from, to), 0.09, 0.1);
+  }
+  using core::Reference::at;
+  std::size_t robots() const noexcept override { return from_.size(); }
+  ReferencePoint at(std::size_t i, double t) const noexcept override {
+    const core::Travel::State s = travels_[i].at(t);
+    const Pose& p = from_[i];
+    return {{p.x + s.s * std::cos(p.theta), p.y + s.s * std::sin(p.theta), p.theta}, {s.v, 0.0}};
+  }
+  core::ReferenceDemand demand(double) const noexcept override { return {}; }
+  bool smooth() const noexcept override { return true; }
+  std::vector<std::vector<Pose>> lines() const override { return {}; }
+
+ private:
+  std::vector<Pose> from_;
+  std::vector<core::Travel> travels_;
+};
+
+struct Scene {
+  Lines lines;
+  std::vector<Pose> starts;
+  std::vector<Obstacle> obstacles;
+  double duration = 90.0;
+  std::vector<std::uint8_t> (*out)(std::size_t n, double t) = nullptr;
+};
+
+struct Outcome {
+  double arrived = -1.0;                    // since when everybody is within 1 cm of its last place; negative: not [s]
+  double least = 1e9;                       // between two midpoints [m]
+  double outside = -1.0;                    // of a body [m]
+  double fastest_change = 0.0;              // of a speed between two ticks [m/s]
+  double most_v = 0.0, most_turning = 0.0;  // of references, against (18f, g)
+  bool no_way = false;
+  std::vector<Pose> last;
+};
+
+Outcome run(const Scene& scene) {
+  const std::size_t n = scene.starts.size();
+  core::Gains gains = core::paper_gains(n);
+  gains.k_y = 4.0;
+  for (core::PairTable* table : {&gains.k_xx, &gains.k_tt, &gains.k_yy}) table->fill(0.0);
+  Planner planner({n, scene.obstacles.size(), arena, 0.078, scene.duration}, scene.lines);
+  core::Shield shield(n, scene.obstacles.size());
+  core::ShieldParameters parameters;
+  parameters.half_width = arena.width;
+  parameters.half_height = arena.height;
+  const core::CommandLimits limits;
+  core::LawPairs pairs(n);
+  std::vector<Pose> poses = scene.starts, midway(n);
+  std::vector<ReferencePoint> nominal(n), followed(n);
+  std::vector<Twist> twists(n), commands(n), last(n);
+  std::vector<core::TrackingError> errors(n);
+  std::vector<double> v_limit(n);
+  std::vector<std::uint8_t> out(n);
+  const std::unique_ptr<bool[]> touched(new bool[n]());
+  Outcome o;
+  for (int k = 0; k * dt < scene.duration; ++k) {
+    const double t = k * dt;
+    scene.lines.core::Reference::at(t, nominal);
+    if (scene.out) out = scene.out(n, t);
+    planner.step({t, false, poses, commands, out, scene.obstacles, 0.0}, gains, dt, nominal, followed);
+    for (std::size_t i = 0; i < n; ++i) {
+      o.no_way = o.no_way || planner.no_way(i);
+      twists[i] = followed[i].twist;
+      o.most_v = std::max(o.most_v, std::abs(twists[i].v));
+      o.most_turning = std::max(o.most_turning, std::abs(twists[i].omega) + gains.k_y * std::abs(twists[i].v));
+      errors[i] = out[i] ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
+    }
+    core::use_policy(gains, twists);
+    core::coordination_law(gains, errors, twists, commands, pairs);
+    for (std::size_t i = 0; i < n; ++i) {
+      commands[i] = out[i] ? Twist{} : limits.limit(commands[i]);
+      v_limit[i] = out[i] ? 0.0 : limits.v_limit(commands[i].omega);
+      midway[i] = {poses[i].x, poses[i].y, poses[i].theta + 0.5 * commands[i].omega * dt};
+    }
+    shield.apply(parameters, midway, scene.obstacles, v_limit, commands, {touched.get(), n});
+    bool there = true;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (k > 0 && !out[i]) o.fastest_change = std::max(o.fastest_change, std::abs(commands[i].v - last[i].v));
+      poses[i] = core::advance(poses[i], commands[i], dt);
+      const ReferencePoint place = scene.lines.at(i, t + dt);
+      there = there && core::distance(poses[i], place.pose) < 0.01 && place.twist == Twist{};
+      o.outside = std::max({o.outside, std::abs(poses[i].x) + core::robot_radius - arena.width,
+                            std::abs(poses[i].y) + core::robot_radius - arena.height});
+      for (std::size_t j = 0; j < i; ++j) o.least = std::min(o.least, core::distance(poses[i], poses[j]));
+    }
+    last = commands;
+    if (!there)
+      o.arrived = -1.0;
+    else if (o.arrived < 0.0)
+      o.arrived = t;
+    else if (t > o.arrived + 3.0)
+      break;
+  }
+  o.last = poses;
+  return o;
+}
+
+Scene crowd(std::size_t n, std::uint64_t seed) {
+  Draw draw(seed);
+  const auto places = [&] {
+    std::vector<Pose> all;
+    while (all.size() < n) {
+      const Pose p{draw.between(-0.9, 0.9), draw.between(-0.65, 0.65), draw.angle()};
+      bool free = true;
+      for (const Pose& q : all) free = free && core::distance(p, q) >= 0.12;
+      if (free) all.push_back(p);
+    }
+    return all;
+  };
+  Scene scene;
+  scene.starts = places();
+  const std::vector<Pose> ends = places();
+  for (std::size_t i = 0; i < n; ++i) scene.lines.add(scene.starts[i], ends[i]);
+  return scene;
+}
+
+/// Obstacles side by side along a line.
+void wall(Scene& scene, double x0, double y0, double x1, double y1) {
+  constexpr double radius = 0.02;
+  const double length = std::hypot(x1 - x0, y1 - y0);
+  const int parts = std::max(1, static_cast<int>(std::ceil(length / 0.03)));
+  for (int k = 0; k <= parts; ++k)
+    scene.obstacles.push_back({x0 + (x1 - x0) * k / parts, y0 + (y1 - y0) * k / parts, radius});
+}
+
+TEST(Route, IsDrivenExactlyByAUnicycle) {
+  const core::Pace pace;
+  Route route;
+  route.brake({0.1, 0.2, 0.5}, 0.06, pace);
+  const std::vector<Leg> legs{{0.5, 0.2, 2.0, 8.0}, {0.5, 0.6, 0.0, 0.0}, {0.1, 0.6, 15.0, 25.0}};
+  ASSERT_TRUE(route.append(legs, -1.0, pace));
+  Pose pose{0.1, 0.2, 0.5};
+  constexpr double step = 0.001;
+  double last_v = 0.06;
+  for (double t = 0.0; t < route.duration() + 1.0; t += step) {
+    const Twist twist = route.twist(t, step);
+    EXPECT_LE(std::abs(twist.v), pace.v + 1e-9);
+    EXPECT_LE(std::abs(twist.omega), pace.omega + 1e-9);
+    EXPECT_LE(std::abs(twist.v - last_v), 1.01 * pace.acceleration * step + 1e-9);
+    last_v = twist.v;
+    pose = core::advance(pose, twist, step);
+    ASSERT_LT(core::distance(pose, route.at(t + step).pose), 1e-4) << t;
+  }
+  EXPECT_NEAR(pose.x, 0.1, 1e-4);
+  EXPECT_NEAR(pose.y, 0.6, 1e-4);
+  EXPECT_NEAR(pose.theta, -1.0, 1e-4);
+}
+
+TEST(Lattice, SeesADoorNarrowerThanTwoCellsWhereverItIs) {
+  for (int k = 0; k < 20; ++k) {
+    Scene scene;
+    const double at = -0.2 + 0.021 * k, half = 0.5 * 0.098 + 0.02;
+    wall(scene, 0.013 * k, -0.75, 0.013 * k, at - half);
+    wall(scene, 0.013 * k, at + half, 0.013 * k, 0.75);
+    Lattice lattice(arena, 0.0435, scene.obstacles.size());
+    lattice.build(scene.obstacles);
+    core::Traffic nobody(1);
+    core::RouteSearch search(lattice, 1);
+    core::RouteSearch::Query query;
+    query.from = {-0.7, 0.3, 0.0};
+    query.to = {0.7, 0.3, 0.0};
+    search.begin(query, nobody);
+    while (search.status() == core::RouteSearch::Status::searching) search.advance(100);
+    EXPECT_EQ(search.status(), core::RouteSearch::Status::found) << "a door at y = " << at;
+  }
+}
+
+TEST(RouteSearch, SaysWhereThereIsNoWay) {
+  Scene scene;
+  wall(scene, 0.0, -0.75, 0.0, 0.75);
+  Lattice lattice(arena, 0.0435, scene.obstacles.size());
+  lattice.build(scene.obstacles);
+  core::Traffic nobody(1);
+  core::RouteSearch search(lattice, 1);
+  core::RouteSearch::Query query;
+  query.from = {-0.7, 0.3, 0.0};
+  query.to = {0.7, 0.3, 0.0};
+  search.begin(query, nobody);
+  while (search.status() == core::RouteSearch::Status::searching) search.advance(100);
+  EXPECT_EQ(search.status(), core::RouteSearch::Status::none);
+}
+
+class Crowd : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(Crowd, EverybodyArrivesAndNobodyTouchesOrLeaves) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Outcome o = run(crowd(GetParam(), seed));
+    EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
+    EXPECT_GE(o.least, 0.078 - 1e-6) << "seed " << seed;
+    EXPECT_LE(o.outside, 0.0) << "seed " << seed;
+    EXPECT_LE(o.fastest_change, 0.03) << "seed " << seed;
+    EXPECT_LE(o.most_v, 0.095) << "(18f) leaves 5 % of v_max to tracking";
+    EXPECT_LE(o.most_turning, 0.95 * 1.7) << "(18g)";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Sizes, Crowd, testing::Values(4, 12, 20, 30));
+
+TEST(Planner, RepeatsToTheBit) {
+  const Outcome first = run(crowd(16, 7)), again = run(crowd(16, 7));
+  for (std::size_t i = 0; i < 16; ++i) EXPECT_EQ(first.last[i], again.last[i]);
+  EXPECT_EQ(first.arrived, again.arrived);
+}
+
+TEST(Planner, BringsEightRobotsThroughOneDoorBothWays) {
+  Scene scene;
+  const double half = 0.5 * 0.098 + 0.02;
+  wall(scene, 0.0, -0.75, 0.0, -half);
+  wall(scene, 0.0, half, 0.0, 0.75);
+  for (int i = 0; i < 8; ++i) {
+    const double side = i < 4 ? -1.0 : 1.0;
+    const Pose from{0.5 * side, -0.4 + 0.25 * (i % 4), 0.3 * i};
+    scene.starts.push_back(from);
+    scene.lines.add(from, {-0.6 * side, -0.4 + 0.25 * ((i + 1) % 4), 0.0});
+  }
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 0.0);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, LeavesADeadEnd) {
+  Scene scene;
+  wall(scene, 0.1, -0.25, 0.1, 0.25);
+  wall(scene, -0.3, 0.25, 0.1, 0.25);
+  wall(scene, -0.3, -0.25, 0.1, -0.25);
+  scene.starts = {{-0.1, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], {0.6, 0.0, 0.0});
+  EXPECT_GT(run(scene).arrived, 0.0);
+}
+
+TEST(Planner, GoesRoundWhoeverIsHeldAndFetchesItLater) {
+  Scene scene = crowd(12, 3);
+  scene.out = [](std::size_t n, double t) {
+    std::vector<std::uint8_t> out(n);
+    out[5] = t >= 4.0 && t < 24.0;
+    return out;
+  };
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 24.0);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, SaysThatThereIsNoWay) {
+  Scene scene;
+  wall(scene, 0.0, -0.75, 0.0, 0.75);
+  scene.starts = {{-0.5, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], {0.5, 0.0, 0.0});
+  scene.duration = 20.0;
+  const Outcome o = run(scene);
+  EXPECT_TRUE(o.no_way);
+  EXPECT_LT(o.arrived, 0.0);
+}
+
+}  // namespace
+}  // namespace skein::test
