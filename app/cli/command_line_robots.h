@@ -16,7 +16,8 @@ class RobotCommands {
   std::optional<int> run();
 
  private:
-  CLI::App *list_ = nullptr, *test_ = nullptr, *stop_ = nullptr, *forget_ = nullptr, *scan_ = nullptr, *pair_ = nullptr;
+  CLI::App *list_ = nullptr, *test_ = nullptr, *stop_ = nullptr, *forget_ = nullptr, *ping_ = nullptr;
+  CLI::App *scan_ = nullptr, *pair_ = nullptr;
   RobotsRequest request_;
 };
 
