@@ -84,30 +84,14 @@ std::optional<std::vector<comms::LinkAddress>> addresses_of(const std::vector<Ro
   return {};
 }
 
-/// Stops the robots of every run that ended badly, and forgets the runs whose robots stand.
-int stop_left_behind() {
-  const std::vector<RunMarker> runs = bad_ends();
-  int status = done;
-  for (const RunMarker& run : runs) {
-    if (stop_all(run.robots))
-      std::filesystem::remove(run.path);
-    else
-      status = device_failed;
-  }
-  return status;
-}
-
 }  // namespace
 
 void look_after_bad_ends() {
   const std::vector<RunMarker> runs = bad_ends();
   if (runs.empty()) return;
-  for (const RunMarker& run : runs) {
-    std::string names;
-    for (const comms::LinkAddress& robot : run.robots) names += ' ' + comms::to_text(robot);
-    fmt::print(stderr, "skein: the run \"{}\" ended badly, and its robots may still be driving:{}\n", run.experiment,
-               names);
-  }
+  for (const RunMarker& run : runs)
+    fmt::print(stderr, "skein: the run \"{}\" ended badly, and its robots may still be driving: {}\n", run.experiment,
+               run.names());
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
     fmt::print(stderr, "skein: to stop them: skein robots stop\n");
     return;
@@ -115,7 +99,7 @@ void look_after_bad_ends() {
   fmt::print(stderr, "skein: stop them now? [Y/n] ");
   std::string answer;
   std::getline(std::cin, answer);
-  if (!answer.starts_with('n') && !answer.starts_with('N')) (void)stop_left_behind();
+  if (!answer.starts_with('n') && !answer.starts_with('N')) (void)stop_left_behind(runs);
 }
 
 std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, const std::string& file) {
@@ -179,7 +163,7 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
     return stop_all(*addresses) ? done : device_failed;
   }
   const std::vector<RunMarker> runs = bad_ends();
-  int status = runs.empty() ? static_cast<int>(done) : stop_left_behind();
+  int status = stop_left_behind(runs) ? done : device_failed;
   const std::string path = known_robots_file(file);
   if (file.empty() && !fs::exists(path)) {
     if (runs.empty()) fmt::print("no run has left a robot behind, and no robot is known: there is no {}\n", path);

@@ -177,6 +177,10 @@ void CsvReader::find_columns() {
 tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
   do {
     if (!read_line()) return in_->bad() ? error("cannot be read on") : tl::expected<bool, std::string>(false);
+    if (in_->eof()) {  // a writer ends every line, and half a number reads as another one
+      torn_line_ = line_;
+      return false;
+    }
     if (text_.ends_with('\r')) text_.pop_back();
   } while (text_.empty() || text_.starts_with('#'));
 

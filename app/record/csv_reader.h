@@ -36,8 +36,12 @@ class CsvReader {
   const std::vector<std::string>& columns() const noexcept { return columns_; }
   std::size_t robots() const noexcept { return robots_; }
 
-  /// The next row. false: there is none. `phase`, the margins and the tracking gains are not in the file.
+  /// The next row. false: there is none. `phase`, the margins and the tracking gains are not in the file. A last line
+  /// that does not end is torn, as after a crash or on a full disk: it is left out, and `torn_line` names it.
   tl::expected<bool, std::string> next(TickRecord& record);
+
+  /// The number of the last line, from 1, if it is torn; 0: it is whole, or was not read yet.
+  std::size_t torn_line() const noexcept { return torn_line_; }
 
   /// A cell of the row that `next` read, by column name; empty where there is no such column.
   std::string_view cell(std::string_view column) const;
@@ -53,7 +57,7 @@ class CsvReader {
 
   std::istream* in_;
   std::string file_;
-  std::size_t line_ = 0;
+  std::size_t line_ = 0, torn_line_ = 0;
   std::string text_;  // of that line
   CsvHead head_;
   std::vector<std::string> columns_;

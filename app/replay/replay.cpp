@@ -160,6 +160,9 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     last_tick = row.tick;
     ++result.ticks;
   }
+  if (const std::size_t line = reader->torn_line(); line > 0)
+    result.warnings.push_back(
+        fmt::format("line {}, the last, is torn, as after a crash or on a full disk: its row is left out", line));
   if (frames) {
     result.frames = frames->frames();
     result.missing_frames = frames->missing();

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spawn.h>
 #include <sys/file.h>
 #include <sys/wait.h>
@@ -101,6 +102,23 @@ tl::expected<RunMarker, std::string> RunMarker::read(const std::string& path) {
     marker.robots.push_back(std::move(*address));
   }
   return marker;
+}
+
+std::string RunMarker::names() const {
+  std::vector<std::string> names;
+  for (const comms::LinkAddress& robot : robots) names.push_back(comms::to_text(robot));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+bool stop_left_behind(const std::vector<RunMarker>& runs) {
+  bool all_stand = true;
+  for (const RunMarker& run : runs) {
+    const bool stand = stop_all(run.robots);
+    std::error_code gone;  // the guard may have forgotten the run meanwhile
+    if (stand) fs::remove(run.path, gone);
+    all_stand = all_stand && stand;
+  }
+  return all_stand;
 }
 
 std::vector<RunMarker> bad_ends() {

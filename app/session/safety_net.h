@@ -20,6 +20,8 @@ struct RunMarker {
   std::string experiment;  ///< its name
   std::vector<comms::LinkAddress> robots;
 
+  /// Its robots as people know them: "anna, serial:/dev/ttyUSB0".
+  std::string names() const;
   /// The error: it cannot be read, or is no marker.
   static tl::expected<RunMarker, std::string> read(const std::string& path);
 };
@@ -65,5 +67,8 @@ tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Exp
 /// Connects to each, at the same time, stops it, and says on stdout and stderr how that went. True: all are known to
 /// stand.
 bool stop_all(const std::vector<comms::LinkAddress>& robots);
+
+/// Stops the robots of these runs, and forgets the runs whose robots are known to stand. True: all of them.
+bool stop_left_behind(const std::vector<RunMarker>& runs);
 
 }  // namespace skein::app
