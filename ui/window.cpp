@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "app/run/output.h"
+#include "ui/base/icons.h"
 #include "ui/icons.h"
 #include "ui/main/main_window.h"
 
@@ -47,7 +48,9 @@ int show_window(const app::WindowRequest& request, int& argc, char** argv) {
   open_window = &window;
   std::atexit(stop_robots_at_exit);
   window.show();
-  if (request.recording.empty()) {
+  if (request.recording.empty() && request.experiment.robots.empty()) {
+    window.open_file(QString::fromStdString(request.file));
+  } else if (request.recording.empty()) {
     window.open(request.experiment, request.file.empty());
     window.set_experiment_file(QString::fromStdString(request.file));
   } else {

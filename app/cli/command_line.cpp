@@ -282,6 +282,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
     return show_window({{}, {}, file}, argc, argv);
   }
   const auto experiment = load(window_experiment.request());
+  // A file with errors is mended in the window's editor; what the command line itself got wrong is said here.
+  const bool mendable = !experiment && window_experiment.request().sets.empty() && std::ifstream(window_experiment.file);
+  if (mendable) return show_window({{}, window_experiment.file, {}}, argc, argv);
   return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
 }
 

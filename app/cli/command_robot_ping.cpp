@@ -10,7 +10,7 @@
 #include "app/experiment/toml_edit.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
-#include "app/session/safety_net.h"
+#include "app/guard/safety_net.h"
 #include "app/tools/robot_ping.h"
 
 namespace skein::app {

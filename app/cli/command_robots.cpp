@@ -90,12 +90,6 @@ std::optional<std::vector<RobotSpec>> all_of(const std::string& file) {
   return robots;
 }
 
-std::string in_a_line(const std::vector<comms::LinkAddress>& robots) {
-  std::string names;
-  for (const comms::LinkAddress& robot : robots) names += ' ' + comms::to_text(robot);
-  return names;
-}
-
 /// Robots that are to be stopped, and how that went.
 class Stops {
  public:
@@ -175,8 +169,8 @@ void look_after_bad_ends() {
     }
     any = true;
     const bool guarded = ask_run(run.socket(), "look", 0.2).reached;
-    complain(fmt::format("the run \"{}\" ended badly, and its robots may still be driving:{}{}", run.experiment,
-                         in_a_line(run.robots), guarded ? " (its guard goes on trying to stop them)" : ""));
+    complain(fmt::format("the run \"{}\" ended badly, and its robots may still be driving: {}{}", run.experiment,
+                         run.names(), guarded ? " (its guard goes on trying to stop them)" : ""));
   }
   if (!any) return;
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {

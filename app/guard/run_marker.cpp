@@ -71,6 +71,12 @@ std::string state_directory() {
   return (found == candidates.end() ? candidates.back() : *found).string();
 }
 
+std::string RunMarker::names() const {
+  std::string names;
+  for (const comms::LinkAddress& robot : robots) names += (names.empty() ? "" : ", ") + comms::to_text(robot);
+  return names;
+}
+
 bool RunMarker::alive() const {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) return false;

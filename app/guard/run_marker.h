@@ -22,6 +22,8 @@ struct RunMarker {
   std::vector<comms::LinkAddress> robots;
 
   std::string socket() const { return path + ".stop"; }
+  /// Its robots as people know them: "anna, serial:/dev/ttyUSB0".
+  std::string names() const;
   bool alive() const;   ///< the run that wrote it is still there
   void forget() const;  ///< removes it, and the socket
 

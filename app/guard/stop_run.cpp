@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 
@@ -93,6 +94,19 @@ StoppedRun stop_run(const RunMarker& run) {
   }
   if (!answer.reached && !run.alive() && is_there(run)) return {all_of(run, false, "its run has ended"), true};
   return ask_guard(run);
+}
+
+bool stop_left_behind(const std::vector<RunMarker>& runs) {
+  bool all_stand = true;
+  for (const RunMarker& run : runs) {
+    const StoppedRun result = stop_run(run);
+    const bool stand = result.by_hand ? stop_all(run.robots)
+                                      : std::all_of(result.robots.begin(), result.robots.end(),
+                                                    [](const StopResult& robot) { return robot.stopped; });
+    if (stand && !run.alive()) run.forget();
+    all_stand = all_stand && stand;
+  }
+  return all_stand;
 }
 
 int stop_runs() {

@@ -17,6 +17,10 @@ struct StoppedRun {
 };
 StoppedRun stop_run(const RunMarker& run);
 
+/// Stops the robots of runs that ended badly, through their guards or by a connection, and forgets each run whose robots
+/// are known to stand. True: all of them.
+bool stop_left_behind(const std::vector<RunMarker>& runs);
+
 /// `skein stop`: STOP to every run of this user that lives and to every guard, at once; says what became of their
 /// robots. An exit status.
 int stop_runs();

@@ -192,7 +192,8 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
     if (text_.ends_with('\r')) text_.pop_back();
     if (text_.size() > longest_line)
       return error(fmt::format("a line of {} bytes, allowed: at most {}", text_.size(), longest_line));
-    // A power cut leaves part of a row, or a block of zeros where one should be.
+    // A power cut leaves part of a row, or a block of zeros where one should be. A writer ends every line, and half a
+    // number reads as another one.
     if ((in_->eof() && !text_.empty()) || text_.find('\0') != std::string::npos) {
       torn_ = fmt::format(
           "{}:{}: the file is torn here, as by a power cut: read up to this row; `skein replay {} "

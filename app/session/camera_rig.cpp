@@ -47,25 +47,46 @@ void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, st
 
 tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
                                                                       SimulatedWorld& world, bool pictures,
-                                                                      std::vector<int> wanted) {
+                                                                      std::vector<int> wanted, bool await) {
   auto calibration = camera_calibration(experiment);
   if (!calibration) return tl::unexpected(calibration.error());
   std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
   if (experiment.camera.kind() == CameraKind::synthetic) {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
   } else {
-    vision::SourceOptions options{calibration->width, calibration->height, experiment.rate};
-    for (const auto& [name, value] :
-         {std::pair("exposure", experiment.camera.exposure), std::pair("gain", experiment.camera.gain),
-          std::pair("focus", experiment.camera.focus)})
-      if (!std::isnan(value)) options.controls.emplace_back(name, value);
-    options.keep_waiting = [&ending = rig->ending_] { return !ending.load(std::memory_order_relaxed); };
-    auto source = vision::open_source(experiment.camera.source, options);
-    if (!source) return tl::unexpected(source.error());
-    rig->source_ = std::move(*source);
     rig->live_ = experiment.camera.kind() == CameraKind::live;
+    if (const auto opened = rig->open_source(); !opened) {
+      if (!await || !rig->live_ || !clock.wall()) return tl::unexpected(opened.error());
+      rig->why_awaited_ = opened.error();
+      rig->awaited_.store(true, std::memory_order_release);
+    }
   }
   return rig;
+}
+
+tl::expected<void, std::string> CameraRig::open_source() {
+  vision::SourceOptions options{calibration_.width, calibration_.height, experiment_.rate};
+  for (const auto& [name, value] :
+       {std::pair("exposure", experiment_.camera.exposure), std::pair("gain", experiment_.camera.gain),
+        std::pair("focus", experiment_.camera.focus)})
+    if (!std::isnan(value)) options.controls.emplace_back(name, value);
+  options.keep_waiting = [this] { return !ending_.load(std::memory_order_relaxed); };
+  auto source = vision::open_source(experiment_.camera.source, options);
+  if (!source) return tl::unexpected(source.error());
+  source_ = std::move(*source);
+  return {};
+}
+
+/// Until the camera opens or the session ends.
+void CameraRig::await_source(const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds between_tries(1000), look(50);
+  auto next = std::chrono::steady_clock::now() + between_tries;
+  while (!stop.stop_requested() && awaited_.load(std::memory_order_relaxed)) {
+    std::this_thread::sleep_for(look);
+    if (std::chrono::steady_clock::now() < next) continue;
+    if (open_source()) awaited_.store(false, std::memory_order_release);
+    next = std::chrono::steady_clock::now() + between_tries;
+  }
 }
 
 CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world,
@@ -114,6 +135,12 @@ void CameraRig::start() {
 }
 
 vision::SourceStatus CameraRig::camera() const {
+  if (awaited_.load(std::memory_order_acquire)) {
+    vision::SourceStatus status;
+    status.up = false;
+    status.reason = why_awaited_;
+    return status;
+  }
   return source_ ? source_->status() : vision::SourceStatus{};
 }
 
@@ -126,6 +153,7 @@ void CameraRig::end() {
 
 void CameraRig::thread(const std::stop_token& stop) {
   try {
+    await_source(stop);
     // Half a period out of step with the control thread, as far as a camera that nobody triggers can be.
     double deadline = clock_.now() + 0.5 * experiment_.period();
     while (!stop.stop_requested()) {

@@ -47,10 +47,10 @@ tl::expected<vision::Calibration, std::string> camera_calibration(const Experime
 /// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
 class CameraRig {
  public:
-  /// `wanted`: the tags to look for.
+  /// `wanted`: the tags to look for. `await`: a real camera that cannot be opened is tried again every second.
   static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
                                                                     SimulatedWorld& world, bool pictures,
-                                                                    std::vector<int> wanted);
+                                                                    std::vector<int> wanted, bool await = false);
   ~CameraRig();
 
   /// Keeps every frame, as the tracker got it, in a film. Before the first frame.
@@ -90,6 +90,8 @@ class CameraRig {
   CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world, vision::Calibration calibration,
             bool pictures, std::vector<int> wanted);
   void thread(const std::stop_token& stop);
+  tl::expected<void, std::string> open_source();
+  void await_source(const std::stop_token& stop);
   bool capture();  // false: the stream is over or broken, reason_ says which
   void work_off();
   void answer_question();
@@ -101,7 +103,9 @@ class CameraRig {
   std::vector<int> wanted_;
   vision::TagTracker tracker_;
   std::unique_ptr<vision::SyntheticCamera> synthetic_;
-  std::unique_ptr<vision::FrameSource> source_;
+  std::unique_ptr<vision::FrameSource> source_;  // null: synthetic, or not open yet
+  std::atomic<bool> awaited_{false};             // a real camera that has not opened yet; then the thread owns source_
+  std::string why_awaited_;                      // set before the thread begins
   std::unique_ptr<vision::Recorder> recorder_;
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC

@@ -21,7 +21,7 @@ std::string numbers(const std::vector<std::size_t>& robots) {
   return fmt::format("robot{} {}", from_one.size() == 1 ? "" : "s", fmt::join(from_one, ", "));
 }
 
-Check camera(const Experiment& e) {
+Check camera(const Experiment& e, const std::string& down) {
   const CameraKind kind = e.camera.kind();
   const bool real = kind == CameraKind::live;
   if (kind == CameraKind::absent) return {What::camera, State::holds, "none: poses come from the simulation", real};
@@ -30,6 +30,8 @@ Check camera(const Experiment& e) {
   if (const auto file = std::filesystem::path(e.directory) / e.camera.calibration;
       !e.camera.calibration.empty() && !std::filesystem::exists(file))
     return {What::camera, State::fails, fmt::format("there is no {}", file.string()), real};
+  if (!down.empty())
+    return {What::camera, State::fails, fmt::format("{}; it is tried again until it is there", down), true};
   return {What::camera, State::holds,
           e.camera.calibration.empty() ? "the synthetic camera's own" : e.camera.calibration, real};
 }
@@ -110,14 +112,20 @@ Check reference(const Certificate* certificate) {
 
 Check places(const Experiment& e, const TickRecord* record) {
   if (!record) return {What::places, State::waits, "no poses yet", false};
-  std::vector<std::size_t> away;
+  std::vector<std::size_t> away, unseen;
   double farthest = 0.0;
   for (std::size_t i = 0; i < record->robots.size(); ++i) {
     const RobotRecord& robot = record->robots[i];
-    if (robot.is(lost)) continue;  // another check's
+    if (robot.is(lost)) {
+      unseen.push_back(i);
+      continue;
+    }
     farthest = std::max(farthest, core::distance(robot.pose, robot.nominal.pose));
     if (!at_start(robot.pose, robot.nominal.pose, start_tolerance(e.staging))) away.push_back(i);
   }
+  if (away.empty() && !unseen.empty())
+    return {What::places, State::fails, fmt::format("{} not seen: where it stands is not known", numbers(unseen)),
+            false};
   if (away.empty())
     return {What::places, State::holds, fmt::format("everybody within {:.0f} mm", std::ceil(1000 * farthest)), false};
   return {What::places, State::fails,
@@ -127,9 +135,9 @@ Check places(const Experiment& e, const TickRecord* record) {
 }  // namespace
 
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
-                             std::span<const RobotStatus> robots) {
-  return {camera(experiment), tags(experiment, record), links(experiment, robots), batteries(robots),
-          gains(certificate), reference(certificate),   places(experiment, record)};
+                             std::span<const RobotStatus> robots, const std::string& camera_down) {
+  return {camera(experiment, camera_down), tags(experiment, record), links(experiment, robots), batteries(robots),
+          gains(certificate), reference(certificate), places(experiment, record)};
 }
 
 bool may_start(std::span<const Check> checks) noexcept {

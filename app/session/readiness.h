@@ -25,8 +25,9 @@ struct Check {
 
 /// Whether an experiment can start, from what is known by now; empty pointers: not known yet. All checks, in the order
 /// in which they are mended.
+/// `camera_down`: why the camera does not deliver; empty: it does.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
-                             std::span<const RobotStatus> robots);
+                             std::span<const RobotStatus> robots, const std::string& camera_down = {});
 
 /// Every hard check holds.
 bool may_start(std::span<const Check> checks) noexcept;

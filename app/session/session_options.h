@@ -21,6 +21,9 @@ struct SessionOptions {
   /// Real robots get a guard, a process of its own that stops them should this one be killed (safety_net.h).
   bool guard = false;
   std::vector<comms::Fault> faults{};  ///< of the robots with link "loopback", counted among themselves, for practice
+  /// A camera that cannot be opened does not fail the session: it is tried again every second until it opens. No robot
+  /// is seen meanwhile, so that nothing can be started.
+  bool await_camera = false;
   bool every_tag = false;              ///< look for all tags that there are, see CameraRig::newest
 };
 

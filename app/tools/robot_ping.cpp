@@ -10,7 +10,7 @@
 #include <numeric>
 #include <thread>
 
-#include "app/session/safety_net.h"
+#include "app/guard/safety_net.h"
 #include "comms/link_supervisor.h"
 
 namespace skein::app {

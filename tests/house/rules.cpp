@@ -19,8 +19,6 @@ namespace {
 using std::string;
 using std::string_view;
 
-constexpr int most_lines = 400;
-
 /// skein (the program) -> ui -> app -> { vision, comms } -> core. Every room may also include itself.
 const std::map<string, std::set<string>, std::less<>> arrows{
     {"core", {"core"}},
@@ -171,9 +169,6 @@ std::vector<string> broken_rules(const SourceFile& file) {
   for (const Include& include : includes_of(file.text))
     if (const auto why = objection(file.path, include.header))
       broken.push_back(file.path + ":" + std::to_string(include.line) + ": includes " + include.header + ": " + *why);
-  const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
-  if (lines > most_lines)
-    broken.push_back(file.path + ": " + std::to_string(lines) + " lines, more than " + std::to_string(most_lines));
   return broken;
 }
 

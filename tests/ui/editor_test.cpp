@@ -3,6 +3,8 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
+#include <QMessageBox>
+#include <QPointer>
 #include <QTextBlock>
 #include <cmath>
 
@@ -38,7 +40,7 @@ class Editor : public Operator {
   QTemporaryDir dir;
 };
 
-TEST_F(Editor, MarksWhatIsWrongAndSavesNoneOfIt) {
+TEST_F(Editor, MarksWhatIsWrongAndRunsNoneOfIt) {
   stand();
   open_editor();
   EXPECT_TRUE(editor->is_valid());
@@ -53,9 +55,10 @@ TEST_F(Editor, MarksWhatIsWrongAndSavesNoneOfIt) {
   EXPECT_TRUE(list->item(0)->text().contains(QStringLiteral("duration"))) << list->item(0)->text().toStdString();
   EXPECT_TRUE(list->item(1)->text().contains(QStringLiteral("frobnicate")));
   const QString file = dir.filePath(QStringLiteral("wrong.toml"));
-  EXPECT_FALSE(editor->save(file).isEmpty());
-  EXPECT_FALSE(QFile::exists(file));
-  EXPECT_FALSE(button("editor_save_as").isEnabled());
+  EXPECT_FALSE(button("editor_open").isEnabled());
+  EXPECT_TRUE(button("editor_save_as").isEnabled()) << "a text that is not finished can be kept";
+  EXPECT_EQ(editor->save(file), QString());
+  EXPECT_TRUE(QFile::exists(file));
   emit list->itemActivated(list->item(1));
   EXPECT_EQ(text->textCursor().block().text(), QStringLiteral("frobnicate = 1"));
 }
@@ -174,6 +177,47 @@ TEST_F(Editor, WritesDownARunSoThatItHappensAgain) {
     }
   }
   EXPECT_TRUE(kicked);
+}
+
+TEST_F(Editor, AsksBeforeChangesAreLost) {
+  stand();
+  open_editor();
+  const QPointer<ExperimentEditor> open = editor;
+  editor->close();
+  ASSERT_TRUE(eventually([&] { return !open; })) << "nothing was changed: nothing is asked";
+  open_editor();
+  text->setPlainText(editor->text() + QStringLiteral("\n# mine\n"));
+  editor->close();
+  auto* question = editor->findChild<QMessageBox*>(QStringLiteral("editor_close_dialog"));
+  ASSERT_NE(question, nullptr);
+  EXPECT_FALSE(question->isModal()) << "nobody could click STOP beside it";
+  EXPECT_TRUE(editor->isVisible());
+  window.close();
+  QTest::qWait(50);
+  EXPECT_TRUE(window.isVisible()) << "the window went, and the changes with it";
+}
+
+TEST_F(Editor, AsksBeforeItOverwritesWhatSomebodyElseWrote) {
+  stand();
+  const QString file = dir.filePath(QStringLiteral("shared.toml"));
+  const auto write = [&](const QString& what) {
+    QFile out(file);
+    ASSERT_TRUE(out.open(QIODevice::WriteOnly));
+    out.write(what.toUtf8());
+  };
+  const QString paper = QString::fromStdString(app::paper_experiment().source);
+  write(paper);
+  window.open_file(file);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  open_editor();
+  text->setPlainText(paper + QStringLiteral("\n# mine\n"));
+  write(paper + QStringLiteral("\n# theirs\n"));
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  auto* question = editor->findChild<QMessageBox*>(QStringLiteral("editor_overwrite_dialog"));
+  ASSERT_NE(question, nullptr);
+  QFile now(file);
+  ASSERT_TRUE(now.open(QIODevice::ReadOnly));
+  EXPECT_TRUE(now.readAll().contains("# theirs")) << "it is overwritten";
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 #include <QDragEnterEvent>
 #include <QLabel>
 #include <QMenu>
-#include <QMessageBox>
 #include <QMimeData>
 #include <QProcess>
 #include <csignal>
 
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "ui/base/dialogs.h"
 #include "ui/editor/experiment_editor.h"
 #include "tests/places.h"
 
@@ -50,8 +50,8 @@ class Files : public Operator {
     return true;
   }
   QString problem() {
-    QMessageBox* box = nullptr;
-    EXPECT_TRUE(eventually([&] { return (box = window.findChild<QMessageBox*>(QStringLiteral("problem_dialog"))); }));
+    MessageDialog* box = nullptr;
+    EXPECT_TRUE(eventually([&] { return (box = window.findChild<MessageDialog*>(QStringLiteral("problem_dialog"))); }));
     const QString text = box ? box->text() : QString();
     delete box;
     return text;
@@ -73,8 +73,8 @@ TEST_F(Files, AreDroppedOntoTheWindow) {
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().experiment().name == "mine"; }));
   EXPECT_FALSE(running()) << "nothing moves before the operator starts it";
   ASSERT_TRUE(drop(recording()));
-  ASSERT_TRUE(eventually([&] { return window.player().is_loaded(); }));
-  EXPECT_EQ(window.player().run()->rows.size(), 100u);
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
+  EXPECT_EQ(window.replay().recording()->rows.size(), 100u);
 }
 
 TEST_F(Files, AreRemembered) {
@@ -106,7 +106,7 @@ TEST_F(Files, AreKnownToTheEditor) {
 TEST_F(Files, AreRefusedWithPlaceValueAndWhatIsAllowed) {
   start();
   window.open_file(written("wrong.toml", "duration = 10\n[controller]\nv_max = -1\n"));
-  const QString wrong = problem();
+  const QString wrong = find<QLabel>("alert")->text();  // the editor shows the rest
   EXPECT_TRUE(wrong.contains(QStringLiteral("wrong.toml:3:9: controller.v_max: found -1, allowed: ")))
       << wrong.toStdString();
   ASSERT_TRUE(drop(written("notes.txt", "hello")));

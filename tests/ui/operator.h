@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <QCoreApplication>
+#include <QDialog>
 #include <QFile>
 #include <QPushButton>
 #include <QTemporaryDir>
@@ -37,6 +38,7 @@ class Operator : public ::testing::Test {
   }
 
   void TearDown() override {
+    for (QDialog* dialog : window.findChildren<QDialog*>()) delete dialog;  // an editor would ask about its changes
     window.close();
     EXPECT_TRUE(eventually([&] { return !window.isVisible(); })) << "the window did not close";
   }
@@ -48,7 +50,7 @@ class Operator : public ::testing::Test {
     return widget;
   }
 
-  const LiveSession& live() { return window.live(); }
+  const LiveRun& live() { return window.live(); }
   const app::TickRecord& record() { return *live().latest(); }
   bool running() { return live().latest() != nullptr && live().phase() == app::Phase::running; }
   bool stopped() { return live().latest() != nullptr && live().phase() == app::Phase::stopped; }

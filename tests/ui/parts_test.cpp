@@ -6,15 +6,40 @@
 #include <cmath>
 
 #include "app/experiment/experiment_file.h"
+#include "ui/base/why.h"
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_view.h"
-#include "ui/modes.h"
-#include "ui/plots/run_history.h"
+#include "ui/base/modes.h"
+#include "ui/run/run_history.h"
 #include "ui/robots/robots_model.h"
-#include "ui/run/alert_strip.h"
+#include "ui/status/alert_strip.h"
 
 namespace skein::ui::test {
 namespace {
+
+TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(2);
+  app::RobotRecord& r = record.robots[0];
+  r.truth = {0.0, 0.0, 0.0};
+  record.robots[1].truth = {0.091, 0.0, 0.0};
+  r.pose_age = 0.04;
+  r.law = {0.14, 0.2};
+  r.command = {0.03, 0.2};
+  r.error = {0.02, 0.0, 0.0};
+  r.mode = app::tracking;
+  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("2.0 cm off"))) << why(record, 0).toStdString();
+  r.mode = app::tracking | app::limited;
+  r.limits = app::limit_v;
+  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("asks 0.140 m/s"))) << why(record, 0).toStdString();
+  r.mode = app::tracking | app::shielded | app::limited;
+  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("0.030 m/s"))) << why(record, 0).toStdString();
+  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("robot 2, 9.1 cm"))) << why(record, 0).toStdString();
+  r.mode = app::stopped | app::lost;
+  r.pose_age = 0.45;
+  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("not seen"))) << why(record, 0).toStdString();
+}
 
 TEST(ArenaMap, GoesThereAndBack) {
   ArenaMap map;
@@ -148,7 +173,7 @@ TEST(RobotsModel, SaysWhatIsWrongWithALink) {
   links[2].link = app::LinkState::failed;
   links[2].reason = "no route to it";
   links[2].round_trip = 0.0123;
-  model.take(standing(experiment), links, false);
+  model.take(standing(experiment), {links});
   const auto cell = [&](int column, int role) { return model.data(model.index(2, column), role); };
   EXPECT_EQ(cell(RobotsModel::link, Qt::DisplayRole).toString(), QStringLiteral("failed"));
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ToolTipRole).toString().contains(QStringLiteral("no route to it")));

@@ -6,7 +6,7 @@
 #include "operator.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/plots/plots_panel.h"
-#include "ui/run/run_bar.h"
+#include "ui/status/run_bar.h"
 
 namespace skein::ui::test {
 namespace {
@@ -30,7 +30,7 @@ class Replay : public Operator {
     window.activateWindow();
     window.open_recording(file);
     ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
-    ASSERT_TRUE(eventually([&] { return window.player().is_loaded(); }));
+    ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
   }
   TimeLine& time_line() { return *find<TimeLine>("time_line"); }
   QString alert() { return find<QLabel>("alert")->text(); }
@@ -39,17 +39,17 @@ class Replay : public Operator {
 
 TEST_F(Replay, PlaysThroughTheSameWidgets) {
   replay(recorded());
-  EXPECT_TRUE(eventually([&] { return window.player().t() > 0.3; })) << "it does not play";
+  EXPECT_TRUE(eventually([&] { return window.replay().t() > 0.3; })) << "it does not play";
   EXPECT_TRUE(alert().contains(QStringLiteral("bit for bit"))) << alert().toStdString();
   EXPECT_GE(find<QAbstractItemView>("event_log")->model()->rowCount(), 4) << "start and three kicks";
   EXPECT_EQ(find<PlotsPanel>("plots")->history().size(), 2100u);
   EXPECT_EQ(find<QAbstractItemView>("robots")->model()->rowCount(), 4);
   auto* go = find<QPushButton>("go");
   QTest::mouseClick(go, Qt::LeftButton);
-  EXPECT_FALSE(window.player().is_playing());
-  const double t = window.player().t();
+  EXPECT_FALSE(window.replay().is_playing());
+  const double t = window.replay().t();
   QTest::mouseClick(find<QPushButton>("step"), Qt::LeftButton);
-  EXPECT_NEAR(window.player().t(), t + 0.04, 0.0401);
+  EXPECT_NEAR(window.replay().t(), t + 0.04, 0.0401);
   EXPECT_EQ(go->text(), QStringLiteral("Play"));
 }
 
@@ -60,26 +60,26 @@ TEST_F(Replay, GoesWhereTheScrubberIsPut) {
   for (const double share : {0.5, 0.22, 0.9}) {
     QTest::mouseClick(&line, Qt::LeftButton, {},
                       {10 + static_cast<int>(share * (line.width() - 20)), line.height() / 2});
-    EXPECT_NEAR(window.player().t(), share * 84.0, 1.5 * 84.0 / (line.width() - 20)) << "a pixel of it";
-    const app::TickRecord& row = window.player().latest();
-    EXPECT_NEAR(row.t, window.player().t(), 0.0401);
+    EXPECT_NEAR(window.replay().t(), share * 84.0, 1.5 * 84.0 / (line.width() - 20)) << "a pixel of it";
+    const app::TickRecord& row = (*window.replay().latest());
+    EXPECT_NEAR(row.t, window.replay().t(), 0.0401);
     ASSERT_TRUE(arena().scene().record.has_value());
     EXPECT_EQ(arena().scene().record->t, row.t);
     EXPECT_EQ(arena().scene().pose(0)->x, row.robots[0].truth.x);
   }
   line.setFocus();
-  const double t = window.player().t();
+  const double t = window.replay().t();
   key(Qt::Key_Left);
-  EXPECT_NEAR(window.player().t(), t - 1.0, 0.05);
+  EXPECT_NEAR(window.replay().t(), t - 1.0, 0.05);
   QTest::keyClick(&line, Qt::Key_Home);
   QTest::keyClick(&line, Qt::Key_Right, Qt::ControlModifier);  // to the next event
-  EXPECT_FALSE(window.player().latest().events.empty());
+  EXPECT_FALSE((*window.replay().latest()).events.empty());
 }
 
 TEST_F(Replay, TurnsTheLiveControlsOffAndSaysWhy) {
   replay(recorded());
   auto* gains = find<GainsPanel>("gains");
-  EXPECT_FALSE(gains->isEnabled());
+  EXPECT_FALSE(find("spin_k_xx")->isEnabled());
   EXPECT_TRUE(gains->toolTip().contains(QStringLiteral("replay"))) << gains->toolTip().toStdString();
   EXPECT_FALSE(find<QPushButton>("record")->isEnabled());
   EXPECT_FALSE(live().is_open());
@@ -87,8 +87,8 @@ TEST_F(Replay, TurnsTheLiveControlsOffAndSaysWhy) {
   EXPECT_EQ(leave->text(), QStringLiteral("Leave replay"));
   QTest::mouseClick(leave, Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
-  EXPECT_FALSE(window.player().is_loaded());
-  EXPECT_TRUE(gains->isEnabled());
+  EXPECT_FALSE(window.replay().is_loaded());
+  EXPECT_TRUE(find("spin_k_xx")->isEnabled());
 }
 
 TEST_F(Replay, SaysWhereARunComesOutDifferently) {

@@ -2,12 +2,12 @@
 #include <QAbstractItemView>
 #include <QAction>
 #include <QLabel>
-#include <QMessageBox>
 #include <QProcess>
 #include <QToolButton>
 #include <cstdlib>
 
 #include "operator.h"
+#include "ui/base/dialogs.h"
 #include "ui/robots/robots_model.h"
 #include "tests/places.h"
 
@@ -68,9 +68,9 @@ TEST_F(Robots, OneIsTestedFromTheKeyboardAndTheVerdictIsShown) {
   EXPECT_TRUE(eventually([&] { return find<QAbstractButton>("test_robot")->text() == QStringLiteral("Testing …"); }));
   window.go();
   EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("Not started")));
-  ASSERT_TRUE(eventually([&] { return window.findChild<QMessageBox*>() != nullptr; })) << "no verdict came";
+  ASSERT_TRUE(eventually([&] { return window.findChild<MessageDialog*>() != nullptr; })) << "no verdict came";
   EXPECT_EQ(live().phase(), app::Phase::ready);
-  auto* verdict = find<QMessageBox>("problem_dialog");
+  auto* verdict = find<MessageDialog>("problem_dialog");
   EXPECT_TRUE(verdict->text().contains(QStringLiteral("Robot 2 does as it is told"))) << verdict->text().toStdString();
   EXPECT_TRUE(verdict->text().contains(QStringLiteral("Version")));
   delete verdict;
@@ -85,7 +85,7 @@ TEST_F(Robots, StopEndsATest) {
   key(Qt::Key_Space);
   ASSERT_TRUE(eventually([&] { return stopped(); }));
   EXPECT_TRUE(eventually([&] { return !log_line(QStringLiteral("STOP was pressed")).isEmpty(); }));
-  EXPECT_EQ(window.findChild<QMessageBox*>(), nullptr);
+  EXPECT_EQ(window.findChild<MessageDialog*>(), nullptr);
 }
 
 TEST_F(Robots, ThatAreSimulatedSayWhyTheyAreNotTested) {

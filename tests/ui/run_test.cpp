@@ -13,8 +13,8 @@
 
 #include "app/replay/replay.h"
 #include "operator.h"
-#include "ui/run/event_log.h"
 #include "tests/places.h"
+#include "ui/status/event_log.h"
 
 namespace skein::ui::test {
 namespace {

@@ -23,7 +23,7 @@
 #include "ui/editor/experiment_editor.h"
 #include "ui/main/main_window.h"
 #include "ui/plots/plots_panel.h"
-#include "ui/run/time_line.h"
+#include "ui/status/time_line.h"
 #include "ui/window.h"
 
 namespace skein::ui {
@@ -60,7 +60,7 @@ int take(const QDir& dir) {
   window.show();
   window.open_recording(one);
   const auto wait = [](const std::function<bool()>& holds) { return QTest::qWaitFor(holds, 20000); };
-  if (!wait([&] { return window.player().is_loaded(); })) return 3;
+  if (!wait([&] { return window.replay().is_loaded(); })) return 3;
   window.go();  // pause
   window.compare_with(two);
   if (!wait([&] { return window.findChild<ArenaView*>()->scene().compared.has_value(); })) return 3;

@@ -6,7 +6,7 @@
 
 #include "ui/arena/arena_painter.h"
 #include "ui/arena/arena_pens.h"
-#include "ui/modes.h"
+#include "ui/base/modes.h"
 
 namespace skein::ui {
 namespace {
@@ -102,8 +102,8 @@ void ArenaPainter::scale_bar(const QRectF& widget) {
 void ArenaPainter::legend(const QRectF& widget) {
   if (!scene_.record) return;
   std::map<std::uint8_t, ModeLook> present;  // only what can be seen now needs words
-  for (const app::RobotRecord& robot : scene_.record->robots) {
-    const ModeLook mode_look = look(robot.mode, c_);
+  for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
+    const ModeLook mode_look = scene_.look_of(i, c_);
     if (!mode_look.symbol.isEmpty()) present.emplace(mode_look.mode, mode_look);
   }
   const QFontMetricsF metrics(p_.font());

@@ -4,7 +4,7 @@
 
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_scene.h"
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 

@@ -8,7 +8,7 @@
 
 #include "ui/arena/arena_other.h"
 #include "ui/arena/arena_pens.h"
-#include "ui/modes.h"
+#include "ui/base/modes.h"
 
 namespace skein::ui {
 namespace {
@@ -164,9 +164,10 @@ void ArenaPainter::couplings() {
     for (std::size_t j = i + 1; j < n; ++j) {
       QPolygonF line;
       for (const QPointF& point : scene_.coupling_line(i, j)) line << map_.to_screen(point);
-      const bool lost = scene_.record->robots[i].is(app::lost) || scene_.record->robots[j].is(app::lost);
+      // Lost, or made to stand: out of the group until it drives again.
+      const bool out = scene_.is_out_of_group(i) || scene_.is_out_of_group(j);
       const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
-      const double strength = lost ? 0.0 : scene_.couplings[i * n + j];
+      const double strength = out ? 0.0 : scene_.couplings[i * n + j];
       constexpr double thinnest = 0.8, widest = 9.0;  // [px]
       const double opacity = crowd ? std::clamp(0.15 + 0.5 * strength, 0.15, 0.5) : 0.55;
       QPen pen = strength > 0.0
@@ -237,7 +238,7 @@ void ArenaPainter::robots() {
       p_.drawEllipse(centre, radius + 6, radius + 6);
     }
     robot(*pose, i, mode & app::lost ? 0.35 : dragged ? 0.5 : 1.0);
-    const ModeLook mode_look = look(mode, c_);
+    const ModeLook mode_look = scene_.look_of(i, c_);
     if (!mode_look.symbol.isEmpty()) {
       p_.setBrush(Qt::NoBrush);
       p_.setPen(cosmetic(mode_look.colour, 2.6));

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "ui/arena/arena_view.h"
-#include "ui/modes.h"
+#include "ui/base/modes.h"
+#include "ui/base/why.h"
 
 namespace skein::ui {
 namespace {
@@ -87,10 +88,10 @@ QString ArenaView::tip_at(QPoint where) const {
   }
   const auto i = static_cast<std::size_t>(robot);
   const core::Pose pose = scene_.pose(i).value_or(core::Pose{});
-  return tr("<b>Robot %1</b> (tag %2): %3<br>x %4 m, y %5 m, heading %6°<br>%7")
+  return tr("<b>Robot %1</b> (tag %2): %3: %4<br>x %5 m, y %6 m, heading %7°<br>%8")
       .arg(robot + 1)
       .arg(scene_.experiment.robots[i].tag)
-      .arg(mode_text(scene_.record->robots[i].mode))
+      .arg(mode_text(scene_.record->robots[i].mode), why(*scene_.record, i).toHtmlEscaped())
       .arg(pose.x, 0, 'f', 3)
       .arg(pose.y, 0, 'f', 3)
       .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)

@@ -1,5 +1,6 @@
 #include "ui/arena/arena_scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/reference/reference.h"
@@ -9,6 +10,7 @@ namespace skein::ui {
 void ArenaScene::reset(const app::Experiment& of) {
   experiment = of;
   record.reset();
+  may_be_driving.clear();
   trails.assign(experiment.robots.size(), {});
   forget_gesture();
   ruler.reset();
@@ -50,6 +52,16 @@ std::optional<core::Pose> ArenaScene::pose(std::size_t i) const {
   const bool seen = robot.measurement.captured_at > -1e8;
   if (!seen || !std::isfinite(robot.pose.x)) return std::nullopt;
   return robot.pose;
+}
+
+bool ArenaScene::is_out_of_group(std::size_t i) const {
+  const app::RobotRecord& robot = record->robots[i];
+  return robot.is(app::lost) || (record->phase == app::Phase::running && robot.is(app::stopped));
+}
+
+ModeLook ArenaScene::look_of(std::size_t i, const Colours& colours) const {
+  const bool unknown = std::find(may_be_driving.begin(), may_be_driving.end(), i) != may_be_driving.end();
+  return unknown ? may_be_driving_look(colours) : look(record->robots[i].mode, colours);
 }
 
 int ArenaScene::robot_at(double x, double y, double reach) const {

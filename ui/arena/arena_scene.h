@@ -11,6 +11,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
+#include "ui/base/modes.h"
 
 namespace skein::ui {
 
@@ -40,6 +41,8 @@ struct ArenaScene {
   std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
   /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their borders.
   std::vector<double> couplings;
+
+  std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
 
   std::optional<OtherRun> compared;
 
@@ -87,6 +90,10 @@ struct ArenaScene {
   /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that
   /// it does not hide behind those between them. Empty: one of them was never seen.
   std::vector<QPointF> coupling_line(std::size_t i, std::size_t j) const;
+  /// Robot i is not coupled to anybody now: it is lost, or it was made to stand while the others drive.
+  bool is_out_of_group(std::size_t i) const;
+  /// How robot i looks now.
+  ModeLook look_of(std::size_t i, const Colours& colours) const;
   void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }
 };
 

@@ -65,6 +65,12 @@ void ArenaView::set_other(std::optional<OtherRun> other) {
   update();
 }
 
+void ArenaView::set_may_be_driving(std::vector<std::size_t> robots) {
+  if (scene_.may_be_driving == robots) return;
+  scene_.may_be_driving = std::move(robots);
+  update();
+}
+
 void ArenaView::set_banner(const QString& text, bool alarms) {
   if (scene_.banner == text && scene_.banner_alarms == alarms) return;
   scene_.banner = text;
@@ -156,6 +162,10 @@ void ArenaView::refresh() {
   }
   if (!scene_.record || scene_.record->now == painted_t_) return;
   painted_t_ = scene_.record->now;
+  if (tip_ && QToolTip::isVisible())
+    show_tip(*tip_);
+  else
+    tip_.reset();
   update();
 }
 
@@ -339,13 +349,17 @@ void ArenaView::leaveEvent(QEvent*) {
 
 bool ArenaView::event(QEvent* event) {
   if (event->type() != QEvent::ToolTip) return QWidget::event(event);
-  const auto* help = static_cast<QHelpEvent*>(event);
-  const QString tip = tip_at(help->pos());
+  show_tip(static_cast<QHelpEvent*>(event)->pos());
+  return true;
+}
+
+void ArenaView::show_tip(QPoint where) {
+  const QString tip = tip_at(where);
+  tip_ = where;
   if (tip.isEmpty())
     QToolTip::hideText();
   else
-    QToolTip::showText(help->globalPos(), tip, this);
-  return true;
+    QToolTip::showText(mapToGlobal(where), tip, this);
 }
 
 }  // namespace skein::ui

@@ -25,6 +25,7 @@ class ArenaView final : public QWidget {
   void set_camera(ArenaMap::Camera camera);
   void take(const app::TickRecord& record) { scene_.take(record); }
   void take(const app::Picture& picture);
+  void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
   void set_other(std::optional<OtherRun> other);  ///< drawn pale
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
@@ -46,7 +47,7 @@ class ArenaView final : public QWidget {
 
   const ArenaMap& map() const { return map_; }
   const ArenaScene& scene() const { return scene_; }
-  QSize minimumSizeHint() const override { return {320, 240}; }
+  QSize minimumSizeHint() const override { return {200, 150}; }
   QSize sizeHint() const override { return {620, 500}; }
 
  public slots:
@@ -81,6 +82,7 @@ class ArenaView final : public QWidget {
   bool may_take(int robot, QPoint where);
   QString why_not(int robot) const;
   QString tip_at(QPoint where) const;
+  void show_tip(QPoint where);
   std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
   void hover(QPointF screen);
   void turn(int robot, double by);
@@ -93,6 +95,7 @@ class ArenaView final : public QWidget {
   ArenaMap::Camera camera_;
   ArenaScene scene_;
   double painted_t_ = -1.0;
+  std::optional<QPoint> tip_;  // where a tip was asked for: it follows what it says
 
   ArenaTool tool_ = ArenaTool::hand;
   std::unique_ptr<ArenaGesture> gesture_;

@@ -162,10 +162,10 @@ class Stage {
     window_.show();
     window_.open(experiment, true);
     fill(history);
-    QObject::connect(&window_.live(), &LiveSession::record_taken, &window_, [this](const app::TickRecord& record) {
+    QObject::connect(&window_.live(), &LiveRun::record_shown, &window_, [this](const app::TickRecord& record) {
       if (record.phase == app::Phase::running) ticks_.emplace_back(record.tick, record.now);
     });
-    QObject::connect(&window_.live(), &LiveSession::frame, &window_, [this] { end_of_frame(); });
+    QObject::connect(&window_.live(), &LiveRun::frame, &window_, [this] { end_of_frame(); });
   }
   ~Stage() {
     window_.close();

@@ -8,6 +8,8 @@
 #include <QVBoxLayout>
 #include <cmath>
 
+#include "ui/base/dialogs.h"
+
 namespace skein::ui {
 namespace {
 
@@ -141,7 +143,7 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
   connect(&timer_, &QTimer::timeout, this, &CalibrationDialog::refresh);
   connect(kind_, &QComboBox::currentIndexChanged, this, [this](int kind) { marker_->setEnabled(kind == 0); });
   views_.set_colours(colours(palette()));
-  resize(940, 600);
+  resize(fitting({940, 600}, parent));
   dress({});
 }
 

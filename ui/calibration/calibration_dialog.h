@@ -16,7 +16,7 @@
 #include "app/tools/camera_calibration.h"
 #include "ui/calibration/calibration_picture.h"
 #include "ui/calibration/floor_page.h"
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstring>
 
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 

@@ -1,27 +1,37 @@
 #include "ui/editor/experiment_editor.h"
 
-#include <QFileDialog>
+#include <QFile>
 #include <QFileInfo>
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QListWidget>
+#include <QMessageBox>
 #include <QPushButton>
 #include <QSaveFile>
 #include <QScrollArea>
 #include <QSplitter>
 #include <QVBoxLayout>
+#include <optional>
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/toml_edit.h"
 #include "ui/editor/editor_form.h"
 #include "ui/editor/toml_text.h"
-#include "ui/palette.h"
+#include "ui/base/dialogs.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 namespace {
 
 constexpr int typing_pause_ms = 250;
 constexpr int place_role = Qt::UserRole;  // QPoint(line, column)
+
+/// What a file holds, with ends of lines as the editor has them; none: it cannot be read.
+std::optional<QString> text_of(const QString& path) {
+  QFile file(path);
+  if (!file.open(QIODevice::ReadOnly)) return std::nullopt;
+  return QString::fromUtf8(file.readAll()).replace(QStringLiteral("\r\n"), QStringLiteral("\n"));
+}
 
 }  // namespace
 
@@ -74,7 +84,7 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   layout->addWidget(verdict_);
   layout->addWidget(list_);
   layout->addLayout(buttons);
-  resize(980, 720);
+  resize(fitting({980, 720}, parent));
 
   pause_.setSingleShot(true);
   connect(&pause_, &QTimer::timeout, this, &ExperimentEditor::check);
@@ -94,8 +104,10 @@ void ExperimentEditor::edit(const QString& text, const QString& file) {
   file_ = file;
   text_->setPlainText(text);
   text_->document()->setModified(file.isEmpty());
+  kept_ = on_disk_ = this->text();
   check();
   show_title();
+  if (list_->count() > 0) emit list_->itemActivated(list_->item(0));
 }
 
 QString ExperimentEditor::text() const {
@@ -124,10 +136,10 @@ void ExperimentEditor::check() {
   list_->setVisible(!problems.empty());
   const Colours c = colours(palette());
   const QString verdict = problems.empty() ? tr("This experiment can be run.")
-                                           : tr("%n problem(s): it cannot be saved like this.", nullptr, problems_);
+                                           : tr("%n problem(s): it cannot be run like this.", nullptr, problems_);
   verdict_->setText(
       QStringLiteral("<span style=\"color:%1\">%2</span>").arg((problems.empty() ? c.good : c.alarm).name(), verdict));
-  for (auto* button : {save_, save_as_, open_}) button->setEnabled(problems.empty());
+  open_->setEnabled(problems.empty());
   form_->show_text(text());
 }
 
@@ -146,36 +158,79 @@ void ExperimentEditor::set_value(const QString& key, const QString& value) {
 
 void ExperimentEditor::save_and(bool then_open) {
   if (file_.isEmpty()) return ask_save(then_open);
+  if (was_changed_by_others()) return ask_overwrite(then_open);
+  write_and(then_open);
+}
+
+void ExperimentEditor::write_and(bool then_open) {
   const QString problem = save(file_);
   if (!problem.isEmpty())
     verdict_->setText(problem);
-  else if (then_open)
+  else if (then_open && is_valid())
     emit open_wanted(file_);
 }
 
+bool ExperimentEditor::was_changed_by_others() const {
+  const std::optional<QString> now = text_of(file_);
+  return now && *now != on_disk_;
+}
+
+void ExperimentEditor::ask_overwrite(bool then_open) {
+  auto* box = new QMessageBox(QMessageBox::Warning, tr("Changed meanwhile"),
+                              tr("%1 was changed by somebody else since it was opened here.")
+                                  .arg(QFileInfo(file_).fileName()),
+                              QMessageBox::NoButton, this);
+  box->setObjectName(QStringLiteral("editor_overwrite_dialog"));
+  auto* overwrite = box->addButton(tr("Overwrite it"), QMessageBox::DestructiveRole);
+  auto* reload = box->addButton(tr("Open what is there"), QMessageBox::ResetRole);
+  auto* other = box->addButton(tr("Save under another name …"), QMessageBox::ActionRole);
+  box->addButton(QMessageBox::Cancel);
+  connect(overwrite, &QPushButton::clicked, this, [this, then_open] { write_and(then_open); });
+  connect(reload, &QPushButton::clicked, this, [this] { edit(text_of(file_).value_or(text()), file_); });
+  connect(other, &QPushButton::clicked, this, [this, then_open] { ask_save(then_open); });
+  show_beside(box);
+}
+
+void ExperimentEditor::reject() {
+  if (has_changes())
+    ask_close();
+  else
+    QDialog::reject();
+}
+
+void ExperimentEditor::ask_close() {
+  if (auto* asked = findChild<QMessageBox*>(QStringLiteral("editor_close_dialog"))) return asked->raise();
+  auto* box = new QMessageBox(QMessageBox::Question, tr("Not saved"),
+                              tr("This experiment has changes that no file has yet."), QMessageBox::NoButton, this);
+  box->setObjectName(QStringLiteral("editor_close_dialog"));
+  auto* keep = box->addButton(tr("Save"), QMessageBox::AcceptRole);
+  auto* discard = box->addButton(tr("Throw them away"), QMessageBox::DestructiveRole);
+  box->addButton(tr("Go on editing"), QMessageBox::RejectRole);
+  connect(keep, &QPushButton::clicked, this, [this] { save_and(false); });
+  connect(discard, &QPushButton::clicked, this, [this] { QDialog::reject(); });
+  show_beside(box);
+}
+
 void ExperimentEditor::ask_save(bool then_open) {
-  auto* dialog = new QFileDialog(this, tr("Save experiment"), file_, tr("Experiments (*.toml)"));
-  dialog->setObjectName(QStringLiteral("editor_save_dialog"));
-  dialog->setOption(QFileDialog::DontUseNativeDialog);  // so that Space and Esc reach the program
-  dialog->setAcceptMode(QFileDialog::AcceptSave);
-  dialog->setDefaultSuffix(QStringLiteral("toml"));
-  dialog->setAttribute(Qt::WA_DeleteOnClose);
-  dialog->setWindowModality(Qt::NonModal);
-  connect(dialog, &QFileDialog::fileSelected, this, [this, then_open](const QString& file) {
+  QFileDialog* dialog =
+      file_dialog(this, {tr("Save experiment"), QStringLiteral("editor_save_dialog"), tr("Experiments (*.toml)"),
+                         QFileInfo(file_).path(),
+                         file_.isEmpty() ? QStringLiteral("experiment.toml") : QFileInfo(file_).fileName()});
+  connect(dialog, &QFileDialog::fileSelected, this, [this, then_open](const QString& file) {  // Qt asks to overwrite
     file_ = file;
-    save_and(then_open);
+    write_and(then_open);
   });
   dialog->show();
 }
 
 QString ExperimentEditor::save(const QString& file) {
   check();
-  if (!is_valid()) return tr("%n problem(s): not saved.", nullptr, problems_);
   QSaveFile out(file);
   const QByteArray bytes = text().toUtf8();
   if (!out.open(QIODevice::WriteOnly) || out.write(bytes) < 0 || !out.commit())
     return tr("Could not write %1: %2.").arg(file, out.errorString());
   file_ = file;
+  kept_ = on_disk_ = text();
   text_->document()->setModified(false);
   show_title();
   return {};

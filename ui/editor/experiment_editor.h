@@ -12,8 +12,9 @@ namespace skein::ui {
 class EditorForm;
 class TomlText;
 
-/// An experiment's file: its text with what is wrong in it, and its common keys as fields. What is wrong is never
-/// saved.
+/// An experiment's file: its text with what is wrong in it, and its common keys as fields. A text that is not finished
+/// can be kept, but not run. Nothing is lost without a question: neither what was typed, nor what somebody else wrote
+/// to the file meanwhile.
 class ExperimentEditor final : public QDialog {
   Q_OBJECT
 
@@ -23,8 +24,13 @@ class ExperimentEditor final : public QDialog {
   void edit(const QString& text, const QString& file);
   QString text() const;
   bool is_valid() const { return problems_ == 0; }
-  /// The answer says what went wrong; empty: nothing.
+  /// It differs from what was opened or saved last.
+  bool has_changes() const { return text() != kept_; }
+  /// Writes the text, finished or not. The answer says what went wrong; empty: nothing.
   QString save(const QString& file);
+
+ public slots:
+  void reject() override;  ///< closes, or asks what to do with the changes
 
  signals:
   void open_wanted(const QString& file);  ///< it is saved, and the window is to run it
@@ -34,6 +40,10 @@ class ExperimentEditor final : public QDialog {
   void set_value(const QString& key, const QString& value);
   void ask_save(bool then_open);
   void save_and(bool then_open);
+  void write_and(bool then_open);
+  bool was_changed_by_others() const;
+  void ask_overwrite(bool then_open);
+  void ask_close();
   void show_title();
 
   TomlText* text_;
@@ -43,6 +53,8 @@ class ExperimentEditor final : public QDialog {
   QPushButton *save_, *save_as_, *open_;
   QTimer pause_;  // in typing
   QString file_;
+  QString kept_;     // the text as it was opened or saved last
+  QString on_disk_;  // what file_ held then, as far as is known
   int problems_ = 0;
 };
 

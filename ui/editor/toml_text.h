@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/experiment/problem.h"
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 

@@ -4,7 +4,7 @@
 #include <QSettings>
 #include <QStringList>
 
-#include "ui/settings.h"
+#include "ui/base/settings.h"
 
 namespace skein::ui {
 namespace {

@@ -9,12 +9,13 @@
 #include <cmath>
 
 #include "app/run/event.h"
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 namespace {
 
 constexpr int rest_ms = 120;
+constexpr int taken_ms = 1000;  // the session has taken a wish by then, and says where the gain goes
 constexpr double room_beyond_border = 1.25;
 
 struct Words {
@@ -40,6 +41,24 @@ Words words(core::GainName gain) {
       break;  // slopes and weights have no slider
   }
   return {"", "", "", ""};
+}
+
+/// What makes room beyond the border.
+const char* way_on(core::GainName gain) {
+  switch (gain) {
+    case core::GainName::k_tt:
+      return QT_TRANSLATE_NOOP("GainSlider", "For more, lower k_yy by as much: (18g) limits their sum.");
+    case core::GainName::k_yy:
+      return QT_TRANSLATE_NOOP("GainSlider", "For more, lower k_tt by as much: (18g) limits their sum.");
+    case core::GainName::k_xx:
+    case core::GainName::c_xx:
+    case core::GainName::c_tt:
+    case core::GainName::c_yy:
+    case core::GainName::l_xx:
+    case core::GainName::l_tt:
+      break;
+  }
+  return QT_TRANSLATE_NOOP("GainSlider", "For more, the reference has to be slower: (18f).");
 }
 
 QString number(double value) {
@@ -107,7 +126,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
     : QWidget(parent),
       gain_(gain),
       slider_(new BorderSlider(this)),
-      spin_(new QDoubleSpinBox(this)),
+      spin_(new NumberField(this)),
       now_text_(new QLabel(this)),
       border_text_(new QLabel(this)) {
   const Words w = words(gain);
@@ -128,7 +147,6 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   spin_->setAccessibleName(name);
   spin_->setDecimals(4);
   spin_->setSuffix(QStringLiteral(" ") + QString::fromLatin1(w.unit));
-  spin_->setKeyboardTracking(false);
   spin_->setAlignment(Qt::AlignRight);
   now_text_->setObjectName(QStringLiteral("now_") + name);
   border_text_->setObjectName(QStringLiteral("border_") + name);
@@ -149,7 +167,10 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
 
   rest_.setSingleShot(true);
   rest_.setInterval(rest_ms);
-  connect(&rest_, &QTimer::timeout, this, [this] { emit wanted(gain_, spin_->value()); });
+  connect(&rest_, &QTimer::timeout, this, [this] {
+    asked_.start();
+    emit wanted(gain_, spin_->value());
+  });
   connect(slider_, &QSlider::valueChanged, this, [this](int step) { choose(top_ * step / BorderSlider::steps); });
   connect(slider_, &QSlider::sliderReleased, this, [this] {
     if (rest_.isActive()) rest_.start(0);
@@ -157,10 +178,18 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   connect(spin_, &QDoubleSpinBox::valueChanged, this, [this](double value) { choose(value); });
 }
 
+int GainSlider::step_of(double value) const {
+  return static_cast<int>(std::lround(std::clamp(value / top_, 0.0, 1.0) * BorderSlider::steps));
+}
+
 void GainSlider::choose(double value) {
+  if (value < 0.0) {
+    emit refused(tr("%1 is held at 0, its border: found %2").arg(QLatin1String(core::word(gain_).data())).arg(value));
+    value = 0.0;
+  }
   const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
   spin_->setValue(value);
-  if (!slider_->isSliderDown()) slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
+  if (!slider_->isSliderDown()) slider_->setValue(step_of(value));
   show_text();
   rest_.start();
 }
@@ -180,9 +209,8 @@ void GainSlider::set_range(double top) {
   const double digit = top > 0 ? std::pow(10.0, std::floor(std::log10(top)) - 1) : 0.1;
   top_ = std::max(digit, std::ceil(top / digit) * digit);
   const double value = spin_->value();
-  spin_->setRange(0.0, top_);
   spin_->setSingleStep(digit);
-  slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
+  slider_->setValue(step_of(value));
 }
 
 void GainSlider::set_border(double border, double border_now) {
@@ -199,11 +227,18 @@ void GainSlider::set_now(double value) {
   show_text();
 }
 
+void GainSlider::follow_target(double value) {
+  const bool about_to_ask = slider_->isSliderDown() || rest_.isActive() || spin_->is_being_typed();
+  const bool not_taken_yet = asked_.isValid() && !asked_.hasExpired(taken_ms);
+  if (!about_to_ask && !not_taken_yet && std::abs(value - spin_->value()) > 0.5e-4) set_target(value);
+}
+
 void GainSlider::set_target(double value) {
-  if (slider_->isSliderDown() || rest_.isActive()) return;
+  if (slider_->isSliderDown() || rest_.isActive() || spin_->is_being_typed()) return;
+  asked_.start();
   const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
   spin_->setValue(value);
-  slider_->setValue(static_cast<int>(std::lround(value / top_ * BorderSlider::steps)));
+  slider_->setValue(step_of(value));
   show_text();
 }
 
@@ -215,7 +250,8 @@ void GainSlider::show_text() {
   border_text_->setToolTip(
       tr("The largest value that (18f) and (18g) leave over the whole reference. Now they would leave "
          "%1: the reference asks for less here than elsewhere.")
-          .arg(number(border_now_)));
+          .arg(number(border_now_)) +
+      QLatin1Char(' ') + tr(way_on(gain_)));
 }
 
 }  // namespace skein::ui

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <QDoubleSpinBox>
+#include <QElapsedTimer>
 #include <QLabel>
 #include <QSlider>
 #include <QTimer>
 #include <QWidget>
 
 #include "core/control/gain_schedule.h"
+#include "ui/base/number_field.h"
 
 namespace skein::ui {
 
@@ -42,22 +43,28 @@ class GainSlider final : public QWidget {
   void reset(double value, double border);
   void set_border(double border, double border_now);
   void set_now(double value);     ///< what governs the robots now, on its way to the target
-  void set_target(double value);  ///< what the session aims at, if it is not what the slider says
+  /// What the gain is on its way to, whoever has asked for it. What the operator is about to ask for is left alone: a
+  /// number that is being typed, a knob that is held, a wish that the session cannot have taken yet.
+  void follow_target(double value);
+  void set_target(double value);  ///< the same, at once
   double target() const { return spin_->value(); }
 
  signals:
   void wanted(skein::core::GainName gain, double value);
+  void refused(const QString& why);
 
  private:
   void choose(double value);
+  int step_of(double value) const;  // where the knob stands for it
   void set_range(double top);
   void show_text();
 
   core::GainName gain_;
   BorderSlider* slider_;
-  QDoubleSpinBox* spin_;
+  NumberField* spin_;
   QLabel *now_text_, *border_text_;
-  QTimer rest_;  // a drag along the slider is one wish, made when the hand rests
+  QTimer rest_;          // a drag along the slider is one wish, made when the hand rests
+  QElapsedTimer asked_;  // since the last wish; invalid: the session has had time to take it
   double top_ = 1.0, border_ = 0.0, border_now_ = 0.0, now_ = 0.0;
 };
 

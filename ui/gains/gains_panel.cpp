@@ -8,6 +8,7 @@
 #include <QSignalBlocker>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <cmath>
 
 namespace skein::ui {
 namespace {
@@ -50,6 +51,8 @@ GainsPanel::GainsPanel(QWidget* parent)
     auto* slider = new GainSlider(gain, this);
     sliders_[static_cast<std::size_t>(gain)] = slider;
     connect(slider, &GainSlider::wanted, this, &GainsPanel::change);
+    connect(slider, &GainSlider::refused, this, &GainsPanel::refused);
+    controls_.push_back(slider);
     layout->addWidget(slider);
   }
 
@@ -109,6 +112,7 @@ GainsPanel::GainsPanel(QWidget* parent)
   form->addWidget(label);
   form->addWidget(coupling_, 1);
   layout->addLayout(form);
+  controls_.insert(controls_.end(), {presets_, reset_, ramp_});
 
   auto* scroll = new QScrollArea(this);  // for groups of many robots
   scroll->setFrameShape(QFrame::NoFrame);
@@ -181,11 +185,28 @@ void GainsPanel::set_borders(const Border& over_all, const Border& now) {
   for (const core::GainName gain : core::gain_names) slider(gain)->set_border(over_all(gain), now(gain));
 }
 
+void GainsPanel::follow_targets(const Border& target) {
+  for (const core::GainName gain : core::gain_names) {
+    const double value = target(gain);
+    slider(gain)->follow_target(value);
+    if (std::abs(slider(gain)->target() - value) < 0.5e-4) targets_[static_cast<std::size_t>(gain)] = value;
+  }
+}
+
 void GainsPanel::show_delay_margin(const QString& text, bool short_) {
   const Colours c = colours(palette());
   const QString shown =
       short_ ? QStringLiteral("<b style=\"color:%1\">%2</b>").arg(c.alarm.name(), text.toHtmlEscaped()) : text;
   if (delay_->text() != shown) delay_->setText(shown);
+}
+
+void GainsPanel::set_fixed(const QString& why) {
+  const bool fixed = !why.isEmpty();
+  for (QWidget* control : controls_) control->setEnabled(!fixed);
+  undo_button_->setEnabled(!fixed && undo_.canUndo());
+  redo_button_->setEnabled(!fixed && undo_.canRedo());
+  pairs_->set_fixed(fixed);
+  setToolTip(why);
 }
 
 void GainsPanel::set_before_start(bool before) {

@@ -32,6 +32,8 @@ class GainsPanel final : public QWidget {
   void show_experiment(const app::Experiment& experiment, const Border& border);
   void take(const app::TickRecord& record);
   void set_borders(const Border& over_all, const Border& now);
+  /// Where each gain is going: the sliders show nothing else for long.
+  void follow_targets(const Border& target);
   /// How much delay from camera to wheels the loops bear, in words, beside what was measured; `short_`: not enough.
   void show_delay_margin(const QString& text, bool short_ = false);
   /// How the pairs are asked for: now and whenever one of them is changed.
@@ -39,6 +41,8 @@ class GainsPanel final : public QWidget {
   void refresh_pairs();
   /// Couples two robots that are not, and the other way round.
   void switch_pair(int i, int j);
+  /// Nothing can be changed, and why: what is there can be read all the same; empty: it can.
+  void set_fixed(const QString& why);
   /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
   void set_before_start(bool before);
   QUndoStack& undo_stack() { return undo_; }
@@ -47,6 +51,7 @@ class GainsPanel final : public QWidget {
 
  signals:
   void wanted(skein::core::GainName gain, double value);
+  void refused(const QString& why);
   void pair_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
   /// "key=value" of the experiment file, to be set up again with.
@@ -69,6 +74,7 @@ class GainsPanel final : public QWidget {
   QPushButton* reset_;
   QComboBox* coupling_;
   QDoubleSpinBox* ramp_;
+  std::vector<QWidget*> controls_;  // what changes something
   QTabWidget* tabs_;
   MarginBars* margins_;
   QLabel* delay_;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 namespace {

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "app/run/event.h"
+#include "ui/base/number_field.h"
 
 namespace skein::ui {
 namespace {
@@ -94,16 +95,15 @@ QVariant PairModel::data(const QModelIndex& index, int role) const {
 }
 
 bool PairModel::setData(const QModelIndex& index, const QVariant& value, int role) {
-  if (!index.isValid() || index.row() == index.column()) return false;
+  if (fixed_ || !index.isValid() || index.row() == index.column()) return false;
   const int i = std::min(index.row(), index.column()), j = std::max(index.row(), index.column());
   if (role == Qt::CheckStateRole) {
     emit couple_wanted(i, j, value.toInt() == Qt::Checked);
     return true;
   }
-  bool is_number = false;
-  const double number = value.toString().trimmed().toDouble(&is_number);
-  if (role != Qt::EditRole || !is_number || !(number >= 0.0)) return false;
-  emit gain_wanted(gain_, i, j, number);
+  const auto number = parse_number(value.toString());
+  if (role != Qt::EditRole || !number || *number < 0.0) return false;
+  emit gain_wanted(gain_, i, j, *number);
   return true;
 }
 
@@ -117,6 +117,7 @@ QVariant PairModel::headerData(int section, Qt::Orientation, int role) const {
 
 Qt::ItemFlags PairModel::flags(const QModelIndex& index) const {
   if (index.row() == index.column()) return Qt::ItemIsEnabled;
+  if (fixed_) return Qt::ItemIsEnabled | Qt::ItemIsSelectable;
   const Pair& pair = at(static_cast<std::size_t>(index.row()), static_cast<std::size_t>(index.column()));
   const Qt::ItemFlags flags = Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemIsUserCheckable;
   return pair.coupled ? flags | Qt::ItemIsEditable : flags;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/control/gain_schedule.h"
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 
@@ -32,6 +32,7 @@ class PairModel final : public QAbstractTableModel {
   core::GainName gain() const { return gain_; }
   void refresh(const Ask& ask);  ///< takes every pair's values
   void set_colours(const Colours& colours);
+  void set_fixed(bool fixed) { fixed_ = fixed; }
 
   int rowCount(const QModelIndex& parent = {}) const override;
   int columnCount(const QModelIndex& parent = {}) const override { return rowCount(parent); }
@@ -52,6 +53,7 @@ class PairModel final : public QAbstractTableModel {
   core::GainName gain_ = core::GainName::k_xx;
   std::vector<Pair> pairs_;
   Colours colours_;
+  bool fixed_ = false;
 };
 
 /// The square with a choice of the gain above it.
@@ -62,6 +64,7 @@ class PairTable final : public QWidget {
   explicit PairTable(QWidget* parent = nullptr);
   void show_robots(std::size_t robots);
   void refresh(const PairModel::Ask& ask) { model_.refresh(ask); }
+  void set_fixed(bool fixed) { model_.set_fixed(fixed); }  ///< the values can be read, not changed
 
  signals:
   void gain_wanted(skein::core::GainName gain, int i, int j, double value);

@@ -7,6 +7,8 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "ui/base/number_field.h"
+
 namespace skein::ui {
 namespace {
 
@@ -14,8 +16,11 @@ constexpr std::array keys{"t", "k_xx", "k_tt", "k_yy", "ramp"};
 
 }  // namespace
 
-void ScheduleModel::show(const std::vector<app::GainChange>& changes) {
+void ScheduleModel::show(const app::Experiment& experiment) {
+  const std::vector<app::GainChange>& changes = experiment.gain_changes;
   beginResetModel();
+  for (const core::GainName gain : core::gain_names)
+    start_[static_cast<std::size_t>(gain)] = core::table(experiment.controller.gains, gain).largest();
   rows_.clear();
   per_pair_ = false;
   for (const app::GainChange& change : changes) {
@@ -39,7 +44,12 @@ void ScheduleModel::add(double at) {
   beginInsertRows({}, row, row);
   std::array<std::optional<double>, columns> fresh;
   fresh[t] = at;
-  fresh[k_xx] = fresh[k_tt] = fresh[k_yy] = 0.0;
+  for (const core::GainName gain : core::gain_names) {
+    const std::size_t column = k_xx + static_cast<std::size_t>(gain);
+    fresh[column] = start_[static_cast<std::size_t>(gain)];
+    for (const auto& before : rows_)
+      if (before[column]) fresh[column] = before[column];
+  }
   fresh[ramp] = 2.0;
   rows_.push_back(fresh);
   endInsertRows();
@@ -85,11 +95,10 @@ bool ScheduleModel::setData(const QModelIndex& index, const QVariant& value, int
   if (!index.isValid() || role != Qt::EditRole) return false;
   const QString text = value.toString().trimmed();
   const bool may_be_empty = index.column() != t && index.column() != ramp;
-  bool is_number = false;
-  const double number = text.toDouble(&is_number);
-  if (!(text.isEmpty() && may_be_empty) && !(is_number && number >= 0.0)) return false;
+  const auto number = parse_number(text);
+  if (!(text.isEmpty() && may_be_empty) && !(number && *number >= 0.0)) return false;
   auto& cell = rows_[static_cast<std::size_t>(index.row())][static_cast<std::size_t>(index.column())];
-  cell = text.isEmpty() ? std::nullopt : std::optional(number);
+  cell = text.isEmpty() ? std::nullopt : number;
   emit dataChanged(index, index);
   emit edited();
   return true;
@@ -170,8 +179,7 @@ ScheduleEditor::ScheduleEditor(QWidget* parent)
 }
 
 void ScheduleEditor::show_experiment(const app::Experiment& experiment) {
-  changes_ = experiment.gain_changes;
-  model_.show(changes_);
+  model_.show(experiment);
   edited_ = false;
   dress();
 }

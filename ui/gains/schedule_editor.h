@@ -4,6 +4,7 @@
 #include <QPushButton>
 #include <QTableView>
 #include <QWidget>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -19,7 +20,8 @@ class ScheduleModel final : public QAbstractTableModel {
   enum Column { t, k_xx, k_tt, k_yy, ramp, columns };
 
   using QAbstractTableModel::QAbstractTableModel;
-  void show(const std::vector<app::GainChange>& changes);
+  void show(const app::Experiment& experiment);
+  /// A row that changes nothing yet: it holds the gains as they are by then.
   void add(double at);
   void remove(int row);
   /// As the value of the file's key gain_change; rows in the order of t.
@@ -39,6 +41,7 @@ class ScheduleModel final : public QAbstractTableModel {
 
  private:
   std::vector<std::array<std::optional<double>, columns>> rows_;
+  std::array<double, 3> start_{};  // the gains that the run begins with, in the order of core::gain_names
   bool per_pair_ = false;
 };
 
@@ -61,7 +64,6 @@ class ScheduleEditor final : public QWidget {
   ScheduleModel model_;
   QTableView* table_;
   QPushButton *add_, *remove_, *apply_;
-  std::vector<app::GainChange> changes_;
   bool editable_ = true, edited_ = false;
 };
 

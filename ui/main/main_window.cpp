@@ -1,33 +1,83 @@
 #include "ui/main/main_window.h"
 
+#include <QApplication>
 #include <QCloseEvent>
 #include <QCursor>
-#include <QHeaderView>
+#include <QDragEnterEvent>
+#include <QDropEvent>
+#include <QFileInfo>
+#include <QMenu>
 #include <QMenuBar>
+#include <QScrollArea>
+#include <QScrollBar>
 #include <QStatusBar>
+#include <QTimer>
+#include <QToolBar>
 #include <QVBoxLayout>
-#include <chrono>
 #include <cmath>
-#include <utility>
 
 #include "app/run/interrupted.h"
+#include "app/experiment/experiment_file.h"
 #include "ui/arena/arena_view.h"
-#include "ui/calibration/calibration_dialog.h"
+#include "ui/base/dialogs.h"
+#include "ui/base/settings.h"
 #include "ui/gains/gains_panel.h"
+#include "ui/main/arena_actions.h"
+#include "ui/main/calibration_controller.h"
+#include "ui/main/check_controller.h"
+#include "ui/main/comparison_controller.h"
+#include "ui/main/editor_controller.h"
+#include "ui/main/file_controller.h"
+#include "ui/main/help.h"
+#include "ui/main/left_behind_bar.h"
+#include "ui/main/pair_controller.h"
+#include "ui/main/recording_controller.h"
+#include "ui/main/replay_controller.h"
+#include "ui/main/robot_controller.h"
 #include "ui/plots/plots_panel.h"
+#include "ui/results/result_panel.h"
 #include "ui/robots/robot_buttons.h"
 #include "ui/robots/robots_panel.h"
-#include "ui/run/alert_strip.h"
-#include "ui/run/check_list.h"
-#include "ui/run/event_log.h"
-#include "ui/run/run_bar.h"
-#include "ui/run/stop_guard.h"
+#include "ui/status/alert_strip.h"
+#include "ui/status/check_list.h"
+#include "ui/status/event_log.h"
+#include "ui/status/run_bar.h"
+#include "ui/status/stop_guard.h"
 
 namespace skein::ui {
 namespace {
 
 constexpr int frames_per_text = 6;       // numbers that change five times a second can be read
 constexpr int frames_per_question = 15;  // to the display
+constexpr int layout_version = 2;        // of the docks: a layout of another version is not restored
+
+/// The panel in as much room as there is: what is higher scrolls.
+QScrollArea* scrolling(QWidget* panel) {
+  auto* area = new QScrollArea;
+  area->setWidget(panel);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  area->setFocusPolicy(Qt::NoFocus);
+  area->setMinimumWidth(panel->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
+  return area;
+}
+
+QAction* add(QMenu* menu, const QString& text, const QString& name, const QKeySequence& keys,
+             const std::function<void()>& slot) {
+  QAction* made = menu->addAction(text, menu, slot);
+  made->setObjectName(name);
+  made->setShortcut(keys);
+  return made;
+}
+
+QAction* add_toggle(QMenu* menu, const QString& text, const QString& name, const std::function<void(bool)>& slot) {
+  QAction* made = menu->addAction(text);
+  made->setObjectName(name);
+  made->setCheckable(true);
+  QObject::connect(made, &QAction::toggled, menu, slot);
+  return made;
+}
 
 }  // namespace
 
@@ -37,8 +87,15 @@ MainWindow::MainWindow() {
   setAcceptDrops(true);
   setContextMenuPolicy(Qt::NoContextMenu);  // Qt's own would offer to hide things
   build_panels();
+  build_controllers();
+  lay_out();
+  for (QAction* action : findChildren<QAction*>())  // for messages, which are windows of their own
+    if (!action->shortcut().isEmpty()) addAction(action);
   connect_panels();
-  new StopGuard([this] { return stop_by_key(); }, run_bar_->stop_button(), this);
+  connect_session();
+  new StopGuard({[this] { return stop_by_key(); }, [this] { return runs_.live().all_stand(); },
+                 [this] { on_space(); }},
+                run_bar_->stop_button(), this);
   default_layout();
   restore_settings();
 }
@@ -53,14 +110,32 @@ void MainWindow::build_panels() {
   robots_ = new RobotsPanel;
   robot_buttons_ = new RobotButtons;
   log_ = new EventPanel;
+  results_ = new ResultPanel;
   alert_ = new AlertStrip;
-  checks_ = new CheckList;
-  checks_->hide();
+  check_list_ = new CheckList;
+  check_list_->hide();
   pace_ = new QLabel;
   pace_->setObjectName(QStringLiteral("pace"));
   pace_->setToolTip(tr("Pace of the control loop, and what a tick takes of it"));
   pace_->setContentsMargins(8, 0, 8, 0);
+}
 
+void MainWindow::build_controllers() {
+  LiveRun& live = runs_.live();
+  messages_ = std::make_unique<Messages>(runs_, alert_, log_, this);
+  arena_actions_ = new ArenaActions(arena_, this);
+  checks_ = new CheckController(runs_, *messages_, check_list_, gains_, this);
+  files_ = new FileController(live, *messages_, this);
+  editor_ = new EditorController(runs_, *files_, *messages_, this);
+  recording_ = new RecordingController(live, *messages_, this);
+  replay_ = new ReplayController(runs_, *files_, *messages_, this);
+  comparison_ = new ComparisonController(runs_, *messages_, arena_, plots_, this);
+  pairs_ = new PairController(runs_, *messages_, gains_, arena_, this);
+  robot_ = new RobotController(runs_, *messages_, robot_buttons_, this);
+  calibration_ = new CalibrationController(live, *messages_, this);
+}
+
+void MainWindow::lay_out() {
   // Above everything, and not a tool bar: STOP can be neither moved nor hidden.
   auto* top = new QWidget;
   auto* top_layout = new QVBoxLayout(top);
@@ -77,13 +152,18 @@ void MainWindow::build_panels() {
   middle_layout->setSpacing(0);
   auto* tools = new QToolBar;
   build_menus(menus);
-  build_arena_tools(tools);
+  arena_actions_->build_tool_bar(tools);
+  draw_icons();
+  auto* left_behind = new LeftBehindBar;
+  connect(left_behind, &LeftBehindBar::stopped, this,
+          [this] { messages_->note(tr("The robots of the earlier run stand"), Severity::good); });
+  middle_layout->addWidget(left_behind);
   middle_layout->addWidget(tools);
-  middle_layout->addWidget(checks_);
+  middle_layout->addWidget(check_list_);
   middle_layout->addWidget(arena_, 1);
   setCentralWidget(middle);
 
-  gains_dock_ = dock(gains_, tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
+  gains_dock_ = dock(scrolling(gains_), tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
   plots_dock_ = dock(plots_, tr("Plots"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
   auto* robots_box = new QWidget;
   auto* robots_layout = new QVBoxLayout(robots_box);
@@ -92,6 +172,7 @@ void MainWindow::build_panels() {
   robots_layout->addWidget(robots_, 1);
   robots_layout->addWidget(robot_buttons_);
   robots_dock_ = dock(robots_box, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
+  results_dock_ = dock(results_, tr("Results"), QStringLiteral("results_dock"), Qt::BottomDockWidgetArea);
   log_dock_ = dock(log_, tr("Events"), QStringLiteral("log_dock"), Qt::BottomDockWidgetArea);
 
   statusBar()->setSizeGripEnabled(false);
@@ -103,13 +184,14 @@ QDockWidget* MainWindow::dock(QWidget* panel, const QString& title, const QStrin
   auto* dock = new QDockWidget(title, this);
   dock->setObjectName(name);
   dock->setWidget(panel);
+  dock->installEventFilter(this);
   dock->setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetClosable);
   addDockWidget(area, dock);
   return dock;
 }
 
 void MainWindow::default_layout() {
-  for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_}) {
+  for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_, results_dock_}) {
     dock->setFloating(false);
     dock->show();
   }
@@ -119,82 +201,265 @@ void MainWindow::default_layout() {
   addDockWidget(Qt::RightDockWidgetArea, plots_dock_);
   addDockWidget(Qt::BottomDockWidgetArea, robots_dock_);
   splitDockWidget(robots_dock_, log_dock_, Qt::Horizontal);
-  resize(1280, 800);
-  resizeDocks({gains_dock_, plots_dock_}, {250, 400}, Qt::Horizontal);
-  resizeDocks({robots_dock_, log_dock_}, {600, 280}, Qt::Horizontal);
-  resizeDocks({robots_dock_}, {176}, Qt::Vertical);
+  tabifyDockWidget(log_dock_, results_dock_);
+  log_dock_->raise();
+  sized_in_ = QSize(1280, 800);
+  resize(fitting(sized_in_, this));
+  dock_sizes_ = {{gains_dock_, {250, 0}}, {plots_dock_, {400, 0}}, {robots_dock_, {600, 176}}, {log_dock_, {280, 176}}};
+  fit_docks();
+}
+
+void MainWindow::fit_docks() {
+  const double x = std::min(1.0, static_cast<double>(width()) / sized_in_.width());
+  const double y = std::min(1.0, static_cast<double>(height()) / sized_in_.height());
+  const auto wide = [&](QDockWidget* dock) { return static_cast<int>(x * dock_sizes_.at(dock).width()); };
+  resizeDocks({gains_dock_, plots_dock_}, {wide(gains_dock_), wide(plots_dock_)}, Qt::Horizontal);
+  resizeDocks({robots_dock_, log_dock_}, {wide(robots_dock_), wide(log_dock_)}, Qt::Horizontal);
+  resizeDocks({robots_dock_}, {static_cast<int>(y * dock_sizes_.at(robots_dock_).height())}, Qt::Vertical);
+  settled_ = size();
+}
+
+void MainWindow::resizeEvent(QResizeEvent* event) {
+  QMainWindow::resizeEvent(event);
+  QTimer::singleShot(0, this, [this] {  // once the layout is done
+    if (restored_ && isVisible()) {
+      for (auto& [dock, made] : dock_sizes_) made = dock->size();
+      sized_in_ = settled_ = size();
+      restored_ = false;
+    }
+    if (settled_ != size()) fit_docks();
+  });
+}
+
+bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
+  // In a window that keeps its size, it is the operator who sizes a dock.
+  auto* dock = qobject_cast<QDockWidget*>(watched);
+  if (dock && event->type() == QEvent::Resize && isVisible() && settled_ == size() &&
+      QApplication::mouseButtons() != Qt::NoButton) {
+    if (sized_in_ != size())
+      for (QDockWidget* other : {gains_dock_, plots_dock_, robots_dock_, log_dock_})
+        dock_sizes_[other] = other->size();
+    dock_sizes_[dock] = dock->size();
+    sized_in_ = size();
+  }
+  return QMainWindow::eventFilter(watched, event);
+}
+
+void MainWindow::build_menus(QMenuBar* menus) {
+  QMenu* file = menus->addMenu(tr("&File"));
+  files_->build_menu(file);
+  editor_->build_menu(file);
+  file->addSeparator();
+  replay_->build_menu(file);
+  comparison_->build_menu(file);
+  file->addSeparator();
+  save_csv_action_ = add(file, tr("&Save CSV …"), QStringLiteral("save_csv"), QKeySequence::Save,
+                         [this] { recording_->ask_save(); });
+  add(file, tr("Save &plot …"), QStringLiteral("save_plot"), QKeySequence(tr("Ctrl+P")),
+      [this] { ask_save_plot(false); });
+  file->addSeparator();
+  add(file, tr("&Quit"), QStringLiteral("quit"), QKeySequence(tr("Ctrl+Q")), [this] { close(); });
+
+  build_run_menu(menus->addMenu(tr("&Run")));
+  build_view_menu(menus->addMenu(tr("&View")));
+  arena_actions_->build_tool_menu(menus->addMenu(tr("&Arena")));
+
+  QMenu* help = menus->addMenu(tr("&Help"));
+  add(help, tr("&Shortcuts"), QStringLiteral("shortcuts"), QKeySequence(tr("F1")),
+      [this] {
+    show_beside(new MessageDialog(QStringLiteral("shortcuts_dialog"), tr("Shortcuts"), shortcuts_text(), this));
+  });
+  add(help, tr("&About Skein"), QStringLiteral("about"), {},
+      [this] {
+    show_beside(new MessageDialog(QStringLiteral("about_dialog"), tr("About Skein"), about_text(), this));
+  });
+}
+
+void MainWindow::build_run_menu(QMenu* run) {
+  go_action_ = add(run, tr("Start / &pause / resume"), QStringLiteral("go_action"), QKeySequence(tr("F5")),
+                   [this] { go(); });
+  add(run, tr("One &tick on"), QStringLiteral("step_action"), QKeySequence(tr("F6")), [this] { step(); });
+  add(run, tr("&Faster"), QStringLiteral("faster"), QKeySequence(tr("Ctrl+Up")), [this] { run_bar_->pick_speed(1); });
+  add(run, tr("Sl&ower"), QStringLiteral("slower"), QKeySequence(tr("Ctrl+Down")),
+      [this] { run_bar_->pick_speed(-1); });
+  new_run_action_ = add(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
+  run->addSeparator();
+  add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
+      [this] { record(!recording_->records()); });
+  run->addSeparator();
+  // The keys stand in the text only: StopGuard takes them before any shortcut could.
+  add(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
+  run->addSeparator();
+  QAction* undo = gains_->undo_stack().createUndoAction(this, tr("&Undo gain:"));
+  undo->setShortcut(QKeySequence::Undo);
+  QAction* redo = gains_->undo_stack().createRedoAction(this, tr("&Redo gain:"));
+  redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
+  run->addActions({undo, redo});
+  run->addSeparator();
+  add_toggle(run, tr("&Check list"), QStringLiteral("view_checks"), [this](bool on) { checks_->set_wanted(on); })
+      ->setShortcut(QKeySequence(tr("Ctrl+L")));
+  add(run, tr("Calibrate ca&mera …"), QStringLiteral("calibrate_camera"), {}, [this] { calibration_->calibrate(); });
+}
+
+void MainWindow::build_view_menu(QMenu* view) {
+  arena_actions_->build_view_menu(view);
+  view->addSeparator();
+  dark_ = add_toggle(view, tr("Dar&k palette"), QStringLiteral("view_dark"),
+                     [this](bool on) { set_theme(on ? Theme::dark : Theme::light); });
+  add(view, tr("As the des&ktop"), QStringLiteral("view_as_desktop"), {}, [this] {
+    set_theme(desktop_at_start_);
+    theme_chosen_ = false;
+  });
+  add_toggle(view, tr("&Full screen"), QStringLiteral("view_full_screen"), [this](bool on) {
+    on ? showFullScreen() : showNormal();
+  })->setShortcut(QKeySequence(tr("F11")));
+  QMenu* panels = view->addMenu(tr("&Panels"));
+  connect(panels, &QMenu::aboutToShow, this, [this, panels] {  // the docks come after the menus
+    panels->clear();
+    for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_, results_dock_})
+      panels->addAction(dock->toggleViewAction());
+    panels->addSeparator();
+    panels->addAction(tr("&Back to the usual layout"), this, [this] { default_layout(); });
+  });
 }
 
 void MainWindow::connect_panels() {
-  connect_run();
-  connect_replay();
-  connect(arena_, &ArenaView::move_wanted, this,
-          [this](int robot, const core::Pose& pose) { tell(live_.move_robot(static_cast<std::size_t>(robot), pose)); });
-  connect(arena_, &ArenaView::kick_wanted, this, [this](int robot, QPointF velocity) {
-    tell(live_.kick_robot(static_cast<std::size_t>(robot), velocity.x(), velocity.y()));
-  });
-  connect(arena_, &ArenaView::obstacle_wanted, this,
-          [this](int number, const core::Obstacle& obstacle) { tell(live_.put_obstacle(number, obstacle)); });
-  connect(arena_, &ArenaView::selected, this, &MainWindow::select_robot);
-  connect(arena_, &ArenaView::refused, this, [this](const QString& why) { alert_->say(why, Severity::notice); });
-  connect_robots();
-  connect(gains_, &GainsPanel::wanted, this,
-          [this](core::GainName gain, double value) { live_.set_gain(gain, value, gains_->ramp()); });
-  connect(&live_, &LiveSession::refused, this, [this](const QString& why) { note(why, Severity::warning); });
-  connect_pairs();
-  connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
+  connect(run_bar_, &RunBar::go, this, &MainWindow::go);
+  connect(run_bar_, &RunBar::step, this, &MainWindow::step);
+  connect(run_bar_, &RunBar::new_run, this, &MainWindow::new_run);
+  connect(run_bar_, &RunBar::stop, this, &MainWindow::stop);
+  connect(run_bar_, &RunBar::speed_wanted, this, &MainWindow::set_speed);
+  connect(run_bar_, &RunBar::record_wanted, this, &MainWindow::record);
+  connect(run_bar_->time_line(), &TimeLine::time_wanted, this, &MainWindow::seek);
+  connect(plots_, &PlotsPanel::time_wanted, this, &MainWindow::seek);
   connect(plots_, &PlotsPanel::save_wanted, this, &MainWindow::ask_save_plot);
-  connect(checks_, &CheckList::mend, this, &MainWindow::mend);
-  connect(checks_, &CheckList::start_anyway, this, [this] { start_if_ready(true); });
-  connect(&live_, &LiveSession::opened, this, &MainWindow::on_opened);
-  connect(&live_, &LiveSession::open_failed, this, &MainWindow::on_open_failed);
-  connect(&live_, &LiveSession::record_taken, this, &MainWindow::on_record);
-  connect(&live_, &LiveSession::frame, this, &MainWindow::on_frame);
-  connect(&live_, &LiveSession::closed, this, [this] {
+  connect(log_, &EventPanel::time_picked, this, &MainWindow::seek);
+
+  connect(arena_, &ArenaView::move_wanted, robot_, &RobotController::move);
+  connect(arena_, &ArenaView::kick_wanted, robot_, &RobotController::kick);
+  connect(arena_, &ArenaView::obstacle_wanted, robot_, &RobotController::put_obstacle);
+  connect(arena_, &ArenaView::selected, this, &MainWindow::select_robot);
+  connect(arena_, &ArenaView::refused, this, [this](const QString& why) { messages_->say(why, Severity::notice); });
+  robots_->addActions(robot_buttons_->actions());
+  robots_->setContextMenuPolicy(Qt::ActionsContextMenu);
+  connect(robots_, &RobotsPanel::picked, arena_, &ArenaView::select);
+  connect(robot_buttons_, &RobotButtons::connect_again, this, &MainWindow::new_run);
+  connect(robot_, &RobotController::testing, checks_, &CheckController::set_testing);
+  connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
+  connect(check_list_, &CheckList::mend, this, &MainWindow::mend);
+  connect(files_, &FileController::experiment_wanted, this,
+          [this](const app::Experiment& experiment) { open(experiment, false); });
+  connect(comparison_, &ComparisonController::compared, this, [this](const ReplayRun::Recording& other) {
+    if (other)
+      results_->compare(QFileInfo(QString::fromStdString(other->file)).fileName(), other->experiment, other->rows);
+    else
+      results_->end_comparison();
+  });
+  connect(recording_, &RecordingController::saved, this, &MainWindow::saved);
+  connect(calibration_, &CalibrationController::session_ends, this, &MainWindow::let_go_of_session);
+}
+
+void MainWindow::connect_session() {
+  connect(&runs_, &Runs::shown_changed, this, &MainWindow::show_run);
+  connect(&runs_, &Runs::session_ends, this, &MainWindow::let_go_of_session);
+  connect(&runs_, &Runs::changed, this, &MainWindow::show_state);
+  connect(&runs_, &Runs::row_added, plots_, &PlotsPanel::take);
+  connect(&runs_, &Runs::row_added, log_, &EventPanel::take);
+  connect(&runs_, &Runs::row_added, results_, &ResultPanel::take);
+  connect(&runs_, &Runs::record_shown, this, [this](const app::TickRecord& record) {
+    arena_->take(record);
+    run_bar_->take(record);
+    gains_->take(record);
+    alert_->take(record);
+  });
+
+  const LiveRun* live = &runs_.live();
+  connect(live, &LiveRun::opened, this, &MainWindow::on_opened);
+  connect(live, &LiveRun::open_failed, this, &MainWindow::on_open_failed);
+  connect(live, &LiveRun::frame, this, &MainWindow::on_frame);
+  connect(live, &LiveRun::record_shown, this, [this](const app::TickRecord& record) {
+    for (const app::Event& event : record.events)
+      if (app::is<app::events::Move, app::events::Kick>(event)) teaches_ = false;
+  });
+  connect(live, &LiveRun::refused, this, [this](const QString& why) { messages_->note(why, Severity::warning); });
+  connect(live, &LiveRun::was_away, this, [this](double seconds) {
+    messages_->note(tr("the window stood still for %1 s; the control loop did not").arg(seconds, 0, 'f', 1),
+                    Severity::warning);
+  });
+  connect(live, &LiveRun::rows_missed, this, [this](int rows) {
+    messages_->note(tr("The window hung: it has missed %n row(s). The record has them.", nullptr, rows),
+                    Severity::warning);
+  });
+  connect(live, &LiveRun::closed, this, [this] {
     may_close_ = true;
     close();
   });
 }
 
 void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
-  if (live_.is_busy()) return;
-  leave_replay();
+  if (runs_.live().is_busy()) return;
   teaches_ = start_at_once;
-  const bool films = records_ && experiment.camera.kind() != app::CameraKind::absent;
-  live_.open(experiment, start_at_once, films ? recording_path(experiment, QStringLiteral(".mkv")) : QString());
-  show_experiment();
-}
-
-void MainWindow::show_experiment() {
-  show_experiment_of(live_.experiment());
-  begin_checks();
+  runs_.live().open(experiment, start_at_once, recording_->film_path(experiment));
+  runs_.show_live();
+  checks_->begin();
   show_state();
 }
 
-void MainWindow::show_experiment_of(const app::Experiment& experiment) {
-  setWindowTitle(tr("%1 – Skein").arg(QString::fromStdString(experiment.name)));
+void MainWindow::open_file(const QString& file) {
+  files_->open(file);
+}
+
+void MainWindow::set_experiment_file(const QString& file) {
+  files_->set_experiment_file(file);
+}
+
+void MainWindow::open_recording(const QString& file) {
+  files_->open_recording(file);
+}
+
+void MainWindow::compare_with(const QString& file) {
+  comparison_->load(file);
+}
+
+void MainWindow::save_csv(const QString& file) {
+  recording_->save(file);
+}
+
+void MainWindow::record_to(const QString& file) {
+  recording_->record_to(file);
+}
+
+void MainWindow::show_run() {
+  const RunSource& run = runs_.shown();
+  const app::Experiment& experiment = run.experiment();
+  setWindowTitle(tr("%1 – Skein").arg(run.title()));
   run_bar_->show_experiment(experiment);
+  run_bar_->time_line()->set_scrubbable(run.is_complete(), run.rows());
   arena_->show_experiment(experiment);
-  gains_->show_experiment(experiment, [this](core::GainName gain) { return live_.gain_border(gain); });
+  gains_->show_experiment(experiment, [&run](core::GainName gain) { return run.gain_border(gain); });
   plots_->show_experiment(experiment);
+  if (run.is_complete()) plots_->set_span(0.0);
+  results_->show_experiment(experiment);
   robots_->robots().show_experiment(experiment);
   robot_buttons_->show_experiment(experiment);
-  rows_missed_ = 0;
   log_->clear();
   alert_->clear_alert();
-  picture_->setEnabled(experiment.camera.kind() != app::CameraKind::absent);
-  regions_->setEnabled(experiment.avoidance.enabled || experiment.shield.enabled);
-  const bool comparable = other_ && other_->experiment.robots.size() == experiment.robots.size();
-  compare(comparable ? other_ : nullptr);
+  for (const Notice& found : run.findings()) log_->note(run.t(), found.text, found.severity);
+  arena_actions_->show_experiment(experiment);
+  comparison_->show_experiment();
 }
 
 void MainWindow::on_opened() {
-  const auto border = [this](core::GainName gain) { return live_.gain_border(gain); };
-  gains_->show_experiment(live_.experiment(), border);
-  warn_unguarded();
-  if (live_.has_camera())
-    arena_->set_camera([this](QPointF floor) {
-      const auto [u, v] = live_.pixel(floor.x(), floor.y());
+  const LiveRun& live = runs_.live();
+  gains_->show_experiment(live.experiment(), [&live](core::GainName gain) { return live.gain_border(gain); });
+  if (const auto why = live.unguarded()) {  // nothing would stop the robots should this program be killed
+    const QString text = tr("NO GUARD: should this program be killed, nothing stops the robots (%1)").arg(*why);
+    log_->note(0.0, text, Severity::warning);
+    alert_->warn_unguarded(text);
+  }
+  if (live.has_camera())
+    arena_->set_camera([&live](QPointF floor) {
+      const auto [u, v] = live.pixel(floor.x(), floor.y());
       return QPointF(u, v);
     });
   show_state();
@@ -203,142 +468,77 @@ void MainWindow::on_opened() {
 void MainWindow::on_open_failed(const QString& reason) {
   log_->note(0.0, reason, Severity::alarm);
   alert_->hold(reason, Severity::alarm);
-  show_problem(tr("The experiment could not be opened"), reason);
-}
-
-void MainWindow::on_record(const app::TickRecord& record) {
-  arena_->take(record);
-  run_bar_->take(record);
-  gains_->take(record);
-  robot_buttons_->take(record);
-  plots_->take(record);
-  log_->take(record);
-  alert_->take(record);
-  for (const app::Event& event : record.events)
-    if (app::is<app::events::Move, app::events::Kick>(event)) teaches_ = false;
+  messages_->problem(tr("The experiment could not be opened"), reason);
 }
 
 void MainWindow::on_frame() {
   if (app::interrupted() && !may_close_) close();
-  if (calibrating_ && !live_.is_busy()) std::exchange(calibrating_, nullptr)->look();
-  for (const QString& sentence : live_.alarms()) log_->note(0.0, sentence, Severity::alarm);
+  for (const QString& sentence : runs_.live().alarms()) log_->note(0.0, sentence, Severity::alarm);
+  calibration_->refresh();
   app::Picture picture;
-  if (arena_->shows_picture() && live_.picture(picture)) arena_->take(picture);
+  if (arena_->shows_picture() && runs_.live().picture(picture)) arena_->take(picture);
   arena_->refresh();
   alert_->refresh();
   const Colours c = colours(palette());
+  const app::Phase phase = runs_.shown().phase();
   // Where the eye is; what the banner says already needs no second line.
-  const bool said = shown_phase_ == app::Phase::stopped || shown_phase_ == app::Phase::finished ||
-                    (shown_phase_ == app::Phase::ready && !alert_->lost_robots().isEmpty());
+  const bool said = phase == app::Phase::stopped || phase == app::Phase::finished ||
+                    (phase == app::Phase::ready && !alert_->lost_robots().isEmpty());
   arena_->set_alert(said ? QString() : alert_->loud(),
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
-  take_loaded();
-  if (live_.latest()) show_other(live_.latest()->t);
-  if (saving_ && saving_->problem.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    const QString file = saving_->file, problem = saving_->problem.get();
-    saving_.reset();
-    if (!problem.isEmpty())
-      show_problem(tr("The run was not saved"), problem);
-    else if (const auto gone = live_.history().dropped())
-      alert_->say(tr("Saved %1 without its first %2 rows: the run was too long to keep them").arg(file).arg(gone),
-                  Severity::warning);
-    else
-      alert_->say(tr("Saved %1").arg(file), Severity::good);
-    emit saved(file, problem);
-  }
+  replay_->refresh();
+  comparison_->refresh();
+  recording_->refresh();
   // A question to the display, which waits for the answer: one that has stalled holds this thread up as well, and who
   // cannot see the robots cannot stop them. The session takes care of that (3 s).
   if (frames_ % frames_per_question == 0) static_cast<void>(QCursor::pos());
-  if (++frames_ % frames_per_text == 0 || live_.phase() != shown_phase_) show_state();
+  if (++frames_ % frames_per_text == 0 || phase != shown_phase_) show_state();
 }
 
 void MainWindow::show_state() {
-  if (player_.is_loaded()) return show_replay();
-  const app::TickRecord* record = live_.latest();
-  const app::Phase phase = shown_phase_ = live_.phase();
-  const bool opening = live_.is_open() ? record == nullptr : live_.is_busy();
-  const bool failed = !live_.is_open() && !live_.is_busy();
-  run_bar_->show_state(run_state());
+  const RunSource& run = runs_.shown();
+  const RunState state = run.state();
+  const app::Phase phase = shown_phase_ = run.phase();
+  run_bar_->show_state(state);
+  go_action_->setEnabled(state.may_go);
+  new_run_action_->setEnabled(state.new_run.possible);
+  save_csv_action_->setEnabled(state.may_save && !recording_->is_saving());
+  checks_->refresh();
+
+  const Notice banner = run.is_open() && run.latest() && run.is_before_start() ? checks_->banner() : run.banner();
+  arena_->set_banner(banner.text, banner.severity == Severity::alarm);
+  if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
-  go_action_->setEnabled(live_.is_open() && !opening && !over);
-  show_checks();
-  new_run_action_->setEnabled(!live_.is_busy());
-  save_csv_action_->setEnabled(live_.history().size() > 0 && !saving_);
+  arena_->set_hint(run.is_open() && teaches_ && !over
+                       ? tr("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it")
+                       : QString());
 
-  QString banner;
-  if (opening)
-    banner = tr("Opening …");
-  else if (failed)
-    banner = live_.failure() ? tr("The experiment could not be opened") : tr("No experiment is open");
-  else if (phase == app::Phase::ready && !alert_->lost_robots().isEmpty())
-    banner = tr("Waiting: no tag seen of robot %1").arg(alert_->lost_robots());
-  else if (phase == app::Phase::ready)
-    banner = tr("Ready – start with F5");
-  else if (phase == app::Phase::paused)
-    banner = tr("Paused – reference and robots stand");
-  else if (phase == app::Phase::stopped)
-    banner = stopped_text();
-  else if (phase == app::Phase::finished)
-    banner = tr("Finished – new run: Ctrl+N");
-  arena_->set_banner(banner, failed || phase == app::Phase::stopped);
-  if (phase == app::Phase::stopped) alert_->hold(stopped_text() + acknowledgements(), Severity::alarm);
-  const bool can_drag = live_.is_open() && teaches_ && !over;
-  arena_->set_hint(can_drag ? tr("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it")
-                            : QString());
-
-  if (failed) gains_->setEnabled(false);  // until an experiment is shown again
-  robot_buttons_->show_state(live_.robots(), phase, live_.is_open(), live_.is_busy());
-  if (!record) return;
-  robots_->robots().take(*record, live_.robots(), live_.stop_asked(), robot_buttons_->held());
-  if (const std::uint64_t missed = live_.undrained_rows(); missed > rows_missed_) {
-    const QString text = tr("The window hung: it has missed %n row(s). The record has them.", nullptr,
-                            static_cast<int>(missed - rows_missed_));
-    rows_missed_ = missed;
-    log_->note(record->t, text, Severity::warning);
-    alert_->say(text, Severity::warning);
-  }
-  gains_->set_borders([this](core::GainName gain) { return live_.gain_border(gain); },
-                      [this](core::GainName gain) { return live_.gain_border_now(gain); });
-  gains_->set_before_start(live_.is_open() && phase == app::Phase::ready);
-  show_pairs();
-  show_numbers(*record);
+  const QString fixed = run.why_fixed();
+  const bool there = run.is_open() || run.is_busy();
+  gains_->setEnabled((there || run.is_complete()) && run.experiment().robots.size() > 1);
+  gains_->set_fixed(fixed);
+  gains_->set_before_start(run.is_open() && phase == app::Phase::ready);
+  robot_buttons_->setEnabled(fixed.isEmpty());
+  robot_buttons_->show_state({run.robots(), run.held(), phase, run.is_open(), run.is_busy()});
+  plots_->set_playhead(run.is_complete() ? std::optional(run.t()) : std::nullopt);
+  results_->refresh();
+  show_numbers();
+  if (!run.latest()) return;
+  arena_->set_may_be_driving(run.may_be_driving());
+  robots_->robots().take(*run.latest(),
+                         {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
+  pairs_->refresh();
 }
 
-void MainWindow::show_numbers(const app::TickRecord& record) {
-  const QString closest = std::isfinite(record.min_distance)
-                              ? tr("closest pair %1 cm").arg(record.min_distance * 100, 0, 'f', 1)
-                              : QString();
-  const QString tick =
-      std::isfinite(record.compute_time) ? tr("tick %1 µs").arg(record.compute_time * 1e6, 0, 'f', 0) : QString();
-  const QString rate = tr("%1 Hz").arg(1.0 / record.period, 0, 'f', 1);
-  QStringList known{closest, rate, tick};
-  known.removeAll(QString());
+void MainWindow::show_numbers() {
+  const app::TickRecord* record = runs_.shown().latest();
+  if (!record) return pace_->clear();
+  QStringList known;
+  if (std::isfinite(record->min_distance))
+    known << tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1);
+  known << tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);
+  if (std::isfinite(record->compute_time)) known << tr("tick %1 µs").arg(record->compute_time * 1e6, 0, 'f', 0);
   pace_->setText(known.join(QStringLiteral("   ·   ")));
-}
-
-QString MainWindow::stopped_text() const {
-  const auto failure = live_.failure();
-  return failure ? tr("STOPPED: %1").arg(*failure) : tr("STOPPED by operator – new run: Ctrl+N");
-}
-
-QString MainWindow::acknowledgements() const {
-  QStringList missing;
-  bool any_link = false;
-  const auto& specs = live_.experiment().robots;
-  for (std::size_t i = 0; i < specs.size() && i < live_.robots().size(); ++i) {
-    if (specs[i].link == app::RobotSpec::Link::sim) continue;
-    any_link = true;
-    if (!live_.robots()[i].stop_acknowledged) missing << QString::number(i + 1);
-  }
-  if (!any_link) return {};
-  if (missing.isEmpty()) return tr(". All robots have acknowledged.");
-  const QString robots = missing.join(QStringLiteral(", "));
-  return live_.stop_is_due() ? tr(". NOT acknowledged by robot %1!").arg(robots)
-                             : tr(". Waiting for robot %1 to acknowledge.").arg(robots);
-}
-
-void MainWindow::tell(const tl::expected<void, std::string>& done) {
-  if (!done) alert_->say(QString::fromStdString(done.error()), Severity::warning);
 }
 
 void MainWindow::select_robot(int robot) {
@@ -348,15 +548,122 @@ void MainWindow::select_robot(int robot) {
 }
 
 void MainWindow::stop() {
-  live_.stop();  // before anything else
+  runs_.live().stop();  // before anything else
   show_state();
 }
 
 bool MainWindow::stop_by_key() {
-  const bool could_move = (live_.is_open() || live_.is_busy()) && !live_.stop_asked() &&
-                          live_.phase() != app::Phase::stopped && live_.phase() != app::Phase::finished;
+  const LiveRun& live = runs_.live();
+  const bool could_move = (live.is_open() || live.is_busy()) && !live.stop_asked() &&
+                          live.phase() != app::Phase::stopped && live.phase() != app::Phase::finished;
   stop();
   return could_move;
+}
+
+/// Where nothing can be stopped, Space pauses what plays.
+void MainWindow::on_space() {
+  if (runs_.shown().is_complete()) messages_->tell(runs_.shown().go());
+}
+
+void MainWindow::go() {
+  RunSource& run = runs_.shown();
+  switch (run.state().go) {
+    case RunState::Go::start:
+      return checks_->start(false);
+    case RunState::Go::again:
+      return new_run();
+    case RunState::Go::pause:
+    case RunState::Go::resume:
+    case RunState::Go::play:
+      return messages_->tell(run.go());
+  }
+}
+
+void MainWindow::step() {
+  messages_->tell(runs_.shown().step());
+}
+
+void MainWindow::set_speed(double speed) {
+  messages_->tell(runs_.shown().set_speed(speed));
+  show_state();
+}
+
+void MainWindow::seek(double t) {
+  if (!runs_.shown().seek(t)) plots_->show_time(t);
+}
+
+void MainWindow::record(bool on) {
+  if (runs_.shown().state().record.possible) recording_->record(on);
+  show_state();
+}
+
+void MainWindow::new_run() {
+  const bool teaches = teaches_;
+  // A replay that the window began with has no live experiment behind it: then its own is set up.
+  const app::Experiment& before = runs_.live().experiment();
+  const app::Experiment again(before.robots.empty() ? runs_.shown().experiment() : before);
+  if (again.robots.empty()) return messages_->say(tr("No experiment is open: open a file first"), Severity::notice);
+  open(again, false);
+  teaches_ = teaches;
+}
+
+void MainWindow::reopen_with(const QString& set) {
+  const LiveRun& live = runs_.live();
+  if (!live.is_open() || live.phase() != app::Phase::ready) return;
+  const app::Experiment& now = live.experiment();
+  auto changed = app::parse_experiment(now.source, now.name, {set.toStdString()});
+  if (!changed) {
+    messages_->problem(tr("This cannot be run"), QString::fromStdString(changed.error().front().message()));
+    show_run();  // what the panels show is what holds
+    on_opened();
+    return;
+  }
+  changed->directory = now.directory;
+  open(*changed, false);
+}
+
+void MainWindow::mend(app::Check::What what) {
+  using What = app::Check::What;
+  switch (what) {
+    case What::camera:
+      return calibration_->calibrate();
+    case What::tags:
+      return arena_actions_->show_picture();
+    case What::links:
+      return new_run();
+    case What::gains:
+      gains_dock_->show();
+      gains_dock_->raise();
+      return;
+    case What::batteries: {
+      robots_dock_->show();
+      robots_dock_->raise();
+      const auto& robots = runs_.live().robots();
+      for (std::size_t i = 0; i < robots.size(); ++i)
+        if (robots[i].battery_low) return arena_->select(static_cast<int>(i));
+      return;
+    }
+    case What::reference:
+      return editor_->edit_experiment();
+    case What::places:
+      return robot_->bring_to_places();
+  }
+}
+
+void MainWindow::let_go_of_session() {
+  arena_->set_camera(nullptr);  // it goes with the session
+}
+
+QString MainWindow::close_session() {
+  LiveRun& live = runs_.live();
+  const QString problem = live.close_now();
+  if (!problem.isEmpty()) return problem;
+  QStringList missing;
+  for (std::size_t i = 0; i < live.robots().size(); ++i)
+    if (!live.robots()[i].stop_acknowledged) missing << QString::number(i + 1);
+  if (missing.isEmpty()) return tr("all robots have stopped");
+  return tr("robot %1 has NOT acknowledged its stop and may still be driving: switch it off by hand")
+      .arg(missing.join(QStringLiteral(", ")));
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
@@ -365,17 +672,86 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     event->accept();
     return;
   }
-  // The robots first; the window goes when they stand, or have not answered for a second.
   event->ignore();
-  arena_->set_camera(nullptr);  // it goes with the session
-  live_.close();
+  if (!app::interrupted() && isEnabled() && editor_->ask_about_changes()) return;
+  // The robots first; the window goes when they stand, or have not answered for a second.
+  let_go_of_session();
+  runs_.live().close();
   setEnabled(false);
   alert_->hold(tr("Stopping all robots …"), Severity::warning);
 }
 
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  if (!FileController::dragged(event->mimeData()).isEmpty()) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  const QString file = FileController::dragged(event->mimeData());
+  if (file.isEmpty()) return;
+  event->acceptProposedAction();
+  // Once the drop is over: whoever drags waits for it.
+  QMetaObject::invokeMethod(
+      this, [this, file] { open_file(file); }, Qt::QueuedConnection);
+}
+
 void MainWindow::changeEvent(QEvent* event) {
-  if (event->type() == QEvent::PaletteChange) dress_icons();
+  if (event->type() == QEvent::PaletteChange) draw_icons();
   QMainWindow::changeEvent(event);
+}
+
+void MainWindow::draw_icons() {
+  arena_actions_->draw_icons(colours(palette()).text);
+}
+
+void MainWindow::set_theme(Theme theme) {
+  theme_chosen_ = true;
+  apply(theme);
+  const QSignalBlocker quiet(dark_);
+  dark_->setChecked(theme == Theme::dark);
+}
+
+void MainWindow::ask_save_plot(bool everything) {
+  QFileDialog* dialog =
+      file_dialog(this, {tr("Save plot"), QStringLiteral("save_plot_dialog"), tr("PDF (*.pdf);;PNG (*.png);;CSV (*.csv)"),
+                         {}, QString::fromStdString(runs_.shown().experiment().name) + QStringLiteral("-errors.pdf")});
+  connect(dialog, &QFileDialog::filterSelected, dialog,
+          [dialog](const QString& filter) { dialog->setDefaultSuffix(filter.left(3).toLower()); });
+  connect(dialog, &QFileDialog::fileSelected, this,
+          [this, everything](const QString& file) { save_plot(file, everything); });
+  dialog->show();
+}
+
+void MainWindow::save_plot(const QString& file, bool everything) {
+  const QString problem = plots_->save(file, everything);
+  if (problem.isEmpty())
+    messages_->say(tr("Saved %1").arg(file), Severity::good);
+  else
+    messages_->problem(tr("The plot was not saved"), problem);
+}
+
+void MainWindow::restore_settings() {
+  const QSettings stored = settings();
+  const QString theme = stored.value(QStringLiteral("theme")).toString();
+  set_theme(theme.isEmpty() ? desktop_at_start_ : theme == QStringLiteral("dark") ? Theme::dark : Theme::light);
+  theme_chosen_ = !theme.isEmpty();
+  if (stored.contains(QStringLiteral("geometry"))) {
+    restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
+    restored_ = restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
+  }
+  plots_->show_plots(stored.value(QStringLiteral("plots")).toStringList());
+  arena_actions_->restore(stored);
+}
+
+void MainWindow::store_settings() {
+  QSettings stored = settings();
+  if (theme_chosen_)
+    stored.setValue(QStringLiteral("theme"), dark_->isChecked() ? QStringLiteral("dark") : QStringLiteral("light"));
+  else
+    stored.remove(QStringLiteral("theme"));
+  if (!isFullScreen()) stored.setValue(QStringLiteral("geometry"), saveGeometry());
+  stored.setValue(QStringLiteral("layout"), saveState(layout_version));
+  stored.setValue(QStringLiteral("plots"), plots_->shown());
+  arena_actions_->store(stored);
 }
 
 }  // namespace skein::ui

@@ -175,7 +175,8 @@ void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t cur
 void PlotView::draw(const PlotHistory& history, const PlotHistory* other, const QRect& within) {
   for (Shown& s : shown_) {
     const PlotRow& row = rows_[s.row];
-    s.rect->setVisible(within.isEmpty() || s.rect->outerRect().intersects(within));  // with its axes and curves
+    const QRect place = s.rect->outerRect();  // empty: it was not laid out yet, and the next picture may be the last
+    s.rect->setVisible(within.isEmpty() || place.isEmpty() || place.intersects(within));  // with its axes and curves
     if (!s.rect->visible()) continue;
     for (std::size_t c = 0; c < row.curves.size(); ++c) {
       const bool visible = drawn(row, c);

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 #include "ui/plots/event_markers.h"
 #include "ui/plots/plot_history.h"
 #include "ui/plots/plot_rows.h"

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/modes.h"
+#include "ui/base/modes.h"
 #include "ui/plots/plot_view.h"
 
 namespace skein::ui {
@@ -130,12 +130,8 @@ void PlotsPanel::store_values(const app::TickRecord& record) {
   history_.add(t_, values_);
 }
 
-void PlotsPanel::show_run(const std::vector<app::TickRecord>& rows) {
-  for (const app::TickRecord& row : rows) take(row);
-  set_span(0.0);
-}
-
-void PlotsPanel::set_playhead(double t) {
+void PlotsPanel::set_playhead(std::optional<double> t) {
+  if (!t && !playhead_) return;
   playhead_ = t;
   view_->set_playhead(t);
 }

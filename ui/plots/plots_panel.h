@@ -36,9 +36,8 @@ class PlotsPanel final : public QWidget {
 
   void show_experiment(const app::Experiment& experiment);
   void take(const app::TickRecord& record);
-  /// A whole run at once; a line marks where its replay is.
-  void show_run(const std::vector<app::TickRecord>& rows);
-  void set_playhead(double t);
+  /// A line marks where a replay is.
+  void set_playhead(std::optional<double> t);  ///< none: no line
   /// Draws another run paler behind this one; null: none.
   void compare(const std::vector<app::TickRecord>* rows);
 
@@ -62,7 +61,7 @@ class PlotsPanel final : public QWidget {
   const std::vector<PlotRow>& rows() const { return rows_; }
   PlotView& view() { return *view_; }
   QSize sizeHint() const override { return {430, 600}; }
-  QSize minimumSizeHint() const override { return {260, 300}; }
+  QSize minimumSizeHint() const override { return {200, 150}; }
 
  signals:
   void save_wanted(bool everything);

@@ -43,7 +43,7 @@ RobotButtons::RobotButtons(QWidget* parent)
   layout->setContentsMargins(6, 2, 6, 2);
   for (QAction* action : {hold_, test_, connect_}) layout->addWidget(new NamedButton(action, this));
   layout->addStretch();
-  connect(hold_, &QAction::triggered, this, [this] { emit hold(selected_, !held_.contains(selected_)); });
+  connect(hold_, &QAction::triggered, this, [this] { emit hold(selected_, !state_.held.contains(selected_)); });
   connect(test_, &QAction::triggered, this, [this] { emit test(selected_); });
   connect(connect_, &QAction::triggered, this, &RobotButtons::connect_again);
   dress();
@@ -58,25 +58,13 @@ QAction* RobotButtons::make(const QString& name) {
 
 void RobotButtons::show_experiment(const app::Experiment& experiment) {
   specs_ = experiment.robots;
-  links_.clear();
-  held_.clear();
+  state_ = {};
   if (selected_ >= static_cast<int>(specs_.size())) selected_ = -1;
   dress();
 }
 
-void RobotButtons::take(const app::TickRecord& record) {
-  for (const app::Event& event : record.events) {
-    if (const auto* const hold = std::get_if<app::events::Hold>(&event)) held_.insert(static_cast<int>(hold->robot));
-    if (const auto* const released = std::get_if<app::events::Release>(&event))
-      held_.erase(static_cast<int>(released->robot));
-  }
-}
-
-void RobotButtons::show_state(const std::vector<app::RobotStatus>& links, app::Phase phase, bool open, bool busy) {
-  links_ = links;
-  phase_ = phase;
-  open_ = open;
-  busy_ = busy;
+void RobotButtons::show_state(const State& state) {
+  state_ = state;
   dress();
 }
 
@@ -91,38 +79,38 @@ void RobotButtons::select_robot(int robot) {
 }
 
 void RobotButtons::dress() {
-  const bool over = phase_ == app::Phase::stopped || phase_ == app::Phase::finished;
-  const bool is_held = held_.contains(selected_);
+  const bool over = state_.phase == app::Phase::stopped || state_.phase == app::Phase::finished;
+  const bool is_held = state_.held.contains(selected_);
   say(hold_,
       selected_ < 0 ? tr("Hold a robot")
       : is_held     ? tr("Let robot %1 go").arg(selected_ + 1)
                     : tr("Hold robot %1").arg(selected_ + 1),
       selected_ < 0 ? tr("Select a robot first: here, or in the arena")
                     : tr("Makes this one stand, out of the group; the others drive on. In danger: STOP."),
-      open_ && selected_ >= 0 && !over);
+      state_.open && selected_ >= 0 && !over);
   dress_test();
   const bool any_link = std::any_of(specs_.begin(), specs_.end(),
                                     [](const auto& spec) { return spec.link != app::RobotSpec::Link::sim; });
   connect_->setVisible(any_link);
-  const bool rests = !open_ || phase_ == app::Phase::ready || over;
+  const bool rests = !state_.open || state_.phase == app::Phase::ready || over;
   say(connect_, tr("Connect again"),
       rests ? tr("Sets the experiment up again, and connects to every robot anew; a link that is lost meanwhile is "
                  "tried again by itself")
             : tr("A link that is lost is tried again by itself; anew only before a start, or after STOP"),
-      rests && !busy_);
+      rests && !state_.busy);
 }
 
 void RobotButtons::dress_test() {
   const auto i = static_cast<std::size_t>(selected_);
   const bool none = selected_ < 0 || i >= specs_.size();
   const bool simulated = !none && specs_[i].link == app::RobotSpec::Link::sim;
-  const bool up = !none && i < links_.size() && links_[i].link == app::LinkState::up;
+  const bool up = !none && i < state_.links.size() && state_.links[i].link == app::LinkState::up;
   const QString text = none ? tr("Test a robot") : tr("Test robot %1").arg(selected_ + 1);
   const QString why_not = none                          ? tr("Select a robot first: here, or in the arena")
                           : simulated                   ? tr("This robot is simulated: it has neither link nor battery")
                           : testing_                    ? tr("One at a time")
-                          : !open_                      ? tr("No experiment is open")
-                          : phase_ != app::Phase::ready ? tr("Robots are tested before a start, while they stand")
+                          : !state_.open                      ? tr("No experiment is open")
+                          : state_.phase != app::Phase::ready ? tr("Robots are tested before a start, while they stand")
                           : !up                         ? tr("Its link is not up")
                                                         : QString();
   say(test_, testing_ ? tr("Testing …") : text,

@@ -17,13 +17,15 @@ class RobotButtons final : public QWidget {
  public:
   explicit RobotButtons(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record);
-  /// `busy`: a session is being opened or closed.
-  void show_state(const std::vector<app::RobotStatus>& links, app::Phase phase, bool open, bool busy);
+  struct State {
+    std::vector<app::RobotStatus> links;
+    std::set<int> held;  ///< from 0: made to stand by the operator
+    app::Phase phase = app::Phase::ready;
+    bool open = false, busy = false;  ///< busy: a session is being opened or closed
+  };
+  void show_state(const State& state);
   void show_testing(bool testing);
   void select_robot(int robot);  ///< from 0; -1: none
-  /// The robots that the operator has made to stand, from 0.
-  const std::set<int>& held() const { return held_; }
 
  signals:
   void hold(int robot, bool hold);
@@ -37,11 +39,9 @@ class RobotButtons final : public QWidget {
 
   QAction *hold_, *test_, *connect_;
   std::vector<app::RobotSpec> specs_;
-  std::vector<app::RobotStatus> links_;
-  std::set<int> held_;
+  State state_;
   int selected_ = -1;
-  app::Phase phase_ = app::Phase::ready;
-  bool open_ = false, busy_ = false, testing_ = false;
+  bool testing_ = false;
 };
 
 }  // namespace skein::ui

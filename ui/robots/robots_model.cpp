@@ -2,9 +2,11 @@
 
 #include <QFont>
 #include <QRegularExpression>
+#include <algorithm>
 #include <cmath>
 
-#include "ui/modes.h"
+#include "ui/base/modes.h"
+#include "ui/base/why.h"
 
 namespace skein::ui {
 namespace {
@@ -23,17 +25,15 @@ void RobotsModel::show_experiment(const app::Experiment& experiment) {
   beginResetModel();
   specs_ = experiment.robots;
   robots_.clear();
-  links_.clear();
-  stop_asked_ = false;
+  known_ = {};
   endResetModel();
 }
 
-void RobotsModel::take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked,
-                       const std::set<int>& held) {
-  held_ = held;
+void RobotsModel::take(const app::TickRecord& record, const Known& known) {
   robots_ = record.robots;
-  links_ = links;
-  stop_asked_ = stop_asked;
+  known_ = known;
+  why_.clear();
+  for (std::size_t i = 0; i < record.robots.size(); ++i) why_ << why(record, i);
   if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
 }
 
@@ -80,8 +80,8 @@ QString RobotsModel::text(std::size_t i, int column) const {
   if (column == robot) return QString::number(i + 1);
   if (column == tag) return QString::number(specs_[i].tag);
   if (column == link || column == round_trip || column == battery || column == firmware) {
-    if (i >= links_.size()) return nothing();
-    const app::RobotStatus& status = links_[i];
+    if (i >= known_.links.size()) return nothing();
+    const app::RobotStatus& status = known_.links[i];
     if (column == firmware) {
       static const QRegularExpression number(QStringLiteral("\\d+(\\.\\d+)*"));  // the tip has all of it
       const QString version = QString::fromStdString(status.version);
@@ -95,14 +95,15 @@ QString RobotsModel::text(std::size_t i, int column) const {
     }
     if (column == link) {
       const QString state = QString::fromLatin1(app::word(status.link).data());
-      const bool told = stop_asked_ && specs_[i].link != app::RobotSpec::Link::sim;
+      const bool told = known_.stop_asked && specs_[i].link != app::RobotSpec::Link::sim;
       return told && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
     }
     return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing();
   }
   if (i >= robots_.size()) return nothing();
   const app::RobotRecord& record = robots_[i];
-  if (column == mode) return held_.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
+  if (column == mode && may_be_driving(i)) return may_be_driving_look(colours_).name;
+  if (column == mode) return known_.held.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
   if (column == found) return found_text(record);
   if (column == tag_age) {
     if (!(record.pose_age < 1e6)) return nothing();
@@ -113,8 +114,8 @@ QString RobotsModel::text(std::size_t i, int column) const {
 }
 
 QString RobotsModel::tip(std::size_t i, int column) const {
-  if ((column == link || column == round_trip || column == firmware) && i < links_.size()) {
-    const app::RobotStatus& status = links_[i];
+  if ((column == link || column == round_trip || column == firmware) && i < known_.links.size()) {
+    const app::RobotStatus& status = known_.links[i];
     QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');
     if (specs_[i].link == app::RobotSpec::Link::device)
       tip += QString::fromStdString(specs_[i].address) + QLatin1Char('\n');
@@ -126,18 +127,26 @@ QString RobotsModel::tip(std::size_t i, int column) const {
                  .arg(status.reconnects);
     return tip.trimmed();
   }
+  if (column == mode && may_be_driving(i))
+    return tr("It was told to stop and has not acknowledged it: nobody knows whether it stands");
+  if (column == mode && i < why_.size()) return why_[i];
   if (column == robot) return tr("Robot %1, tag %2").arg(i + 1).arg(specs_[i].tag);
   return text(i, column);
 }
 
+bool RobotsModel::may_be_driving(std::size_t i) const {
+  return std::find(known_.may_be_driving.begin(), known_.may_be_driving.end(), i) != known_.may_be_driving.end();
+}
+
 QVariant RobotsModel::ink(std::size_t i, int column) const {
   if (column == robot) return ink_on(colours_.robot(i));
-  if (column == battery && i < links_.size() && links_[i].battery_low) return colours_.alarm;
-  if (column == link && i < links_.size()) {
-    const app::LinkState state = links_[i].link;
+  if (column == battery && i < known_.links.size() && known_.links[i].battery_low) return colours_.alarm;
+  if (column == link && i < known_.links.size()) {
+    const app::LinkState state = known_.links[i].link;
     if (!app::reachable(state) && state != app::LinkState::recorded) return colours_.alarm;
   }
   if (i >= robots_.size()) return {};
+  if (column == mode && may_be_driving(i)) return colours_.alarm;
   if (column == mode && !look(robots_[i].mode, colours_).symbol.isEmpty()) {
     // The colour of a ring is too pale for text on white; the gravest two are not.
     if (robots_[i].is(app::lost)) return colours_.alarm;

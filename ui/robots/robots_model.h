@@ -1,13 +1,14 @@
 #pragma once
 
 #include <QAbstractTableModel>
+#include <QStringList>
 #include <set>
 #include <vector>
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
 #include "app/session/session.h"
-#include "ui/palette.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 
@@ -23,8 +24,14 @@ class RobotsModel final : public QAbstractTableModel {
   static QString nothing() { return QStringLiteral("–"); }  ///< stands where there is no value
 
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record, const std::vector<app::RobotStatus>& links, bool stop_asked,
-            const std::set<int>& held = {});
+  /// What is known of the robots beside the record.
+  struct Known {
+    std::vector<app::RobotStatus> links;
+    bool stop_asked = false;
+    std::set<int> held{};                       ///< by the operator, from 0
+    std::vector<std::size_t> may_be_driving{};  ///< from 0: told to stand, and not acknowledged
+  };
+  void take(const app::TickRecord& record, const Known& known);
   void set_colours(const Colours& colours);
 
   int rowCount(const QModelIndex& parent = {}) const override;
@@ -35,14 +42,14 @@ class RobotsModel final : public QAbstractTableModel {
  private:
   QString text(std::size_t i, int column) const;
   QString tip(std::size_t i, int column) const;
+  bool may_be_driving(std::size_t i) const;
   QVariant ink(std::size_t i, int column) const;
 
   std::vector<app::RobotSpec> specs_;
   std::vector<app::RobotRecord> robots_;
-  std::vector<app::RobotStatus> links_;
+  Known known_;
+  QStringList why_;  // of each robot, what it does and why
   Colours colours_;
-  std::set<int> held_;
-  bool stop_asked_ = false;
 };
 
 }  // namespace skein::ui

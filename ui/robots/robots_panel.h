@@ -15,7 +15,7 @@ class RobotsPanel final : public QTableView {
   RobotsModel& robots() { return model_; }
   void select_robot(int robot);  ///< from 0; -1: none
   QSize sizeHint() const override;
-  QSize minimumSizeHint() const override { return {260, 70}; }
+  QSize minimumSizeHint() const override { return {180, 60}; }
 
  signals:
   void picked(int robot);

@@ -64,6 +64,13 @@ TEST_F(Readiness, ARobotThatIsNotSeenIsNamedWithItsTag) {
   EXPECT_FALSE(may_start(all()));
 }
 
+TEST_F(Readiness, RobotsThatAreNotSeenAreNotSaidToStandInTheirPlaces) {
+  for (core::Measurement& measurement : measurements) measurement = {};
+  const Check places = check(Check::What::places);
+  EXPECT_EQ(places.state, Check::State::fails) << places.reason;
+  EXPECT_NE(places.reason.find("robots 1, 2, 3, 4"), std::string::npos) << places.reason;
+}
+
 TEST_F(Readiness, ALinkThatIsDownSaysWhy) {
   robots[1] = {LinkState::failed, "host is down"};
   const Check links = check(Check::What::links);

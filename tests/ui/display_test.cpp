@@ -1,0 +1,335 @@
+// What the window shows is what is so: gains in force, robots that nobody knows to stand, runs that cannot start.
+#include <QAbstractButton>
+#include <QAbstractItemView>
+#include <QAction>
+#include <QComboBox>
+#include <QDir>
+#include <QDoubleSpinBox>
+#include <QImage>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPointer>
+#include <QProcess>
+#include <QSlider>
+#include <QTabBar>
+#include <QTabWidget>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+
+#include "app/record/csv_file.h"
+#include "operator.h"
+#include "ui/base/dialogs.h"
+#include "ui/gains/gains_panel.h"
+#include "ui/plots/plot_view.h"
+#include "ui/robots/robots_model.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Display : public Operator {
+ protected:
+  void open_and_wait(const app::Experiment& experiment = app::paper_experiment()) {
+    window.resize(1280, 800);
+    window.show();
+    window.activateWindow();
+    window.open(experiment, false);
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }))
+        << live().failure().value_or(QString()).toStdString();
+  }
+  void type(const char* name, const QString& text) {
+    auto* spin = find<QDoubleSpinBox>(name);
+    spin->setFocus();
+    ASSERT_TRUE(eventually([&] { return spin->hasFocus(); }));
+    spin->selectAll();
+    QTest::keyClicks(spin, text);
+    QTest::keyClick(spin, Qt::Key_Return);
+  }
+  double target(core::GainName gain) { return live().gain_target(gain, 0, 1); }
+  double shown(const char* name) { return find<QDoubleSpinBox>(name)->value(); }
+  QString alert() { return find<QLabel>("alert")->text(); }
+  QString robot_cell(int robot, RobotsModel::Column column) {
+    return find<QAbstractItemView>("robots")->model()->index(robot, column).data().toString();
+  }
+  /// One emulated robot behind a serial line, under a camera that shows an empty floor.
+  void start_emulator(int robots = 1) {
+    emulator.start(QStringLiteral(SKEIN_PROGRAM), {QStringLiteral("emulate"), QStringLiteral("--robots"),
+                                                   QString::number(robots), QStringLiteral("--directory"), dir.path()});
+    ASSERT_TRUE(eventually([&] { return QFile::exists(device()); }));
+  }
+  QString device() { return dir.filePath(QStringLiteral("robot1")); }
+  app::Experiment one_robot() {
+    QImage floor(1280, 960, QImage::Format_Grayscale8);
+    floor.fill(128);
+    for (int k = 0; k < 60; ++k) EXPECT_TRUE(floor.save(dir.filePath(QStringLiteral("floor%1.png").arg(k, 3))));
+    auto experiment = app::parse_experiment("[[robot]]\ntag = 1\nlink = \"serial:" + device().toStdString() +
+                                                "\"\n[camera]\nsource = \"images:" + dir.path().toStdString() +
+                                                "\"\ncalibration = \"overhead.toml\"\n",
+                                            "one.toml");
+    EXPECT_TRUE(experiment.has_value());
+    experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
+    return *experiment;
+  }
+  void end_emulator() {
+    window.close();
+    EXPECT_TRUE(eventually([&] { return !window.isVisible(); }));
+    ::kill(static_cast<pid_t>(emulator.processId()), SIGCONT);
+    emulator.terminate();
+    EXPECT_TRUE(emulator.waitForFinished());
+  }
+  /// The paper's experiment on the virtual clock, recorded; `sets`: keys of its file.
+  QString recorded(const std::vector<std::string>& sets = {"duration=12"}) {
+    const auto experiment = app::parse_experiment(app::paper_experiment().source, "platoon.toml", sets);
+    EXPECT_TRUE(experiment.has_value());
+    const QString file = dir.filePath(QStringLiteral("run.csv"));
+    app::CsvFile csv(file.toStdString(), *experiment);
+    (*app::Session::open(*experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
+    csv.finish();
+    return file;
+  }
+  void replay(const QString& file) {
+    window.resize(1280, 800);
+    window.show();
+    window.activateWindow();
+    window.open_recording(file);
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+    ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
+    window.go();
+    ASSERT_FALSE(window.replay().is_playing());
+  }
+  QTemporaryDir dir;
+  QProcess emulator;
+};
+
+TEST_F(Display, AGainThatIsTypedIsTakenWithEitherDecimalSignAndHeldAtItsBorder) {
+  start();
+  type("spin_k_yy", QStringLiteral("0,05"));
+  EXPECT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_yy) - 0.05) < 1e-9; }))
+      << target(core::GainName::k_yy);
+  type("spin_k_yy", QStringLiteral("0.3"));
+  const double border = live().gain_border(core::GainName::k_yy);
+  ASSERT_LT(border, 0.3);
+  EXPECT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_yy) - border) < 1e-6; }))
+      << target(core::GainName::k_yy);
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("k_yy is held at")); })) << alert().toStdString();
+  EXPECT_TRUE(eventually([&] { return std::abs(shown("spin_k_yy") - border) < 1e-3; })) << shown("spin_k_yy");
+  type("spin_k_yy", QStringLiteral("-0.1"));
+  EXPECT_TRUE(eventually([&] { return target(core::GainName::k_yy) == 0.0; }));
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("held at 0")); })) << alert().toStdString();
+}
+
+TEST_F(Display, ASliderThatIsHeldPastItsBorderShowsWhatIsInForceOnceItIsLetGo) {
+  start();
+  auto* slider = find<QSlider>("slider_k_tt");
+  slider->setSliderDown(true);
+  slider->setValue(slider->maximum());
+  const double border = live().gain_border(core::GainName::k_tt);
+  ASSERT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_tt) - border) < 1e-6; }));
+  QTest::qWait(200);  // the rows with the event have come by now
+  slider->setSliderDown(false);
+  EXPECT_TRUE(eventually([&] { return std::abs(shown("spin_k_tt") - target(core::GainName::k_tt)) < 1e-4; }))
+      << shown("spin_k_tt") << " is shown, " << target(core::GainName::k_tt) << " is in force";
+}
+
+TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
+  start_emulator();
+  open_and_wait(one_robot());
+  ASSERT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::link) == QStringLiteral("up"); }));
+  ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGSTOP), 0);  // it hears nothing any more
+  QTest::mouseClick(find<QPushButton>("stop"), Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  const QString said = QStringLiteral("may be driving");
+  EXPECT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::mode) == said; }))
+      << robot_cell(0, RobotsModel::mode).toStdString();
+  const Colours c = colours(window.palette());
+  EXPECT_EQ(find<QAbstractItemView>("robots")
+                ->model()
+                ->index(0, RobotsModel::mode)
+                .data(Qt::ForegroundRole)
+                .value<QColor>(),
+            c.alarm);
+  EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }))
+      << arena().scene().banner.toStdString();
+  EXPECT_TRUE(arena().scene().banner_alarms);
+  EXPECT_EQ(arena().scene().look_of(0, c).name, said);
+  ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGCONT), 0);
+  EXPECT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::mode) != said; })) << "it has acknowledged";
+  EXPECT_TRUE(eventually([&] { return !arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }));
+  end_emulator();
+}
+
+TEST_F(Display, RobotsThatAnEarlierRunLeftBehindAreStoppedFromTheWindow) {
+  start_emulator();
+  const QByteArray before = qgetenv("XDG_STATE_HOME");
+  qputenv("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
+  ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("state/skein")));
+  std::ofstream(dir.filePath(QStringLiteral("state/skein/run-999999")).toStdString())
+      << "skein run lab\nserial:" << device().toStdString() << "\n";
+  open_and_wait();
+  auto* bar = find("left_behind");
+  ASSERT_TRUE(eventually([&] { return bar->isVisible(); })) << "nothing is said of robots that may be driving";
+  EXPECT_TRUE(find<QLabel>("left_behind_text")->text().contains(QStringLiteral("lab")));
+  QTest::mouseClick(find<QPushButton>("stop_left_behind"), Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return !bar->isVisible(); })) << find<QLabel>("left_behind_text")->text().toStdString();
+  EXPECT_FALSE(QFile::exists(dir.filePath(QStringLiteral("state/skein/run-999999"))));
+  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
+  end_emulator();
+}
+
+TEST_F(Display, ARunThatCannotStartIsNotSaidToBeReady) {
+  app::Experiment blind = app::paper_experiment();
+  blind.simulation.dropout = 1.0;  // no pose ever comes
+  open_and_wait(blind);
+  ASSERT_TRUE(eventually([&] { return find("check_list")->isVisible(); }));
+  EXPECT_TRUE(eventually([&] { return arena().scene().banner.startsWith(QStringLiteral("Not ready: ")); }))
+      << arena().scene().banner.toStdString();
+  EXPECT_TRUE(arena().scene().banner.contains(QStringLiteral("tag"))) << arena().scene().banner.toStdString();
+  EXPECT_FALSE(find<QLabel>("check_mark_places")->text().contains(QStringLiteral("✓")))
+      << find<QLabel>("check_places")->text().toStdString();
+  EXPECT_FALSE(find<QLabel>("check_places")->text().contains(QStringLiteral("everybody")));
+}
+
+TEST_F(Display, OfAReplayIsThatOfTheRun) {
+  replay(recorded());
+  auto* tabs = find<QTabWidget>("gain_tabs");
+  ASSERT_TRUE(tabs->isEnabled()) << "the margins cannot be opened";
+  QTest::mouseClick(tabs->tabBar(), Qt::LeftButton, {}, tabs->tabBar()->tabRect(1).center());
+  ASSERT_EQ(tabs->currentIndex(), 1);
+  const auto* pairs = find<QAbstractItemView>("pair_table")->model();
+  EXPECT_TRUE(eventually([&] { return pairs->index(0, 1).data().toString() == QStringLiteral("0.008"); }))
+      << pairs->index(0, 1).data().toString().toStdString();
+  EXPECT_FALSE(pairs->flags(pairs->index(0, 1)) & Qt::ItemIsEditable);
+}
+
+TEST_F(Display, ARobotThatIsHeldIsDrawnCoupledToNobody) {
+  start();
+  find<QAbstractItemView>("robots")->setCurrentIndex(find<QAbstractItemView>("robots")->model()->index(1, 0));
+  arena().select(1);
+  ASSERT_TRUE(eventually([&] { return find<QAbstractButton>("hold_robot")->isEnabled(); }));
+  find<QAbstractButton>("hold_robot")->click();
+  EXPECT_TRUE(eventually([&] { return arena().scene().is_out_of_group(1); }));
+  EXPECT_FALSE(arena().scene().is_out_of_group(0));
+}
+
+TEST_F(Display, AfterANewRunPlotsKeepTheirAxesAndOldNumbersAreGone) {
+  start();
+  ASSERT_TRUE(eventually([&] { return !find<QLabel>("pace")->text().isEmpty() && record().t > 0.5; }));
+  ASSERT_TRUE(eventually([&] { return !live().is_busy(); }));
+  window.new_run();
+  EXPECT_EQ(find<QLabel>("pace")->text(), QString());
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  QTest::qWait(300);  // pictures of the plots are due
+  auto* plot = find<QCustomPlot>("plot");
+  int axes = 0;
+  for (const QCPAxisRect* rect : plot->axisRects()) axes += rect->visible() ? 1 : 0;
+  EXPECT_GT(axes, 1) << "the plots have lost their axes";
+}
+
+TEST_F(Display, AFreshRowOfTheScheduleChangesNothing) {
+  open_and_wait();
+  find<QTabWidget>("gain_tabs")->setCurrentIndex(2);
+  ASSERT_TRUE(eventually([&] { return find<QPushButton>("schedule_add")->isEnabled(); }));
+  QTest::mouseClick(find<QPushButton>("schedule_add"), Qt::LeftButton);
+  QTest::mouseClick(find<QPushButton>("schedule_apply"), Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().experiment().gain_changes.size() == 1; }));
+  const app::GainChange& change = live().experiment().gain_changes.front();
+  for (const core::GainName gain : core::gain_names)
+    EXPECT_EQ(change[gain]->largest(), core::table(live().experiment().controller.gains, gain).largest());
+}
+
+TEST_F(Display, ARecordingWithATornLastLineIsPlayedWithoutIt) {
+  const QString file = recorded({"duration=4"});
+  QFile csv(file);
+  ASSERT_TRUE(csv.open(QIODevice::ReadWrite));
+  const QByteArray all = csv.readAll();
+  ASSERT_TRUE(csv.resize(all.size() - 40));
+  csv.close();
+  replay(file);
+  EXPECT_EQ(window.replay().recording()->rows.size(), 99u);
+  EXPECT_TRUE(alert().contains(QStringLiteral("torn"))) << alert().toStdString();
+}
+
+TEST_F(Display, ARecordingThatCannotBeReadIsNotBeingReadForEver) {
+  const QString file = dir.filePath(QStringLiteral("broken.csv"));
+  std::ofstream(file.toStdString()) << "# skein 0.1.0\nt,tick,r1_x\n0,0,zebra\n";
+  start();
+  window.open_recording(file);
+  ASSERT_TRUE(eventually([&] { return window.findChild<MessageDialog*>() != nullptr; }));
+  EXPECT_FALSE(alert().contains(QStringLiteral("Reading"))) << alert().toStdString();
+}
+
+TEST_F(Display, EscapeClosesAMessageBeforeAStartAndStopsNothing) {
+  open_and_wait();
+  find<QAction>("shortcuts")->trigger();
+  auto* dialog = find<QDialog>("shortcuts_dialog");
+  dialog->activateWindow();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(dialog));
+  QPointer<QDialog> open = dialog;
+  key(Qt::Key_Escape, dialog);
+  EXPECT_TRUE(eventually([&] { return !open; })) << "the dialog is open";
+  EXPECT_EQ(live().phase(), app::Phase::ready) << "nothing moved, and a new run is needed all the same";
+  EXPECT_FALSE(live().stop_asked());
+}
+
+TEST_F(Display, F5SetsARunUpAgainThatIsOver) {
+  start();
+  key(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  ASSERT_TRUE(eventually([&] { return find<QAction>("go_action")->isEnabled(); })) << "F5 does nothing";
+  key(Qt::Key_F5);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() && live().phase() == app::Phase::ready; }));
+  QTest::qWait(200);
+  EXPECT_EQ(live().phase(), app::Phase::ready) << "after STOP nothing starts by one key";
+}
+
+TEST_F(Display, KeysOfTheRunWorkWhileAMessageHasTheFocus) {
+  open_and_wait();
+  ASSERT_TRUE(eventually([&] { return find<QAction>("go_action")->isEnabled(); }));
+  find<QAction>("about")->trigger();
+  auto* dialog = find<QDialog>("about_dialog");
+  dialog->activateWindow();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(dialog));
+  ASSERT_TRUE(eventually([&] { return arena().scene().banner.startsWith(QStringLiteral("Ready")); }));
+  key(Qt::Key_F5, dialog);
+  EXPECT_TRUE(eventually([&] { return running(); })) << "F5 is dead in a message";
+  delete dialog;
+}
+
+TEST_F(Display, SpacePausesAReplayAndPlaysIt) {
+  replay(recorded());
+  key(Qt::Key_Space);
+  EXPECT_TRUE(window.replay().is_playing());
+  key(Qt::Key_Space);
+  EXPECT_FALSE(window.replay().is_playing());
+}
+
+TEST_F(Display, ARobotIsNotDroppedOntoAnother) {
+  start();
+  const QPoint there = robot(2);
+  const core::Pose before = *arena().scene().pose(0);
+  drag(robot(0), there);
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("robot 3 stands there")); }))
+      << alert().toStdString();
+  const core::Pose now = *arena().scene().pose(0);
+  EXPECT_LT(std::hypot(now.x - before.x, now.y - before.y), 0.05);
+}
+
+TEST_F(Display, WithoutItsCameraAnExperimentOpensAndSaysWhatIsMissing) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.camera.source = "v4l2:/dev/no-such-camera";
+  experiment.camera.calibration = "overhead.toml";
+  experiment.directory = SKEIN_SOURCE_DIR "/resources/cameras";
+  open_and_wait(experiment);
+  EXPECT_TRUE(live().is_open());
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("check_camera")->text().contains(QStringLiteral("no-such-camera")); }))
+      << find<QLabel>("check_camera")->text().toStdString();
+  EXPECT_GT(find<QAbstractItemView>("robots")->model()->rowCount(), 0);
+  EXPECT_GT(live().gain_border(core::GainName::k_xx), 0.0);
+  window.go();
+  QTest::qWait(100);
+  EXPECT_EQ(live().phase(), app::Phase::ready) << "nobody drives blind";
+}
+
+}  // namespace
+}  // namespace skein::ui::test

@@ -1,0 +1,87 @@
+// The result card: what the experiment is for, kick by kick.
+#include <QApplication>
+#include <QClipboard>
+#include <QLabel>
+#include <QTableWidget>
+
+#include "app/record/statistics.h"
+#include "operator.h"
+#include "ui/results/result_panel.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Results : public Operator {
+ protected:
+  struct Rows final : app::RecordSink {
+    void record(const app::TickRecord& record) override { rows.push_back(record); }
+    std::vector<app::TickRecord> rows;
+  };
+  /// A run of the paper's experiment on the virtual clock; `sets`: keys of its file.
+  std::vector<app::TickRecord> run(const std::vector<std::string>& sets, app::Experiment& experiment) {
+    experiment = *app::parse_experiment(app::paper_experiment().source, "platoon.toml", sets);
+    Rows rows;
+    (*app::Session::open(experiment, app::SessionOptions::Clock::virtual_, {false, {&rows}}))->run();
+    return rows.rows;
+  }
+};
+
+TEST_F(Results, AreThoseOfTheCommandLine) {
+  app::Experiment experiment;
+  const std::vector<app::TickRecord> rows = run({"duration=30"}, experiment);
+  app::Statistics statistics(experiment);
+  RunResults results(experiment);
+  for (const app::TickRecord& row : rows) {
+    statistics.record(row);
+    results.take(row);
+  }
+  const app::Statistics::Summary summary = statistics.summary();
+  const std::vector<RunResults::Kick> kicks = results.kicks();
+  ASSERT_EQ(kicks.size(), summary.perturbations.size());
+  ASSERT_GE(kicks.size(), 1u);
+  EXPECT_EQ(kicks[0].formation, summary.perturbations[0].settling.formation_1cm);
+  EXPECT_EQ(kicks[0].tracking, summary.perturbations[0].settling.tracking_1cm);
+  EXPECT_EQ(results.closest(), summary.min_distance);
+  EXPECT_GT(kicks[0].largest, 0.05) << "the kick itself is 15 cm";
+  const bool all_hold = app::failed_expectations(experiment.expect, summary).empty();
+  bool all_ticks = true;
+  for (const RunResults::Expectation& expected : results.expectations()) all_ticks = all_ticks && expected.holds();
+  EXPECT_EQ(all_ticks, all_hold);
+}
+
+TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
+  app::Experiment experiment, uncoupled;
+  const std::vector<app::TickRecord> rows = run({"duration=40"}, experiment);
+  const std::vector<app::TickRecord> others = run(
+      {"duration=40", "controller.gains.k_xx=0", "controller.gains.k_yy=0", "controller.gains.k_tt=0"}, uncoupled);
+  ResultPanel panel;
+  panel.resize(900, 300);
+  panel.show();
+  panel.show_experiment(experiment);
+  for (const app::TickRecord& row : rows) panel.take(row);
+  panel.compare(QStringLiteral("uncoupled"), uncoupled, others);
+  auto* table = panel.findChild<QTableWidget*>(QStringLiteral("result_table"));
+  ASSERT_EQ(table->rowCount(), static_cast<int>(panel.results()->kicks().size()));
+  const int beside = table->columnCount() - 1;
+  EXPECT_FALSE(table->isColumnHidden(beside));
+  EXPECT_TRUE(table->item(0, beside)->text().contains(QStringLiteral("earlier")))
+      << table->item(0, beside)->text().toStdString();
+  panel.end_comparison();
+  EXPECT_TRUE(table->isColumnHidden(beside));
+}
+
+TEST_F(Results, AreShownLiveAndCopied) {
+  start();
+  window.set_speed(20.0);
+  find<QDockWidget>("results_dock")->raise();
+  auto* table = find<QTableWidget>("result_table");
+  ASSERT_TRUE(eventually([&] { return record().t > 24.0; }));
+  EXPECT_TRUE(eventually([&] { return table->rowCount() >= 1; })) << "the kick at 18 s has no row";
+  find<QPushButton>("copy_results")->click();
+  EXPECT_TRUE(QApplication::clipboard()->text().contains(QStringLiteral("formation settled")));
+  find<QPushButton>("copy_results_latex")->click();
+  EXPECT_TRUE(QApplication::clipboard()->text().startsWith(QStringLiteral("\\begin{tabular}")));
+}
+
+}  // namespace
+}  // namespace skein::ui::test

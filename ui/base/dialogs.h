@@ -1,0 +1,45 @@
+#pragma once
+
+#include <QDialog>
+#include <QFileDialog>
+#include <QTextBrowser>
+
+namespace skein::ui {
+
+/// What a file dialog asks for.
+struct FileQuestion {
+  QString title, name;  ///< `name`: of the dialog as an object
+  QString filter;       ///< as QFileDialog's
+  QString directory;    ///< where it begins; empty: where the program was started
+  QString save_as;      ///< to write a file: the name that is proposed; empty: a file that exists is chosen
+};
+
+/// A dialog that never blocks the window, so that STOP can be clicked beside it, and that is Qt's own, never the
+/// desktop's, so that Space and Esc reach the program. To be connected, then shown; it deletes itself.
+QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question);
+
+/// Shows a dialog that way.
+template <typename Dialog>
+void show_beside(Dialog* dialog) {
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setWindowModality(Qt::NonModal);
+  dialog->show();
+}
+
+/// No larger than the screen that the parent is on: what is longer scrolls.
+QSize fitting(const QSize& wanted, const QWidget* parent);
+
+/// A text with a Close button; a long one scrolls. The parent's shortcuts work in it too: a message must not make F5
+/// dead.
+class MessageDialog final : public QDialog {
+  Q_OBJECT
+
+ public:
+  MessageDialog(const QString& name, const QString& title, const QString& rich_text, QWidget* parent);
+  QString text() const;  ///< as it is read, without marks
+
+ private:
+  QTextBrowser* text_;
+};
+
+}  // namespace skein::ui

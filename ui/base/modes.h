@@ -1,0 +1,43 @@
+#pragma once
+
+#include <QColor>
+#include <QString>
+#include <cstdint>
+
+#include "app/run/event.h"
+#include "app/run/tick_record.h"
+#include "ui/base/palette.h"
+
+namespace skein::ui {
+
+/// How a mode looks: never by colour alone.
+struct ModeLook {
+  std::uint8_t mode;
+  QString symbol;  ///< one character; empty: nothing out of the ordinary
+  QString name;
+  QColor colour;
+};
+
+/// The gravest of a robot's modes.
+ModeLook look(std::uint8_t mode, const Colours& colours);
+/// How a robot looks that was told to stand and has not acknowledged it: whatever its mode says, it may be driving.
+ModeLook may_be_driving_look(const Colours& colours);
+/// All that apply, joined by "+".
+QString mode_text(std::uint8_t mode);
+
+/// A pose that is older than this is carried on from the last sight rather than measured. [s]: half the time after
+/// which a robot counts as lost
+inline constexpr double old_pose = 0.1;
+/// Where a robot's pose comes from: "tracked", "bridged" ...
+QString found_text(const app::RobotRecord& robot);
+
+QString phase_text(app::Phase phase);
+
+/// How much of the operator's attention an event asks for.
+enum class Severity { note, good, notice, warning, alarm };
+Severity severity(const app::Event& event);
+QColor colour(Severity severity, const Colours& colours);
+QString symbol(Severity severity);  ///< one character: never told by colour alone
+QString severity_text(Severity severity);
+
+}  // namespace skein::ui

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <QDoubleSpinBox>
+#include <optional>
+
+namespace skein::ui {
+
+/// A number as people type it, with either decimal sign; empty: it is none.
+std::optional<double> parse_number(const QString& text);
+
+/// A spin box that takes any number that is typed: what is too large or too small is held by whoever uses it, who says
+/// so. Qt's own swallows digits that would leave its range: "0.3" typed where 0.17 is the most becomes 0.
+class NumberField final : public QDoubleSpinBox {
+  Q_OBJECT
+
+ public:
+  explicit NumberField(QWidget* parent = nullptr);
+  bool is_being_typed() const;  ///< the text is not that of the value
+
+  QValidator::State validate(QString& input, int& position) const override;
+  double valueFromText(const QString& text) const override;
+  QString textFromValue(double value) const override;
+  QSize sizeHint() const override;  ///< for usual numbers, not for the largest that can be typed
+  QSize minimumSizeHint() const override { return sizeHint(); }
+
+ private:
+  QString number_in(const QString& text) const;  // without the suffix
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <QPointer>
+
+#include "ui/main/messages.h"
+
+namespace skein::ui {
+
+class CalibrationDialog;
+
+/// Opens the calibration of the experiment's camera, and lets go of that camera for it.
+class CalibrationController final : public QObject {
+  Q_OBJECT
+
+ public:
+  CalibrationController(LiveRun& live, const Messages& messages, QObject* parent = nullptr);
+  void calibrate();
+  void refresh();  ///< thirty times a second
+
+ signals:
+  void session_ends();  ///< whatever belongs to it must be let go
+
+ private:
+  void take_camera(CalibrationDialog* dialog);
+
+  LiveRun& live_;
+  const Messages& messages_;
+  QPointer<CalibrationDialog> waiting_;  // until the session has let the camera go
+};
+
+}  // namespace skein::ui

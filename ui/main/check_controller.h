@@ -1,0 +1,45 @@
+#pragma once
+
+#include <future>
+#include <optional>
+
+#include "app/session/readiness.h"
+#include "ui/main/messages.h"
+
+namespace skein::ui {
+
+class CheckList;
+class GainsPanel;
+
+/// What has to hold before a start, and how much delay the loops bear.
+class CheckController final : public QObject {
+  Q_OBJECT
+
+ public:
+  CheckController(Runs& runs, const Messages& messages, CheckList* list, GainsPanel* gains,
+                  QObject* parent = nullptr);
+
+  void begin();                           ///< for the experiment that the live run has now
+  void set_wanted(bool on);               ///< the operator wants to see the list, whatever it says
+  void refresh();                         ///< five times a second
+  Notice banner() const;                  ///< before a start: whether it can be started, and else why not
+  void start(bool overrule);              ///< if everything holds, or the operator overrules what may be overruled
+  void set_testing(bool on) { testing_ = on; }  ///< a robot turns its wheels: no start meanwhile
+
+ private:
+  const app::Check* first_amiss() const;
+  const std::vector<app::Check>& judge();
+  void show_delay();
+
+  Runs& runs_;
+  LiveRun& live_;
+  const Messages& messages_;
+  CheckList* list_;
+  GainsPanel* gains_;
+  std::future<app::Certificate> certifying_;
+  std::optional<app::Certificate> certificate_;
+  std::vector<app::Check> checks_;  // as last judged
+  bool wanted_ = false, testing_ = false;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,111 @@
+#include "ui/main/file_controller.h"
+
+#include <QFile>
+#include <QFileInfo>
+#include <QUrl>
+
+#include "app/experiment/experiment_file.h"
+#include "ui/base/dialogs.h"
+#include "ui/base/settings.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr qsizetype most_recent = 8;
+
+QStringList recent_files() {
+  return settings().value(QStringLiteral("recent")).toStringList();
+}
+
+}  // namespace
+
+FileController::FileController(LiveRun& live, const Messages& messages, QObject* parent)
+    : QObject(parent), live_(live), messages_(messages) {}
+
+void FileController::build_menu(QMenu* file) {
+  QAction* open_action = file->addAction(tr("&Open experiment …"), this, &FileController::ask);
+  open_action->setObjectName(QStringLiteral("open"));
+  open_action->setShortcut(QKeySequence::Open);
+  QMenu* recent = file->addMenu(tr("Open re&cent"));
+  recent->setObjectName(QStringLiteral("recent"));
+  connect(recent, &QMenu::aboutToShow, this, [this, recent] {
+    recent->clear();
+    for (const QString& path : recent_files()) {
+      if (!QFileInfo::exists(path)) continue;
+      QAction* entry = recent->addAction(QFileInfo(path).fileName(), this, [this, path] { open(path); });
+      entry->setToolTip(path);
+    }
+    if (recent->isEmpty()) recent->addAction(tr("No file has been opened yet"))->setEnabled(false);
+  });
+  recent->setToolTipsVisible(true);
+}
+
+void FileController::ask() {
+  QFileDialog* dialog = file_dialog(
+      messages_.window(), {tr("Open experiment"), QStringLiteral("open_dialog"),
+                           tr("Experiments and recorded runs (*.toml *.csv);;All files (*)"),
+                           QFileInfo(recent_files().value(0)).path(), {}});
+  connect(dialog, &QFileDialog::fileSelected, this, &FileController::open);
+  dialog->show();
+}
+
+bool FileController::real_robots_move() const {
+  if (!live_.is_under_way() || live_.real_time_reason().isEmpty()) return false;
+  messages_.problem(tr("Not while robots are under way"), tr("Stop the run first, then open the file."));
+  return true;
+}
+
+void FileController::open(const QString& file) {
+  const QString kind = QFileInfo(file).suffix().toLower();
+  if (kind == QStringLiteral("csv")) return open_recording(file);
+  if (kind != QStringLiteral("toml")) {
+    messages_.problem(tr("This is no file for Skein"),
+                      tr("Found %1, allowed: an experiment (.toml) or a recorded run (.csv).").arg(file));
+    return;
+  }
+  const auto experiment = app::load_experiment(file.toStdString());
+  if (!experiment) {
+    QStringList problems;
+    for (const app::Problem& problem : experiment.error()) problems << QString::fromStdString(problem.message());
+    const QString title = tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size()))
+                              .arg(QFileInfo(file).fileName());
+    QFile text(file);
+    if (!text.open(QIODevice::ReadOnly))
+      return messages_.problem(tr("This experiment cannot be run"), title, problems.join(QLatin1Char('\n')));
+    messages_.note(title + QStringLiteral(": ") + problems.first(), Severity::warning);
+    emit broken(QString::fromUtf8(text.readAll()), file);
+    return;
+  }
+  if (real_robots_move()) return;
+  if (live_.is_busy()) {
+    messages_.problem(tr("Not yet"),
+                      tr("The experiment before is still being opened or closed: try again in a moment."));
+    return;
+  }
+  emit experiment_wanted(*experiment);
+  set_experiment_file(file);
+}
+
+void FileController::open_recording(const QString& file) {
+  if (!real_robots_move()) emit recording_wanted(file);
+}
+
+void FileController::set_experiment_file(const QString& file) {
+  live_.set_file(file.isEmpty() ? QString() : QFileInfo(file).absoluteFilePath());
+  if (!live_.file().isEmpty()) remember(live_.file());
+}
+
+void FileController::remember(const QString& file) {
+  const QString path = QFileInfo(file).absoluteFilePath();
+  QStringList files = recent_files();
+  files.removeAll(path);
+  files.prepend(path);
+  settings().setValue(QStringLiteral("recent"), files.mid(0, most_recent));
+}
+
+QString FileController::dragged(const QMimeData* data) {
+  const QList<QUrl> urls = data->urls();
+  return urls.size() == 1 ? urls.first().toLocalFile() : QString();
+}
+
+}  // namespace skein::ui

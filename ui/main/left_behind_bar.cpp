@@ -1,0 +1,67 @@
+#include "ui/main/left_behind_bar.h"
+
+#include <QHBoxLayout>
+#include <chrono>
+
+#include "app/guard/run_marker.h"
+#include "app/guard/stop_run.h"
+#include "ui/base/palette.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int look_ms = 1000;  // a guard may be stopping the same robots, and may have done by now
+
+}  // namespace
+
+LeftBehindBar::LeftBehindBar(QWidget* parent)
+    : QFrame(parent), text_(new QLabel(this)), stop_(new QPushButton(tr("Stop them now"), this)) {
+  setObjectName(QStringLiteral("left_behind"));
+  text_->setObjectName(QStringLiteral("left_behind_text"));
+  text_->setTextFormat(Qt::PlainText);
+  text_->setWordWrap(true);
+  stop_->setObjectName(QStringLiteral("stop_left_behind"));
+  stop_->setAccessibleName(stop_->text());
+  stop_->setToolTip(tr("Connects to each of these robots, and stops it"));
+  const Colours c = colours(palette());
+  setStyleSheet(QStringLiteral("#left_behind { background: %1; } #left_behind_text { color: white; font-weight: 600; }")
+                    .arg(c.alarm_fill.name()));
+  auto* layout = new QHBoxLayout(this);
+  layout->setContentsMargins(10, 6, 10, 6);
+  layout->addWidget(text_, 1);
+  layout->addWidget(stop_);
+  connect(stop_, &QPushButton::clicked, this, &LeftBehindBar::stop);
+  connect(&timer_, &QTimer::timeout, this, &LeftBehindBar::look);
+  timer_.start(look_ms);
+  hide();
+  QTimer::singleShot(0, this, &LeftBehindBar::look);  // once it is part of a window
+}
+
+LeftBehindBar::~LeftBehindBar() {
+  if (stopping_.valid()) stopping_.wait();
+}
+
+void LeftBehindBar::look() {
+  if (stopping_.valid()) {
+    if (stopping_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    failed_ = !stopping_.get();
+    if (!failed_) emit stopped();
+  }
+  QStringList runs;
+  for (const app::RunMarker& run : app::bad_ends())
+    runs << tr("The run \"%1\" ended badly, and its robots may still be driving: %2.")
+                .arg(QString::fromStdString(run.experiment), QString::fromStdString(run.names()));
+  if (failed_ && !runs.isEmpty()) runs << tr("Not all have acknowledged the stop: switch them off by hand.");
+  text_->setText(runs.join(QLatin1Char(' ')));
+  stop_->setEnabled(true);
+  stop_->setText(tr("Stop them now"));
+  setVisible(!runs.isEmpty());
+}
+
+void LeftBehindBar::stop() {
+  stop_->setEnabled(false);
+  stop_->setText(tr("Stopping …"));
+  stopping_ = std::async(std::launch::async, [] { return app::stop_left_behind(app::bad_ends()); });
+}
+
+}  // namespace skein::ui

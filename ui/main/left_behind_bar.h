@@ -1,0 +1,35 @@
+#pragma once
+
+#include <QFrame>
+#include <QLabel>
+#include <QPushButton>
+#include <QTimer>
+#include <future>
+#include <vector>
+
+namespace skein::ui {
+
+/// A red bar over the arena as long as robots of an earlier run may be driving: a run that died without knowing that
+/// they stand. Looks for such runs now and then; hidden where there are none.
+class LeftBehindBar final : public QFrame {
+  Q_OBJECT
+
+ public:
+  explicit LeftBehindBar(QWidget* parent = nullptr);
+  ~LeftBehindBar() override;  ///< waits for the stops that are under way
+
+ signals:
+  void stopped();  ///< all of them are known to stand
+
+ private:
+  void look();
+  void stop();
+
+  QLabel* text_;
+  QPushButton* stop_;
+  QTimer timer_;
+  std::future<bool> stopping_;
+  bool failed_ = false;  // the last try
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,30 @@
+#include "ui/main/messages.h"
+
+#include "ui/base/dialogs.h"
+#include "ui/status/alert_strip.h"
+#include "ui/status/event_log.h"
+
+namespace skein::ui {
+
+void Messages::say(const QString& text, Severity severity) const {
+  alert_->say(text, severity);
+}
+
+void Messages::note(const QString& text, Severity severity) const {
+  log_->note(runs_.shown().t(), text, severity);
+  alert_->say(text, severity);
+}
+
+void Messages::tell(const RunSource::Done& done) const {
+  if (!done) say(QString::fromStdString(done.error()), Severity::warning);
+}
+
+void Messages::problem(const QString& title, const QString& text, const QString& details) const {
+  say(title, Severity::warning);  // also in place of "Reading ..." and the like
+  QString body = text.toHtmlEscaped();
+  if (!details.isEmpty()) body += QStringLiteral("<pre style=\"white-space: pre-wrap\">") + details.toHtmlEscaped() + QStringLiteral("</pre>");
+  show_beside(new MessageDialog(QStringLiteral("problem_dialog"), title,
+                                QStringLiteral("<p><b>%1</b></p><p>%2</p>").arg(title.toHtmlEscaped(), body), window_));
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <QWidget>
+
+#include "ui/run/runs.h"
+
+namespace skein::ui {
+
+class AlertStrip;
+class EventPanel;
+
+/// How the window talks to the operator: in the alert strip, in the log, in a dialog beside the window.
+class Messages final {
+ public:
+  Messages(const Runs& runs, AlertStrip* alert, EventPanel* log, QWidget* window)
+      : runs_(runs), alert_(alert), log_(log), window_(window) {}
+
+  void say(const QString& text, Severity severity) const;   ///< in the alert strip, for a while
+  void note(const QString& text, Severity severity) const;  ///< there and in the log
+  /// Why it was refused, if it was.
+  void tell(const RunSource::Done& done) const;
+  void problem(const QString& title, const QString& text, const QString& details = {}) const;  ///< in a dialog
+  QWidget* window() const { return window_; }  ///< parent for dialogs
+
+ private:
+  const Runs& runs_;
+  AlertStrip* alert_;
+  EventPanel* log_;
+  QWidget* window_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,114 @@
+#include "ui/main/recording_controller.h"
+
+#include <QDateTime>
+#include <QDir>
+#include <QFile>
+#include <QRegularExpression>
+#include <QStandardPaths>
+#include <chrono>
+
+#include "ui/base/dialogs.h"
+#include "ui/base/settings.h"
+
+namespace skein::ui {
+
+RecordingController::RecordingController(LiveRun& live, const Messages& messages, QObject* parent)
+    : QObject(parent), live_(live), messages_(messages) {
+  connect(&live_, &LiveRun::starting, this, &RecordingController::record_if_wanted);
+  connect(&live_, &LiveRun::recorded, this, [this](const QString& file, const QString& problem) {
+    if (problem.isEmpty())
+      messages_.note(tr("recorded %1").arg(file), Severity::good);
+    else
+      messages_.note(problem, Severity::alarm);
+  });
+  connect(&live_, &LiveRun::film_failed, this, [this](const QString& problem) {
+    messages_.note(tr("the film of this run ends here, the run goes on: %1").arg(problem), Severity::alarm);
+  });
+}
+
+QString RecordingController::directory() {
+  const QString usual =
+      QDir(QStandardPaths::writableLocation(QStandardPaths::DocumentsLocation)).filePath(QStringLiteral("skein"));
+  return settings().value(QStringLiteral("recordings"), usual).toString();
+}
+
+void RecordingController::record(bool on) {
+  records_ = on;
+  live_.set_records_next(on);
+  if (!on && !live_.record_file().isEmpty()) {
+    const QString file = live_.record_file(), problem = live_.record_to({});
+    messages_.note(problem.isEmpty() ? tr("recorded %1").arg(file) : problem,
+                   problem.isEmpty() ? Severity::good : Severity::alarm);
+  }
+  const bool runs = live_.phase() == app::Phase::running || live_.phase() == app::Phase::paused;
+  if (on && runs) record_if_wanted();
+}
+
+/// Every run has a file of its own, named after the experiment and the moment; empty: there is no place for it.
+QString RecordingController::path(const app::Experiment& experiment, const QString& ending) const {
+  const QDir folder(directory());
+  if (!folder.mkpath(QStringLiteral("."))) return {};
+  QString name = QString::fromStdString(experiment.name);
+  name.replace(QRegularExpression(QStringLiteral("[^\\w-]+")), QStringLiteral("_"));
+  const QString stamp = QDateTime::currentDateTime().toString(QStringLiteral("yyyyMMdd-HHmmss"));
+  QString file = folder.filePath(QStringLiteral("%1-%2%3").arg(name, stamp, ending));
+  for (int k = 2; QFile::exists(file); ++k)
+    file = folder.filePath(QStringLiteral("%1-%2-%3%4").arg(name, stamp).arg(k).arg(ending));
+  return file;
+}
+
+QString RecordingController::film_path(const app::Experiment& experiment) const {
+  return records_ && experiment.camera.kind() != app::CameraKind::absent ? path(experiment, QStringLiteral(".mkv")) : QString();
+}
+
+void RecordingController::record_if_wanted() {
+  if (!records_ || !live_.record_file().isEmpty()) return;
+  const QString file = path(live_.experiment(), QStringLiteral(".csv"));
+  if (!file.isEmpty()) return record_to(file);
+  records_ = false;
+  live_.set_records_next(false);
+  messages_.problem(tr("The run is not recorded"), tr("%1 cannot be made.").arg(directory()));
+}
+
+void RecordingController::record_to(const QString& file) {
+  const QString problem = live_.record_to(file);
+  records_ = problem.isEmpty();
+  live_.set_records_next(records_);
+  if (problem.isEmpty())
+    messages_.note(tr("recording to %1").arg(file), Severity::note);
+  else
+    messages_.problem(tr("The run is not recorded"), problem);
+}
+
+void RecordingController::ask_save() {
+  QFileDialog* dialog =
+      file_dialog(messages_.window(), {tr("Save CSV"), QStringLiteral("save_csv_dialog"),
+                                       tr("CSV (*.csv);;All files (*)"), {},
+                                       QString::fromStdString(live_.experiment().name) + QStringLiteral(".csv")});
+  connect(dialog, &QFileDialog::fileSelected, this, &RecordingController::save);
+  dialog->show();
+}
+
+void RecordingController::save(const QString& file) {
+  if (saving_) return;
+  // Aside: thousands of rows of a hundred numbers take longer than a frame.
+  saving_ = Saving{file, std::async(std::launch::async, [rows = live_.rows(), experiment = live_.experiment(), file] {
+                     return write_csv(rows, experiment, file);
+                   })};
+}
+
+void RecordingController::refresh() {
+  if (!saving_ || saving_->problem.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  const QString file = saving_->file, problem = saving_->problem.get();
+  saving_.reset();
+  if (!problem.isEmpty())
+    messages_.problem(tr("The run was not saved"), problem);
+  else if (const auto gone = live_.history().dropped())
+    messages_.say(tr("Saved %1 without its first %2 rows: the run was too long to keep them").arg(file).arg(gone),
+                  Severity::warning);
+  else
+    messages_.say(tr("Saved %1").arg(file), Severity::good);
+  emit saved(file, problem);
+}
+
+}  // namespace skein::ui

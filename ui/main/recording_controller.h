@@ -1,0 +1,48 @@
+#pragma once
+
+#include <QMenu>
+#include <future>
+#include <optional>
+
+#include "ui/main/messages.h"
+
+namespace skein::ui {
+
+/// Runs as files: recorded as they go, or saved afterwards.
+class RecordingController final : public QObject {
+  Q_OBJECT
+
+ public:
+  RecordingController(LiveRun& live, const Messages& messages, QObject* parent = nullptr);
+
+  bool records() const { return records_; }  ///< this run and those that follow
+  void record(bool on);
+  /// Records this run to the file as it goes, what was before included, and those that follow to files beside it.
+  void record_to(const QString& file);
+  /// Where the film of a run of this experiment goes, if runs are recorded; empty: there is none.
+  QString film_path(const app::Experiment& experiment) const;
+  static QString directory();
+
+  void ask_save();
+  void save(const QString& file);  ///< `saved` follows
+  bool is_saving() const { return saving_.has_value(); }
+  void refresh();  ///< thirty times a second
+
+ signals:
+  void saved(const QString& file, const QString& problem);  ///< no problem: empty
+
+ private:
+  void record_if_wanted();
+  QString path(const app::Experiment& experiment, const QString& ending) const;
+
+  LiveRun& live_;
+  const Messages& messages_;
+  struct Saving {
+    QString file;
+    std::future<QString> problem;
+  };
+  std::optional<Saving> saving_;
+  bool records_ = false;
+};
+
+}  // namespace skein::ui

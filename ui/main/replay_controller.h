@@ -1,0 +1,27 @@
+#pragma once
+
+#include <QMenu>
+
+#include "ui/main/file_controller.h"
+#include "ui/main/recording_loader.h"
+
+namespace skein::ui {
+
+/// Opens recorded runs: reads them aside, and has them shown.
+class ReplayController final : public QObject {
+  Q_OBJECT
+
+ public:
+  ReplayController(Runs& runs, FileController& files, const Messages& messages, QObject* parent = nullptr);
+  void build_menu(QMenu* file);
+  void load(const QString& file);
+  void refresh();  ///< thirty times a second
+
+ private:
+  Runs& runs_;
+  FileController& files_;
+  const Messages& messages_;
+  RecordingLoader loader_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,131 @@
+#include "ui/results/run_results.h"
+
+#include <QCoreApplication>
+#include <QStringList>
+#include <cmath>
+
+namespace skein::ui {
+namespace {
+
+QString tr(const char* text) {
+  return QCoreApplication::translate("RunResults", text);
+}
+
+QString centimetres(double metres) {
+  return std::isfinite(metres) ? tr("%1 cm").arg(100 * metres, 0, 'f', 1) : QStringLiteral("–");
+}
+
+/// The sentence of those that failed for this key of [expect]; empty: none did.
+QString failure_of(const std::vector<std::string>& failed, const char* key) {
+  const std::string beginning = std::string("expect.") + key + ":";
+  for (const std::string& sentence : failed)
+    if (sentence.starts_with(beginning)) return QString::fromStdString(sentence.substr(beginning.size())).trimmed();
+  return {};
+}
+
+}  // namespace
+
+RunResults::RunResults(const app::Experiment& experiment) : experiment_(experiment), statistics_(experiment) {}
+
+void RunResults::take(const app::TickRecord& record) {
+  const bool moves = record.phase == app::Phase::running || record.phase == app::Phase::staging;
+  started_ = started_ || moves;
+  over_ = record.phase == app::Phase::finished || record.phase == app::Phase::stopped;
+  if (!moves && !(started_ && !record.events.empty())) return;
+  statistics_.record(record);
+  if (record.phase != app::Phase::staging)
+    samples_.push_back({record.t, record.min_distance, record.tracking_error()});
+}
+
+std::vector<RunResults::Kick> RunResults::kicks() const {
+  const app::Statistics::Summary summary = statistics_.summary();
+  std::vector<Kick> kicks;
+  for (const app::PerturbationResult& p : summary.perturbations) {
+    Kick kick{p.t, QString::fromStdString(p.what), p.settling.formation_1cm, p.settling.tracking_1cm};
+    const std::size_t next = kicks.size() + 1;
+    const double end = next < summary.perturbations.size() ? summary.perturbations[next].t : HUGE_VAL;
+    for (const Sample& sample : samples_) {
+      if (sample.t < p.t || sample.t >= end) continue;
+      kick.closest = std::fmin(kick.closest, sample.distance);
+      kick.largest = std::fmax(kick.largest, sample.error);
+    }
+    kicks.push_back(kick);
+  }
+  return kicks;
+}
+
+std::vector<RunResults::Expectation> RunResults::expectations() const {
+  const app::Expectations& expect = experiment_.expect;
+  const std::vector<std::string> failed = app::failed_expectations(expect, statistics_.summary());
+  std::vector<Expectation> all;
+  const auto add = [&](const char* key, const QString& what) { all.push_back({what, failure_of(failed, key)}); };
+  if (expect.formation_first)
+    add("formation_first", *expect.formation_first ? tr("the formation settles before tracking does")
+                                                   : tr("the formation does not settle before tracking does"));
+  if (expect.min_distance) add("min_distance", tr("robots keep %1 apart").arg(centimetres(*expect.min_distance)));
+  if (expect.collisions) add("collisions", tr("at most %1 collisions").arg(*expect.collisions));
+  if (expect.final_error) add("final_error", tr("at the end all within %1").arg(centimetres(*expect.final_error)));
+  if (expect.arrived) add("arrived", tr("all have arrived after %1 s").arg(*expect.arrived));
+  return all;
+}
+
+double RunResults::closest() const {
+  double closest = app::none;
+  for (const Sample& sample : samples_) closest = std::fmin(closest, sample.distance);
+  return closest;
+}
+
+double RunResults::largest() const {
+  double largest = app::none;
+  for (const Sample& sample : samples_) largest = std::fmax(largest, sample.error);
+  return largest;
+}
+
+QString settling_text(const std::optional<double>& seconds) {
+  return seconds ? tr("%1 s").arg(*seconds, 0, 'f', 2) : tr("not yet");
+}
+
+QString order_of(const RunResults::Kick& kick) {
+  if (!kick.formation && !kick.tracking) return tr("neither yet");
+  if (!kick.tracking) return tr("formation first");
+  if (!kick.formation) return tr("tracking first");
+  const double earlier = *kick.tracking - *kick.formation;
+  if (earlier == 0.0) return tr("at once, both");
+  return earlier > 0.0 ? tr("formation %1 s earlier").arg(earlier, 0, 'f', 2)
+                       : tr("tracking %1 s earlier").arg(-earlier, 0, 'f', 2);
+}
+
+QString as_text(const QString& name, const RunResults& results) {
+  QStringList lines{name};
+  for (const RunResults::Kick& kick : results.kicks())
+    lines << tr("%1 s, %2: formation settled %3, tracking settled %4 (%5); closest pair %6, largest error %7")
+                 .arg(kick.t, 0, 'f', 2)
+                 .arg(kick.what, settling_text(kick.formation), settling_text(kick.tracking), order_of(kick),
+                      centimetres(kick.closest), centimetres(kick.largest));
+  lines << tr("whole run: closest pair %1, largest error %2")
+               .arg(centimetres(results.closest()), centimetres(results.largest()));
+  for (const RunResults::Expectation& expected : results.expectations())
+    lines << (expected.holds() ? QStringLiteral("✓ ") + expected.what
+                               : QStringLiteral("✗ ") + expected.what + QStringLiteral(": ") + expected.found);
+  return lines.join(QLatin1Char('\n')) + QLatin1Char('\n');
+}
+
+QString as_latex(const RunResults& results) {
+  const auto seconds = [](const std::optional<double>& s) {
+    return s ? QString::number(*s, 'f', 2) : QStringLiteral("--");
+  };
+  const auto length = [](double metres) {
+    return std::isfinite(metres) ? QString::number(100 * metres, 'f', 1) : QStringLiteral("--");
+  };
+  QStringList lines{QStringLiteral("\\begin{tabular}{rrrrr}"), QStringLiteral("\\toprule"),
+                    QStringLiteral("$t$ [s] & formation [s] & tracking [s] & closest [cm] & error [cm] \\\\"),
+                    QStringLiteral("\\midrule")};
+  for (const RunResults::Kick& kick : results.kicks())
+    lines << QStringLiteral("%1 & %2 & %3 & %4 & %5 \\\\")
+                 .arg(kick.t, 0, 'f', 2)
+                 .arg(seconds(kick.formation), seconds(kick.tracking), length(kick.closest), length(kick.largest));
+  lines << QStringLiteral("\\bottomrule") << QStringLiteral("\\end{tabular}");
+  return lines.join(QLatin1Char('\n')) + QLatin1Char('\n');
+}
+
+}  // namespace skein::ui

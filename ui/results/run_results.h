@@ -1,0 +1,61 @@
+#pragma once
+
+#include <QString>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/record/statistics.h"
+
+namespace skein::ui {
+
+/// What a run has shown, gathered row by row: for every kick how long formation and tracking took to settle, what came
+/// closest and what went farthest; what the file expects, with a tick or a cross.
+class RunResults {
+ public:
+  explicit RunResults(const app::Experiment& experiment);
+  /// Every record of a session in order; those before the start are passed over.
+  void take(const app::TickRecord& record);
+
+  struct Kick {
+    double t = 0.0;  ///< [s]
+    QString what;    ///< as in the log
+    /// Until the error stayed within 1 cm; none: it has not yet. [s]
+    std::optional<double> formation, tracking;
+    double closest = app::none;  ///< two robots, until the next kick [m]
+    double largest = app::none;  ///< distance from a reference, until the next kick [m]
+  };
+  struct Expectation {
+    QString what;   ///< "closest pair at least 0.07 m"
+    QString found;  ///< why it fails; empty where it holds
+    bool holds() const { return found.isEmpty(); }
+  };
+  std::vector<Kick> kicks() const;
+  std::vector<Expectation> expectations() const;
+  bool is_over() const { return over_; }
+  bool empty() const { return samples_.empty(); }
+  /// Smallest distance of two robots, largest distance from a reference; of the whole run. [m]
+  double closest() const;
+  double largest() const;
+
+ private:
+  struct Sample {
+    double t, distance, error;
+  };
+  const app::Experiment experiment_;
+  app::Statistics statistics_;
+  std::vector<Sample> samples_;
+  bool started_ = false, over_ = false;
+};
+
+/// What settles first after a kick, and by how much: "formation 1.2 s earlier".
+QString order_of(const RunResults::Kick& kick);
+/// A duration for people: "1.52 s", "not yet".
+QString settling_text(const std::optional<double>& seconds);
+
+/// Every kick a line, then closest approach, largest error and what was expected; for mail and notes.
+QString as_text(const QString& name, const RunResults& results);
+/// The kicks as a LaTeX tabular (booktabs).
+QString as_latex(const RunResults& results);
+
+}  // namespace skein::ui

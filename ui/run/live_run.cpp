@@ -1,0 +1,341 @@
+#include "ui/run/live_run.h"
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <utility>
+
+#include "app/run/output.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int frame_ms = 32;         // the screen's pace: faster than the eye minds, far slower than the machine can
+constexpr int looks_per_status = 8;  // links change slowly, and asking for them makes strings
+constexpr int rest_ms = 500;         // after the end of a run its last row has reached the recorder
+
+/// A recording whose session is gone. There is nobody left to tell but the terminal.
+void complete(app::CsvRecorder* recorder) {
+  try {
+    if (recorder) recorder->end();
+  } catch (const std::exception& error) {
+    app::complain(error.what());
+  }
+}
+
+}  // namespace
+
+LiveRun::LiveRun(QObject* parent) : RunSource(parent) {
+  timer_.setTimerType(Qt::PreciseTimer);
+  connect(&timer_, &QTimer::timeout, this, &LiveRun::look);
+  timer_.start(frame_ms);
+}
+
+LiveRun::~LiveRun() {
+  stop();
+  if (changing_.valid()) changing_.wait();
+}
+
+void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const QString& video) {
+  if (is_busy()) return;
+  stop();
+  experiment_ = experiment;
+  start_at_once_ = start_at_once;
+  stop_asked_ = false;
+  close_asked_ = false;
+  latest_.reset();
+  robots_.clear();
+  held_.clear();
+  failure_.reset();
+  film_is_broken_ = false;
+  camera_down_.clear();
+  tests_ = false;
+  history_.clear();
+  rows_missed_ = 0;
+  app::SessionOptions options;
+  options.pictures = experiment.camera.kind() != app::CameraKind::absent;
+  options.guard = true;
+  options.await_camera = true;
+  const auto last_recorder = std::exchange(recorder_, std::make_shared<app::CsvRecorder>());
+  record_file_.clear();
+  options.sinks = {recorder_.get()};
+  options.video = video.toStdString();
+  changing_ = std::async(std::launch::async,
+                         [old = std::move(session_), last_recorder, experiment, options,
+                          recorder = recorder_]() mutable -> std::optional<Opened> {
+                           if (old) old->close();
+                           complete(last_recorder.get());
+                           old.reset();  // before the new one: both want the same camera and robots
+                           try {
+                             return app::Session::open(experiment, app::Session::Clock::wall, options);
+                           } catch (const std::exception& error) {
+                             return tl::unexpected(std::string(error.what()));
+                           }
+                         });
+}
+
+void LiveRun::close() {
+  close_asked_ = true;
+  end();
+}
+
+void LiveRun::end() {
+  stop();
+  if (is_busy()) return;  // `settle` goes on from there
+  latest_.reset();
+  robots_.clear();
+  held_.clear();
+  record_file_.clear();
+  history_.clear();
+  changing_ = std::async(std::launch::async,
+                         [old = std::move(session_), recorder = recorder_]() mutable -> std::optional<Opened> {
+                           if (old) old->close();
+                           complete(recorder.get());
+                           old.reset();
+                           return std::nullopt;
+                         });
+}
+
+QString LiveRun::close_now() {
+  stop();
+  if (changing_.valid()) changing_.wait();
+  settle();
+  if (!session_) return {};
+  session_->close();
+  take_robots();
+  return record_file_.isEmpty() ? QString() : record_to({});
+}
+
+void LiveRun::settle() {
+  if (!changing_.valid() || changing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  std::optional<Opened> result = changing_.get();
+  if (!result) {
+    if (close_asked_) emit closed();
+    return;
+  }
+  if (!result->has_value()) {
+    failure_ = QString::fromStdString(result->error());
+    if (close_asked_)
+      emit closed();
+    else
+      emit open_failed(*failure_);
+    return;
+  }
+  session_ = std::move(result->value());
+  if (close_asked_) {
+    close();
+    return;
+  }
+  take_robots();
+  if (wanted_speed_ != 1.0) set_speed(wanted_speed_);
+  emit opened();
+  if (stop_asked_) {
+    session_->stop();
+  } else if (start_at_once_) {
+    if (const Done done = start(); !done) emit refused(QString::fromStdString(done.error()));
+  }
+}
+
+void LiveRun::look() {
+  constexpr double noticed = 1.0;  // the window's thread stood still for longer than this [s]
+  const double away = since_look_.isValid() ? 1e-3 * static_cast<double>(since_look_.restart()) : 0.0;
+  if (!since_look_.isValid()) since_look_.start();
+  if (away > noticed && session_) emit was_away(away);
+  settle();
+  if (session_) {
+    session_->drain([this](const app::TickRecord& record) {
+      latest_ = record;
+      note_holds(record, held_);
+      history_.add(record);
+      emit row_added(record);
+      emit record_shown(record);
+    });
+    if (++looks_ % looks_per_status == 0) take_robots();
+    if (const auto tested = session_->wheel_check()) {
+      tests_ = false;
+      if (*tested)
+        emit robot_tested(**tested);
+      else
+        emit test_failed(QString::fromStdString(tested->error()));
+    }
+    if (const std::uint64_t missed = session_->undrained_rows(); missed > rows_missed_) {
+      emit rows_missed(static_cast<int>(missed - rows_missed_));
+      rows_missed_ = missed;
+    }
+    finish_recording();
+  }
+  emit frame();
+}
+
+void LiveRun::finish_recording() {
+  const bool over = phase() == app::Phase::stopped || phase() == app::Phase::finished;
+  if (!over || record_file_.isEmpty()) return since_over_.invalidate();
+  if (!since_over_.isValid()) since_over_.start();
+  if (!since_over_.hasExpired(rest_ms)) return;
+  const QString file = record_file_;
+  emit recorded(file, record_to({}));
+}
+
+void LiveRun::take_robots() {
+  robots_ = session_->robots();
+  const auto camera = session_->camera();
+  camera_down_ = camera.up ? std::string() : camera.reason;
+  const app::VideoStatus video = session_->video();
+  if (!video.problem.empty() && !std::exchange(film_is_broken_, true))
+    emit film_failed(QString::fromStdString(video.problem));
+  if (const auto why = session_->failure()) failure_ = QString::fromStdString(*why);
+}
+
+RunSource::Done LiveRun::start() {
+  if (session_) emit starting();
+  return post([](app::Session& session) { return session.start(); });
+}
+
+RunSource::Done LiveRun::stage() {
+  return post([](app::Session& session) { return session.stage(); });
+}
+
+RunSource::Done LiveRun::pause() {
+  return post([](app::Session& session) { return session.pause(); });
+}
+
+RunSource::Done LiveRun::resume() {
+  return post([](app::Session& session) { return session.resume(); });
+}
+
+void LiveRun::stop() noexcept {
+  if (session_) session_->stop();
+  if (!stop_asked_) since_stop_.start();
+  stop_asked_ = true;
+}
+
+RunSource::Done LiveRun::go() {
+  switch (phase()) {
+    case app::Phase::ready:
+      return start();
+    case app::Phase::running:
+      return pause();
+    case app::Phase::paused:
+      return resume();
+    case app::Phase::staging:
+    case app::Phase::stopped:
+    case app::Phase::finished:
+      return {};
+  }
+  return {};
+}
+
+RunSource::Done LiveRun::post(const std::function<Done(app::Session&)>& what) {
+  if (!session_) return tl::unexpected(tr("No session is open.").toStdString());
+  return what(*session_);
+}
+
+RunSource::Done LiveRun::step() {
+  if (phase() == app::Phase::running) {
+    return pause();
+  }
+  if (session_ && phase() == app::Phase::ready) emit starting();
+  const Done done = post([](app::Session& session) { return session.step(); });
+  return done ? done : tl::unexpected(tr("No steps: %1").arg(QString::fromStdString(done.error())).toStdString());
+}
+
+RunSource::Done LiveRun::set_speed(double speed) {
+  wanted_speed_ = speed;
+  if (!session_) return {};
+  const Done done = session_->set_speed(speed);
+  return done ? done
+              : tl::unexpected(tr("No other speed: %1").arg(QString::fromStdString(done.error())).toStdString());
+}
+
+QString LiveRun::real_time_reason() const {
+  return QString::fromStdString(app::real_time_reason(experiment_).value_or(std::string()));
+}
+
+QString LiveRun::record_to(const QString& file) {
+  if (!recorder_) return tr("No session is open.");
+  try {
+    record_file_.clear();
+    recorder_->end();
+    if (file.isEmpty()) return {};
+    recorder_->begin(file.toStdString(), experiment_, history_.rows());
+    record_file_ = file;
+    return {};
+  } catch (const std::exception& error) {
+    return QString::fromStdString(error.what());
+  }
+}
+
+RunSource::Done LiveRun::set_gain(core::GainName name, double value, double seconds) {
+  return post([&](app::Session& session) { return session.set_gain(name, value, seconds); });
+}
+
+RunSource::Done LiveRun::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
+  return post([&](app::Session& session) { return session.set_gain(name, i, j, value, seconds); });
+}
+
+RunSource::Done LiveRun::couple(std::size_t i, std::size_t j, bool on) {
+  return post([&](app::Session& session) { return session.couple(i, j, on); });
+}
+
+double LiveRun::gain(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain(name, i, j) : 0.0;
+}
+
+double LiveRun::gain_target(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain_target(name, i, j) : 0.0;
+}
+
+double LiveRun::gain_border(core::GainName name) const {
+  return session_ ? session_->gain_border(name) : 0.0;
+}
+
+double LiveRun::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain_border(name, i, j) : 0.0;
+}
+
+double LiveRun::gain_border_now(core::GainName name) const {
+  return session_ && latest_ ? session_->gain_border(name, *latest_) : gain_border(name);
+}
+
+RunSource::Done LiveRun::move_robot(std::size_t robot, const core::Pose& pose) {
+  return post([&](app::Session& session) { return session.move_robot(robot, pose); });
+}
+
+RunSource::Done LiveRun::kick_robot(std::size_t robot, double vx, double vy) {
+  return post([&](app::Session& session) { return session.kick_robot(robot, vx, vy); });
+}
+
+RunSource::Done LiveRun::hold_robot(std::size_t robot, bool hold) {
+  return post([&](app::Session& session) { return session.hold_robot(robot, hold); });
+}
+
+RunSource::Done LiveRun::test_robot(std::size_t robot) {
+  const Done begun = post([&](app::Session& session) { return session.check_wheels(robot); });
+  tests_ = tests_ || begun.has_value();
+  return begun;
+}
+
+RunSource::Done LiveRun::put_obstacle(int number, const core::Obstacle& obstacle) {
+  return post([&](app::Session& session) -> Done {
+    if (number < 0) {
+      const auto added = session.add_obstacle(obstacle);
+      return added ? Done() : tl::unexpected(added.error());
+    }
+    const auto k = static_cast<std::size_t>(number);
+    return obstacle.radius > 0.0 ? session.move_obstacle(k, obstacle) : session.remove_obstacle(k);
+  });
+}
+
+std::optional<QString> LiveRun::unguarded() const {
+  const auto why = session_ ? session_->unguarded() : std::nullopt;
+  return why ? std::optional(QString::fromStdString(*why)) : std::nullopt;
+}
+
+QStringList LiveRun::alarms() {
+  QStringList all;
+  if (!session_) return all;
+  for (const std::string& sentence : session_->alarms()) all << QString::fromStdString(sentence);
+  return all;
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QTimer>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "app/experiment/experiment.h"
+#include "app/record/csv_file.h"
+#include "app/session/session.h"
+#include "ui/run/run_source.h"
+
+namespace skein::ui {
+
+/// The session in the window's thread: thirty times a second it hands on what the control thread has left for it.
+/// Opening and closing, which may wait for cameras and robots, happen aside, so that the window never waits.
+class LiveRun final : public RunSource {
+  Q_OBJECT
+
+ public:
+  explicit LiveRun(QObject* parent = nullptr);
+  ~LiveRun() override;  ///< stops the robots, and waits until the session is closed
+
+  /// Ends the session that there is, robots first, and opens one on this experiment. `video`: keep the camera's frames
+  /// in this film; empty: do not.
+  void open(const app::Experiment& experiment, bool start_at_once, const QString& video = {});
+  /// Ends the session; there is none then.
+  void end();
+  /// Ends the session for good; `closed` follows.
+  void close();
+
+  /// Ends the session here and now, for the end of the program; says what went wrong with the recording.
+  QString close_now();
+
+  const app::Experiment& experiment() const override { return experiment_; }
+  QString file() const override { return file_; }
+  void set_file(const QString& file) { file_ = file; }
+  QString title() const override { return QString::fromStdString(experiment_.name); }
+  app::Phase phase() const override { return latest_ ? latest_->phase : app::Phase::ready; }
+  RunState state() const override;
+  /// The newest record of this session, if one has come.
+  const app::TickRecord* latest() const override { return latest_ ? &*latest_ : nullptr; }
+  double t() const override { return latest_ ? latest_->t : 0.0; }
+  RunHistory::Rows rows() const override { return history_.rows(); }
+  bool is_complete() const override { return false; }
+  std::vector<Notice> findings() const override { return {}; }
+  const std::vector<app::RobotStatus>& robots() const override { return robots_; }
+  bool is_open() const override { return session_ != nullptr; }
+  bool is_busy() const override { return changing_.valid(); }
+  bool is_before_start() const override;
+  QString why_fixed() const override { return {}; }
+  Notice banner() const override;
+  Notice lasting_alert() const override;
+
+  std::optional<QString> failure() const { return failure_; }
+  bool stop_asked() const override { return stop_asked_; }
+  const std::set<int>& held() const override { return held_; }
+  std::vector<std::size_t> may_be_driving() const override;
+  /// A second after STOP: until then robots have had no fair chance to acknowledge it.
+  bool stop_is_due() const { return !stop_asked_ || since_stop_.hasExpired(1000); }
+  /// Robots are driving, or will be driving again as soon as the run is resumed.
+  bool is_under_way() const;
+  /// Robots stand, nobody tests one, and nothing is about to start by itself: there is nothing that STOP could stop.
+  bool all_stand() const;
+  const RunHistory& history() const { return history_; }
+
+  Done start();
+  Done stage();  ///< every robot drives to its start
+  Done pause();
+  Done resume();
+  void stop() noexcept;  ///< at once, in any state, also while a session is being opened
+  Done go() override;
+  /// Simulations only.
+  Done step() override;
+  /// Simulations only. The speed holds for later sessions too, where they can.
+  Done set_speed(double speed) override;
+  bool seek(double) override { return false; }
+  double speed() const { return session_ ? session_->speed() : 1.0; }
+  /// Why it lives in real time, if it does.
+  QString real_time_reason() const;
+
+  /// Writes this run, what was before included, to a CSV as it goes; no file: ends that. The answer says what went
+  /// wrong; empty: nothing.
+  QString record_to(const QString& file);
+  QString record_file() const { return record_file_; }  ///< empty: nothing is recorded
+  /// The next run will be recorded; for what `state` says of it.
+  void set_records_next(bool on) { records_next_ = on; }
+
+  Done set_gain(core::GainName name, double value, double seconds = 0.0) override;
+  Done set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0) override;
+  Done couple(std::size_t i, std::size_t j, bool on) override;
+  bool coupled(std::size_t i, std::size_t j) const override { return !session_ || session_->coupled(i, j); }
+  double gain(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_target(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_border(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_border(core::GainName name) const override;
+  double gain_border_now(core::GainName name) const override;
+  Done move_robot(std::size_t robot, const core::Pose& pose) override;
+  Done kick_robot(std::size_t robot, double vx, double vy) override;
+  Done hold_robot(std::size_t robot, bool hold) override;
+  /// `robot_tested` follows.
+  Done test_robot(std::size_t robot);
+  /// Why nothing would stop the robots should this program be killed; nothing: something would, or need not.
+  std::optional<QString> unguarded() const;
+  /// What the operator must see of the guard and of STOP from outside, each once.
+  QStringList alarms();
+  Done put_obstacle(int number, const core::Obstacle& obstacle) override;
+  const std::string& camera_down() const { return camera_down_; }  ///< why it does not deliver; empty: it does
+  bool has_camera() const { return session_ && session_->has_camera(); }
+  bool picture(app::Picture& out) { return session_ && session_->picture(out); }
+  std::array<double, 2> pixel(double x, double y) const { return session_->pixel(x, y); }
+
+ signals:
+  void opened();
+  void open_failed(const QString& reason);
+  void frame();  ///< after each look, thirty times a second
+  void closed();
+  void was_away(double seconds);             ///< the window's thread stood still so long; the control thread did not
+  void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
+  void robot_tested(const skein::app::WheelCheck& result);
+  void test_failed(const QString& reason);
+  void refused(const QString& why);  ///< the session did not take what was asked of it
+  void starting();                  ///< the first row of a run is about to come
+  void rows_missed(int rows);       ///< by this thread, which was away for too long; the record has them
+  void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
+
+ private:
+  using Opened = tl::expected<std::unique_ptr<app::Session>, std::string>;
+
+  void look();
+  void settle();  // takes what the thread aside has brought
+  void take_robots();
+  void finish_recording();
+  bool is_opening() const { return session_ ? !latest_ : is_busy(); }
+  bool has_failed() const { return !session_ && !is_busy(); }
+  bool is_over() const { return phase() == app::Phase::stopped || phase() == app::Phase::finished; }
+  QString stopped_text() const;
+  QString acknowledgements() const;
+  Done post(const std::function<Done(app::Session&)>& what);
+
+  app::Experiment experiment_;
+  QString file_;
+  std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: it goes after it
+  std::unique_ptr<app::Session> session_;
+  std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
+  bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false, film_is_broken_ = false;
+  bool tests_ = false;  // a robot turns its wheels
+  QElapsedTimer since_stop_, since_look_, since_over_;
+  double wanted_speed_ = 1.0;
+  QString record_file_;
+  std::optional<app::TickRecord> latest_;
+  std::vector<app::RobotStatus> robots_;
+  std::set<int> held_;
+  std::string camera_down_;
+  std::optional<QString> failure_;
+  RunHistory history_;
+  bool records_next_ = false;
+  std::uint64_t rows_missed_ = 0;  // of this session
+  QTimer timer_;
+  int looks_ = 0;
+};
+
+}  // namespace skein::ui

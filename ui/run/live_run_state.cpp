@@ -1,0 +1,127 @@
+// What a live run says of itself: its state for bar and menus, its banner, who has acknowledged a stop.
+#include <algorithm>
+
+#include "ui/run/live_run.h"
+
+namespace skein::ui {
+namespace {
+
+/// Robots from 0, as "2, 3".
+QString numbers(const std::vector<std::size_t>& robots) {
+  QStringList from_one;
+  for (const std::size_t robot : robots) from_one << QString::number(robot + 1);
+  return from_one.join(QStringLiteral(", "));
+}
+
+}  // namespace
+
+bool LiveRun::is_before_start() const {
+  const bool failed = has_failed() && failure_;
+  return failed || (session_ && phase() == app::Phase::ready);
+}
+
+bool LiveRun::is_under_way() const {
+  return phase() == app::Phase::running || phase() == app::Phase::paused || phase() == app::Phase::staging;
+}
+
+bool LiveRun::all_stand() const {
+  return session_ && latest_ && phase() == app::Phase::ready && !start_at_once_ && !tests_ && !stop_asked_;
+}
+
+RunState LiveRun::state() const {
+  using app::Phase;
+  const bool busy = is_opening(), failed = has_failed(), there = !busy && !failed;
+  const QString real_time = real_time_reason();
+  RunState state;
+  state.words = busy ? tr("Opening …") : failed ? tr("Failed") : phase_text(phase());
+  state.tone = busy                        ? Severity::note
+               : failed                    ? Severity::alarm
+               : phase() == Phase::stopped ? Severity::alarm
+               : phase() == Phase::running ? Severity::good
+               : phase() == Phase::paused  ? Severity::warning
+                                           : Severity::notice;
+  state.moves = there && phase() == Phase::running;
+  state.t = t();
+  state.speed = speed();
+  state.go = phase() == Phase::running  ? RunState::Go::pause
+             : phase() == Phase::paused ? RunState::Go::resume
+             : is_over()                ? RunState::Go::again
+                                        : RunState::Go::start;
+  state.may_go = there && phase() != Phase::staging;
+  const bool stands = phase() == Phase::ready || phase() == Phase::paused;
+  state.step.possible = there && stands && real_time.isEmpty();
+  state.step.tip = !real_time.isEmpty() ? tr("Simulations only: %1").arg(real_time)
+                   : stands             ? tr("One tick on, and pause (F6)")
+                                        : tr("One tick on (F6): pause first");
+  state.change_speed.possible = real_time.isEmpty();
+  state.change_speed.tip = real_time.isEmpty() ? tr("How much faster than real time it goes (Ctrl+Up, Ctrl+Down)")
+                                               : tr("Simulations only: %1").arg(real_time);
+  state.new_run_text = tr("New run");
+  state.new_run = {!is_busy(), tr("Ends this run and sets the same experiment up again (Ctrl+N)")};
+  state.records = records_next_ || !record_file_.isEmpty();
+  state.record.possible = records_next_ || !is_over();
+  state.record.tip = !record_file_.isEmpty() ? tr("Recording to %1").arg(record_file_)
+                     : records_next_ ? tr("Every run from now on is recorded, as CSV and the camera's film (Ctrl+R)")
+                                     : tr("Records this run, what was before included, and those "
+                                          "that follow, as CSV (Ctrl+R)");
+  state.may_save = history_.size() > 0;
+  return state;
+}
+
+Notice LiveRun::banner() const {
+  if (is_opening()) return {tr("Opening …")};
+  if (has_failed())
+    return {failure_ ? tr("The experiment could not be opened") : tr("No experiment is open"), Severity::alarm};
+  if (const QString robots = numbers(may_be_driving()); !robots.isEmpty() && stop_is_due())
+    return {tr("Robot %1 MAY BE DRIVING: it has not acknowledged its stop").arg(robots), Severity::alarm};
+  switch (phase()) {
+    case app::Phase::ready:
+      return {tr("Ready – start with F5")};
+    case app::Phase::paused:
+      return {tr("Paused – reference and robots stand")};
+    case app::Phase::stopped:
+      return {stopped_text(), Severity::alarm};
+    case app::Phase::finished:
+      return {tr("Finished – new run: Ctrl+N")};
+    case app::Phase::running:
+    case app::Phase::staging:
+      return {};
+  }
+  return {};
+}
+
+Notice LiveRun::lasting_alert() const {
+  if (!session_ || phase() != app::Phase::stopped) return {};
+  return {stopped_text() + acknowledgements(), Severity::alarm};
+}
+
+std::vector<std::size_t> LiveRun::may_be_driving() const {
+  std::vector<std::size_t> robots;
+  if (!latest_) return robots;
+  const bool all_stop = phase() == app::Phase::stopped;
+  const auto& specs = experiment_.robots;
+  for (std::size_t i = 0; i < specs.size() && i < robots_.size() && i < latest_->robots.size(); ++i) {
+    if (specs[i].link == app::RobotSpec::Link::sim || robots_[i].stop_acknowledged) continue;
+    // During a run, a robot whose link is lost is told to stand, and does not answer.
+    const bool alone = is_under_way() && latest_->robots[i].is(app::stopped) && robots_[i].link != app::LinkState::up;
+    if (all_stop || alone) robots.push_back(i);
+  }
+  return robots;
+}
+
+QString LiveRun::stopped_text() const {
+  return failure_ ? tr("STOPPED: %1").arg(*failure_) : tr("STOPPED by operator – new run: Ctrl+N");
+}
+
+QString LiveRun::acknowledgements() const {
+  const auto& specs = experiment_.robots;
+  const bool any_link = std::any_of(specs.begin(), specs.end(),
+                                    [](const auto& robot) { return robot.link != app::RobotSpec::Link::sim; });
+  if (!any_link) return {};
+  const QString robots = numbers(may_be_driving());
+  if (robots.isEmpty()) return tr(". All robots have acknowledged.");
+  return stop_is_due() ? tr(". NOT acknowledged by robot %1: it may be driving!").arg(robots)
+                       : tr(". Waiting for robot %1 to acknowledge.").arg(robots);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QTimer>
+#include <QStringList>
+#include <array>
+#include <memory>
+#include <set>
+
+#include "app/replay/replay.h"
+#include "core/control/gain_schedule.h"
+#include "ui/run/run_source.h"
+
+namespace skein::ui {
+
+/// Plays a recorded run: shows its rows as time goes by, or those up to where the operator wants to be. Nothing in it
+/// can be changed.
+class ReplayRun final : public RunSource {
+  Q_OBJECT
+
+ public:
+  using Recording = std::shared_ptr<const app::RecordedRun>;
+  static constexpr double memory = 20.0;  ///< after a jump, so much of what came before is shown again [s]
+
+  explicit ReplayRun(QObject* parent = nullptr);
+  void load(Recording run);  ///< null: nothing to play
+  const Recording& recording() const { return run_; }
+  bool is_loaded() const { return run_ != nullptr; }
+  /// Adds every row to the run, and shows the first.
+  void begin();
+
+  void play();
+  void pause();
+  bool is_playing() const { return playing_; }
+  double speed() const { return speed_; }
+  double first_time() const { return run_->rows.front().t; }
+  double last_time() const { return run_->rows.back().t; }
+  /// How the commands came out when the run was put through the same tick once more, line by line.
+  QStringList verdict() const;
+  bool came_out_the_same() const { return run_->check.different == 0 && run_->check.warnings.empty(); }
+
+  const app::Experiment& experiment() const override { return run_->experiment; }
+  QString file() const override { return {}; }
+  QString title() const override;
+  app::Phase phase() const override { return playing_ ? app::Phase::running : app::Phase::paused; }
+  RunState state() const override;
+  const app::TickRecord* latest() const override { return &row(); }
+  double t() const override { return t_; }
+  RunHistory::Rows rows() const override;
+  bool is_complete() const override { return true; }
+  std::vector<Notice> findings() const override;
+  const std::vector<app::RobotStatus>& robots() const override { return links_; }
+  bool is_open() const override { return false; }
+  bool is_busy() const override { return false; }
+  bool is_before_start() const override { return false; }
+  bool stop_asked() const override { return false; }
+  const std::set<int>& held() const override { return held_; }
+  std::vector<std::size_t> may_be_driving() const override { return {}; }
+  QString why_fixed() const override;
+  Notice banner() const override;
+  Notice lasting_alert() const override;
+
+  double gain(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_target(core::GainName name, std::size_t i, std::size_t j) const override { return gain(name, i, j); }
+  bool coupled(std::size_t i, std::size_t j) const override;
+  double gain_border(core::GainName name) const override;
+  double gain_border(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_border_now(core::GainName name) const override { return gain_border(name); }
+
+  Done go() override;
+  Done step() override;
+  Done set_speed(double speed) override;
+  bool seek(double t) override;
+  Done set_gain(core::GainName, double, double) override { return refusal(); }
+  Done set_gain(core::GainName, std::size_t, std::size_t, double, double) override { return refusal(); }
+  Done couple(std::size_t, std::size_t, bool) override { return refusal(); }
+  Done move_robot(std::size_t, const core::Pose&) override { return refusal(); }
+  Done kick_robot(std::size_t, double, double) override { return refusal(); }
+  Done hold_robot(std::size_t, bool) override { return refusal(); }
+  Done put_obstacle(int, const core::Obstacle&) override { return refusal(); }
+
+ private:
+  const app::TickRecord& row() const { return run_->rows[next_ > 0 ? next_ - 1 : 0]; }
+  Done refusal() const;
+  core::CouplingGains gains_now() const;
+  void look();
+  void note_changes(const app::TickRecord& of);
+  void show_until(std::size_t end);
+
+  Recording run_;
+  core::ReferenceDemand demand_;           // of the whole reference
+  std::vector<app::RobotStatus> links_;    // nothing is known of them any more
+  // At the present moment, by the events until then:
+  std::set<std::array<std::size_t, 2>> uncoupled_;  // i < j
+  std::set<int> held_;
+  std::size_t next_ = 0;                   // the first row that was not shown
+  double t_ = 0.0, speed_ = 1.0;
+  bool playing_ = false;
+  QElapsedTimer since_;
+  QTimer timer_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <QObject>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/session/session.h"
+#include "ui/run/run_history.h"
+#include "ui/run/run_state.h"
+
+namespace skein::ui {
+
+/// Adds the robots that are held by this record's events, and removes those that are let go.
+void note_holds(const app::TickRecord& record, std::set<int>& held);
+
+/// A run as the window shows it, live or recorded: the experiment, its rows, where its gains are, and what the operator
+/// can do with it. Whoever shows a run knows only this.
+class RunSource : public QObject {
+  Q_OBJECT
+
+ public:
+  using Done = tl::expected<void, std::string>;  ///< the error says why it was refused
+
+  explicit RunSource(QObject* parent = nullptr) : QObject(parent) {}
+
+  virtual const app::Experiment& experiment() const = 0;
+  /// The experiment's file; empty: there is none, or nobody knows. A recording has its experiment inside.
+  virtual QString file() const = 0;
+  virtual QString title() const = 0;  ///< of the window
+  virtual app::Phase phase() const = 0;
+  virtual RunState state() const = 0;
+  /// The record at the present moment; null: there is none yet.
+  virtual const app::TickRecord* latest() const = 0;
+  /// The present moment [s].
+  virtual double t() const = 0;
+  /// The rows that are kept: of a live run those so far, of a replay all.
+  virtual RunHistory::Rows rows() const = 0;
+  /// All its rows are there from the beginning, and any time of it can be gone to.
+  virtual bool is_complete() const = 0;
+  /// What was found out when it was opened, for the log.
+  virtual std::vector<Notice> findings() const = 0;
+  virtual const std::vector<app::RobotStatus>& robots() const = 0;
+  virtual bool stop_asked() const = 0;  ///< by the operator
+  virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator has made to stand
+  /// The robots, from 0, that were told to stand and have not acknowledged it: nobody knows that they do.
+  virtual std::vector<std::size_t> may_be_driving() const = 0;
+
+  /// A session is open, and its robots and gains can be acted on.
+  virtual bool is_open() const = 0;
+  /// A session is being opened or closed.
+  virtual bool is_busy() const = 0;
+  /// It can be started, or could be if what is amiss were mended.
+  virtual bool is_before_start() const = 0;
+  /// Why the operator cannot change anything here; empty: he can.
+  virtual QString why_fixed() const = 0;
+
+  /// Across the arena; no text: nothing.
+  virtual Notice banner() const = 0;
+  /// What stands in the alert strip as long as this run is shown; no text: nothing does.
+  virtual Notice lasting_alert() const = 0;
+
+  // Gains of pairs i != j, from 0, at the present moment. `name` is one of core::gain_names.
+  virtual double gain(core::GainName name, std::size_t i, std::size_t j) const = 0;
+  virtual double gain_target(core::GainName name, std::size_t i, std::size_t j) const = 0;
+  virtual bool coupled(std::size_t i, std::size_t j) const = 0;
+  /// What (18f, g) leave: to all pairs over the whole reference, to one pair, to all pairs at the present moment alone.
+  virtual double gain_border(core::GainName name) const = 0;
+  virtual double gain_border(core::GainName name, std::size_t i, std::size_t j) const = 0;
+  virtual double gain_border_now(core::GainName name) const = 0;
+
+  virtual Done go() = 0;  ///< starts, pauses, resumes, plays: what `state().go` says
+  virtual Done step() = 0;
+  virtual Done set_speed(double speed) = 0;
+  /// Goes to this time; false: the present moment cannot be moved.
+  virtual bool seek(double t) = 0;
+  /// `seconds`: of the ramp; 0: as fast as it may.
+  virtual Done set_gain(core::GainName name, double value, double seconds) = 0;
+  virtual Done set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) = 0;
+  virtual Done couple(std::size_t i, std::size_t j, bool on) = 0;
+  virtual Done move_robot(std::size_t robot, const core::Pose& pose) = 0;
+  virtual Done kick_robot(std::size_t robot, double vx, double vy) = 0;
+  virtual Done hold_robot(std::size_t robot, bool hold) = 0;
+  /// Number -1: a new one; radius 0: away with it.
+  virtual Done put_obstacle(int number, const core::Obstacle& obstacle) = 0;
+
+ signals:
+  void row_added(const skein::app::TickRecord& record);     ///< to the run, in order
+  void record_shown(const skein::app::TickRecord& record);  ///< the present moment has come to it
+  void changed();                                           ///< the present moment was moved by the operator, or plays on
+};
+
+}  // namespace skein::ui

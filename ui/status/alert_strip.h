@@ -1,0 +1,61 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QLabel>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "ui/base/modes.h"
+
+namespace skein::ui {
+
+/// What matters now, in its colour, along the bottom of the window: states as long as they last, news for a while. Each
+/// says what has happened and what the program did.
+class AlertStrip final : public QLabel {
+  Q_OBJECT
+
+ public:
+  explicit AlertStrip(QWidget* parent = nullptr);
+  void take(const app::TickRecord& record);
+  /// The robots that are lost now, as "2, 3"; empty: none.
+  QString lost_robots() const;
+  void say(const QString& text, Severity severity);
+  /// Stays until `clear`, over everything else: STOP, a failure.
+  void hold(const QString& text, Severity severity);
+  /// Nothing stops the robots should this program be killed: said as long as nothing graver is, until `clear`.
+  void warn_unguarded(const QString& text) { stand(State::unguarded, text, Severity::warning); }
+  void clear_alert();
+  /// The warning or alarm that is shown now; empty: there is none.
+  QString loud() const { return severity_ >= Severity::warning ? text_ : QString(); }
+  Severity severity() const { return severity_; }
+  void refresh();  ///< lets old news fade
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+
+ private:
+  /// The first is said where two are equally grave.
+  enum class State { lost, link, v_rises, limited, unguarded };
+  struct Said {
+    QString text;
+    Severity severity = Severity::note;
+  };
+
+  void watch(const app::TickRecord& record);
+  void stand(State state, const QString& text, Severity severity);  // empty: it is over
+  void choose();
+  void show_text();
+
+  std::set<int> lost_, out_;           // robots without a tag, without a link; from 1
+  std::vector<double> limited_since_;  // limits that bite: since when, NaN: they do not [s]
+  double v_rose_at_ = 0.0;             // [s]
+  std::map<State, Said> states_;
+  Said news_;
+  QElapsedTimer since_;  // the news; invalid: none
+  bool held_ = false;
+  QString text_;  // what is shown
+  Severity severity_ = Severity::note;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,135 @@
+#include "ui/status/check_list.h"
+
+#include <QEvent>
+#include <QGridLayout>
+#include <QScrollArea>
+#include <QVBoxLayout>
+#include <array>
+
+#include "ui/base/palette.h"
+
+namespace skein::ui {
+namespace {
+
+using What = app::Check::What;
+
+struct Words {
+  const char *name, *title, *mend, *tip;
+};
+
+/// In the order of `Check::What`.
+constexpr std::array words{
+    Words{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "Calibrate …"),
+          QT_TRANSLATE_NOOP("CheckList", "Looks at a board with the camera, and writes the calibration file")},
+    Words{"tags", QT_TRANSLATE_NOOP("CheckList", "All tags seen"), QT_TRANSLATE_NOOP("CheckList", "Show picture"),
+          QT_TRANSLATE_NOOP("CheckList", "Shows the camera's picture, to find the robot that is missing in it")},
+    Words{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),
+          QT_TRANSLATE_NOOP("CheckList", "Sets the experiment up again, and connects to every robot anew")},
+    Words{"batteries", QT_TRANSLATE_NOOP("CheckList", "Batteries"), QT_TRANSLATE_NOOP("CheckList", "Show robot"),
+          QT_TRANSLATE_NOOP("CheckList", "Selects the robot whose battery is low: change it, and connect again")},
+    Words{"gains", QT_TRANSLATE_NOOP("CheckList", "Gains certified"), QT_TRANSLATE_NOOP("CheckList", "Show gains"),
+          QT_TRANSLATE_NOOP("CheckList", "Shows the gains and what they leave to tracking")},
+    Words{"reference", QT_TRANSLATE_NOOP("CheckList", "Reference feasible"), QT_TRANSLATE_NOOP("CheckList", "Edit …"),
+          QT_TRANSLATE_NOOP("CheckList", "Opens the experiment: a slower reference, or a larger path")},
+    Words{"places", QT_TRANSLATE_NOOP("CheckList", "Robots in their places"), QT_TRANSLATE_NOOP("CheckList", "Place"),
+          QT_TRANSLATE_NOOP("CheckList", "Brings every robot to its start")},
+};
+
+}  // namespace
+
+CheckList::CheckList(QWidget* parent)
+    : QWidget(parent), anyway_(new QPushButton(tr("Start anyway"), this)), list_(new QWidget) {
+  setObjectName(QStringLiteral("check_list"));
+  setAccessibleName(tr("Before the start"));
+  setAutoFillBackground(true);
+  auto* scroll = new QScrollArea(this);
+  scroll->setWidget(list_);
+  scroll->setWidgetResizable(true);
+  scroll->setFrameShape(QFrame::NoFrame);
+  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scroll->setFocusPolicy(Qt::NoFocus);
+  auto* outer = new QVBoxLayout(this);
+  outer->setContentsMargins(0, 0, 0, 0);
+  outer->addWidget(scroll);
+  setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Maximum);
+  auto* layout = new QGridLayout(list_);
+  layout->setContentsMargins(10, 6, 10, 6);
+  layout->setHorizontalSpacing(10);
+  layout->setVerticalSpacing(2);
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const Words& w = words[k];
+    const QString name = QString::fromLatin1(w.name);
+    Row row{new QLabel(this), new QLabel(tr(w.title), this), new QLabel(this), nullptr};
+    row.mark->setObjectName(QStringLiteral("check_mark_") + name);
+    row.mark->setAlignment(Qt::AlignCenter);
+    row.mark->setMinimumWidth(fontMetrics().height());
+    row.reason->setObjectName(QStringLiteral("check_") + name);
+    row.reason->setAccessibleName(tr(w.title));
+    row.reason->setTextFormat(Qt::PlainText);
+    row.reason->setWordWrap(true);
+    row.reason->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    const int line = static_cast<int>(k);
+    layout->addWidget(row.mark, line, 0);
+    layout->addWidget(row.title, line, 1);
+    layout->addWidget(row.reason, line, 2);
+    if (w.mend) {
+      row.mend = new QPushButton(tr(w.mend), this);
+      row.mend->setObjectName(QStringLiteral("mend_") + name);
+      row.mend->setAccessibleName(tr("%1: %2").arg(tr(w.title), tr(w.mend)));
+      row.mend->setToolTip(tr(w.tip));
+      QSizePolicy keeps_its_place = row.mend->sizePolicy();
+      keeps_its_place.setRetainSizeWhenHidden(true);
+      row.mend->setSizePolicy(keeps_its_place);
+      connect(row.mend, &QPushButton::clicked, this, [this, k] { emit mend(static_cast<What>(k)); });
+      layout->addWidget(row.mend, line, 3);
+    }
+    rows_.push_back(row);
+  }
+  layout->setColumnStretch(2, 1);
+  anyway_->setObjectName(QStringLiteral("start_anyway"));
+  anyway_->setAccessibleName(anyway_->text());
+  anyway_->setToolTip(tr("Starts although not everything is as it should be; what endangers nobody may be overruled"));
+  connect(anyway_, &QPushButton::clicked, this, &CheckList::start_anyway);
+  layout->addWidget(anyway_, static_cast<int>(words.size()) - 2, 3);
+}
+
+QSize CheckList::sizeHint() const {
+  return list_->sizeHint();
+}
+
+void CheckList::show_checks(const std::vector<app::Check>& checks) {
+  checks_ = checks;
+  dress();
+}
+
+void CheckList::dress() {
+  const Colours c = colours(palette());
+  for (const app::Check& check : checks_) {
+    const Row& row = rows_[static_cast<std::size_t>(check.what)];
+    using State = app::Check::State;
+    const QColor colour = check.state == State::holds   ? c.good
+                          : check.state == State::waits ? c.faint_text
+                          : check.hard                  ? c.alarm
+                                                        : c.warning;
+    const QString mark = check.state == State::holds   ? QStringLiteral("✓")
+                         : check.state == State::waits ? QStringLiteral("…")
+                         : check.hard                  ? QStringLiteral("✗")
+                                                       : QStringLiteral("!");
+    const QString shown = QStringLiteral("<b style=\"color:%1\">%2</b>").arg(colour.name(), mark);
+    if (row.mark->text() != shown) row.mark->setText(shown);
+    const QString reason = QString::fromStdString(check.reason);
+    if (row.reason->text() != reason) {
+      row.reason->setText(reason);
+      row.reason->setToolTip(reason);
+    }
+    if (row.mend) row.mend->setVisible(check.state == State::fails);
+  }
+  anyway_->setVisible(app::may_start(checks_) && !app::all_hold(checks_));
+}
+
+void CheckList::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) dress();
+  QWidget::changeEvent(event);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <QAbstractTableModel>
+#include <QComboBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QSortFilterProxyModel>
+#include <QTableView>
+#include <deque>
+
+#include "app/run/tick_record.h"
+#include "ui/base/modes.h"
+
+namespace skein::ui {
+
+/// What happened, newest last.
+class EventModel final : public QAbstractTableModel {
+  Q_OBJECT
+
+ public:
+  static constexpr int capacity = 2000;
+  enum Column { time, level, event, columns };
+  enum Role { time_role = Qt::UserRole, severity_role };
+
+  using QAbstractTableModel::QAbstractTableModel;
+  void clear();
+  void add(double t, const QString& text, Severity severity);
+  void set_colours(const Colours& colours) { colours_ = colours; }
+
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override { return parent.isValid() ? 0 : columns; }
+  QVariant data(const QModelIndex& index, int role) const override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+
+ private:
+  struct Line {
+    double t;
+    QString text;
+    Severity severity;
+  };
+  std::deque<Line> lines_;
+  Colours colours_;
+};
+
+/// Lets through what is grave enough and has the words that are looked for.
+class EventFilter final : public QSortFilterProxyModel {
+  Q_OBJECT
+
+ public:
+  using QSortFilterProxyModel::QSortFilterProxyModel;
+  void set_least(Severity least);
+  void set_words(const QString& words);
+
+ protected:
+  bool filterAcceptsRow(int row, const QModelIndex& parent) const override;
+
+ private:
+  Severity least_ = Severity::note;
+  QString words_;
+};
+
+/// The log as a list that follows its end, unless the operator has scrolled up to read.
+class EventLog final : public QTableView {
+  Q_OBJECT
+
+ public:
+  explicit EventLog(QWidget* parent = nullptr);
+  void note(double t, const QString& text, Severity severity);
+  void clear() { model_.clear(); }
+  EventFilter& filter() { return filter_; }
+  const EventModel& events() const { return model_; }
+  QSize sizeHint() const override { return {300, 120}; }
+  QSize minimumSizeHint() const override { return {120, 40}; }
+
+ signals:
+  void time_picked(double t);  ///< of the event that was double-clicked, or Return pressed on [s]
+
+ protected:
+  void changeEvent(QEvent*) override;
+  void keyPressEvent(QKeyEvent*) override;
+
+ private:
+  EventModel model_;
+  EventFilter filter_;
+};
+
+/// The log with its filter above it.
+class EventPanel final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit EventPanel(QWidget* parent = nullptr);
+  void take(const app::TickRecord& record);
+  void note(double t, const QString& text, Severity severity) { log_->note(t, text, severity); }
+  void clear() { log_->clear(); }
+
+ signals:
+  void time_picked(double t);
+
+ private:
+  QComboBox* level_;
+  QLineEdit* words_;
+  EventLog* log_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,245 @@
+#include "ui/status/run_bar.h"
+
+#include <QAbstractItemView>
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <iterator>
+
+#include "ui/base/icons.h"
+#include "ui/base/modes.h"
+#include "ui/base/palette.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr double speeds[] = {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};  // times real time
+
+}  // namespace
+
+RunBar::RunBar(QWidget* parent)
+    : QWidget(parent),
+      name_(new QLabel(this)),
+      phase_(new QLabel(this)),
+      time_(new QLabel(this)),
+      go_(new FoldingButton(this)),
+      new_run_(new FoldingButton(this)),
+      record_(new FoldingButton(tr("Record"), this)),
+      step_(new QPushButton(this)),
+      stop_(new QPushButton(tr("STOP"), this)),
+      speed_(new QComboBox(this)),
+      time_line_(new TimeLine(this)) {
+  setObjectName(QStringLiteral("run_bar"));
+  name_->setObjectName(QStringLiteral("experiment_name"));
+  phase_->setObjectName(QStringLiteral("phase"));
+  phase_->setAccessibleName(tr("Phase of the run"));
+  time_->setObjectName(QStringLiteral("time"));
+  time_->setToolTip(tr("elapsed / remaining"));
+  go_->setObjectName(QStringLiteral("go"));
+  step_->setObjectName(QStringLiteral("step"));
+  step_->setAccessibleName(tr("One tick on"));
+  new_run_->setObjectName(QStringLiteral("new_run"));
+  record_->setObjectName(QStringLiteral("record"));
+  record_->setAccessibleName(tr("Record the run as CSV"));
+  record_->setCheckable(true);
+  speed_->setObjectName(QStringLiteral("speed"));
+  speed_->setAccessibleName(tr("Speed"));
+  for (const double speed : speeds) speed_->addItem(tr("%1×").arg(speed), speed);
+  speed_->setCurrentIndex(speed_->findData(1.0));
+  speed_->setMaxVisibleItems(static_cast<int>(std::size(speeds)));
+  stop_->setObjectName(QStringLiteral("stop"));
+  stop_->setAccessibleName(tr("STOP all robots"));
+  stop_->setToolTip(tr("Stops all robots at once and ends the run (Space or Esc, always)"));
+  stop_->setFocusPolicy(Qt::NoFocus);
+  stop_->setMinimumSize(150, 56);
+
+  QFont bold = font();
+  bold.setBold(true);
+  name_->setFont(bold);
+  for (QPushButton* button : std::initializer_list<QPushButton*>{go_, step_, new_run_, record_}) {
+    button->setMinimumHeight(36);
+    button->setIconSize({18, 18});
+  }
+  speed_->setMinimumHeight(36);
+  go_->setFont(bold);
+  phase_->setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("● Running, at 10.0×")) + 8);
+  time_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+
+  auto* texts = new QVBoxLayout;
+  texts->setSpacing(2);
+  texts->addStretch();
+  texts->addWidget(name_);
+  texts->addWidget(phase_);
+  texts->addStretch();
+  auto* layout = new QHBoxLayout(this);
+  layout->setContentsMargins(10, 6, 10, 6);
+  layout->setSpacing(8);
+  layout->addLayout(texts);
+  layout->addSpacing(4);
+  layout->addWidget(go_);
+  layout->addWidget(step_);
+  layout->addWidget(speed_);
+  layout->addWidget(new_run_);
+  layout->addWidget(record_);
+  layout->addWidget(time_line_, 1);
+  layout->addWidget(time_);
+  layout->addSpacing(6);
+  layout->addWidget(stop_);
+
+  connect(go_, &QPushButton::clicked, this, &RunBar::go);
+  connect(step_, &QPushButton::clicked, this, &RunBar::step);
+  connect(new_run_, &QPushButton::clicked, this, &RunBar::new_run);
+  connect(record_, &QPushButton::clicked, this, &RunBar::record_wanted);
+  connect(speed_, &QComboBox::activated, this,
+          [this](int index) { emit speed_wanted(speed_->itemData(index).toDouble()); });
+  // On the way down: nobody waits for the finger to lift.
+  connect(stop_, &QPushButton::pressed, this, &RunBar::stop);
+  dress();
+  RunState nothing;
+  nothing.words = tr("Opening …");
+  nothing.new_run_text = tr("New run");
+  show_state(nothing);
+  set_tightness(tightest);
+  smallest_ = layout->minimumSize();
+  set_tightness(0);
+}
+
+void RunBar::set_tightness(int tightness) {
+  tightness_ = tightness;
+  new_run_->set_folded(tightness >= 1);
+  record_->set_folded(tightness >= 1);
+  go_->set_folded(tightness >= 3);
+  go_->setMinimumWidth(tightness >= 3 ? 44 : 104);
+  // As wide as the widest text: what follows does not jump about.
+  time_->setMinimumWidth(fontMetrics().horizontalAdvance(tightness >= 2 ? QStringLiteral("0000.0 s")
+                                                                        : QStringLiteral("0000.0 s / −0000.0 s")));
+  time_line_->setVisible(tightness < 4);
+  show_time();
+  layout()->invalidate();
+}
+
+void RunBar::fit() {
+  for (int tightness = 0; tightness <= tightest; ++tightness) {
+    set_tightness(tightness);
+    if (layout()->minimumSize().width() <= width()) break;
+  }
+}
+
+void RunBar::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  fit();
+}
+
+void RunBar::show_time() {
+  const QString now = tr("%1 s").arg(t_, 0, 'f', 1);
+  time_->setText(tightness_ >= 2 ? now
+                                 : tr("%1 / −%2 s").arg(now).arg(std::max(0.0, duration_ - t_), 0, 'f', 1));
+}
+
+void RunBar::show_experiment(const app::Experiment& experiment) {
+  duration_ = experiment.duration;
+  const QString name = QString::fromStdString(experiment.name);
+  name_->setText(fontMetrics().elidedText(name, Qt::ElideRight, 150));
+  name_->setToolTip(name);
+  time_line_->show_experiment(experiment);
+}
+
+void RunBar::show_state(const RunState& state) {
+  const QString shown = phase_text_of(state);
+  if (phase_->text() != shown) phase_->setText(shown);
+  t_ = state.t;
+  show_time();
+  show_go(state);
+  show_rest(state);
+}
+
+QString RunBar::phase_text_of(const RunState& state) {
+  QString text = state.words;
+  // How fast it really goes, where that is not one second a second.
+  if (!state.moves || state.speed == 1.0 || state.t < since_t_) {
+    since_.invalidate();
+    pace_ = state.speed;
+  } else if (since_.isValid() && since_.hasExpired(1000)) {
+    pace_ = (state.t - since_t_) / (1e-3 * static_cast<double>(since_.restart()));
+    since_t_ = state.t;
+  }
+  if (!since_.isValid()) {
+    since_.start();
+    since_t_ = state.t;
+  }
+  if (state.moves && state.speed != 1.0) text += tr(", at %1×").arg(pace_, 0, 'f', pace_ < 10.0 ? 1 : 0);
+  return QStringLiteral("<span style=\"color:%1; font-weight:600\">● %2</span>")
+      .arg(colour(state.tone, colours(palette())).name(), text);
+}
+
+void RunBar::show_go(const RunState& state) {
+  go_->setEnabled(state.may_go);
+  if (state.go == shown_go_) return;
+  shown_go_ = state.go;
+  switch (state.go) {
+    case RunState::Go::start:
+      go_->setText(tr("Start"));
+      break;
+    case RunState::Go::pause:
+      go_->setText(tr("Pause"));
+      break;
+    case RunState::Go::resume:
+      go_->setText(tr("Resume"));
+      break;
+    case RunState::Go::play:
+      go_->setText(tr("Play"));
+      break;
+    case RunState::Go::again:
+      go_->setText(tr("Set up"));
+      break;
+  }
+  go_->setAccessibleName(go_->text());
+  go_->setToolTip(state.go == RunState::Go::again ? tr("Sets the same experiment up again; nothing moves yet (F5)")
+                                                  : go_->text() + QStringLiteral(" (F5)"));
+  const bool pauses = state.go == RunState::Go::pause;
+  go_->setIcon(icon(pauses ? QStringLiteral("pause") : QStringLiteral("start"), colours(palette()).text));
+}
+
+void RunBar::show_rest(const RunState& state) {
+  const auto show = [](QWidget* button, const Offer& offer) {
+    button->setEnabled(offer.possible);
+    button->setToolTip(offer.tip);
+  };
+  show(step_, state.step);
+  show(speed_, state.change_speed);
+  if (!speed_->view()->isVisible()) speed_->setCurrentIndex(speed_->findData(state.speed));
+  show(new_run_, state.new_run);
+  if (new_run_->text() != state.new_run_text) {
+    new_run_->setText(state.new_run_text);
+    new_run_->setAccessibleName(state.new_run_text);
+    fit();
+  }
+  show(record_, state.record);
+  record_->setChecked(state.records);
+}
+
+void RunBar::pick_speed(int steps) {
+  const int index = std::clamp(speed_->currentIndex() + steps, 0, speed_->count() - 1);
+  if (speed_->isEnabled() && index != speed_->currentIndex()) emit speed_wanted(speed_->itemData(index).toDouble());
+}
+
+void RunBar::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) dress();
+  QWidget::changeEvent(event);
+}
+
+void RunBar::dress() {
+  const Colours c = colours(palette());
+  new_run_->setIcon(icon(QStringLiteral("new-run"), c.text));
+  step_->setIcon(icon(QStringLiteral("step"), c.text));
+  record_->setIcon(icon(QStringLiteral("record"), c.alarm));
+  shown_go_.reset();  // the next show_state draws the other icon
+  const QString sheet = QStringLiteral(
+      "QPushButton { background: #c8102e; color: white; border: 2px solid #8f0b20; border-radius: 8px;"
+      " font-weight: 800; font-size: 17pt; padding: 0 14px; }"
+      "QPushButton:hover { background: #dc1f3e; } QPushButton:pressed { background: #8f0b20; }");
+  if (stop_->styleSheet() != sheet) stop_->setStyleSheet(sheet);
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <QComboBox>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QPushButton>
+#include <QWidget>
+#include <optional>
+
+#include "app/experiment/experiment.h"
+#include "ui/base/folding_button.h"
+#include "ui/run/run_state.h"
+#include "ui/status/time_line.h"
+
+namespace skein::ui {
+
+/// What the operator does with a run, where the run is, and STOP.
+class RunBar final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit RunBar(QWidget* parent = nullptr);
+  void show_experiment(const app::Experiment& experiment);
+  void take(const app::TickRecord& record) { time_line_->take(record); }
+  void show_state(const RunState& state);
+  void pick_speed(int steps);  ///< so many steps faster; negative: slower
+
+  QSize minimumSizeHint() const override { return smallest_; }
+
+  QPushButton* stop_button() const { return stop_; }
+  TimeLine* time_line() const { return time_line_; }
+
+ signals:
+  void go();  ///< Start, Pause or Resume, whichever applies
+  void step();
+  void new_run();
+  void stop();
+  void speed_wanted(double speed);
+  void record_wanted(bool on);
+
+ protected:
+  void changeEvent(QEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
+
+ private:
+  static constexpr int tightest = 4;
+  /// 0: everything; then, one after the other, texts of buttons, the time that is left, the time line go. Never STOP.
+  void set_tightness(int tightness);
+  void fit();
+  void show_time();
+  void dress();
+  QString phase_text_of(const RunState& state);
+  void show_go(const RunState& state);
+  void show_rest(const RunState& state);
+
+  QLabel *name_, *phase_, *time_;
+  FoldingButton *go_, *new_run_, *record_;
+  QPushButton *step_, *stop_;
+  QComboBox* speed_;
+  TimeLine* time_line_;
+  QSize smallest_;
+  int tightness_ = 0;
+  double duration_ = 0.0, t_ = 0.0;
+  std::optional<RunState::Go> shown_go_;
+  QElapsedTimer since_;
+  double since_t_ = 0.0, pace_ = 1.0;  // how fast the experiment's time really goes
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,62 @@
+#include "ui/status/stop_guard.h"
+
+#include <QAbstractButton>
+#include <QApplication>
+#include <QKeyEvent>
+#include <QLineEdit>
+#include <QMouseEvent>
+#include <QPlainTextEdit>
+#include <QToolButton>
+
+namespace skein::ui {
+
+namespace {
+
+/// Return presses the button that has the focus: Space, which would elsewhere, is STOP here.
+bool press_focused_button() {
+  auto* button = qobject_cast<QAbstractButton*>(QApplication::focusWidget());
+  if (!button || !button->isEnabled()) return false;
+  auto* tool = qobject_cast<QToolButton*>(button);
+  if (tool && tool->menu() && tool->popupMode() == QToolButton::InstantPopup)
+    tool->showMenu();
+  else
+    button->click();
+  return true;
+}
+
+}  // namespace
+
+StopGuard::StopGuard(Calls calls, QWidget* button, QObject* parent)
+    : QObject(parent), calls_(std::move(calls)), button_(button) {
+  qApp->installEventFilter(this);
+}
+
+bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::KeyPress && (watched->isWidgetType() || watched->isWindowType())) {
+    const auto* key = static_cast<const QKeyEvent*>(event);
+    if (key->key() == Qt::Key_Return || key->key() == Qt::Key_Enter)
+      return watched->isWidgetType() && !QApplication::activePopupWidget() && !key->isAutoRepeat() &&
+             key->modifiers() == Qt::NoModifier && press_focused_button();
+    if (key->key() != Qt::Key_Space && key->key() != Qt::Key_Escape) return false;
+    const bool closes_something = QApplication::activePopupWidget() || (QApplication::activeWindow() && button_ &&
+                                                                        QApplication::activeWindow() != button_->window());
+    if (key->key() == Qt::Key_Escape && closes_something && calls_.all_stand()) return false;
+    const bool stopped_something = !key->isAutoRepeat() && calls_.stop();  // a key held down stops once
+    if (stopped_something) return true;
+    // Space must not press a button: held down for STOP, it would go on to press whichever has the focus.
+    const QWidget* focus = QApplication::focusWidget();
+    const bool types = qobject_cast<const QLineEdit*>(focus) || qobject_cast<const QPlainTextEdit*>(focus);
+    if (key->key() != Qt::Key_Space || types) return false;
+    if (!key->isAutoRepeat()) calls_.space();
+    return true;
+  }
+  if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
+    // An open menu would take the press only to close itself.
+    const auto* press = static_cast<const QMouseEvent*>(event);
+    const QPoint where = button_->mapFromGlobal(press->globalPosition().toPoint());
+    if (QApplication::activePopupWidget() && button_->rect().contains(where)) calls_.stop();
+  }
+  return false;
+}
+
+}  // namespace skein::ui

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <QString>
+#include <QWidget>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "ui/run/run_history.h"
+
+namespace skein::ui {
+
+/// How far the run is, and what the file has in store for it: its perturbations and changes of gains.
+class TimeLine final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit TimeLine(QWidget* parent = nullptr);
+  void show_experiment(const app::Experiment& experiment);
+  void take(const app::TickRecord& record);
+  /// A place on it is a time to go to. `rows`: the whole run, for its length and its events.
+  void set_scrubbable(bool on, const RunHistory::Rows& rows);
+  QSize sizeHint() const override { return {320, 40}; }
+  QSize minimumSizeHint() const override { return {140, 36}; }
+
+ signals:
+  void time_wanted(double t);
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+  void mousePressEvent(QMouseEvent*) override;
+  void mouseMoveEvent(QMouseEvent*) override;
+  void keyPressEvent(QKeyEvent*) override;
+  bool event(QEvent*) override;
+
+ private:
+  struct Mark {
+    double t;
+    int robot;  // from 0; -1: a gain
+    QString text;
+  };
+  double x(double t) const;
+  double time_at(double x) const;
+
+  double duration_ = 1.0, t_ = 0.0;
+  std::vector<Mark> marks_;
+  std::vector<double> events_;  // of a replay, where something happened
+  bool scrubbable_ = false;
+};
+
+}  // namespace skein::ui
