@@ -34,7 +34,7 @@ std::array<Entry, 128> entries;
 std::array<Thread, 16> threads;
 static_assert(std::atomic<void*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-constexpr std::array<int, 5> crashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+constexpr std::array<int, 7> crashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGSYS};
 std::array<struct sigaction, crashes.size()> before;
 std::atomic<bool> handling{false};
 
@@ -107,6 +107,12 @@ extern "C" void on_crash(int signal) {
 }
 
 }  // namespace
+
+bool stop_robots_now() noexcept {
+  const bool any = std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.descriptor.load() >= 0; });
+  if (any) stop_all();
+  return any;
+}
 
 void stop_robots_on_crash() {
   const auto stop = stop_sequence();

@@ -6,11 +6,16 @@
 /// links and the bytes of a stop.
 namespace skein::comms {
 
-/// SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT, in whatever thread, stop every robot before they end the program: every
+/// SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT and SIGSYS, in whatever thread, stop every robot before they end the program: every
 /// link thread gets the emergency stop, every open link the bytes at once, again every 100 ms, until each robot is
 /// known to stand, at most for a second. Then the signal does what it did before. Does not come back from a stack
 /// overflow but in the thread that called this.
 void stop_robots_on_crash();
+
+/// The same stop without a crash, for a program that is about to be suspended: every link thread gets the emergency
+/// stop, which stays. Waits until every robot is known to stand, at most a second. False: no line is open.
+/// Async-signal-safe.
+bool stop_robots_now() noexcept;
 
 // --- For links
 // --------------------------------------------------------------------------------------------------------

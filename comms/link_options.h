@@ -13,6 +13,9 @@ struct LinkOptions {
   /// A link that hears no new command for this long stops its robot by itself [s]: e-pucks have no watchdog. 2.5 ticks,
   /// so one late tick does not stop the group. 0 or less: never (lock-step runs, where wall time means nothing).
   double command_silence = 0.1;
+  /// When the program itself stood still for this long (Ctrl-Z, a suspended machine, a debugger) that is an emergency
+  /// stop: nobody drives on by itself afterwards [s]. 0 or less: never.
+  double standstill = 0.0;
   /// An idle link asks for the encoders this often [s], so a robot that dies between runs is noticed. 0 or less: never.
   double heartbeat = 1.0;
   /// Wait before the first new attempt to connect, doubled after every failure [s]. At once often meets EBUSY.

@@ -21,6 +21,7 @@
 
 #include "comms/crash_stop.h"
 #include "comms/link.h"
+#include "comms/watchdog.h"
 
 namespace skein::comms {
 namespace {
@@ -29,6 +30,24 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_now() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+/// Goes on while the machine is suspended, as the robots do.
+double boot_seconds() noexcept {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+constexpr double longest_silence = 0.3, beat_period = 0.1;  // [s]
+constexpr double page_time = 5.12;                          // of one robot, at most [s]
+
+bool share_an_adapter(const LinkAddress& a, const LinkAddress& b) {
+  return a.kind == LinkKind::rfcomm && b.kind == LinkKind::rfcomm && a.adapter == b.adapter;
+}
+std::size_t paged_by_the_same(const std::vector<LinkAddress>& robots, std::size_t robot) {
+  return static_cast<std::size_t>(std::count_if(
+      robots.begin(), robots.end(), [&](const LinkAddress& other) { return share_an_adapter(robots[robot], other); }));
 }
 
 Clock::time_point in(double seconds) {
@@ -44,9 +63,12 @@ Clock::time_point in(double seconds) {
 class LinkSupervisor::Loop {
  public:
   Loop(std::vector<LinkAddress> robots, LinkOptions options) : options_(options) {
-    for (LinkAddress& address : robots) {
-      const auto resolved = resolve(address);
-      links_.emplace_back(resolved ? *resolved : std::move(address), options);
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      const auto resolved = resolve(robots[i]);
+      LinkOptions own = options;
+      own.connect_timeout = connect_patience(robots, i, options.connect_timeout);
+      options_.connect_timeout = std::max(options_.connect_timeout, own.connect_timeout);
+      links_.emplace_back(resolved ? *resolved : robots[i], own);
       if (!resolved) links_.back().fail(resolved.error(), seconds_now());
     }
     polled_.reserve(links_.size() + 1);  // the thread never allocates for it
@@ -64,6 +86,7 @@ class LinkSupervisor::Loop {
   void emergency_stop() noexcept;
   void release_stop() noexcept;
   bool stopped() const noexcept { return (emergency_.load() & 1u) != 0; }
+  double stood_still() const noexcept { return stood_still_.load(); }
   bool wait_acknowledged(double timeout_s);
   CommandTimes times(std::size_t robot) const noexcept { return links_[robot].times(); }
   std::vector<LinkStatus> status() const;
@@ -73,6 +96,7 @@ class LinkSupervisor::Loop {
  private:
   void run() noexcept;
   void wait();
+  void look_at_the_clock() noexcept;
   void turn(double now);
   double end_by() const;
   bool finished(double now) const;
@@ -89,6 +113,8 @@ class LinkSupervisor::Loop {
   std::atomic<std::uint32_t> emergency_{0};  // odd: stopped; +1 at every stop and every release, so its value names the
                                              // epoch between two of them
   std::atomic<bool> closing_{false};
+  std::atomic<double> stood_still_{0.0};
+  double turned_at_ = 0.0, waited_for_ = 0.0;  // of the last turn, on the clock that is never suspended
   std::uint32_t stops_seen_ = 0;
   bool closing_seen_ = false;
 
@@ -202,8 +228,12 @@ void LinkSupervisor::Loop::run() noexcept {
   sched_param priority{};
   priority.sched_priority = 21;
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
+  Heart heart(std::max(longest_silence, options_.command_silence));
+  turned_at_ = boot_seconds();
   std::unique_lock lock(mutex_);
   while (true) {
+    heart.beat();
+    look_at_the_clock();
     const double now = seconds_now();
     turn(now);
     turned_.notify_all();
@@ -213,6 +243,15 @@ void LinkSupervisor::Loop::run() noexcept {
     lock.lock();
   }
   for (Link& link : links_) link.end();
+}
+
+void LinkSupervisor::Loop::look_at_the_clock() noexcept {
+  const double now = boot_seconds();
+  const double gap = now - turned_at_ - waited_for_;
+  turned_at_ = now;
+  if (options_.standstill <= 0.0 || gap <= options_.standstill || stopped()) return;
+  stood_still_.store(gap);
+  emergency_stop();
 }
 
 void LinkSupervisor::Loop::turn(double now) {
@@ -251,14 +290,15 @@ bool LinkSupervisor::Loop::finished(double now) const {
 }
 
 void LinkSupervisor::Loop::wait() {
-  double until = closing_seen_ ? end_by() : seconds_now() + 3600.0;
+  double until = seconds_now() + beat_period;
+  if (closing_seen_) until = std::min(until, end_by());
   polled_.clear();
   for (const Link& link : links_) {
     polled_.push_back(link.wanted());
     until = std::min(until, link.deadline());
   }
   polled_.push_back({.fd = wake_, .events = POLLIN, .revents = 0});
-  const double seconds = std::max(0.0, until - seconds_now());
+  const double seconds = waited_for_ = std::max(0.0, until - seconds_now());
   const timespec timeout{.tv_sec = static_cast<time_t>(seconds),
                          .tv_nsec = static_cast<long>((seconds - std::floor(seconds)) * 1e9)};
   if (::ppoll(polled_.data(), polled_.size(), &timeout, nullptr) < 0)
@@ -288,6 +328,9 @@ void LinkSupervisor::release_stop() noexcept {
 bool LinkSupervisor::stopped() const noexcept {
   return loop_->stopped();
 }
+double LinkSupervisor::stood_still() const noexcept {
+  return loop_->stood_still();
+}
 bool LinkSupervisor::wait_acknowledged(double timeout_s) {
   return loop_->wait_acknowledged(timeout_s);
 }
@@ -302,6 +345,18 @@ std::vector<LinkStatus> LinkSupervisor::close(double timeout_s) {
 }
 std::size_t LinkSupervisor::size() const noexcept {
   return loop_->size();
+}
+
+double connect_patience(const std::vector<LinkAddress>& robots, std::size_t robot, double alone) {
+  const std::size_t queue = paged_by_the_same(robots, robot);
+  return queue > 1 ? alone + page_time * static_cast<double>(queue - 1) : alone;
+}
+
+double reach_patience(const std::vector<LinkAddress>& robots) {
+  constexpr double one_robot = 15.0;  // a connection takes a few seconds, and a robot may have to be asked twice
+  double longest = one_robot;
+  for (std::size_t i = 0; i < robots.size(); ++i) longest = std::max(longest, connect_patience(robots, i, one_robot));
+  return longest;
 }
 
 }  // namespace skein::comms

@@ -16,6 +16,8 @@ namespace skein::comms {
 ///
 /// Every robot has a slot for its newest command and at most one request outstanding. A link that is opened or that
 /// lost a reply sends the stop sequence first. A robot that was reconnected stays stopped until a new command comes.
+/// The thread beats a Heart (watchdog.h): when it falls silent for 0.3 s, or as long as a robot may go without a
+/// command where that is longer, the guard stops the robots.
 /// Robots are counted from 0 here and from 1 in every sentence, unless their addresses name them. Nothing but bad_alloc
 /// in the constructor is thrown.
 class LinkSupervisor {
@@ -43,6 +45,10 @@ class LinkSupervisor {
   void release_stop() noexcept;
   bool stopped() const noexcept;  ///< between emergency_stop() and release_stop()
 
+  /// For how long the program stood still when that was an emergency stop, see LinkOptions::standstill [s]; 0: it was
+  /// not. Any thread.
+  double stood_still() const noexcept;
+
   /// Blocks until every robot has answered its newest command (commands made void by an emergency stop need no answer);
   /// false: not within `timeout_s`. For runs in lock-step. Any thread.
   bool wait_acknowledged(double timeout_s);
@@ -65,5 +71,13 @@ class LinkSupervisor {
   class Loop;
   std::unique_ptr<Loop> loop_;
 };
+
+/// How long it may take until each of these robots has been reached once [s]: an adapter pages one robot at a time, up
+/// to 5.12 s each, and those behind it wait in a queue.
+double reach_patience(const std::vector<LinkAddress>& robots);
+
+/// How long an attempt to reach this one of them may take before it is begun anew [s], its wait in the queue included;
+/// at least `alone`, which does for a robot that has its adapter to itself.
+double connect_patience(const std::vector<LinkAddress>& robots, std::size_t robot, double alone);
 
 }  // namespace skein::comms

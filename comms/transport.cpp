@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "comms/asercom.h"
+#include "comms/epuck_wifi.h"
 #include "comms/rfcomm.h"
 
 namespace skein::comms {
@@ -160,24 +162,37 @@ Transport::Transport(Transport&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       connecting_(other.connecting_),
       address_(std::move(other.address_)),
-      crash_entry_(std::move(other.crash_entry_)) {}
+      crash_entry_(std::move(other.crash_entry_)),
+      guarded_line_(std::move(other.guarded_line_)) {}
 
 Transport& Transport::operator=(Transport&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(connecting_, other.connecting_);
   std::swap(address_, other.address_);
   std::swap(crash_entry_, other.crash_entry_);
+  std::swap(guarded_line_, other.guarded_line_);
   return *this;
 }
 
 Transport::~Transport() {
+  guarded_line_ = GuardedLine();
   crash_entry_ = CrashEntry();  // before the descriptor may be somebody else's
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ < 0) return;
+  // The guard has a duplicate, and closes it a moment later: the connection and the lock must not last until then.
+  if (address_.kind == LinkKind::serial)
+    ::flock(descriptor_, LOCK_UN);
+  else
+    ::shutdown(descriptor_, SHUT_RDWR);
+  ::close(descriptor_);
 }
 
 void Transport::connected() noexcept {
   connecting_ = false;
   crash_entry_ = CrashEntry(descriptor_, address_.kind);
+  const auto wifi = wifi_command({});
+  guarded_line_ =
+      GuardedLine(descriptor_, address_.kind == LinkKind::tcp ? std::span<const std::uint8_t>(wifi) : stop_sequence(),
+                  to_text(address_));
 }
 
 tl::expected<void, TransportError> Transport::finish_connecting() {

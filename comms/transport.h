@@ -8,6 +8,7 @@
 
 #include "comms/crash_stop.h"
 #include "comms/link_address.h"
+#include "comms/watchdog.h"
 
 namespace skein::comms {
 
@@ -56,7 +57,8 @@ class Transport {
   int descriptor_ = -1;
   bool connecting_ = false;
   LinkAddress address_;
-  CrashEntry crash_entry_;  // once connected
+  CrashEntry crash_entry_;    // once connected
+  GuardedLine guarded_line_;  // likewise
 };
 
 }  // namespace skein::comms

@@ -3,9 +3,9 @@
 #include <QApplication>
 #include <QSettings>
 #include <QStyleFactory>
-#include <cstdio>
 #include <cstdlib>
 
+#include "app/run/output.h"
 #include "ui/icons.h"
 #include "ui/main/main_window.h"
 
@@ -17,10 +17,9 @@ MainWindow* open_window = nullptr;
 /// Qt ends the program, without coming back to `show_window`, when the connection to the display breaks.
 void stop_robots_at_exit() {
   if (!open_window) return;
-  std::fprintf(stderr, "skein: the display is gone: stopping all robots\n");
-  const QString result = open_window->close_session();
-  std::fprintf(stderr, "skein: %s\n", qPrintable(result));
-  std::fflush(stderr);
+  const QString result = open_window->close_session();  // first: whoever is told may not listen
+  app::complain("the display is gone: stopping all robots");
+  app::complain(result.toStdString());
   std::_Exit(3);  // a device failed; the destructors that are left would ask the display
 }
 

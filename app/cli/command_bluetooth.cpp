@@ -7,6 +7,7 @@
 #include "app/experiment/text_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "comms/bluez.h"
 
 namespace skein::app {
@@ -41,7 +42,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
     auto robots = load_known_robots(path);
     if (!read || !robots) {
       for (const Problem& problem : robots ? read.error() : robots.error())
-        fmt::print(stderr, "{}\n", problem.message());
+        print_error(fmt::format("{}\n", problem.message()));
       return wrong_input;
     }
     text = *read;
@@ -51,7 +52,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
   const Added added = with_robots(text, there, more);
   if (added.robots > 0)
     if (const auto saved = save_known_robots(path, added.text); !saved) {
-      fmt::print(stderr, "skein: {}\n", saved.error());
+      complain(saved.error());
       return wrong_input;
     }
   fmt::print("# {}: {} robots added, {} were there\n", path, added.robots, found.size() - added.robots);
@@ -61,7 +62,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
 /// Refuses what cannot be an adapter before anybody looks for it.
 bool possible(const std::string& adapter) {
   const auto checked = comms::check_adapter(adapter);
-  if (!checked) fmt::print(stderr, "skein: {}\n", checked.error());
+  if (!checked) complain(checked.error());
   return checked.has_value();
 }
 
@@ -71,14 +72,14 @@ int scan_robots(const RobotsRequest& request) {
   if (!possible(request.adapter)) return wrong_input;
   const auto robots = comms::scan_robots({request.adapter, request.seconds, not_interrupted});
   if (!robots) {
-    fmt::print(stderr, "skein: {}\n", robots.error());
+    complain(robots.error());
     return device_failed;
   }
   for (const comms::BluetoothRobot& robot : *robots) print(robot);
   if (robots->empty()) {
-    fmt::print(stderr,
-               "skein: no robot was heard. Is it switched on and in range? An e-puck2 is heard only when its "
-               "button is held while it is switched on\n");
+    print_error(
+        "skein: no robot was heard. Is it switched on and in range? An e-puck2 is heard only when its "
+        "button is held while it is switched on\n");
     return device_failed;
   }
   return request.save ? save(request.file, *robots) : done;
@@ -95,7 +96,7 @@ int pair_robots(const RobotsRequest& request) {
       paired.push_back(*robot);
       continue;
     }
-    fmt::print(stderr, "skein: {}: {}\n", name, robot.error());
+    print_error(fmt::format("skein: {}: {}\n", name, robot.error()));
     status = device_failed;
   }
   const int saved = request.save && !paired.empty() ? save(request.file, paired) : done;

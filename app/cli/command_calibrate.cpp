@@ -11,6 +11,7 @@
 
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "app/tools/board_views.h"
 #include "vision/calibrate/floor_calibration.h"
 #include "vision/calibrate/intrinsics.h"
@@ -21,7 +22,7 @@ namespace skein::app {
 namespace {
 
 int complain(const std::string& text, int status) {
-  fmt::print(stderr, "skein: {}\n", text);
+  print_error(fmt::format("skein: {}\n", text));
   return status;
 }
 
@@ -43,12 +44,12 @@ std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraW
     status = complain(source.error(), device_failed);
     return nullptr;
   }
-  for (const std::string& notice : (*source)->status().notices) fmt::print(stderr, "skein: {}\n", notice);
+  for (const std::string& notice : (*source)->status().notices) print_error(fmt::format("skein: {}\n", notice));
   return std::move(*source);
 }
 
 void name_skipped(const vision::FrameSource& source) {
-  for (const std::string& skipped : source.skipped()) fmt::print(stderr, "skein: skipped {}\n", skipped);
+  for (const std::string& skipped : source.skipped()) print_error(fmt::format("skein: skipped {}\n", skipped));
 }
 
 /// Millimetres from metres, for people.
@@ -92,7 +93,7 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   looked.sight = std::move(*sight);
   enter(looked.sight, looked.marks);
   for (const vision::FloorMark& mark : looked.marks)
-    if (!mark.seen) fmt::print(stderr, "skein: {} is not seen\n", mark.name);
+    if (!mark.seen) print_error(fmt::format("skein: {} is not seen\n", mark.name));
   return looked;
 }
 
@@ -121,11 +122,12 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     const vision::Coverage& covered = *seen.coverage();
     // Of a camera at a terminal: in the same place again, a line more than the picture has rows.
     if (terminal && live && std::exchange(shown, true))
-      fmt::print(stderr, "\033[{}A\033[J", vision::Coverage::rows + 1);
-    fmt::print(stderr, "{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(), 100.0 * covered.share(),
-               live ? fmt::format("; {} at most, Ctrl-C when it is enough", request.views) : "", covered.text());
+      print_error(fmt::format("\033[{}A\033[J", vision::Coverage::rows + 1));
+    print_error(
+        fmt::format("{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(), 100.0 * covered.share(),
+                    live ? fmt::format("; {} at most, Ctrl-C when it is enough", request.views) : "", covered.text()));
   };
-  if (live && !request.quiet) fmt::print(stderr, "{}: show the board\n", source->describe());
+  if (live && !request.quiet) print_error(fmt::format("{}: show the board\n", source->describe()));
   while (!interrupted() && (!live || static_cast<int>(seen.views().size()) < request.views)) {
     const auto more = source->read(frame);
     if (!more) return complain(more.error(), device_failed);
@@ -134,9 +136,9 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     if (!look) return complain(look.error(), device_failed);
     const vision::Coverage& first = *seen.coverage();
     if (*look == BoardViews::Look::other_size)
-      fmt::print(stderr, "skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
-                 frame.height, first.width, first.height);
-    if (*look == BoardViews::Look::no_board && stills) fmt::print(stderr, "skein: {}: no board\n", frame.source);
+      print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
+                              frame.height, first.width, first.height));
+    if (*look == BoardViews::Look::no_board && stills) print_error(fmt::format("skein: {}: no board\n", frame.source));
     if (*look == BoardViews::Look::view && (terminal || (live && !request.quiet))) show();
   }
   const std::optional<vision::Coverage>& coverage = seen.coverage();
@@ -170,8 +172,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
       coverage->share(), result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma,
       fmt::join(c.distortion, " "), request.out);
   if (result->focal_sigma > 0.01 * c.fx)
-    fmt::print(stderr, "skein: the focal length is known to {:.0f} px only: show the board tilted, near and far\n",
-               result->focal_sigma);
+    print_error(fmt::format("skein: the focal length is known to {:.0f} px only: show the board tilted, near and far\n",
+                            result->focal_sigma));
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,
@@ -214,10 +216,11 @@ int calibrate_floor(const FloorRequest& request) {
                p.z(), result->tag_height, result->tag_size, out);
   }
   if (const vision::FloorMark* odd = vision::suspect(looked->calibration, looked->marks))
-    fmt::print(stderr, "skein: {}: the others agree without it: check its place\n", odd->name);
+    print_error(fmt::format("skein: {}: the others agree without it: check its place\n", odd->name));
   else if (check->worst > 5e-3)
-    fmt::print(stderr, "skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",
-               mm(check->worst));
+    print_error(
+        fmt::format("skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",
+                    mm(check->worst)));
   return done;
 }
 

@@ -7,6 +7,7 @@
 
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
+#include "app/run/output.h"
 #include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
@@ -28,7 +29,7 @@ std::string text_of(const vision::CameraControl& control) {
 int list_one(const std::string& device) {
   const auto camera = vision::describe_camera(device);
   if (!camera) {
-    fmt::print(stderr, "skein: {}\n", camera.error());
+    complain(camera.error());
     return device_failed;
   }
   fmt::print("{}: {} ({})\nformats:\n", device, camera->card, camera->driver);
@@ -59,7 +60,7 @@ int list_cameras(const std::string& device) {
       ++cameras;
     }
   if (cameras > 0) return done;
-  fmt::print(stderr, "skein: no camera at /dev/video*\n");
+  print_error("skein: no camera at /dev/video*\n");
   return device_failed;
 }
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <fstream>
@@ -15,9 +16,11 @@
 #include "app/cli/commands.h"
 #include "app/experiment/experiment_schema.h"
 #include "app/experiment/fault_file.h"
+#include "app/guard/guard.h"
+#include "app/guard/stop_run.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
-#include "app/session/safety_net.h"
+#include "app/run/output.h"
 #include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
 
@@ -65,7 +68,7 @@ bool read_faults(const std::string& source, comms::EmulateOptions& options) {
     options.faults = std::move(*faults);
     return true;
   }
-  for (const Problem& problem : faults.error()) fmt::print(stderr, "{}\n", problem.message());
+  for (const Problem& problem : faults.error()) print_error(problem.message() + "\n");
   return false;
 }
 
@@ -95,6 +98,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
           "max: as fast as the machine goes, in step (the default where nothing is real); realtime: at the file's rate")
       ->check(CLI::IsMember({"max", "realtime"}));
   run_command.add_flag("--quiet", run_request.quiet, "no progress, no summary");
+  run_command.add_flag("--force", run_request.force, "overwrite the files of an older run");
   run_command.add_flag("--json", run_request.json, "print the summary as one JSON object");
 
   CLI::App& check_command = *program.add_subcommand(
@@ -116,6 +120,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   std::string replay_film;
   replay_command.add_option("--video", replay_film,
                             "the film of the same run (`skein run --video`): every pose is found in it once more");
+
+  bool replay_repairs = false;
+  replay_command.add_flag("--repair", replay_repairs,
+                          "first leave only the whole rows of a file that a power cut has torn; it stays as FILE.torn");
 
   CLI::App& sweep_command = *program.add_subcommand(
       "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
@@ -195,6 +203,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   RobotCommands robot_commands;
   robot_commands.add_to(program);
 
+  CLI::App& stop_command = *program.add_subcommand(
+      "stop",
+      "STOP to every run of this user, for a key, a foot switch or a script; exit status 3 when a robot does "
+      "not acknowledge");
+
   CLI::App& guard_command =
       *program.add_subcommand("guard", "Started by a run with real robots: stops them when the run is killed");
   std::string marker;
@@ -227,6 +240,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
     return comms::emulate(emulate_options);
   }
   if (guard_command) return guard(marker, STDIN_FILENO);
+  if (stop_command) {
+    std::signal(SIGPIPE, SIG_IGN);
+    return stop_runs();
+  }
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (run_command) {
@@ -235,7 +252,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
     return run(run_request);
   }
   if (check_command) return check(check_experiment.request());
-  if (replay_command) return replay(replay_file, replay_film);
+  if (replay_command) return replay(replay_file, replay_film, replay_repairs);
   if (sweep_command) return sweep(sweep_request);
   if (track_command) return track(track_request);
   if (const auto status = vision_commands.run()) return *status;
@@ -243,23 +260,23 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   if (list_command) return list_cameras(camera_device);
   if (bench_command && bench_what == "ui") {
     if (bench_window) return bench_window(bench_seconds, argc, argv);
-    fmt::print(stderr, "skein: this program was built without a window\n");
+    complain("this program was built without a window");
     return wrong_input;
   }
   if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
 
   if (!show_window) {
-    fmt::print(stderr, "skein: this program was built without a window; try: skein run EXPERIMENT, skein --help\n");
+    complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");
     return wrong_input;
   }
   look_after_bad_ends();
   if (const std::string& file = window_experiment.file; file.ends_with(".csv")) {
     if (!window_experiment.request().sets.empty()) {
-      fmt::print(stderr, "skein: {}: a recorded run is played as it is, without --set, --duration and --seed\n", file);
+      complain(file + ": a recorded run is played as it is, without --set, --duration and --seed");
       return wrong_input;
     }
     if (!std::ifstream(file)) {
-      fmt::print(stderr, "skein: {}: cannot be opened: {}\n", file, std::strerror(errno));
+      complain(file + ": cannot be opened: " + std::strerror(errno));
       return wrong_input;
     }
     return show_window({{}, {}, file}, argc, argv);
@@ -271,12 +288,13 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
 }  // namespace
 
 int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+  fill_standard_descriptors();
   try {
     return parse_and_do(argc, argv, show_window, bench_window);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "skein: {}\n", error.what());
+    complain(error.what());
   } catch (...) {
-    fmt::print(stderr, "skein: an unknown error\n");
+    complain("an unknown error");
   }
   return device_failed;
 }

@@ -1,5 +1,7 @@
 #include "app/cli/command_line_robots.h"
 
+#include "app/guard/stop_run.h"
+
 namespace skein::app {
 
 void RobotCommands::add_to(CLI::App& program) {
@@ -20,8 +22,13 @@ void RobotCommands::add_to(CLI::App& program) {
   list_ = add("list", "Which robots are known, from the file of robots");
 
   stop_ = add("stop", "Stops robots, whatever state they were left in; exit status 3 when one does not acknowledge");
-  stop_->add_option("robots", request_.words,
-                    std::string(which) + "; default: all known robots, and those of every run that was killed");
+  stop_->add_option(
+      "robots", request_.words,
+      std::string(which) + "; default: all known robots, and those of every run, alive, frozen or killed");
+
+  forget_ = add("forget",
+                "Ends the guards that go on trying to stop robots of runs that ended badly, and forgets these "
+                "runs: for robots that somebody has switched off by hand");
 
   test_ = add("test",
               "Asks robots for version and battery, turns each wheel 10 mm, and says what is wrong with them; with a "
@@ -54,6 +61,7 @@ void RobotCommands::add_to(CLI::App& program) {
 std::optional<int> RobotCommands::run() {
   if (*list_) return list_robots(request_.file);
   if (*stop_) return stop_robots(request_.words, request_.file);
+  if (*forget_) return forget_runs();
   if (*test_) return test_robots(request_);
   if (*scan_) return scan_robots(request_);
   if (*pair_) return pair_robots(request_);

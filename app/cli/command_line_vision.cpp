@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/run/exit_status.h"
+#include "app/run/output.h"
 
 namespace skein::app {
 
@@ -31,7 +32,7 @@ bool VisionCommands::BoardWords::read(vision::Board& board) const {
   if (std::sscanf(squares.c_str(), "%dx%d%n", &board.columns, &board.rows, &read) == 2 &&
       read == static_cast<int>(squares.size()))
     return true;
-  fmt::print(stderr, "skein: --squares {}; allowed: columns x rows, such as 12x8\n", squares);
+  print_error(fmt::format("skein: --squares {}; allowed: columns x rows, such as 12x8\n", squares));
   return false;
 }
 

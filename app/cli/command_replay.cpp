@@ -3,30 +3,43 @@
 #include <fstream>
 
 #include "app/cli/commands.h"
+#include "app/experiment/text_file.h"
 #include "app/replay/replay.h"
 #include "app/run/exit_status.h"
+#include "app/run/output.h"
 
 namespace skein::app {
 
-int replay(const std::string& csv, const std::string& film) {
+int replay(const std::string& csv, const std::string& film, bool repaired) {
+  if (const auto is_file = check_is_file(csv); !is_file) {
+    complain(is_file.error());
+    return wrong_input;
+  }
+  if (repaired) {
+    if (const auto done = repair(csv); !done) {
+      complain(done.error());
+      return wrong_input;
+    }
+    complain(csv + ": has its whole rows; what it was is in " + csv + ".torn");
+  }
   std::ifstream file(csv, std::ios::binary);
   if (!file) {
-    fmt::print(stderr, "skein: {}: cannot be read\n", csv);
+    print_error(fmt::format("skein: {}: cannot be read\n", csv));
     return wrong_input;
   }
   const auto result = replay(file, csv, film);
   if (!result) {
-    fmt::print(stderr, "skein: {}\n", result.error());
+    complain(result.error());
     return wrong_input;
   }
-  for (const std::string& warning : result->warnings) fmt::print(stderr, "skein: {}: {}\n", csv, warning);
+  for (const std::string& warning : result->warnings) print_error(fmt::format("skein: {}: {}\n", csv, warning));
   fmt::print("experiment: {}\nticks: {}\ncommands: {}\ndifferent: {}\n", result->experiment, result->ticks,
              result->commands, result->different);
   if (result->filmed)
     fmt::print("frames: {}\nmissing_frames: {}\nposes: {}\nposes_different: {}\n", result->frames,
                result->missing_frames, result->poses, result->poses_different);
   if (result->different == 0 && result->poses_different == 0) return done;
-  fmt::print(stderr, "skein: {}: not bit for bit; first at {}\n", csv, result->first);
+  print_error(fmt::format("skein: {}: not bit for bit; first at {}\n", csv, result->first));
   return expectation_failed;
 }
 

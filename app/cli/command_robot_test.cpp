@@ -1,23 +1,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 
 #include "app/cli/commands.h"
 #include "app/experiment/known_robots.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_edit.h"
+#include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
-#include "app/session/safety_net.h"
+#include "app/run/output.h"
 #include "app/tools/robot_test.h"
 
 namespace skein::app {
 namespace {
-
-void complain(const std::string& text) {
-  fmt::print(stderr, "skein: {}\n", text);
-}
 
 void print(const RobotTestResult& result, const Experiment& experiment, std::size_t robot) {
   const auto said = [](const std::string& text) { return text.empty() ? "not said" : text; };
@@ -40,7 +38,8 @@ int save(const std::string& path, const Experiment& experiment,
   const auto known = load_known_robots(path);
   const auto text = read_text(path);
   if (!known || !text) {
-    for (const Problem& problem : known ? text.error() : known.error()) fmt::print(stderr, "{}\n", problem.message());
+    for (const Problem& problem : known ? text.error() : known.error())
+      print_error(fmt::format("{}\n", problem.message()));
     return wrong_input;
   }
   std::string changed = *text;
@@ -82,7 +81,13 @@ int test_robots(const RobotsRequest& request) {
     experiment.camera.calibration = std::filesystem::absolute(request.calibration).string();
   }
   experiment.failure.link_lost = FailureSpec::LinkLost::all_stop;
-  auto net = SafetyNet::spread(experiment);
+  const auto addresses = real_robots(experiment);
+  if (!addresses) {
+    complain(addresses.error());
+    return wrong_input;
+  }
+  tl::expected<SafetyNet, std::string> net;
+  if (!addresses->empty()) net = SafetyNet::spread({experiment.name, *addresses});
   if (!net) complain(fmt::format("{}: should this program be killed, nothing stops the robots", net.error()));
 
   SessionClock clock(anything_real(experiment));
@@ -90,11 +95,15 @@ int test_robots(const RobotsRequest& request) {
   options.every_tag = true;
   auto plant = Plant::open(experiment, clock, options);
   if (!plant) {
-    if (net) net->done({});  // those that were reached have been stopped
+    if (net) net->done(std::vector<StopResult>{});  // those that were reached have been stopped
     complain(plant.error());
     return device_failed;
   }
-  RobotTest test(**plant, clock, experiment, [] { return !interrupted(); });
+  std::atomic<bool> stop_asked{false};
+  if (net)
+    net->on_stop([&] { stop_asked = true, (*plant)->stop(); },
+                 [&] { return stop_results(experiment, (*plant)->robots()); });
+  RobotTest test(**plant, clock, experiment, [&] { return !interrupted() && !stop_asked; });
   std::vector<std::pair<std::size_t, RobotTestResult>> results;
   bool good = true;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
@@ -109,9 +118,10 @@ int test_robots(const RobotsRequest& request) {
     good = good && result->faults.empty();
     results.emplace_back(i, std::move(*result));
   }
+  if (net) net->on_stop({}, {});
   (*plant)->close();
   const std::vector<RobotStatus> robots = (*plant)->robots();
-  if (net) net->done(robots);
+  if (net) net->done(stop_results(experiment, robots));
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (robots[i].stop_acknowledged) continue;
     complain(robot_name(experiment, i) + " has NOT acknowledged its stop and may still be driving");

@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
 #include <iostream>
 #include <vector>
 
 #include "app/cli/commands.h"
 #include "app/experiment/known_robots.h"
+#include "app/guard/robot_addresses.h"
+#include "app/guard/run_marker.h"
+#include "app/guard/safety_net.h"
+#include "app/guard/stop_run.h"
 #include "app/run/exit_status.h"
-#include "app/session/safety_net.h"
+#include "app/run/output.h"
 
 namespace skein::app {
 namespace {
@@ -18,7 +23,23 @@ namespace {
 namespace fs = std::filesystem;
 
 void print(const std::vector<Problem>& problems) {
-  for (const Problem& problem : problems) fmt::print(stderr, "{}\n", problem.message());
+  for (const Problem& problem : problems) print_error(problem.message() + "\n");
+}
+
+std::string not_known(const std::string& name, const std::string& path, const std::string& names) {
+  return fmt::format(
+      "{}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST), an "
+      "experiment or a file of robots (.toml), or a name in {}:{}",
+      name, path,
+      !names.empty()     ? names
+      : fs::exists(path) ? " it has none"
+                         : " there is no such file");
+}
+
+std::string names_of(const std::vector<comms::LinkAddress>& robots) {
+  std::string names;
+  for (const comms::LinkAddress& robot : robots) names += fmt::format(" \"{}\"", robot.name);
+  return names;
 }
 
 /// The file of robots, read once and only where a word asks for it.
@@ -44,13 +65,7 @@ class Known {
       if (robot.spec.name == name) return robot.spec;
     std::string names;
     for (const KnownRobot& robot : robots_) names += fmt::format(" \"{}\"", robot.spec.name);
-    fmt::print(stderr,
-               "skein: {}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, "
-               "tcp:HOST), an experiment or a file of robots (.toml), or a name in {}:{}\n",
-               name, path_,
-               !names.empty()      ? names
-               : fs::exists(path_) ? " it has none"
-                                   : " there is no such file");
+    complain(not_known(name, path_, names));
     return {};
   }
 
@@ -75,47 +90,103 @@ std::optional<std::vector<RobotSpec>> all_of(const std::string& file) {
   return robots;
 }
 
-std::optional<std::vector<comms::LinkAddress>> addresses_of(const std::vector<RobotSpec>& robots) {
-  Experiment experiment;
-  experiment.robots = robots;
-  auto addresses = real_robots(experiment);
-  if (addresses) return *std::move(addresses);
-  fmt::print(stderr, "skein: {}\n", addresses.error());
-  return {};
+std::string in_a_line(const std::vector<comms::LinkAddress>& robots) {
+  std::string names;
+  for (const comms::LinkAddress& robot : robots) names += ' ' + comms::to_text(robot);
+  return names;
 }
 
-/// Stops the robots of every run that ended badly, and forgets the runs whose robots stand.
-int stop_left_behind() {
-  const std::vector<RunMarker> runs = bad_ends();
-  int status = done;
-  for (const RunMarker& run : runs) {
-    if (stop_all(run.robots))
-      std::filesystem::remove(run.path);
-    else
-      status = device_failed;
+/// Robots that are to be stopped, and how that went.
+class Stops {
+ public:
+  void add(const comms::LinkAddress& robot) {
+    if (!holds(wanted_, robot)) wanted_.push_back(robot);
   }
-  return status;
+  bool any() const noexcept { return !wanted_.empty(); }
+
+  /// Through the runs and guards that hold them, all of these runs where `every_run`; then whoever is left by a
+  /// connection. True: all are known to stand.
+  bool carry_out(bool every_run, std::vector<RunMarker> runs = all_markers()) {
+    if (!every_run) resolve_names();
+    std::erase_if(runs, [&](const RunMarker& run) {
+      const auto mine = [&](const comms::LinkAddress& robot) { return holds(wanted_, robot); };
+      return run.robots.empty() || (!every_run && std::none_of(run.robots.begin(), run.robots.end(), mine));
+    });
+    std::vector<std::future<StoppedRun>> stopped;
+    for (const RunMarker& run : runs)
+      stopped.push_back(std::async(std::launch::async, [&run] { return stop_run(run); }));
+    if (every_run) resolve_names();  // a name service that does not answer must not hold up the others
+    bool all = true;
+    std::vector<comms::LinkAddress> by_hand = wanted_;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const StoppedRun result = stopped[i].get();
+      for (const comms::LinkAddress& robot : runs[i].robots) {
+        std::erase_if(by_hand, [&](const comms::LinkAddress& other) { return same(robot, other); });
+        if (result.by_hand) by_hand.push_back(robot);
+      }
+      if (result.by_hand) continue;
+      for (const StopResult& robot : result.robots) all = say(robot) && all;
+    }
+    all = stop_all(by_hand) && all;
+    for (std::size_t i = 0; all && i < runs.size(); ++i)
+      if (!runs[i].alive()) runs[i].forget();
+    return all;
+  }
+
+ private:
+  void resolve_names() {
+    for (comms::LinkAddress& robot : wanted_)
+      if (auto resolved = comms::resolve(robot)) robot = *std::move(resolved);
+  }
+  static bool same(const comms::LinkAddress& a, const comms::LinkAddress& b) {
+    return comms::to_text(a) == comms::to_text(b);
+  }
+  static bool holds(const std::vector<comms::LinkAddress>& all, const comms::LinkAddress& robot) {
+    return std::any_of(all.begin(), all.end(), [&](const comms::LinkAddress& other) { return same(other, robot); });
+  }
+  static bool say(const StopResult& robot) {
+    if (robot.stopped)
+      print_out(fmt::format("{}: stopped\n", robot.address));
+    else
+      complain(fmt::format("{}: NOT known to be stopped: {}", robot.address, robot.reason));
+    return robot.stopped;
+  }
+  std::vector<comms::LinkAddress> wanted_;
+};
+
+/// Robots of a file into `stops`, whatever is wrong with it; what is goes to `problems`.
+void add_all_of(const std::string& file, Stops& stops, std::vector<std::string>& problems) {
+  const RobotAddresses found = robot_addresses(file);
+  for (const comms::LinkAddress& robot : found.robots) stops.add(robot);
+  problems.insert(problems.end(), found.problems.begin(), found.problems.end());
+  if (found.robots.empty() && found.problems.empty())
+    problems.push_back(fmt::format("skein: {}: no robot in it has a link", file));
 }
 
 }  // namespace
 
 void look_after_bad_ends() {
   const std::vector<RunMarker> runs = bad_ends();
-  if (runs.empty()) return;
+  bool any = false;
   for (const RunMarker& run : runs) {
-    std::string names;
-    for (const comms::LinkAddress& robot : run.robots) names += ' ' + comms::to_text(robot);
-    fmt::print(stderr, "skein: the run \"{}\" ended badly, and its robots may still be driving:{}\n", run.experiment,
-               names);
+    if (run.robots.empty()) {
+      run.forget();  // a simulation
+      continue;
+    }
+    any = true;
+    const bool guarded = ask_run(run.socket(), "look", 0.2).reached;
+    complain(fmt::format("the run \"{}\" ended badly, and its robots may still be driving:{}{}", run.experiment,
+                         in_a_line(run.robots), guarded ? " (its guard goes on trying to stop them)" : ""));
   }
+  if (!any) return;
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
-    fmt::print(stderr, "skein: to stop them: skein robots stop\n");
+    complain("to stop them: skein robots stop; to be told no more: skein robots forget");
     return;
   }
-  fmt::print(stderr, "skein: stop them now? [Y/n] ");
+  print_error("skein: stop them now? [Y/n] ");
   std::string answer;
   std::getline(std::cin, answer);
-  if (!answer.starts_with('n') && !answer.starts_with('N')) (void)stop_left_behind();
+  if (!answer.starts_with('n') && !answer.starts_with('N')) (void)Stops{}.carry_out(/*every_run=*/true, runs);
 }
 
 std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, const std::string& file) {
@@ -131,7 +202,7 @@ std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, c
       if (!experiment) return {};
       const auto linked = [](const RobotSpec& robot) { return robot.link != RobotSpec::Link::sim; };
       if (std::none_of(experiment->robots.begin(), experiment->robots.end(), linked)) {
-        fmt::print(stderr, "skein: {}: no robot in it has a link\n", word);
+        print_error(fmt::format("skein: {}: no robot in it has a link\n", word));
         return {};
       }
       named.robots.insert(named.robots.end(), experiment->robots.begin(), experiment->robots.end());
@@ -139,7 +210,7 @@ std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, c
     } else {
       const bool address = word.starts_with("rfcomm:") || word.starts_with("serial:") || word.starts_with("tcp:");
       const auto parsed = comms::parse_link_address(word);
-      if (address && !parsed) return fmt::print(stderr, "skein: {}\n", parsed.error()), std::nullopt;
+      if (address && !parsed) return print_error(fmt::format("skein: {}\n", parsed.error())), std::nullopt;
       const auto robot = address ? known.by_link(*parsed) : known.by_name(word);
       if (!robot) return {};
       named.robots.push_back(*robot);
@@ -154,7 +225,7 @@ int list_robots(const std::string& file) {
   if (!known) {
     print(known.error());
     if (file.empty() && !fs::exists(path))
-      fmt::print(stderr, "skein: no robot is known yet: `skein robots scan --save` writes this file\n");
+      print_error(fmt::format("skein: no robot is known yet: `skein robots scan --save` writes this file\n"));
     return wrong_input;
   }
   fmt::print("# {}\n{:<16} {:<32} {:<8} {:>4} {:<7} {:>8} {:>8} {}\n", path, "name", "link", "adapter", "tag", "model",
@@ -168,32 +239,48 @@ int list_robots(const std::string& file) {
 }
 
 int stop_robots(const std::vector<std::string>& words, const std::string& file) {
-  if (!words.empty()) {
-    const auto named = named_robots(words, file);
-    const auto addresses = named ? addresses_of(named->robots) : std::nullopt;
-    if (!addresses) return wrong_input;
-    if (addresses->empty()) {
-      fmt::print(stderr, "skein: none of these robots is real\n");
-      return wrong_input;
-    }
-    return stop_all(*addresses) ? done : device_failed;
-  }
-  const std::vector<RunMarker> runs = bad_ends();
-  int status = runs.empty() ? static_cast<int>(done) : stop_left_behind();
   const std::string path = known_robots_file(file);
-  if (file.empty() && !fs::exists(path)) {
-    if (runs.empty()) fmt::print("no run has left a robot behind, and no robot is known: there is no {}\n", path);
-    return status;
+  Stops stops;
+  std::vector<std::string> problems;
+  for (const std::string& word : words) {
+    const auto address = comms::parse_link_address(word);
+    if (word.ends_with(".toml")) {
+      add_all_of(word, stops, problems);
+    } else if (address) {
+      comms::LinkAddress robot = *address;
+      for (const comms::LinkAddress& known : robot_addresses(path).robots)  // an address needs no file, but the adapter
+        if (comms::to_text(known) == comms::to_text(robot)) robot = known;
+      stops.add(robot);
+    } else {
+      const RobotAddresses known = robot_addresses(path);
+      const auto named = std::find_if(known.robots.begin(), known.robots.end(),
+                                      [&](const comms::LinkAddress& robot) { return robot.name == word; });
+      if (named != known.robots.end()) {
+        stops.add(*named);
+        continue;
+      }
+      problems.insert(problems.end(), known.problems.begin(), known.problems.end());
+      const bool is_address = word.starts_with("rfcomm:") || word.starts_with("serial:") || word.starts_with("tcp:");
+      problems.push_back("skein: " + (is_address ? address.error() : not_known(word, path, names_of(known.robots))));
+    }
   }
-  const auto robots = all_of(path);
-  auto addresses = robots ? addresses_of(*robots) : std::nullopt;
-  if (!addresses) return wrong_input;
-  for (const RunMarker& run : runs)  // these have been seen to
-    std::erase_if(*addresses, [&](const comms::LinkAddress& known) {
-      return std::any_of(run.robots.begin(), run.robots.end(),
-                         [&](const comms::LinkAddress& left) { return comms::to_text(left) == comms::to_text(known); });
-    });
-  return stop_all(*addresses) ? status : device_failed;
+  const bool all_known = words.empty();
+  if (all_known && (!file.empty() || fs::exists(path))) {
+    const RobotAddresses known = robot_addresses(path);
+    for (const comms::LinkAddress& robot : known.robots) stops.add(robot);
+    problems.insert(problems.end(), known.problems.begin(), known.problems.end());
+  }
+  const bool runs = all_known && !all_markers().empty();
+  if (all_known && !runs && !stops.any() && problems.empty())
+    print_out(fmt::format("no run lives or has left a robot behind, and no robot is known: there is no {}\n", path));
+  const bool all = stops.carry_out(/*every_run=*/all_known);
+  // Only now: what is wrong with a file must keep nobody from being stopped.
+  for (const std::string& problem : problems) print_error(problem + "\n");
+  if (problems.empty())
+    for (const std::string& word : words)
+      if (word.ends_with(".toml")) (void)named_robots({word}, file);  // says what else is wrong with it
+  if (!all) return device_failed;
+  return problems.empty() ? done : wrong_input;
 }
 
 }  // namespace skein::app

@@ -14,6 +14,7 @@
 #include "app/record/statistics.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "app/session/session.h"
 
 namespace skein::app {
@@ -25,15 +26,15 @@ class Progress final : public RecordSink {
   Progress(const Experiment& experiment, bool quiet)
       : duration_(experiment.duration), shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
   ~Progress() override {
-    if (shown_) fmt::print(stderr, "\r\033[K");
+    if (shown_) print_error("\r\033[K");
   }
   void record(const TickRecord& record) override {
     if (!shown_ || record.tick % 25 != 0) return;
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(200)) return;
     last_ = now;
-    fmt::print(stderr, "\r\033[K{:.1f} s of {:g} s, tracking error {:.1f} mm", record.t, duration_,
-               1e3 * record.tracking_error());
+    print_error(fmt::format("\r\033[K{:.1f} s of {:g} s, tracking error {:.1f} mm", record.t, duration_,
+                            1e3 * record.tracking_error()));
   }
 
  private:
@@ -42,8 +43,9 @@ class Progress final : public RecordSink {
   std::chrono::steady_clock::time_point last_{};
 };
 
-void complain(const std::string& text) {
-  fmt::print(stderr, "skein: {}\n", text);
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return !a.empty() && !b.empty() && std::filesystem::equivalent(a, b, ignored);
 }
 
 }  // namespace
@@ -66,7 +68,7 @@ std::optional<Experiment> load(const ExperimentRequest& request) {
   if (request.file.empty()) return paper_experiment();
   auto experiment = load_experiment(request.file, request.sets);
   if (experiment) return std::move(*experiment);
-  for (const Problem& problem : experiment.error()) fmt::print(stderr, "{}\n", problem.message());
+  for (const Problem& problem : experiment.error()) print_error(problem.message() + "\n");
   return {};
 }
 
@@ -92,11 +94,19 @@ int run(const RunRequest& request) {
   options.video = request.video;
   options.guard = true;
   std::vector<std::unique_ptr<CsvFile>> files;
+  std::error_code ignored;
+  if (!request.force && !request.video.empty() && std::filesystem::is_regular_file(request.video, ignored)) {
+    complain(fmt::format("{}: is there already, and no run is overwritten; free is {}, or say --force", request.video,
+                         free_name(request.video)));
+    return wrong_input;
+  }
   try {
     for (const std::string& path :
          {request.csv, request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()}) {
       if (path.empty()) continue;
-      files.push_back(std::make_unique<CsvFile>(path, *experiment));
+      if (same_file(path, request.experiment.file))
+        throw std::runtime_error(path + ": is the experiment itself; allowed: another file");
+      files.push_back(std::make_unique<CsvFile>(path, *experiment, CsvOptions{.rules = {.force = request.force}}));
       options.sinks.push_back(files.back().get());
     }
   } catch (const std::exception& error) {
@@ -111,8 +121,15 @@ int run(const RunRequest& request) {
   }
   if (const auto why = (*session)->unguarded())
     complain(fmt::format("{}: should this program be killed, nothing stops the robots", *why));
-  const Phase end = (*session)->run([] { return !interrupted(); });
+  const auto tell_alarms = [&] {
+    for (const std::string& sentence : (*session)->alarms()) complain(sentence);
+  };
+  const Phase end = (*session)->run([&] {
+    tell_alarms();
+    return !interrupted();
+  });
   (*session)->close();
+  tell_alarms();
 
   Statistics::Summary summary = statistics.summary();
   summary.stopped = end != Phase::finished;
@@ -146,7 +163,8 @@ int run(const RunRequest& request) {
       complain(written.error());
       return wrong_input;
     }
-  if (!request.quiet) fmt::print("{}", request.json ? as_json(summary) + "\n" : as_lines(summary));
+  constexpr double reader_patience = 60.0;  // the robots stand: whoever reads may take its time [s]
+  if (!request.quiet) print_out(request.json ? as_json(summary) + "\n" : as_lines(summary), reader_patience);
 
   for (const int robot : summary.not_stopped)
     complain(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",

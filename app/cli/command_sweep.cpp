@@ -10,6 +10,7 @@
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "app/run/tick_record.h"
 #include "app/tools/sweep.h"
 
@@ -32,7 +33,7 @@ bool write_csv(const std::string& path, const std::vector<RunOutcome>& outcomes)
                         o.formation_first ? (*o.formation_first ? "true" : "false") : "", failure);
   }
   file.flush();
-  if (!file) fmt::print(stderr, "skein: {}: cannot be written: {}\n", path, std::strerror(errno));
+  if (!file) print_error(fmt::format("skein: {}: cannot be written: {}\n", path, std::strerror(errno)));
   return static_cast<bool>(file);
 }
 
@@ -57,7 +58,7 @@ std::string run_command(const Study& study, std::uint64_t seed) {
 int sweep(const SweepRequest& request) {
   auto study = load_study(request.file);
   if (!study) {
-    for (const Problem& problem : study.error()) fmt::print(stderr, "{}\n", problem.message());
+    for (const Problem& problem : study.error()) print_error(fmt::format("{}\n", problem.message()));
     return wrong_input;
   }
   study->sets.insert(study->sets.end(), request.sets.begin(), request.sets.end());
@@ -68,12 +69,12 @@ int sweep(const SweepRequest& request) {
   const bool shown = !request.quiet && isatty(STDERR_FILENO) != 0;
   std::size_t told = 0;
   const auto progress = [&](std::size_t runs) {
-    if (shown && runs != told) fmt::print(stderr, "\r\033[K{} of {} runs", told = runs, study->runs);
+    if (shown && runs != told) print_error(fmt::format("\r\033[K{} of {} runs", told = runs, study->runs));
     return !interrupted();
   };
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const std::vector<RunOutcome> outcomes = sweep(*study, request.threads > 0 ? request.threads : cores, progress);
-  if (shown) fmt::print(stderr, "\r\033[K");
+  if (shown) print_error("\r\033[K");
 
   if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
   const SweepSummary summary = summarise(*study, outcomes);
@@ -88,10 +89,10 @@ int sweep(const SweepRequest& request) {
     sentences.push_back(
         fmt::format("{} runs could not be made; seed {}: {}", summary.failed_runs, first->seed, first->failure));
   }
-  for (const std::string& sentence : sentences) fmt::print(stderr, "skein: {}\n", sentence);
+  for (const std::string& sentence : sentences) complain(sentence);
   if (!sentences.empty() && !summary.bad_seeds.empty() && !request.only)
-    fmt::print(stderr, "skein: one of these again: skein sweep {} --only {}\n", quoted(request.file),
-               summary.bad_seeds.front());
+    print_error(fmt::format("skein: one of these again: skein sweep {} --only {}\n", quoted(request.file),
+                            summary.bad_seeds.front()));
   return sentences.empty() ? done : expectation_failed;
 }
 

@@ -9,6 +9,7 @@
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "vision/sources/open_source.h"
 #include "vision/track/track.h"
 
@@ -18,13 +19,13 @@ int track(const TrackRequest& request) {
   if (request.list_controls) {
     if (const auto camera = vision::parse_source(request.source); camera && camera->live())
       return list_cameras(camera->where);
-    fmt::print(stderr, "skein: {} is no camera; allowed with --list-controls: v4l2:DEVICE\n", request.source);
+    print_error(fmt::format("skein: {} is no camera; allowed with --list-controls: v4l2:DEVICE\n", request.source));
     return wrong_input;
   }
   vision::TrackOptions options;
   const auto camera = request.words.read(request.source);
   if (const std::string wrong = wrong_source(request.source); !wrong.empty() || !camera) {
-    fmt::print(stderr, "skein: {}\n", wrong.empty() ? camera.error() : wrong);
+    complain(wrong.empty() ? camera.error() : wrong);
     return wrong_input;
   }
   options.camera = *camera;
@@ -32,13 +33,14 @@ int track(const TrackRequest& request) {
   if (!request.camera.empty()) {
     auto calibration = vision::load_calibration(request.camera);
     if (!calibration) {
-      fmt::print(stderr, "{}\n", calibration.error());
+      print_error(fmt::format("{}\n", calibration.error()));
       return wrong_input;
     }
     options.calibration = std::move(*calibration);
     const auto& [width, height] = std::pair(options.calibration->width, options.calibration->height);
     if (!request.words.size.empty() && (camera->width != width || camera->height != height)) {
-      fmt::print(stderr, "skein: --size {}: {} holds for {}x{}\n", request.words.size, request.camera, width, height);
+      print_error(
+          fmt::format("skein: --size {}: {} holds for {}x{}\n", request.words.size, request.camera, width, height));
       return wrong_input;
     }
   }
@@ -46,7 +48,7 @@ int track(const TrackRequest& request) {
   if (!request.csv.empty()) {
     file.open(request.csv, std::ios::binary | std::ios::trunc);
     if (!file) {
-      fmt::print(stderr, "skein: {}: cannot be written\n", request.csv);
+      print_error(fmt::format("skein: {}: cannot be written\n", request.csv));
       return wrong_input;
     }
   }
@@ -55,18 +57,18 @@ int track(const TrackRequest& request) {
   options.notes = {{"PROGRAM", "skein " SKEIN_VERSION}};
   const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
   options.keep_going = [&](std::int64_t frames) {
-    if (show_progress && frames > 0 && frames % 10 == 0) fmt::print(stderr, "\r\033[K{} frames", frames);
+    if (show_progress && frames > 0 && frames % 10 == 0) print_error(fmt::format("\r\033[K{} frames", frames));
     return !interrupted();
   };
   const auto summary = vision::track(options);
-  if (show_progress) fmt::print(stderr, "\r\033[K");
+  if (show_progress) print_error("\r\033[K");
   if (!summary) {
-    fmt::print(stderr, "skein: {}\n", summary.error());
+    complain(summary.error());
     return device_failed;
   }
-  for (const std::string& notice : summary->status.notices) fmt::print(stderr, "skein: {}\n", notice);
-  if (summary->status.outages > 0) fmt::print(stderr, "skein: the last outage: {}\n", summary->status.reason);
-  for (const std::string& skipped : summary->skipped) fmt::print(stderr, "skein: skipped {}\n", skipped);
+  for (const std::string& notice : summary->status.notices) complain(notice);
+  if (summary->status.outages > 0) print_error(fmt::format("skein: the last outage: {}\n", summary->status.reason));
+  for (const std::string& skipped : summary->skipped) print_error(fmt::format("skein: skipped {}\n", skipped));
   if (!request.quiet) {
     // With the rows on stdout the summary must not stand among them.
     std::FILE* out = request.csv.empty() ? stderr : stdout;
@@ -79,7 +81,7 @@ int track(const TrackRequest& request) {
       fmt::print(out, "recorded: {}\nnot_recorded: {}\n", summary->recording.written, summary->recording.dropped);
   }
   if (!summary->recording.problem.empty()) {
-    fmt::print(stderr, "skein: {}\n", summary->recording.problem);
+    complain(summary->recording.problem);
     return device_failed;
   }
   return done;

@@ -24,11 +24,13 @@ struct RunRequest {
   ExperimentRequest experiment;
   std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
   bool quiet = false, json = false;
+  bool force = false;  ///< files of an older run may be overwritten
 };
 int run(const RunRequest& request);
 
 int check(const ExperimentRequest& request);
-int replay(const std::string& csv, const std::string& film);
+/// `repaired`: first leaves only the whole rows of a file that ends in a torn one.
+int replay(const std::string& csv, const std::string& film, bool repaired);
 
 struct TrackRequest {
   std::string source, camera, csv, record;

@@ -1,6 +1,7 @@
 #include "app/experiment/text_file.h"
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -8,12 +9,41 @@
 
 namespace skein::app {
 
+namespace {
+
+constexpr std::uintmax_t largest_text = std::uintmax_t{64} << 20;  // [bytes]
+
+/// Why it is no file to read; empty: it is one, or opening it says more.
+std::string not_a_file(const std::string& path) {
+  std::error_code ignored;
+  switch (std::filesystem::status(path, ignored).type()) {
+    case std::filesystem::file_type::directory:
+      return "it is a directory";
+    case std::filesystem::file_type::fifo:
+    case std::filesystem::file_type::character:
+    case std::filesystem::file_type::block:
+    case std::filesystem::file_type::socket:
+      return "it is a device or a FIFO, allowed: a file";
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+tl::expected<void, std::string> check_is_file(const std::string& path) {
+  if (const std::string why = not_a_file(path); !why.empty()) return tl::unexpected(path + ": cannot be read: " + why);
+  return {};
+}
+
 tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path) {
   const auto unreadable = [&](const std::string& why) {
     return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
   };
+  if (const std::string why = not_a_file(path); !why.empty()) return unreadable(why);
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return unreadable("it is a directory");
+  if (const std::uintmax_t size = std::filesystem::file_size(path, ignored); !ignored && size > largest_text)
+    return unreadable("it has " + std::to_string(size) + " bytes, allowed: at most " + std::to_string(largest_text));
   std::ifstream in(path, std::ios::binary);
   if (!in) return unreadable(std::strerror(errno));
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -11,45 +9,55 @@
 namespace skein::app {
 namespace {
 
-constexpr std::size_t most_recent = 1000;  // twice a session's channel
-constexpr double flush_period = 1.0;       // [s]
+constexpr std::size_t most_recent = 1000;               // twice a session's channel
+constexpr double flush_patience = 1.0, patience = 5.0;  // [s]
+
+DiskWriter open(const std::string& path, WriteRules rules) {
+  auto disk = DiskWriter::open(path, rules);
+  if (!disk) throw std::runtime_error(disk.error());
+  return std::move(*disk);
+}
+
+void check(const tl::expected<void, std::string>& written) {
+  if (!written) throw std::runtime_error(written.error());
+}
 
 }  // namespace
 
-CsvFile::CsvFile(const std::string& path, const Experiment& experiment, bool pair_gains)
-    : path_(path), buffer_(1 << 20) {
-  file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-  file_.open(path, std::ios::binary | std::ios::trunc);
-  if (file_) writer_.emplace(file_, experiment, pair_gains);
-  check();
+CsvFile::CsvFile(const std::string& path, const Experiment& experiment, CsvOptions options)
+    : disk_(open(path, options.rules)), writer_(text_, experiment, options.pair_gains || pairs_differ(experiment)) {
+  hand_over();
 }
 
 void CsvFile::record(const TickRecord& record) {
-  writer_->record(record);
-  check();
+  writer_.record(record);
+  hand_over();
+  if (!std::exchange(published_, true)) disk_.publish();
+}
+
+void CsvFile::hand_over() {
+  const bool taken = disk_.write(text_.view());
+  text_.str({});
+  if (!taken) throw std::runtime_error(disk_.failure());
+}
+
+void CsvFile::flush() {
+  check(disk_.flush(flush_patience));
 }
 
 void CsvFile::finish() {
-  file_.flush();
-  check();
-}
-
-void CsvFile::check() {
-  if (file_) return;
-  if (failure_.empty()) failure_ = fmt::format("{}: cannot be written: {}", path_, std::strerror(errno));
-  throw std::runtime_error(failure_);
+  check(disk_.finish(patience));
 }
 
 void CsvRecorder::begin(const std::string& path, const Experiment& experiment, Rows before) {
-  constexpr bool pair_gains = true;  // the operator may yet change one
-  auto file = std::make_unique<CsvFile>(path, experiment, pair_gains);
-  file->finish();  // the head: a disk that takes nothing is told of at once
+  // The operator may yet change a gain; and has been asked whether a file there may go.
+  auto file = std::make_unique<CsvFile>(path, experiment, CsvOptions{.pair_gains = true, .rules = {.force = true}});
+  file->flush();  // the head: a disk that takes nothing is told of at once
   const std::lock_guard lock(mutex_);
   file_ = std::move(file);
   last_known_ = before.empty() ? -std::numeric_limits<double>::infinity() : before.back()->now;
   before_ = std::move(before);
   owes_before_ = true;
-  flushed_ = 0.0;
 }
 
 /// Once: the rows from before the beginning, those that the caller knew of and the newest ones.
@@ -82,10 +90,6 @@ void CsvRecorder::record(const TickRecord& record) {
   if (file_) {
     write_before();
     if (record.now > last_known_) file_->record(record);  // else the caller was told of it before this sink was
-    if (record.now - flushed_ >= flush_period) {
-      file_->finish();
-      flushed_ = record.now;
-    }
   }
   recent_.push_back(record);
   if (recent_.size() > most_recent) recent_.pop_front();

@@ -1,38 +1,42 @@
 #pragma once
 
 #include <deque>
-#include <fstream>
 #include <memory>
 #include <mutex>
-#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "app/record/csv_writer.h"
+#include "app/record/disk_writer.h"
 
 namespace skein::app {
 
-/// A CSV on disk that fails loudly: a row that could not be written is an error of the run, not a gap in the data.
+struct CsvOptions {
+  bool pair_gains = false;  ///< as for CsvWriter; also where those of the experiment differ
+  WriteRules rules{};
+};
+
+/// A CSV on disk that fails loudly: a row that could not be written is an error of the run, not a gap in the data. Rows
+/// are on the disk within a second; nobody waits for it (disk_writer.h). The file has its name from the first row on.
 /// Throws std::runtime_error with file and reason.
 class CsvFile final : public RecordSink {
  public:
-  /// `pair_gains` as for CsvWriter.
-  CsvFile(const std::string& path, const Experiment& experiment, bool pair_gains);
-  CsvFile(const std::string& path, const Experiment& experiment)
-      : CsvFile(path, experiment, pairs_differ(experiment)) {}
+  CsvFile(const std::string& path, const Experiment& experiment, CsvOptions options = {});
   void record(const TickRecord& record) override;
-  void finish();  ///< everything is with the system, or it throws
+  void flush();   ///< everything is on the disk, or it throws, after a second at most
+  void finish();  ///< the same after 5 s at most, and the file is closed: no more rows
 
  private:
-  void check();
-  std::string path_, failure_;  // the first reason: later ones say nothing
-  std::vector<char> buffer_;
-  std::ofstream file_;
-  std::optional<CsvWriter> writer_;
+  void hand_over();
+  std::ostringstream text_;
+  DiskWriter disk_;
+  CsvWriter writer_;
+  bool published_ = false;
 };
 
 /// Records a run from any moment on, what was before it included. A sink that is always there, and writes while it is
-/// asked to; once a second the file is complete, so that a crash or a full disk costs a second at most. `record`
+/// asked to. `record`
 /// belongs to the sinks' thread, the rest to the controlling one.
 class CsvRecorder final : public RecordSink {
  public:
@@ -53,9 +57,9 @@ class CsvRecorder final : public RecordSink {
   mutable std::mutex mutex_;
   std::unique_ptr<CsvFile> file_;
   Rows before_;
-  bool owes_before_ = false;                 // `before_` is not written yet
-  double last_known_ = 0.0, flushed_ = 0.0;  // `now` of rows: the last that the caller knew of at the beginning [s]
-  std::deque<TickRecord> recent_;            // longer than a window's channel: what it may not have seen yet
+  bool owes_before_ = false;       // `before_` is not written yet
+  double last_known_ = 0.0;        // `now` of the last row that the caller knew of at the beginning [s]
+  std::deque<TickRecord> recent_;  // longer than a window's channel: what it may not have seen yet
 };
 
 }  // namespace skein::app

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <type_traits>
 #include <unordered_map>
 
 #include "app/record/csv_columns.h"
@@ -13,10 +14,16 @@
 namespace skein::app {
 namespace {
 
+constexpr std::size_t most_robots = 64;                     // as in an experiment
+constexpr std::size_t longest_line = std::size_t{4} << 20;  // 64 robots with all gains of pairs take 200 kB
+constexpr double largest = 1e9;  // of any unit that is recorded: what is more is no measurement
+
 template <typename Number>
 bool read_number(std::string_view cell, Number& value) {
   const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  return error == std::errc{} && stop == cell.data() + cell.size();
+  const bool read = error == std::errc{} && stop == cell.data() + cell.size();
+  if constexpr (std::is_floating_point_v<Number>) return read && std::abs(value) <= largest;  // nor inf and nan
+  return read;
 }
 
 bool read_cell(std::string_view cell, double& value) {
@@ -75,6 +82,7 @@ void split(std::string_view line, std::vector<std::string_view>& cells) {
 bool CsvReader::read_line() {
   if (!std::getline(*in_, text_)) return false;
   ++line_;
+  if (!in_->eof()) whole_bytes_ += text_.size() + 1;
   return true;
 }
 
@@ -109,6 +117,8 @@ tl::expected<CsvReader, std::string> CsvReader::open(std::istream& in, std::stri
       return reader.error(
           fmt::format("the header row has no column {}, allowed: a CSV that `skein run --csv` wrote", needed));
   reader.find_columns();
+  if (reader.robots_ > most_robots)
+    return reader.error(fmt::format("the header row has more than {0} robots, allowed: 1 to {0}", most_robots));
   reader.cells_.clear();  // they lie in text_, which moves
   return reader;
 }
@@ -121,7 +131,8 @@ void CsvReader::find_columns() {
   const auto has = [&](const std::string& name) {
     return std::find(columns_.begin(), columns_.end(), name) != columns_.end();
   };
-  while (has(fmt::format("r{}_x", robots_ + 1))) ++robots_;
+  while (robots_ <= most_robots && has(fmt::format("r{}_x", robots_ + 1))) ++robots_;
+  if (robots_ > most_robots) return;  // open() refuses it
   while (has(fmt::format("delta_{}_{}", deltas_ + 1, deltas_ + 2))) ++deltas_;
 
   store("t", [](TickRecord& r) -> double& { return r.t; });
@@ -178,6 +189,16 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
   do {
     if (!read_line()) return in_->bad() ? error("cannot be read on") : tl::expected<bool, std::string>(false);
     if (text_.ends_with('\r')) text_.pop_back();
+    if (text_.size() > longest_line)
+      return error(fmt::format("a line of {} bytes, allowed: at most {}", text_.size(), longest_line));
+    // A power cut leaves part of a row, or a block of zeros where one should be.
+    if ((in_->eof() && !text_.empty()) || text_.find('\0') != std::string::npos) {
+      torn_ = fmt::format(
+          "{}:{}: the file is torn here, as by a power cut: read up to this row; `skein replay {} "
+          "--repair` leaves the whole rows",
+          file_, line_, file_);
+      return false;
+    }
   } while (text_.empty() || text_.starts_with('#'));
 
   split(text_, cells_);

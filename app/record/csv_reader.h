@@ -36,8 +36,15 @@ class CsvReader {
   const std::vector<std::string>& columns() const noexcept { return columns_; }
   std::size_t robots() const noexcept { return robots_; }
 
-  /// The next row. false: there is none. `phase`, the margins and the tracking gains are not in the file.
+  /// The next row. false: there is none, or what is left is torn: see torn(). `phase`, the margins and the tracking
+  /// gains are not in the file.
   tl::expected<bool, std::string> next(TickRecord& record);
+
+  /// Where the file ends in a row that is not whole, as after a power cut, a sentence about it, once `next` has come
+  /// there. A row is whole when its line ends.
+  const std::optional<std::string>& torn() const noexcept { return torn_; }
+  /// Where the first byte behind the last whole row is.
+  std::uint64_t whole_bytes() const noexcept { return whole_bytes_; }
 
   /// A cell of the row that `next` read, by column name; empty where there is no such column.
   std::string_view cell(std::string_view column) const;
@@ -54,6 +61,8 @@ class CsvReader {
   std::istream* in_;
   std::string file_;
   std::size_t line_ = 0;
+  std::uint64_t whole_bytes_ = 0;
+  std::optional<std::string> torn_;
   std::string text_;  // of that line
   CsvHead head_;
   std::vector<std::string> columns_;

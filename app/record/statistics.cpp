@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace skein::app {
 namespace {
@@ -13,19 +13,13 @@ constexpr double touch = 2.0 * core::robot_radius;  // two robots' midpoints whe
 constexpr double touch_hysteresis = 1e-3;           // a pair that rubs along is one collision [m]
 constexpr double one_disturbance = 0.2;             // [s]
 constexpr double arrived_within = 0.01;             // [m]
+constexpr std::size_t most_exact = 20'000, most_events = 10'000;
 
 /// Where a robot is, as well as it is known; nothing of one that was never seen.
 core::Pose place(const RobotRecord& robot) noexcept {
   if (!std::isnan(robot.truth.x)) return robot.truth;
   const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
   return seen ? robot.pose : core::Pose{none, none, none};
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return none;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double tracking_error(const TickRecord& record) noexcept {
@@ -43,7 +37,6 @@ bool PerturbationResult::formation_first() const noexcept {
 
 Statistics::Statistics(const Experiment& experiment) : experiment_(experiment) {
   so_far_.name = experiment.name;
-  samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(0, experiment.ticks())));
 }
 
 void Statistics::record(const TickRecord& record) {
@@ -51,7 +44,6 @@ void Statistics::record(const TickRecord& record) {
   count_collisions(record);
   if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
   const Sample sample{record.t, record.formation_error(), tracking_error(record)};
-  samples_.push_back(sample);
   const bool there = sample.tracking <= arrived_within &&
                      std::all_of(record.robots.begin(), record.robots.end(),
                                  [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
@@ -64,21 +56,23 @@ void Statistics::record(const TickRecord& record) {
   so_far_.final_error = sample.tracking;
   so_far_.final_formation_error = sample.formation;
   if (so_far_.ticks > 1) so_far_.largest_period = std::fmax(so_far_.largest_period, record.period);
-  if (!std::isnan(record.compute_time)) compute_times_.push_back(record.compute_time);
+  if (!std::isnan(record.compute_time)) compute_times_.add(record.compute_time);
   double delay = none;
   for (const RobotRecord& robot : record.robots)
     if (!robot.is(lost)) delay = std::fmax(delay, robot.pose_age + robot.actuation_delay);
-  if (!std::isnan(delay)) loop_delays_.push_back(delay);
+  if (!std::isnan(delay)) loop_delays_.add(delay);
   for (std::size_t stage = 0; stage < stages; ++stage) so_far_.latency[stage].add(record.latency.of[stage]);
   so_far_.latency_total.add(record.latency.total);
   if (record.phase == Phase::stopped) so_far_.stopped = true;
 
   for (const Event& event : record.events) {
-    so_far_.events.emplace_back(record.t, describe(event));
+    if (so_far_.events.size() < most_events) so_far_.events.emplace_back(record.t, describe(event));
     if (is<events::Perturb, events::Move, events::Kick, events::Kidnap>(event)) disturb(record.t, event);
     if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event))
       so_far_.missed_deadlines += missed->ticks;
   }
+  bands_.add(sample);  // a disturbance's own tick is the first after it
+  before_.add(sample);
 }
 
 void Statistics::count_collisions(const TickRecord& record) {
@@ -108,43 +102,63 @@ void Statistics::count_collisions(const TickRecord& record) {
 void Statistics::disturb(double t, const Event& event) {
   const std::string what = describe(event);
   const int robot = static_cast<int>(robot_of(event).value());
-  if (disturbances_.empty() || t - disturbances_.back().t > one_disturbance) {
-    disturbances_.push_back({t, robot, what});
+  const bool first = disturbances_.empty();
+  if (first || t - disturbances_.back().t > one_disturbance) {
+    if (!first) disturbances_.back().settling = bands_.since(disturbances_.back().t);
+    before_ = std::exchange(bands_, {});
+    disturbances_.push_back({t, robot, what, {}});
     return;
   }
+  if (disturbances_.size() > 1) {  // the one before it lasted up to now
+    Disturbance& last = disturbances_[disturbances_.size() - 2];
+    last.settling = before_.since(last.t);
+  }
+  bands_ = {};
   Disturbance& same = disturbances_.back();
   same.t = t;
   same.what = same.robot == robot ? what : same.what + "; " + what;
   same.robot = robot;
 }
 
-/// Errors of the samples from `begin` to before `end` [s].
-Settling Statistics::settling(double begin, double end) const {
-  const auto earlier = [](const Sample& sample, double t) { return sample.t < t; };
-  const auto first = std::lower_bound(samples_.begin(), samples_.end(), begin, earlier);
-  const auto last = std::lower_bound(first, samples_.end(), end, earlier);
-  const auto settled = [&](double Sample::*error, double band) -> std::optional<double> {
-    auto in = last;  // the first sample of those that stay inside to the end
-    while (in != first && (*(in - 1)).*error <= band) --in;
-    if (in == last) return std::nullopt;
-    return in->t - begin;
+void Statistics::Bands::add(const Sample& sample) {
+  const auto look = [&](std::optional<double>& since, double error, double band) {
+    if (!(error <= band))
+      since.reset();
+    else if (!since)
+      since = sample.t;
   };
-  return {settled(&Sample::formation, 0.01), settled(&Sample::formation, 0.005), settled(&Sample::tracking, 0.01),
-          settled(&Sample::tracking, 0.005)};
+  look(formation_1cm, sample.formation, 0.01);
+  look(formation_5mm, sample.formation, 0.005);
+  look(tracking_1cm, sample.tracking, 0.01);
+  look(tracking_5mm, sample.tracking, 0.005);
+}
+
+Settling Statistics::Bands::since(double begin) const {
+  const auto after = [begin](const std::optional<double>& t) { return t ? std::optional(*t - begin) : t; };
+  return {after(formation_1cm), after(formation_5mm), after(tracking_1cm), after(tracking_5mm)};
+}
+
+void Statistics::Durations::add(double seconds) {
+  if (exact.size() < most_exact) exact.push_back(seconds);
+  all.add(seconds);
+}
+
+double Statistics::Durations::median() const {
+  if (exact.empty()) return none;
+  if (all.total() > most_exact) return all.quantile(0.5);
+  std::vector<double> values = exact;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 Statistics::Summary Statistics::summary() const {
   Summary summary = so_far_;
-  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
-    const Disturbance& d = disturbances_[i];
-    const bool is_last = i + 1 == disturbances_.size();
-    const double end = is_last ? std::numeric_limits<double>::infinity() : disturbances_[i + 1].t;
-    summary.perturbations.push_back({d.t, d.robot, d.what, settling(d.t, end)});
-  }
-  summary.median_compute = median(compute_times_);
-  if (!compute_times_.empty())
-    summary.largest_compute = *std::max_element(compute_times_.begin(), compute_times_.end());
-  summary.loop_delay = median(loop_delays_);
+  for (const Disturbance& d : disturbances_) summary.perturbations.push_back({d.t, d.robot, d.what, d.settling});
+  if (!disturbances_.empty()) summary.perturbations.back().settling = bands_.since(disturbances_.back().t);
+  summary.median_compute = compute_times_.median();
+  if (compute_times_.all.total() > 0) summary.largest_compute = compute_times_.all.largest();
+  summary.loop_delay = loop_delays_.median();
   return summary;
 }
 

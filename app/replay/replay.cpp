@@ -7,12 +7,15 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <span>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/text_file.h"
 #include "app/record/csv_reader.h"
+#include "app/record/disk_writer.h"
 #include "app/replay/replay_film.h"
 #include "app/run/operator_command.h"
 #include "app/tick/control_tick.h"
@@ -160,6 +163,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     last_tick = row.tick;
     ++result.ticks;
   }
+  if (reader->torn()) result.warnings.push_back(*reader->torn());
   if (frames) {
     result.frames = frames->frames();
     result.missing_frames = frames->missing();
@@ -176,7 +180,43 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
   return replay_into(csv, file, film, nullptr);
 }
 
+tl::expected<void, std::string> repair(const std::string& file) {
+  if (const auto ours = check_is_file(file); !ours) return tl::unexpected(ours.error());
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return tl::unexpected(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
+  auto reader = CsvReader::open(in, file);
+  if (!reader) return tl::unexpected(reader.error());
+  TickRecord row;
+  tl::expected<bool, std::string> more = true;
+  while (more && *more) more = reader->next(row);
+  if (!more) return tl::unexpected(more.error());
+  if (!reader->torn()) return tl::unexpected(file + ": is whole, there is nothing to repair");
+  const std::string torn = file + ".torn";
+  if (std::filesystem::exists(torn)) return tl::unexpected(torn + ": is there already, allowed: a name that is free");
+  auto whole = DiskWriter::open(file, {.force = true});
+  if (!whole) return tl::unexpected(whole.error());
+  in.clear();
+  in.seekg(0);
+  std::string block;
+  for (std::uint64_t left = reader->whole_bytes(); left > 0; left -= block.size()) {
+    block.resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, 1 << 16)));
+    if (!in.read(block.data(), static_cast<std::streamsize>(block.size())))
+      return tl::unexpected(fmt::format("{}: cannot be read on: {}", file, std::strerror(errno)));
+    if (!whole->write(block)) return tl::unexpected(whole->failure());
+  }
+  constexpr double patience = 60.0;  // [s]
+  if (auto written = whole->flush(patience); !written) return written;
+  // The torn file keeps a name: nothing is lost for good by a repair.
+  std::error_code error;
+  std::filesystem::create_hard_link(file, torn, error);
+  if (error) std::filesystem::copy_file(file, torn, error);
+  if (error) return tl::unexpected(fmt::format("{}: cannot be written: {}", torn, error.message()));
+  whole->publish();
+  return whole->finish(patience);
+}
+
 tl::expected<RecordedRun, std::string> load_run(const std::string& file) {
+  if (const auto ours = check_is_file(file); !ours) return tl::unexpected(ours.error());
   std::ifstream in(file, std::ios::binary);
   if (!in) return tl::unexpected(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
   RecordedRun run;

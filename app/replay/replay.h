@@ -36,6 +36,10 @@ struct ReplayResult {
 tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file,
                                                const std::string& film = {});
 
+/// Leaves the whole rows of a run's CSV that ends in a torn one; the torn file stays as FILE.torn. The error: there is
+/// nothing to repair, or it cannot be done.
+tl::expected<void, std::string> repair(const std::string& file);
+
 /// A recorded run with all that the window shows of one.
 struct RecordedRun {
   std::string file;

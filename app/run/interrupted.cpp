@@ -1,7 +1,10 @@
 #include "app/run/interrupted.h"
 
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+
+#include "comms/crash_stop.h"
 
 namespace skein::app {
 namespace {
@@ -12,14 +15,27 @@ void on_signal(int) {
   interrupted_flag.store(true);
 }
 
+/// Ctrl-Z: robots do not drive on while their program stands still. Whoever continues it finds a run that has ended.
+void on_suspend(int) {
+  const int kept = errno;
+  if (comms::stop_robots_now()) interrupted_flag.store(true);
+  ::raise(SIGSTOP);
+  errno = kept;
+}
+
 }  // namespace
 
 void catch_interrupts() noexcept {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that has gone is a write error, not the end of a run
+  // The end of the terminal and whatever else would end the program without a word is SIGTERM.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL})
+    ::sigaction(signal, &action, nullptr);
+  action.sa_handler = on_suspend;
+  ::sigaction(SIGTSTP, &action, nullptr);
+  // A reader of our output that has gone, a file that has grown too large, a terminal that lets nobody write from the
+  // background: errors of writing, not the end of a run, nor its standstill.
+  for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
 }
 
 bool interrupted() noexcept {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/experiment/at_start.h"
+#include "comms/watchdog.h"
 
 namespace skein::app {
 namespace {
@@ -265,6 +266,12 @@ void ControlLoop::thread(const std::stop_token& stop) {
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
 
   const double period = experiment_.period();
+  const double patience = std::max(experiment_.command_silence(), 3.0 * period);
+  const double longest_silence = std::max(0.3, patience), standstill = std::max(0.5, patience);  // [s]
+  const bool real = std::any_of(experiment_.robots.begin(), experiment_.robots.end(),
+                                [](const RobotSpec& robot) { return !robot.simulated(); });
+  comms::Heart heart(longest_silence);
+  double cycled_at = clock_.now();
   TickTimer timer(period, clock_.now() + period);
   int elapsed = 1;
   auto last = std::chrono::steady_clock::now();
@@ -282,6 +289,14 @@ void ControlLoop::thread(const std::stop_token& stop) {
     const TickTimer::Window window = timer.window();
     std::this_thread::sleep_until(clock_.at(window.earliest));
     if (window.latest > window.earliest) plant_.wait_for_frame(window.since, window.latest);
+    heart.beat();
+    const double gap = clock_.now() - cycled_at - period;
+    cycled_at += gap + period;
+    if (real && gap > standstill && !stop_asked()) {
+      stood_still_.store(gap, std::memory_order_release);
+      this->stop();
+      plant_.stop();
+    }
     cycle(clock_.now(), elapsed);
     if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
     // Deadlines that have passed by now are missed, and the next tick says how many.

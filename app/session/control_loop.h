@@ -65,6 +65,9 @@ class ControlLoop {
   }
   /// Whether some robot whose pose is known is not at its start.
   bool away() const noexcept { return away_.load(std::memory_order_acquire); }
+  /// For how long the control thread stood still when that was a STOP [s]; 0: it was not. Only with real robots: they
+  /// have been stopped meanwhile by their links or the guard, and nobody drives on by itself afterwards.
+  double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
   /// Set when the control thread died; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
@@ -113,7 +116,7 @@ class ControlLoop {
   std::int64_t virtual_ticks_ = 0;
 
   std::atomic<bool> stop_{false}, failed_{false}, away_{false};
-  std::atomic<double> speed_{1.0};
+  std::atomic<double> speed_{1.0}, stood_still_{0.0};
   std::atomic<int> steps_{0};
   bool stepping_ = false;  // the next tick ends a step
   std::atomic<Phase> phase_{Phase::ready};

@@ -7,17 +7,17 @@
 #include <cmath>
 #include <thread>
 
-#include "app/session/safety_net.h"
+#include "app/guard/safety_net.h"
 #include "app/session/wheel_check.h"
 
 namespace skein::app {
 namespace {
 
-constexpr double open_timeout = 15.0;      // a Bluetooth connection takes a few seconds, a robot may be asked twice [s]
-constexpr double close_timeout = 1.0;      // for the stops to be acknowledged [s]
-constexpr double lock_step_timeout = 2.0;  // an emulated robot answers in well under a millisecond [s]
-constexpr double heartbeat = 0.05;         // at a slow rate a lost link is noticed as soon as at 25 Hz [s]
-constexpr double battery_period = 10.0;    // [s]
+constexpr double longest_standstill = 0.5;  // of the program, with real robots: beyond it nobody drives on [s]
+constexpr double close_timeout = 1.0;       // for the stops to be acknowledged [s]
+constexpr double lock_step_timeout = 2.0;   // an emulated robot answers in well under a millisecond [s]
+constexpr double heartbeat = 0.05;          // at a slow rate a lost link is noticed as soon as at 25 Hz [s]
+constexpr double battery_period = 10.0;     // [s]
 
 }  // namespace
 
@@ -74,9 +74,13 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
       link_options.command_silence = link_options.heartbeat = link_options.battery_period = 0.0;
       link_options.reply_timeout = lock_step_timeout;
     }
+    const bool real = std::any_of(experiment.robots.begin(), experiment.robots.end(),
+                                  [](const RobotSpec& robot) { return !robot.simulated(); });
+    if (clock.wall() && real) link_options.standstill = std::max(longest_standstill, link_options.command_silence);
     plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, link_options);
     plant->watch_.emplace(plant->linked_, experiment.failure.link_bridge, clock.wall());
-    if (auto started = plant->links_->start(open_timeout); !started) return tl::unexpected(started.error());
+    if (auto started = plant->links_->start(comms::reach_patience(addresses)); !started)
+      return tl::unexpected(started.error());
   }
   if (experiment.camera.kind() != CameraKind::absent) {
     auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_);
@@ -196,10 +200,17 @@ std::vector<RobotStatus> Plant::robots() const {
   return all;
 }
 
+std::string stood_still_sentence(double seconds) {
+  return fmt::format(
+      "the program stood still for {:.1f} s (suspended, stopped by a debugger, or the machine was too busy): STOP",
+      seconds);
+}
+
 std::optional<std::string> Plant::failure() {
   if (camera_ && camera_->failed()) return camera_->reason();
   if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
   if (!links_ || !final_status_.empty()) return {};
+  if (const double gap = links_->stood_still(); gap > 0.0) return stood_still_sentence(gap);
   auto lost = watch_->look(links_->status());
   if (experiment_.failure.link_lost == FailureSpec::LinkLost::others_go_on) return {};
   return lost;

@@ -95,4 +95,7 @@ class Plant {
   std::atomic<std::uint64_t> acts_{0};       // finished ones
 };
 
+/// Why a run ends after its program stood still.
+std::string stood_still_sentence(double seconds);
+
 }  // namespace skein::app

@@ -26,10 +26,16 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.gains = make_gains(experiment);
   i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
-  if (i.options.guard) i.net = SafetyNet::spread(i.experiment);
+  if (i.options.guard && i.clock.wall()) {
+    const auto robots = real_robots(i.experiment);
+    if (!robots) return tl::unexpected(robots.error());
+    i.net = SafetyNet::spread({i.experiment.name, *robots});
+    if (!i.net && robots->empty()) i.net = SafetyNet();  // a simulation harms nobody
+    if (!robots->empty()) i.sleep.emplace(i.experiment.name);
+  }
   auto plant = Plant::open(i.experiment, i.clock, i.options);
   if (!plant) {
-    if (i.net) i.net->done({});  // those that were reached have been stopped
+    if (i.net) i.net->done(std::vector<StopResult>{});  // those that were reached have been stopped
     return tl::unexpected(plant.error());
   }
   i.plant = std::move(*plant);
@@ -40,6 +46,9 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
     i.recorder_thread = std::jthread([&i](const std::stop_token& token) { i.recorder(token); });
     i.loop->start_thread();
+    i.supervisor_thread = std::jthread([&i](const std::stop_token& token) { i.supervise(token); });
+    if (i.net)
+      i.net->on_stop([&i] { i.stop_from_outside(); }, [&i] { return stop_results(i.experiment, i.plant->robots()); });
   }
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
@@ -89,6 +98,20 @@ VideoStatus Session::video() const {
 
 std::optional<std::string> Session::unguarded() const {
   return wiring_->net ? std::nullopt : std::optional(wiring_->net.error());
+}
+
+std::vector<std::string> Session::alarms() {
+  std::vector<std::string> all;
+  {
+    const std::lock_guard lock(wiring_->failure_mutex);
+    all.swap(wiring_->alarms);
+  }
+  if (wiring_->net)
+    for (std::string& sentence : wiring_->net->alarms()) all.push_back(std::move(sentence));
+  if (wiring_->sleep)
+    if (std::string problem = wiring_->sleep->problem(); !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
+      all.push_back("this machine may go to sleep while robots drive, and nothing stops them then: " + problem);
+  return all;
 }
 
 std::optional<std::string> Session::failure() const {
@@ -159,9 +182,15 @@ void Session::close() {
   i.stop();
   i.ends_test = true;
   if (i.test.valid()) i.test.wait();
+  if (i.net) i.net->on_stop({}, {});
+  if (i.supervisor_thread.joinable()) {
+    i.supervisor_thread.request_stop();
+    i.supervisor_thread.join();
+  }
   i.loop->end_thread();
   i.plant->close();
-  if (i.net) i.net->done(i.plant->robots());
+  if (i.net) i.net->done(stop_results(i.experiment, i.plant->robots()));
+  i.sleep.reset();
   if (i.recorder_thread.joinable()) {
     i.recorder_thread.request_stop();
     i.recorder_thread.join();

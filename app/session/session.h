@@ -128,6 +128,9 @@ class Session {
   VideoStatus video() const;
   /// Why there is no guard although one was asked for: should this program be killed, nothing stops the robots.
   std::optional<std::string> unguarded() const;
+  /// Sentences that the operator must see, each once: about the guard, STOP from outside, a machine that may go to
+  /// sleep. One thread.
+  std::vector<std::string> alarms();
   /// Why the session failed (camera gone, a link that could not be held, an exception), if it did.
   std::optional<std::string> failure() const;
 

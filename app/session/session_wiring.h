@@ -12,16 +12,18 @@
 #include <thread>
 
 #include "app/experiment/experiment.h"
+#include "app/guard/safety_net.h"
 #include "app/run/status.h"
 #include "app/session/control_loop.h"
 #include "app/session/plant.h"
 #include "app/session/record_channel.h"
-#include "app/session/safety_net.h"
 #include "app/session/session_options.h"
+#include "comms/sleep_inhibitor.h"
 
 namespace skein::app {
 
 inline constexpr auto recorder_period = std::chrono::milliseconds(20);
+inline constexpr auto supervisor_period = std::chrono::milliseconds(20);
 inline constexpr auto longest_hold =
     std::chrono::seconds(1);                   // a paced simulation waits so long for its sinks and its window
 inline constexpr double window_silence = 3.0;  // robots with links do not drive on under a window that hangs [s]
@@ -96,7 +98,15 @@ struct SessionWiring {
     plant->stop();
   }
 
-  /// Rows to the sinks, an eye on links and camera; a thread of its own, so that a slow disk delays nobody.
+  void stop_from_outside() {
+    {
+      const std::lock_guard lock(failure_mutex);
+      alarms.emplace_back("STOP from outside this program (`skein stop`, `skein robots stop`)");
+    }
+    stop();
+  }
+
+  /// Rows to the sinks, on a thread of its own: nobody else waits for a slow one.
   void recorder(const std::stop_token& token) {
     while (true) {
       const bool last = token.stop_requested();
@@ -107,14 +117,33 @@ struct SessionWiring {
         return;
       }
       if (last) return;
-      watch();
       std::this_thread::sleep_for(recorder_period);
     }
+  }
+
+  /// An eye on links, camera, window and guard: a thread of its own, which waits for no file.
+  void supervise(const std::stop_token& token) {
+    for (; !token.stop_requested(); std::this_thread::sleep_for(supervisor_period)) {
+      try {
+        watch();
+        keep_awake();
+      } catch (const std::exception& error) {
+        fail(fmt::format("the supervision of the run failed: {}", error.what()));
+        return;
+      }
+    }
+  }
+
+  void keep_awake() {
+    if (!sleep) return;
+    const Phase phase = loop->phase();
+    sleep->hold(phase == Phase::running || phase == Phase::staging);
   }
 
   void watch() {
     const Phase phase = loop->phase();
     if (loop->failed()) fail(loop->reason());
+    if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
     const bool moves = phase == Phase::running || phase == Phase::staging;
@@ -139,16 +168,19 @@ struct SessionWiring {
   core::Gains gains;
   core::ReferenceDemand demand;
   tl::expected<SafetyNet, std::string> net;
+  std::vector<std::string> alarms;  // guarded by failure_mutex: what no net can tell
   std::unique_ptr<Plant> plant;
   std::unique_ptr<ControlLoop> loop;
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
-  std::jthread recorder_thread;
+  std::jthread recorder_thread, supervisor_thread;
+  std::optional<comms::SleepInhibitor> sleep;  // of a machine with real robots
   const bool real_time = real_time_reason(experiment).has_value();
   std::atomic<bool> ends_test{false};
   std::future<tl::expected<WheelCheck, std::string>> test;  // under way, or not yet asked for
   std::atomic<double> last_look{none};  // when somebody drained last, on the session's clock [s]; none: nobody does
   bool started = false;                 // the sinks' thread's
   bool closed = false;
+  bool told_of_sleep = false;
   mutable std::mutex failure_mutex;
   std::optional<std::string> failure;
 };

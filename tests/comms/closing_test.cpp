@@ -141,5 +141,16 @@ TEST(Closing, EndsWhereTheRobotIsNotReached) {
   EXPECT_FALSE(status.stop_acknowledged);
 }
 
+TEST(Patience, FollowsTheRobotsThatAnAdapterHasToPage) {
+  std::vector<LinkAddress> robots;
+  for (int i = 0; i < 28; ++i)
+    robots.push_back(
+        {LinkKind::rfcomm, "10:00:E8:00:00:" + std::to_string(10 + i), 1, "hci" + std::to_string(i / 7), {}});
+  EXPECT_GE(reach_patience(robots), 7 * 5.12);
+  EXPECT_GE(connect_patience(robots, 0, 6.0), 7 * 5.12) << "a robot that waits in the queue is not cancelled";
+  EXPECT_EQ(connect_patience({robots[0], robots[7]}, 0, 6.0), 6.0) << "an adapter each";
+  EXPECT_EQ(reach_patience({{LinkKind::tcp, "192.168.1.20", 1000, {}, {}}}), 15.0) << "nobody is paged";
+}
+
 }  // namespace
 }  // namespace skein::comms

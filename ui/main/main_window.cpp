@@ -221,6 +221,7 @@ void MainWindow::on_record(const app::TickRecord& record) {
 void MainWindow::on_frame() {
   if (app::interrupted() && !may_close_) close();
   if (calibrating_ && !live_.is_busy()) std::exchange(calibrating_, nullptr)->look();
+  for (const QString& sentence : live_.alarms()) log_->note(0.0, sentence, Severity::alarm);
   app::Picture picture;
   if (arena_->shows_picture() && live_.picture(picture)) arena_->take(picture);
   arena_->refresh();

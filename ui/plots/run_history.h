@@ -17,8 +17,9 @@ class RunHistory {
  public:
   using Rows = std::vector<std::shared_ptr<const app::TickRecord>>;
 
-  /// `bytes` is what the rows may take in all: by default 74 minutes of four robots at 25 Hz.
-  explicit RunHistory(std::size_t bytes = std::size_t{256} << 20) : bytes_(bytes) {}
+  /// `bytes` is what the rows may take in all: by default 13 minutes of four robots at 25 Hz.
+  /// A recording (CsvRecorder) has no such end.
+  explicit RunHistory(std::size_t bytes = std::size_t{48} << 20) : bytes_(bytes) {}
 
   void clear();
   /// Keeps the record if it is a row of the run: from the tick that starts it to the one that ends it.

@@ -5,6 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include "app/run/output.h"
+
 namespace skein::ui {
 namespace {
 
@@ -17,7 +19,7 @@ void complete(app::CsvRecorder* recorder) {
   try {
     if (recorder) recorder->end();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "skein: %s\n", error.what());
+    app::complain(error.what());
   }
 }
 
@@ -284,6 +286,13 @@ tl::expected<void, std::string> LiveSession::test_robot(std::size_t robot) {
 std::optional<QString> LiveSession::unguarded() const {
   const auto why = session_ ? session_->unguarded() : std::nullopt;
   return why ? std::optional(QString::fromStdString(*why)) : std::nullopt;
+}
+
+QStringList LiveSession::alarms() {
+  QStringList all;
+  if (!session_) return all;
+  for (const std::string& sentence : session_->alarms()) all << QString::fromStdString(sentence);
+  return all;
 }
 
 tl::expected<void, std::string> LiveSession::put_obstacle(int number, const core::Obstacle& obstacle) {

@@ -2,6 +2,7 @@
 
 #include <QElapsedTimer>
 #include <QObject>
+#include <QStringList>
 #include <QTimer>
 #include <future>
 #include <memory>
@@ -80,6 +81,8 @@ class LiveSession final : public QObject {
   tl::expected<void, std::string> test_robot(std::size_t robot);
   /// Why nothing would stop the robots should this program be killed; nothing: something would, or need not.
   std::optional<QString> unguarded() const;
+  /// What the operator must see of the guard and of STOP from outside, each once.
+  QStringList alarms();
   std::uint64_t undrained_rows() const { return session_ ? session_->undrained_rows() : 0; }
   /// Number -1: a new one; radius 0: away with it.
   tl::expected<void, std::string> put_obstacle(int number, const core::Obstacle& obstacle);

@@ -4,7 +4,10 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
 #include <memory>
 
 namespace skein::vision {
@@ -62,8 +65,15 @@ std::string draw_sheet(const std::vector<Page>& pages, bool pdf, const std::stri
   if (pages.empty()) return "there is nothing on it";
   const double width = pages[0].width * points_per_mm;
   const double height = pages[0].height * points_per_mm;
-  const Surface surface(pdf ? cairo_pdf_surface_create(path.c_str(), width, height)
-                            : cairo_svg_surface_create(path.c_str(), width, height));
+  // Through a file of our own: cairo's says nothing of what a full disk did not take at the end.
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbe"), std::fclose);
+  if (!file) return std::strerror(errno);
+  const cairo_write_func_t write = [](void* to, const unsigned char* bytes, unsigned size) {
+    return std::fwrite(bytes, 1, size, static_cast<std::FILE*>(to)) == size ? CAIRO_STATUS_SUCCESS
+                                                                            : CAIRO_STATUS_WRITE_ERROR;
+  };
+  const Surface surface(pdf ? cairo_pdf_surface_create_for_stream(write, file.get(), width, height)
+                            : cairo_svg_surface_create_for_stream(write, file.get(), width, height));
   if (!pdf) cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PT);
   {
     const Context context(cairo_create(surface.get()));
@@ -78,6 +88,12 @@ std::string draw_sheet(const std::vector<Page>& pages, bool pdf, const std::stri
     if (const auto status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS) return problem_of(status);
   }
   cairo_surface_finish(surface.get());
+  errno = 0;
+  const bool flushed = std::fflush(file.get()) == 0 && std::ferror(file.get()) == 0;
+  const int error = errno;
+  const bool closed = std::fclose(file.release()) == 0;
+  if (!flushed) return std::strerror(error != 0 ? error : EIO);
+  if (!closed) return std::strerror(errno);
   return problem_of(cairo_surface_status(surface.get()));
 }
 

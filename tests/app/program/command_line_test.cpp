@@ -260,6 +260,48 @@ TEST(CommandLine, ARecordedRunReplaysBitForBit) {
   EXPECT_TRUE(has(changed.err, "tick 1000")) << changed.err;
 }
 
+TEST(CommandLine, ATornRecordIsReadToItsTearAndRepaired) {
+  Folder folder;
+  const std::string file = folder / "run.csv";
+  ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--csv", file, "--quiet", "--set", "duration=2"}).status, 0);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100);
+  const Result torn = skein({"replay", file});
+  EXPECT_EQ(torn.status, 0) << torn.err;
+  EXPECT_TRUE(has(torn.err, "torn")) << torn.err;
+  EXPECT_EQ(skein({"replay", "--repair", file}).status, 0);
+  const Result whole = skein({"replay", file});
+  EXPECT_EQ(whole.status, 0);
+  EXPECT_FALSE(has(whole.err, "torn")) << whole.err;
+  EXPECT_TRUE(std::filesystem::exists(file + ".torn"));
+  EXPECT_EQ(skein({"replay", "--repair", file}).status, 2) << "there is nothing to repair";
+}
+
+TEST(CommandLine, NoRunIsOverwritten) {
+  Folder folder;
+  const std::vector<std::string> words{
+      "run", experiments + "platoon.toml", "--csv", folder / "run.csv", "--quiet", "--set", "duration=1"};
+  ASSERT_EQ(skein(words).status, 0);
+  const Result refused = skein(words);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(has(refused.err, "run-2.csv")) << refused.err;
+  std::vector<std::string> forced = words;
+  forced.push_back("--force");
+  EXPECT_EQ(skein(forced).status, 0);
+  const std::string copy = folder / "copy.toml";
+  std::filesystem::copy_file(experiments + "platoon.toml", copy);
+  EXPECT_EQ(skein({"run", copy, "--csv", copy, "--force", "--set", "duration=1"}).status, 2) << "the experiment itself";
+  EXPECT_EQ(read_file(copy), read_file(experiments + "platoon.toml"));
+}
+
+TEST(CommandLine, ADeviceIsNoFile) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", "/dev/zero"}, {"replay", "/dev/zero"}}) {
+    const Result r = skein(words);
+    EXPECT_EQ(r.status, 2);
+    EXPECT_TRUE(has(r.err, "a device or a FIFO, allowed: a file")) << r.err;
+  }
+}
+
 TEST(CommandLine, JsonIsOneObject) {
   const Result r = skein({"run", experiments + "platoon.toml", "--json"});
   EXPECT_EQ(r.status, 0);

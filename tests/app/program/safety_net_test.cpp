@@ -1,5 +1,9 @@
 // A program that dies: by a signal in any of its threads, killed, or in good order. Its robots stand.
-#include "app/session/safety_net.h"
+#include "app/guard/safety_net.h"
+#include "app/guard/robot_addresses.h"
+#include "app/guard/run_marker.h"
+#include "app/guard/stop_run.h"
+#include "app/run/output.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -8,10 +12,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
-
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "app/cli/commands.h"
@@ -49,6 +54,10 @@ class DyingProgram : public testing::Test {
       ::kill(pid_, SIGKILL);
       ::waitpid(pid_, nullptr, 0);
     }
+    // Guards whose robots go with this test would try for ever.
+    testing::internal::CaptureStdout();
+    forget_runs();
+    testing::internal::GetCapturedStdout();
     fs::remove_all(state_);
   }
 
@@ -153,12 +162,10 @@ TEST_F(DyingProgram, WithoutAGuardTheNextStartKnowsOfItAndStopsThem) {
 
 TEST_F(DyingProgram, AGoodEndLeavesNothingBehind) {
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
-  auto net = SafetyNet::spread("good", robots, test::program());
+  auto net = SafetyNet::spread({"good", robots, test::program()});
   ASSERT_TRUE(net) << net.error();
   EXPECT_TRUE(markers());
-  RobotStatus stands;
-  stands.stop_acknowledged = true;
-  net->done({stands});
+  net->done({{comms::to_text(robots[0]), true}});
   EXPECT_FALSE(markers());
 }
 
@@ -173,15 +180,116 @@ TEST_F(DyingProgram, ARobotThatIsNotKnownToStandIsLeftToTheGuard) {
   }
   ptys.silence(0, false);
   ASSERT_NE(ptys.wheels(0), WheelSpeeds{});
-  auto net = SafetyNet::spread("bad", robots, test::program());
+  auto net = SafetyNet::spread({"bad", robots, test::program()});
   ASSERT_TRUE(net) << net.error();
-  net->done({RobotStatus{}});
+  net->done({{comms::to_text(robots[0]), false, "no answer"}});
   EXPECT_TRUE(eventually([this] { return ptys.wheels(0) == WheelSpeeds{} && !markers(); }));
+}
+
+TEST_F(DyingProgram, WhenItIsFrozenTheGuardStopsTheRobotsOnTheirOwnLines) {
+  start(test::program());
+  if (HasFatalFailure()) return;
+  const double frozen = seconds();
+  ::kill(pid_, SIGSTOP);
+  EXPECT_TRUE(eventually([this] { return stand(); }));
+  std::printf("all robots stand %.1f ms after SIGSTOP\n", 1e3 * (seconds() - frozen));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  ::kill(pid_, SIGCONT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_TRUE(stand()) << "nobody drives on by itself";
+}
+
+TEST_F(DyingProgram, AGuardThatDiesIsNoticedAndThereIsANewOne) {
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  auto net = SafetyNet::spread({"guarded", robots, test::program()});
+  ASSERT_TRUE(net) << net.error();
+  const pid_t first = net->guard_process();
+  ASSERT_GT(first, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // one that dies at once is not started again at once
+  ::kill(first, SIGKILL);
+  EXPECT_TRUE(eventually([&] { return net->guard_process() > 0 && net->guard_process() != first; }));
+  const auto alarms = net->alarms();
+  ASSERT_FALSE(alarms.empty());
+  EXPECT_NE(alarms[0].find("the guard has died"), std::string::npos) << alarms[0];
+  net->done({{comms::to_text(robots[0]), true}});
+}
+
+TEST_F(DyingProgram, StopFromOutsideReachesARunThroughItsSocket) {
+  start(test::program());
+  if (HasFatalFailure()) return;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(stop_runs(), done);
+  const std::string said = testing::internal::GetCapturedStdout();
+  EXPECT_TRUE(stand());
+  EXPECT_NE(said.find("serial:" + ptys.device(0) + ": stopped"), std::string::npos) << said;
+}
+
+TEST_F(DyingProgram, RobotsStopReachesARunThatIsFrozen) {
+  start(test::program());
+  if (HasFatalFailure()) return;
+  ::kill(pid_, SIGSTOP);
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(stop_robots({}), done);
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("stopped"), std::string::npos);
+  EXPECT_TRUE(stand());
+  EXPECT_EQ(wait_for_the_end(), SIGKILL) << "SIGTERM does not reach it";
+}
+
+TEST_F(DyingProgram, MarkersHaveNamesThatAreNeverUsedTwice) {
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  {
+    const auto one = SafetyNet::spread({"one", robots, "/bin/true"}),
+               two = SafetyNet::spread({"two", robots, "/bin/true"});
+    ASSERT_TRUE(one && two);
+    EXPECT_EQ(all_markers().size(), 2u) << "of one process";
+    EXPECT_TRUE(bad_ends().empty());
+  }
+  EXPECT_EQ(bad_ends().size(), 2u);
+}
+
+TEST_F(DyingProgram, AMarkerOfAnotherUserIsNotBelieved) {
+  fs::create_directories(state_ / "skein");
+  const fs::path marker = state_ / "skein" / "run-planted";
+  std::ofstream(marker) << "skein run planted\nserial:/dev/null\t\t\n";
+  fs::permissions(marker, fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(all_markers().size(), 1u) << "the control";
+  fs::permissions(marker, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_TRUE(all_markers().empty());
+  fs::permissions(state_ / "skein", fs::perms::others_write, fs::perm_options::add);
+  EXPECT_NE(state_directory(), (state_ / "skein").string());
+}
+
+TEST_F(DyingProgram, RobotsAreFoundInAFileWithMistakes) {
+  fs::create_directories(state_);
+  const std::string path = (state_ / "robots.toml").string();
+  std::ofstream(path) << "[[robot]\nname = \"a\"\nlink = \"rfcomm:10:00:E8:AA:BB:CC/1\"\nadapter = \"hci1\"\n"
+                         "[[robot]]\nlink = \"serial:/dev/ttyACM0\"\n";
+  const RobotAddresses found = robot_addresses(path);
+  ASSERT_EQ(found.robots.size(), 2u);
+  EXPECT_EQ(found.robots[0].adapter, "hci1");
+  EXPECT_EQ(found.robots[1].adapter, "");
+  EXPECT_EQ(found.problems.size(), 1u) << "and the mistake is told";
+}
+
+TEST(Output, NeitherThrowsNorWaitsForAReaderThatDoesNotRead) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const int kept = ::dup(STDERR_FILENO);
+  ::dup2(ends[1], STDERR_FILENO);
+  const double began = seconds();
+  for (int k = 0; k < 1000; ++k) complain(std::string(1000, 'x'));  // a pipe holds 64 kB
+  const double took = seconds() - began;
+  std::array<char, 65536> read;
+  while (took < 60.0 && ::read(ends[0], read.data(), read.size()) == static_cast<ssize_t>(read.size())) {
+  }
+  ::dup2(kept, STDERR_FILENO);
+  for (const int descriptor : {kept, ends[0], ends[1]}) ::close(descriptor);
+  EXPECT_LT(took, 30.0) << "a thousand short waits are a long one";
 }
 
 TEST_F(DyingProgram, WhereTheMarkerCannotBeWrittenTheReasonIsSaid) {
   ::setenv("XDG_STATE_HOME", "/proc/nowhere", 1);
-  const auto net = SafetyNet::spread("x", {{comms::LinkKind::serial, "/dev/a"}}, test::program());
+  const auto net = SafetyNet::spread({"x", {{comms::LinkKind::serial, "/dev/a"}}, test::program()});
   ASSERT_FALSE(net);
   EXPECT_NE(net.error().find("/proc/nowhere/skein/run-"), std::string::npos) << net.error();
 }

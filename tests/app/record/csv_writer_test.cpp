@@ -199,6 +199,32 @@ TEST(CsvReader, SaysWhereAFileIsBroken) {
   EXPECT_EQ(read_error("other,t,tick,r1_x\r\nhello,1,2,3\r\n"), "") << "unknown columns and Windows line ends";
 }
 
+TEST(CsvReader, ReadsUpToATornRowAndSaysSo) {
+  for (const std::string& tail : {std::string("2,3"), std::string("2,3,4"), std::string("\0\0\0\0", 4)}) {
+    std::istringstream in("t,tick,r1_x\n1,2,3\n" + tail);
+    auto reader = CsvReader::open(in, "run.csv");
+    ASSERT_TRUE(reader);
+    TickRecord row;
+    EXPECT_TRUE(*reader->next(row));
+    EXPECT_FALSE(reader->torn());
+    const auto more = reader->next(row);
+    ASSERT_TRUE(more) << more.error();
+    EXPECT_FALSE(*more);
+    ASSERT_TRUE(reader->torn()) << tail;
+    EXPECT_NE(reader->torn()->find("run.csv:3"), std::string::npos) << *reader->torn();
+    EXPECT_EQ(reader->whole_bytes(), 18u);
+  }
+}
+
+TEST(CsvReader, HasLimits) {
+  std::string header = "t,tick";
+  for (int i = 1; i <= 65; ++i) header += ",r" + std::to_string(i) + "_x";
+  EXPECT_EQ(read_error(header + "\n"), "run.csv:1: the header row has more than 64 robots, allowed: 1 to 64");
+  for (const char* number : {"inf", "nan", "-inf", "1e300"})
+    EXPECT_EQ(read_error(std::string("t,tick,r1_x\n1,2,") + number + "\n"),
+              std::string("run.csv:2: column r1_x: found \"") + number + "\", allowed: a number or nothing");
+}
+
 bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
 }

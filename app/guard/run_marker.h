@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "comms/link_address.h"
+
+namespace skein::app {
+
+/// Where runs leave their markers: the first of $XDG_STATE_HOME/skein, ~/.local/state/skein, $XDG_RUNTIME_DIR/skein,
+/// /run/user/UID/skein and /tmp/skein-UID that there is or can be made, and that nobody but this user can write to:
+/// another user's marker would choose what this program connects to.
+std::string state_directory();
+
+/// Robots that a run drives, in a file of the state directory: how the next start of the program, the guard and `skein
+/// robots stop` find them. The file is locked as long as the run lives; its stop socket (stop_socket.h) is beside it.
+struct RunMarker {
+  std::string path;
+  std::string experiment;  ///< its name
+  std::vector<comms::LinkAddress> robots;
+
+  std::string socket() const { return path + ".stop"; }
+  bool alive() const;   ///< the run that wrote it is still there
+  void forget() const;  ///< removes it, and the socket
+
+  /// The error: it cannot be read, or is no marker.
+  static tl::expected<RunMarker, std::string> read(const std::string& path);
+};
+
+/// A name in the state directory that no other run has, now or later: process numbers repeat, in containers and after a
+/// boot.
+std::string new_marker_path();
+
+/// Makes a new marker, on disk, and locks it. Names of hosts in it are resolved: whoever needs it may have no name
+/// service. The descriptor that holds the lock, or the error.
+tl::expected<int, std::string> write_marker(const RunMarker& marker);
+
+/// Leaves only these robots in a marker that this descriptor holds.
+void rewrite_marker(int descriptor, const RunMarker& marker) noexcept;
+
+/// Every marker there is, oldest first.
+std::vector<RunMarker> all_markers();
+
+/// Markers of runs that died without knowing that their robots stand, oldest first.
+std::vector<RunMarker> bad_ends();
+
+}  // namespace skein::app

@@ -1,0 +1,107 @@
+#include "app/run/output.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace skein::app {
+namespace {
+
+constexpr std::size_t most_waiting = 64 * 1024;
+
+/// One of the two, with a thread that alone may be held up by it.
+class Stream {
+ public:
+  explicit Stream(int descriptor) noexcept : descriptor_(descriptor) {}
+
+  void print(std::string_view text, double patience) noexcept {
+    try {
+      std::unique_lock lock(mutex_);
+      if (!started_) {
+        std::thread([this] { run(); }).detach();
+        started_ = true;
+      }
+      // What is asked to be waited for may be long; the rest must not fill the memory behind a reader that sleeps.
+      if (patience <= short_patience && waiting_.size() + text.size() > most_waiting) return;
+      waiting_ += text;
+      added_.notify_one();
+      if (stuck_ && patience <= short_patience) return;  // many short waits are a long one
+      const bool written = written_.wait_for(lock, std::chrono::duration<double>(patience),
+                                             [this] { return waiting_.empty() && !writing_; });
+      stuck_ = !written;
+    } catch (...) {  // no memory, no thread: there is nobody left to tell
+    }
+  }
+
+ private:
+  void run() noexcept {
+    try {
+      std::unique_lock lock(mutex_);
+      for (std::string text;;) {
+        added_.wait(lock, [this] { return !waiting_.empty(); });
+        text.swap(waiting_);
+        waiting_.clear();
+        writing_ = true;
+        lock.unlock();
+        for (std::string_view rest = text; !rest.empty();) {
+          const ssize_t count = ::write(descriptor_, rest.data(), rest.size());
+          if (count < 0 && errno == EAGAIN) {  // somebody else made it so
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            continue;
+          }
+          if (count < 0 && errno != EINTR) break;  // it is gone, or full
+          if (count > 0) rest.remove_prefix(static_cast<std::size_t>(count));
+        }
+        lock.lock();
+        writing_ = stuck_ = false;
+        written_.notify_all();
+      }
+    } catch (...) {
+    }
+  }
+
+  const int descriptor_;
+  std::mutex mutex_;
+  std::condition_variable added_, written_;
+  std::string waiting_;
+  bool started_ = false, writing_ = false, stuck_ = false;
+};
+
+/// Never destroyed: its thread may be in a write that does not end.
+Stream& stream(int descriptor) noexcept {
+  static Stream* const out = new Stream(STDOUT_FILENO);
+  static Stream* const error = new Stream(STDERR_FILENO);
+  return descriptor == STDOUT_FILENO ? *out : *error;
+}
+
+}  // namespace
+
+void print_out(std::string_view text, double patience) noexcept {
+  stream(STDOUT_FILENO).print(text, patience);
+}
+
+void print_error(std::string_view text, double patience) noexcept {
+  stream(STDERR_FILENO).print(text, patience);
+}
+
+void complain(std::string_view sentence) noexcept {
+  try {
+    print_error("skein: " + std::string(sentence) + "\n");
+  } catch (...) {
+    print_error(sentence);
+  }
+}
+
+void fill_standard_descriptors() noexcept {
+  for (int descriptor = 0; descriptor <= 2; ++descriptor)
+    if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
+      if (::open("/dev/null", descriptor == 0 ? O_RDONLY : O_WRONLY) < 0) return;
+}
+
+}  // namespace skein::app

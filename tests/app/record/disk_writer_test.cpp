@@ -1,0 +1,115 @@
+// A file that grows while a run goes on: its name, its draft, disks that stall or are full.
+#include "app/record/disk_writer.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DiskWriting : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("skein-disk-" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string operator/(const char* name) const { return (folder_ / name).string(); }
+  static std::string text(const std::string& path) {
+    std::ifstream in(path);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  fs::path folder_;
+};
+
+TEST_F(DiskWriting, AFileHasItsNameWhenItIsPublished) {
+  auto disk = DiskWriter::open(*this / "run.csv");
+  ASSERT_TRUE(disk) << disk.error();
+  EXPECT_TRUE(disk->write("head\n"));
+  ASSERT_TRUE(disk->flush(10.0));
+  EXPECT_FALSE(fs::exists(*this / "run.csv"));
+  disk->publish();
+  EXPECT_TRUE(disk->write("row\n"));
+  ASSERT_TRUE(disk->finish(10.0));
+  EXPECT_EQ(text(*this / "run.csv"), "head\nrow\n");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(DiskWriting, ARunThatNeverBeganLeavesNothing) {
+  {
+    auto disk = DiskWriter::open(*this / "run.csv");
+    ASSERT_TRUE(disk);
+    disk->write("head\n");
+  }
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(DiskWriting, AnOlderRunIsNotOverwrittenAndAFreeNameIsOffered) {
+  std::ofstream(*this / "run.csv") << "yesterday";
+  const auto refused = DiskWriter::open(*this / "run.csv");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("run-2.csv"), std::string::npos) << refused.error();
+  auto forced = DiskWriter::open(*this / "run.csv", {.force = true});
+  ASSERT_TRUE(forced);
+  forced->write("today");
+  ASSERT_TRUE(forced->flush(10.0));
+  EXPECT_EQ(text(*this / "run.csv"), "yesterday") << "until the run begins";
+  forced->publish();
+  ASSERT_TRUE(forced->finish(10.0));
+  EXPECT_EQ(text(*this / "run.csv"), "today");
+}
+
+TEST_F(DiskWriting, AFileThatAppearsMeanwhileIsNotOverwrittenEither) {
+  auto disk = DiskWriter::open(*this / "run.csv");
+  ASSERT_TRUE(disk);
+  std::ofstream(*this / "run.csv") << "another's";
+  disk->write("mine");
+  disk->publish();
+  const auto finished = disk->finish(10.0);
+  ASSERT_FALSE(finished);
+  EXPECT_EQ(text(*this / "run.csv"), "another's");
+  EXPECT_EQ(text(*this / "run.csv.part"), "mine") << finished.error();
+}
+
+TEST_F(DiskWriting, TwoProgramsDoNotWriteOneFile) {
+  const auto one = DiskWriter::open(*this / "run.csv");
+  ASSERT_TRUE(one);
+  const auto two = DiskWriter::open(*this / "run.csv");
+  ASSERT_FALSE(two);
+  EXPECT_NE(two.error().find("another program"), std::string::npos) << two.error();
+}
+
+TEST_F(DiskWriting, AStalledReaderHoldsUpNobodyAndWhatIsNotWrittenIsSaid) {
+  const std::string fifo = *this / "fifo";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = ::open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  auto disk = DiskWriter::open(fifo);
+  ASSERT_TRUE(disk) << disk.error();
+  EXPECT_TRUE(disk->write(std::string(1 << 20, 'x'))) << "taken, though a pipe holds 64 kB";
+  const auto finished = disk->finish(0.1);
+  ASSERT_FALSE(finished);
+  EXPECT_NE(finished.error().find("NOT written"), std::string::npos) << finished.error();
+  ::close(reader);
+}
+
+TEST_F(DiskWriting, AFullDiskIsAnError) {
+  auto disk = DiskWriter::open("/dev/full");
+  ASSERT_TRUE(disk) << disk.error();
+  disk->write("x");
+  const auto finished = disk->finish(10.0);
+  ASSERT_FALSE(finished);
+  EXPECT_NE(finished.error().find("No space left"), std::string::npos) << finished.error();
+}
+
+}  // namespace
+}  // namespace skein::app

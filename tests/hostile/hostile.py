@@ -1,0 +1,440 @@
+"""What a terminal, a kernel, a disk or a person can do to a run; see scripts/hostile."""
+import ctypes
+import fcntl
+import os
+import resource
+import signal
+import subprocess
+import sys
+import termios
+import time
+
+from lab import Failed, Lab, fail, wait_until
+
+longest = 0.6   # [s]: 60 mm at 0.1 m/s
+cases = {}      # name: (function, what it does)
+PR_SET_CHILD_SUBREAPER = 36
+
+
+def case(what):
+    def add(function):
+        cases[function.__name__.replace("_", "-")] = (function, what)
+        return function
+    return add
+
+
+def stands(robots, seconds=30.0):
+    wait_until("robots that stand", robots.all_stand, seconds)
+
+
+def kill(process, what=signal.SIGKILL):
+    since = time.monotonic()
+    os.kill(process.pid if hasattr(process, "pid") else process, what)
+    return since
+
+
+def state_of(pid):
+    with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+        return file.read().rsplit(")", 1)[1].split()[0]
+
+
+def ends(process, seconds=15.0):
+    try:
+        return process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        raise Failed(f"the run did not end within {seconds:g} s")
+
+
+# --- The terminal -----------------------------------------------------------------------------------------------
+
+@case("the terminal is closed (SIGHUP)")
+def terminal_closed(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, terminal=True)
+    since = lab.close_terminal()
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("`| tee` has ended, then SIGKILL")
+def reader_gone(lab):
+    robots = lab.emulate()
+    reading, writing = os.pipe()
+    run = lab.run(robots, stdout=writing, stderr=writing)
+    os.close(writing)
+    os.close(reading)
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("2>/dev/full, then SIGKILL")
+def full_device(lab):
+    robots = lab.emulate()
+    with open("/dev/full", "wb") as full:
+        run = lab.run(robots, stdout=full, stderr=full)
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("stdin, stdout and stderr closed, then SIGKILL")
+def closed_descriptors(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, setup=lambda: [os.close(d) for d in (0, 1, 2)])
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("a reader that reads no more, then SIGTERM")
+def reader_stalls(lab):
+    robots = lab.emulate()
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, 4096)
+    os.set_blocking(writing, False)
+    try:
+        while os.write(writing, b"x" * 512):
+            pass
+    except BlockingIOError:
+        pass
+    os.set_blocking(writing, True)
+    run = lab.run(robots, stdout=writing, stderr=writing)
+    since = kill(run, signal.SIGTERM)
+    stands(robots)
+    os.close(writing)
+    os.close(reading)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("Ctrl-Z on the terminal, then continued")
+def ctrl_z(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, terminal=True)
+    since = time.monotonic()
+    os.write(lab.master, b"\x1a")
+    stands(robots)
+    wait_until("the run is suspended", lambda: state_of(run.pid) == "T")
+    os.kill(run.pid, signal.SIGCONT)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("the background on a terminal with `stty tostop`")
+def tostop(lab):
+    robots = lab.emulate()
+    shell = ("bash", "-c", 'set -m; stty tostop; "$@" & echo $! > pid; wait', "bash")
+    lab.run(robots, wrap=shell, terminal=True)
+    pid = int((lab.case / "pid").read_text())
+    time.sleep(0.5)  # of progress on the terminal
+    if state_of(pid) == "T":
+        raise Failed("the run was suspended for writing")
+    since = kill(pid, signal.SIGTERM)
+    stands(robots)
+    return robots.blind(since)
+
+
+# --- The process ------------------------------------------------------------------------------------------------
+
+@case("SIGSTOP (debugger, frozen host), then continued")
+def sigstop(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run, signal.SIGSTOP)
+    stands(robots)
+    result = robots.blind(since)
+    time.sleep(1.0)
+    os.kill(run.pid, signal.SIGCONT)
+    if ends(run) == 0:
+        raise Failed("the run went on by itself after it had stood still")
+    return max(result, robots.blind(since))
+
+
+@case("SIGKILL")
+def sigkill(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run)
+    stands(robots)
+    wait_until("its marker is gone", lambda: not lab.markers())
+    return robots.blind(since)
+
+
+@case("SIGSEGV")
+def sigsegv(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, setup=lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)))
+    since = kill(run, signal.SIGSEGV)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("SIGINT")
+def sigint(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run, signal.SIGINT)
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+# --- The guard --------------------------------------------------------------------------------------------------
+
+@case("the guard is killed, 1 s later the run")
+def guard_killed(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    first = lab.guard_of(run)
+    if first is None:
+        raise Failed("there is no guard")
+    kill(first)
+    time.sleep(1.0)
+    if lab.guard_of(run) in (None, first):
+        raise Failed("there is no new guard after 1 s")
+    if "guard" not in lab.log():
+        raise Failed("nobody was told that the guard had died")
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("the guard is frozen, 2 s later the run killed")
+def guard_frozen(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    first = lab.guard_of(run)
+    kill(first, signal.SIGSTOP)
+    time.sleep(2.0)
+    if lab.guard_of(run) == first:
+        raise Failed("a frozen guard is still the only one")
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("killed while a robot cannot be reached for 20 s (from its return on)")
+def robot_out_of_reach(lab):
+    away, at = 20.0, 8.0
+    robots = lab.emulate(faults=f'[[fault]]\nkind = "burst"\nrobot = 1\nat = {at}\nfor = {away}\n')
+    run = lab.run(robots)
+    wait_until("the robot is out of reach", lambda: time.monotonic() > robots.offset + at + 0.05)
+    kill(run)
+    stands(robots, away + 20.0)
+    # It is asked again and again: 2 s of one attempt and what a new connection takes.
+    seconds, way = robots.blind(robots.offset + at + away, whose=[1])
+    return (max(0.0, seconds), way)
+
+
+# --- The disk ---------------------------------------------------------------------------------------------------
+
+def stalled(lab, robots, size=4096):
+    fifo = lab.case / "run.csv"
+    os.mkfifo(fifo)
+    reader = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    fcntl.fcntl(reader, fcntl.F_SETPIPE_SZ, size)
+    return fifo, reader
+
+
+@case("the CSV's disk stalls and a link is lost")
+def stalled_disk_lost_link(lab):
+    robots = lab.emulate(faults='[[fault]]\nkind = "burst"\nrobot = 2\nat = 8.0\nfor = 3.0\n')
+    fifo, reader = stalled(lab, robots)
+    run = lab.run(robots, "--csv", fifo)
+    wait_until("robot 1 stands since robot 2 is lost", lambda: not robots.drives(1), 20.0)
+    ends(run)
+    os.close(reader)
+    # The link counts as lost `link_bridge` after its last sign of life: 0.3 s in this experiment.
+    return robots.blind(robots.offset + 8.0, whose=[1])
+
+
+@case("the CSV's disk stalls, then SIGINT")
+def stalled_disk_sigint(lab):
+    robots = lab.emulate()
+    fifo, reader = stalled(lab, robots)
+    run = lab.run(robots, "--csv", fifo)
+    time.sleep(1.0)
+    since = kill(run, signal.SIGINT)
+    stands(robots)
+    ends(run, 12.0)
+    os.close(reader)
+    if "NOT written" not in lab.log():
+        raise Failed("nobody was told what is not written: " + lab.log())
+    return robots.blind(since)
+
+
+@case("the CSV grows beyond `ulimit -f`")
+def file_limit(lab):
+    robots = lab.emulate()
+    limit, csv = 100_000, lab.case / "run.csv"
+    run = lab.run(robots, "--csv", csv, setup=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    wait_until("the file is full", lambda: csv.stat().st_size >= limit)
+    since = time.monotonic()
+    stands(robots)
+    if ends(run) != 3:
+        raise Failed("a record that cannot be kept is exit status 3")
+    return robots.blind(since)
+
+
+# --- STOP from outside ------------------------------------------------------------------------------------------
+
+@case("skein stop")
+def skein_stop(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = time.monotonic()
+    status, said = lab.skein_says("stop")
+    stands(robots)
+    ends(run)
+    if status != 0 or said.count("stopped") < 2:
+        raise Failed(said)
+    return robots.blind(since)
+
+
+@case("skein robots stop while a run drives")
+def robots_stop_running(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = time.monotonic()
+    status, said = lab.skein_says("robots", "stop")
+    stands(robots)
+    ends(run)
+    if status != 0 or said.count(": stopped") != 2:
+        raise Failed(said)
+    return robots.blind(since)
+
+
+@case("skein robots stop while the run is frozen (from the freeze on)")
+def robots_stop_frozen(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run, signal.SIGSTOP)
+    status, said = lab.skein_says("robots", "stop")
+    stands(robots)
+    ends(run)
+    if status != 0 or said.count(": stopped") != 2:
+        raise Failed(said)
+    return robots.blind(since)
+
+
+def orphans(lab):
+    """Robots that drive and that nobody holds: guard and run are killed."""
+    robots = lab.emulate()
+    run = lab.run(robots)
+    kill(run, signal.SIGSTOP)  # nobody starts a new guard
+    kill(lab.guard_of(run))
+    kill(run)
+    run.wait()
+    if robots.all_stand():
+        raise Failed("nothing is left to be stopped")
+    return robots
+
+
+@case("run and guard killed, then skein robots stop")
+def both_killed(lab):
+    robots = orphans(lab)
+    since = time.monotonic()
+    status, said = lab.skein_says("robots", "stop")
+    stands(robots)
+    if status != 0:
+        raise Failed(said)
+    return robots.blind(since)
+
+
+@case("robots stop ADDRESS with a broken robots.toml")
+def broken_robots_file(lab):
+    robots = orphans(lab)
+    (lab.case / "robots.toml").write_text('[[robot]\nname = "a"\nlink = "serial:/dev/nothing"\n')
+    since = time.monotonic()
+    for robot in (1, 2):
+        status, said = lab.skein_says("robots", "stop", robots.address(robot))
+        if status != 0:
+            raise Failed(said)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("robots stop FILE with a mistake in [avoidance]")
+def broken_experiment(lab):
+    robots = orphans(lab)
+    path = lab.experiment(robots, "mistaken.toml")
+    path.write_text(path.read_text() + "\n[avoidance]\nenabled = 7\n")
+    since = time.monotonic()
+    _, said = lab.skein_says("robots", "stop", path)
+    stands(robots)
+    if "avoidance" not in said:
+        raise Failed("the mistake was not told: " + said)
+    return robots.blind(since)
+
+
+@case("two runs of the same process number (PID namespaces), then robots stop")
+def same_process_number(lab):
+    wrap = ("unshare", "--user", "--map-current-user", "--pid", "--fork", "--mount-proc", "--kill-child")
+    if subprocess.run([*wrap, "true"], capture_output=True).returncode != 0:
+        return None
+    groups = [lab.emulate(name="one"), lab.emulate(name="two")]
+    for robots in groups:
+        run = lab.run(robots, wrap=wrap)
+        os.kill(run.pid, signal.SIGKILL)  # the whole namespace goes with it, its guard as well
+        run.wait()
+    if len(lab.markers()) != 2:
+        raise Failed(f"{len(lab.markers())} markers of 2 runs")
+    since = time.monotonic()
+    _, said = lab.skein_says("robots", "stop")
+    for robots in groups:
+        stands(robots)
+    if said.count(": stopped") != 4:
+        raise Failed(said)
+    return max(robots.blind(since) for robots in groups)
+
+
+def main(skein, pictures, wanted):
+    unknown = [word for word in wanted if word not in cases]
+    if unknown:
+        fail(f"hostile: no case {unknown[0]}; allowed: {' '.join(cases)}")
+        return 2
+    lab = Lab(os.path.abspath(skein), os.path.abspath(pictures))
+    began = time.monotonic()
+    print(f"{'case':<24} {'what is done':<74} {'blind s':>8} {'way mm':>7} {'at 0.1 m/s':>10}", flush=True)
+    failed = driving = skipped = 0
+    worst = 0.0
+    # A run may start another before it ends: whoever is left behind is ours to wait for.
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
+    for name, (function, what) in cases.items():
+        if wanted and name not in wanted:
+            continue
+        lab.start_case()
+        problem, result = "", None
+        try:
+            result = function(lab)
+        except (Failed, OSError, subprocess.SubprocessError) as error:
+            problem = str(error)
+        left = sum(robots.drives(i + 1) for robots in lab.robots for i in range(robots.count))
+        log = lab.log()
+        lab.end_case()
+        if result is None and not problem:
+            print(f"{name:<24} {what:<74} {'skipped':>8}", flush=True)
+            skipped += 1
+            continue
+        if problem:
+            result = (float("nan"), float("nan"))
+        seconds, way = result
+        allowed = 5.0 if name == "robot-out-of-reach" else longest
+        late = not problem and seconds > allowed
+        print(f"{name:<24} {what:<74} {seconds:8.3f} {1e3 * way:7.1f} {100 * seconds:7.0f} mm"
+              f"{'  TOO LATE' if late else ''}{'  FAILED' if problem else ''}", flush=True)
+        if problem or late:
+            failed += 1
+            fail(f"  {problem or 'too late'}\n  log: {log}")
+        elif name != "robot-out-of-reach":
+            worst = max(worst, seconds)
+        driving += left
+    print(f"worst {worst:.3f} s, {100 * worst:.0f} mm at 0.1 m/s; {driving} robots left driving; {failed} failed, "
+          f"{skipped} skipped; {time.monotonic() - began:.0f} s", flush=True)
+    return 1 if failed or driving else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3:]))
