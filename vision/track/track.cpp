@@ -125,7 +125,7 @@ void write_row(std::ostream& csv, Row& row, const TrackOptions& options, const F
       for (int i = 0; i < 5; ++i) row.empty();
     }
   }
-  row.text(name(how));
+  row.text(word(how));
   row.end(csv);
 }
 
