@@ -16,17 +16,11 @@ constexpr std::uintmax_t largest_text = std::uintmax_t{64} << 20;  // [bytes]
 /// Why it is no file to read; empty: it is one, or opening it says more.
 std::string not_a_file(const std::string& path) {
   std::error_code ignored;
-  switch (std::filesystem::status(path, ignored).type()) {
-    case std::filesystem::file_type::directory:
-      return "it is a directory";
-    case std::filesystem::file_type::fifo:
-    case std::filesystem::file_type::character:
-    case std::filesystem::file_type::block:
-    case std::filesystem::file_type::socket:
-      return "it is a device or a FIFO, allowed: a file";
-    default:
-      return {};
-  }
+  const std::filesystem::file_status found = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(found)) return "it is a directory";
+  if (std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
+    return "it is a device or a FIFO, allowed: a file";
+  return {};
 }
 
 }  // namespace
