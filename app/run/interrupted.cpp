@@ -1,10 +1,7 @@
 #include "app/run/interrupted.h"
 
 #include <atomic>
-#include <cerrno>
 #include <csignal>
-
-#include "comms/crash_stop.h"
 
 namespace skein::app {
 namespace {
@@ -15,14 +12,6 @@ void on_signal(int) {
   interrupted_flag.store(true);
 }
 
-/// Ctrl-Z: robots do not drive on while their program stands still. Whoever continues it finds a run that has ended.
-void on_suspend(int) {
-  const int kept = errno;
-  if (comms::stop_robots_now()) interrupted_flag.store(true);
-  ::raise(SIGSTOP);
-  errno = kept;
-}
-
 }  // namespace
 
 void catch_interrupts() noexcept {
@@ -31,11 +20,13 @@ void catch_interrupts() noexcept {
   // The end of the terminal and whatever else would end the program without a word is SIGTERM.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL})
     ::sigaction(signal, &action, nullptr);
-  action.sa_handler = on_suspend;
-  ::sigaction(SIGTSTP, &action, nullptr);
   // A reader of our output that has gone, a file that has grown too large, a terminal that lets nobody write from the
   // background: errors of writing, not the end of a run, nor its standstill.
   for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
+}
+
+void interrupt() noexcept {
+  interrupted_flag.store(true);
 }
 
 bool interrupted() noexcept {
