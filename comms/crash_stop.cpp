@@ -106,12 +106,25 @@ extern "C" void on_crash(int signal) {
   ::raise(signal);  // held back until this handler is left
 }
 
+std::atomic<void (*)() noexcept> suspended{nullptr};
+
+extern "C" void on_suspend(int) {
+  const int kept = errno;
+  if (std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.descriptor.load() >= 0; })) {
+    stop_all();
+    if (const auto stopped = suspended.load()) stopped();
+  }
+  ::raise(SIGSTOP);
+  errno = kept;
+}
+
 }  // namespace
 
-bool stop_robots_now() noexcept {
-  const bool any = std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.descriptor.load() >= 0; });
-  if (any) stop_all();
-  return any;
+void stop_robots_on_suspend(void (*stopped)() noexcept) {
+  suspended.store(stopped);
+  struct sigaction action {};
+  action.sa_handler = on_suspend;
+  ::sigaction(SIGTSTP, &action, nullptr);
 }
 
 void stop_robots_on_crash() {

@@ -12,10 +12,10 @@ namespace skein::comms {
 /// overflow but in the thread that called this.
 void stop_robots_on_crash();
 
-/// The same stop without a crash, for a program that is about to be suspended: every link thread gets the emergency
-/// stop, which stays. Waits until every robot is known to stand, at most a second. False: no line is open.
-/// Async-signal-safe.
-bool stop_robots_now() noexcept;
+/// SIGTSTP (Ctrl-Z) stops every robot before it suspends the program: every link thread gets the emergency stop, which
+/// stays. Waits until every robot is known to stand, at most a second, and calls `stopped` (async-signal-safe) where a
+/// line was open.
+void stop_robots_on_suspend(void (*stopped)() noexcept);
 
 // --- For links
 // --------------------------------------------------------------------------------------------------------

@@ -246,6 +246,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   }
   catch_interrupts();
   comms::stop_robots_on_crash();
+  comms::stop_robots_on_suspend(interrupt);
   if (run_command) {
     look_after_bad_ends();
     run_request.experiment = run_experiment.request();

@@ -77,7 +77,7 @@ int sweep(const SweepRequest& request) {
   std::vector<RunOutcome> control;
   if (!study->control.empty() && !interrupted())
     control = sweep(*study, request.threads > 0 ? request.threads : cores, progress, true);
-  if (shown) print_error("[K");
+  if (shown) print_error("\r\033[K");
 
   if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
   const SweepSummary summary = summarise(*study, outcomes, control);

@@ -31,11 +31,13 @@ void catch_interrupts() noexcept {
   // The end of the terminal and whatever else would end the program without a word is SIGTERM.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL})
     ::sigaction(signal, &action, nullptr);
-  action.sa_handler = on_suspend;
-  ::sigaction(SIGTSTP, &action, nullptr);
   // A reader of our output that has gone, a file that has grown too large, a terminal that lets nobody write from the
   // background: errors of writing, not the end of a run, nor its standstill.
   for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
+}
+
+void interrupt() noexcept {
+  interrupted_flag.store(true);
 }
 
 bool interrupted() noexcept {
