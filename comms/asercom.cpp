@@ -36,13 +36,13 @@ constexpr auto the_stop_sequence = make_stop_sequence();
 // Longest run of bytes without a line end that is kept; the longest line that a robot says has 63.
 constexpr std::size_t longest_line = 4096;
 
-// "s", or "s" behind a late binary answer, which has no line end of its own: up to 4 bytes, not all of them text. (Four
+// "s", or "s" behind a late binary answer, which has no line end of its own: some bytes, not all of them text. (Those
 // that happen to be are passed over, and the repeated stop gets a line of its own.)
 bool says_stopped(std::string_view line) {
   if (line.empty() || line.back() != 's') return false;
   line.remove_suffix(1);
   const auto is_text = [](char c) { return c >= ' ' && c <= '~'; };
-  return line.empty() || (line.size() <= encoder_reply_size && !std::all_of(line.begin(), line.end(), is_text));
+  return line.empty() || (line.size() <= longest_answer && !std::all_of(line.begin(), line.end(), is_text));
 }
 
 }  // namespace
@@ -58,17 +58,16 @@ std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(later) - static_cast<std::uint16_t>(earlier));
 }
 
-std::array<std::uint8_t, 7> set_speeds_read_encoders(WheelCommand command) noexcept {
-  return {binary('D'),         low(command.left), high(command.left), low(command.right),
-          high(command.right), binary('Q'),       end_of_sequence};
-}
-
-std::array<std::uint8_t, 2> read_encoders() noexcept {
-  return {binary('Q'), end_of_sequence};
-}
-
-void add_battery(std::vector<std::uint8_t>& request) {
-  request.insert(request.end() - 1, binary('b'));
+std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question) {
+  std::vector<std::uint8_t> request;
+  request.reserve(9);
+  if (speeds)
+    request.insert(request.end(),
+                   {binary('D'), low(speeds->left), high(speeds->left), low(speeds->right), high(speeds->right)});
+  if (question != Question::none) request.insert(request.end(), {binary('E'), binary('Q')});
+  if (question == Question::wheels_and_battery) request.push_back(binary('b'));
+  request.push_back(end_of_sequence);
+  return request;
 }
 
 std::span<const std::uint8_t> stop_sequence() noexcept {
@@ -120,12 +119,13 @@ std::optional<Reply> ReplyParser::next() {
       return std::nullopt;
     case Expected::lines:
       return next_line();
-    case Expected::encoders:
+    case Expected::answer:
       if (buffer_.size() < answer_size_) return std::nullopt;
       Reply reply;
-      reply.kind = Reply::Kind::encoders;
-      reply.encoders = {little_endian(&buffer_[0]), little_endian(&buffer_[2])};
-      if (answer_size_ > encoder_reply_size) reply.battery = little_endian(&buffer_[encoder_reply_size]);
+      reply.kind = Reply::Kind::wheels;
+      reply.taken = {little_endian(&buffer_[0]), little_endian(&buffer_[2])};
+      reply.encoders = {little_endian(&buffer_[4]), little_endian(&buffer_[6])};
+      if (answer_size_ == longest_answer) reply.battery = little_endian(&buffer_[8]);
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(answer_size_));
       expected_ = Expected::nothing;
       return reply;
@@ -148,8 +148,8 @@ std::optional<Reply> ReplyParser::next_line() {
     const bool whole = *end == '\r' && *(end + 1) == '\n';
     buffer_.erase(buffer_.begin(), end + (whole ? 2 : 1));
     if (whole && says_stopped(text))
-      return Reply{.kind = Reply::Kind::stopped, .encoders = {}, .battery = 0, .text = {}};
-    if (!text.empty()) return Reply{.kind = Reply::Kind::line, .encoders = {}, .battery = 0, .text = text};
+      return Reply{.kind = Reply::Kind::stopped, .taken = {}, .encoders = {}, .battery = 0, .text = {}};
+    if (!text.empty()) return Reply{.kind = Reply::Kind::line, .taken = {}, .encoders = {}, .battery = 0, .text = text};
   }
 }
 

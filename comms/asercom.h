@@ -42,19 +42,31 @@ std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept;
 
 // --- Requests: binary -----------------------------------------------------------------------------------------------
 
-/// `BC l l r r AF 00`: sets the speeds (as soon as the arguments are in) and asks for the encoders, whose 4-byte answer
-/// is acknowledgement, heartbeat and round-trip probe in one.
-std::array<std::uint8_t, 7> set_speeds_read_encoders(WheelCommand command) noexcept;
+/// What a request asks the robot for.
+enum class Question {
+  none,                   ///< nothing: the robot does not answer
+  wheels,                 ///< the speeds that it has taken, and the step counters
+  wheels_and_battery      ///< the raw battery value (battery_of()) as well
+};
 
-/// `AF 00`: asks for the encoders and leaves the wheels alone; 4 bytes back.
-std::array<std::uint8_t, 2> read_encoders() noexcept;
+/// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds that
+/// the robot has taken and for its counters, `9E` for the battery, `00` ends the request. A request with a question is
+/// acknowledgement, heartbeat and round-trip probe in one. At most 9 bytes.
+std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question);
 
-/// Bytes in the answer to both of the above: left then right, little-endian int16.
-inline constexpr std::size_t encoder_reply_size = 4;
-
-/// Has one of the two ask for the battery as well; its raw value (battery_of()) follows the encoders, 2 bytes.
-void add_battery(std::vector<std::uint8_t>& request);
-inline constexpr std::size_t battery_reply_size = 2;
+/// Bytes in the answer: the speeds (left, right), the counters (left, right), the battery; little-endian int16.
+constexpr std::size_t answer_size(Question question) noexcept {
+  switch (question) {
+    case Question::none:
+      return 0;
+    case Question::wheels:
+      return 8;
+    case Question::wheels_and_battery:
+      return 10;
+  }
+  return 0;
+}
+inline constexpr std::size_t longest_answer = answer_size(Question::wheels_and_battery);
 
 /// The bytes that stop an e-puck whatever half command its parser is stuck in: 40 x 0x00 end any binary sequence and
 /// supply any arguments still awaited, "\r" ends a half line, "S\r" is the stop. Its answer ends with a line "s";
@@ -82,30 +94,31 @@ bool is_greeting(std::string_view line) noexcept;
 /// What one reply turned out to be.
 struct Reply {
   enum class Kind {
-    encoders,  ///< an answer to a binary request
+    wheels,    ///< the answer to a binary question
     stopped,   ///< the line "s": the robot has carried out a stop
     line       ///< any other line: "d", "z,Command not found", a greeting, or debris
   };
   Kind kind = Kind::line;
-  Encoders encoders;  ///< for Kind::encoders
-  int battery = 0;    ///< raw, for Kind::encoders where it was asked for
-  std::string text;   ///< for Kind::line, without its end
+  WheelCommand taken;  ///< for Kind::wheels: the speeds that the robot was told last, as it understood them
+  Encoders encoders;   ///< for Kind::wheels
+  int battery = 0;     ///< raw, for Kind::wheels where it was asked for
+  std::string text;    ///< for Kind::line, without its end
 };
 
 /// Cuts the bytes that a robot sends into replies, whatever chunks they arrive in. The protocol does not say whether
 /// an answer is binary or text; who sent the request does.
 class ReplyParser {
  public:
-  /// What the next bytes are: text until told otherwise, or one binary encoder reply and then nothing.
+  /// What the next bytes are: text until told otherwise, or one binary answer and then nothing.
   void expect_lines() noexcept { expected_ = Expected::lines; }
-  void expect_encoders(bool with_battery = false) noexcept {
-    expected_ = Expected::encoders;
-    answer_size_ = encoder_reply_size + (with_battery ? battery_reply_size : 0);
+  void expect_answer(Question question) noexcept {
+    expected_ = question == Question::none ? Expected::nothing : Expected::answer;
+    answer_size_ = answer_size(question);
   }
 
   void feed(std::span<const std::uint8_t> bytes);
 
-  /// The next complete reply. A line "s" is found behind up to 4 bytes of a late binary answer as well.
+  /// The next complete reply. A line "s" is found behind a late binary answer as well.
   std::optional<Reply> next();
 
   /// Takes a line "s" off the front, whatever is expected: the late answer to a stop in front of a binary answer.
@@ -120,11 +133,11 @@ class ReplyParser {
   void clear() noexcept { buffer_.clear(); }
 
  private:
-  enum class Expected { nothing, lines, encoders };
+  enum class Expected { nothing, lines, answer };
   std::optional<Reply> next_line();
 
   Expected expected_ = Expected::lines;
-  std::size_t answer_size_ = encoder_reply_size;
+  std::size_t answer_size_ = 0;
   std::vector<std::uint8_t> buffer_;
 };
 

@@ -22,18 +22,11 @@ void AsercomSession::put_stop() {
   heard_since_stop_ = false;
 }
 
-void AsercomSession::put_request(std::optional<WheelCommand> speeds, bool battery) {
-  if (speeds) {
-    const auto request = set_speeds_read_encoders(*speeds);
-    output_.assign(request.begin(), request.end());
-  } else {
-    const auto request = read_encoders();
-    output_.assign(request.begin(), request.end());
-  }
-  if (battery) add_battery(output_);
-  with_battery_ = battery;
+void AsercomSession::put_request(std::optional<WheelCommand> speeds, Question question) {
+  output_ = wheel_request(speeds, question);
+  if (question == Question::none) return;
   parser_.clear();
-  parser_.expect_encoders(battery);
+  parser_.expect_answer(question);
 }
 
 void AsercomSession::hear(std::span<const std::uint8_t> bytes, double now) {
@@ -41,16 +34,15 @@ void AsercomSession::hear(std::span<const std::uint8_t> bytes, double now) {
   if (phase_ == Phase::synchronising) return read_lines(now);
   while (stops_unanswered_ > 0 && parser_.skip_stopped()) --stops_unanswered_;
   if (parser_.pending() == 0) return;
-  // An answer has exactly 4 or 6 bytes and comes after the request has gone out.
-  if (phase_ == Phase::idle || !output_.empty() ||
-      parser_.pending() > encoder_reply_size + (with_battery_ ? battery_reply_size : 0))
-    return unasked(now);
+  // An answer has exactly so many bytes, and comes after the question has gone out.
+  if (!answer_due() || parser_.pending() > answer_size(asked())) return unasked(now);
+  const Question question = asked();
   const auto reply = parser_.next();
   if (!reply) return;
   stops_unanswered_ = 0;  // what has not come by now is lost
   read_counters(reply->encoders, now);
-  if (with_battery_) read_battery(reply->battery, now);
-  exchange_answered(now);
+  if (question == Question::wheels_and_battery) read_battery(reply->battery, now);
+  answered(reply->taken, now);
 }
 
 void AsercomSession::read_lines(double now) {
@@ -64,7 +56,7 @@ void AsercomSession::read_lines(double now) {
     else if (reply->text.starts_with("v,"))
       counters_.version = reply->text.substr(2);
   }
-  if (phase_ == Phase::idle && parser_.pending() > 0) unasked(now);
+  if (phase_ == Phase::up && parser_.pending() > 0 && !answer_due()) unasked(now);
 }
 
 void AsercomSession::unasked(double now) {
@@ -84,7 +76,7 @@ void AsercomSession::stop_answered(double now) {
   if (late_answers_ > 0) {
     --late_answers_;
   } else {
-    stop_acknowledged_ = true;
+    stands(now);
     asked_at_ = now;
   }
   // Answers to the repetitions are still to come: wait for them, or they would be taken for answers to requests.
@@ -103,7 +95,7 @@ void AsercomSession::all_answered(double now) {
   }
   synchronised();
   // Were the missing answers lost, or are they late? They would come before the answer to this.
-  if (!send_pending(now) && stops_unanswered_ > 0) send_heartbeat(now);
+  if (!send_pending(now) && stops_unanswered_ > 0) ask(now);
 }
 
 void AsercomSession::no_answer_to_stop(double now) {

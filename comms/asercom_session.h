@@ -12,7 +12,7 @@ class AsercomSession final : public LinkSession {
  private:
   void begin() override;
   void put_stop() override;
-  void put_request(std::optional<WheelCommand> speeds, bool battery) override;
+  void put_request(std::optional<WheelCommand> speeds, Question question) override;
   void hear(std::span<const std::uint8_t> bytes, double now) override;
   void no_answer_to_stop(double now) override;
 
@@ -22,7 +22,6 @@ class AsercomSession final : public LinkSession {
   void all_answered(double now);
 
   ReplyParser parser_;
-  bool with_battery_ = false;      // the outstanding request asks for it
   bool version_asked_ = false;     // on this link
   int stops_unanswered_ = 0;       // stops whose answers may still come
   int late_answers_ = 0;           // how many of these were sent before the last speed command

@@ -27,7 +27,7 @@ Link::Link(LinkAddress address, const LinkOptions& options)
 
 pollfd Link::wanted() const noexcept {
   if (!transport_) return {.fd = -1, .events = 0, .revents = 0};  // poll() passes over negative descriptors
-  const bool to_write = transport_->connecting() || !session_->output().empty();
+  const bool to_write = transport_->connecting() || (!session_->output().empty() && hushed_until_ == -never);
   return {
       .fd = transport_->descriptor(), .events = static_cast<short>(to_write ? POLLIN | POLLOUT : POLLIN), .revents = 0};
 }
@@ -35,6 +35,7 @@ pollfd Link::wanted() const noexcept {
 double Link::deadline() const noexcept {
   if (!transport_) return try_at_;
   if (transport_->connecting()) return connecting_until_;
+  if (hushed_until_ != -never) return hushed_until_;
   return std::min(session_->deadline(), session_->silent_since() + options_.silence_reconnect);
 }
 
@@ -47,11 +48,13 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
       lose({fmt::format("no connection within {:g} s", options_.connect_timeout)}, now);
   }
   if (transport_ && (events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
+  if (transport_ && now < hushed_until_) return;
+  hushed_until_ = -never;
   take_command(emergency, now);
   session_->advance(now);
   if (transport_ && session_->open() && now >= session_->silent_since() + options_.silence_reconnect)
     lose({fmt::format("the robot said nothing for {:g} s", options_.silence_reconnect)}, now);
-  if (transport_ && session_->garbled()) lose({session_->status().reason}, now);
+  if (transport_ && session_->garbled()) lose({session_->status(now).reason}, now);
   if (session_->up() && reopened_) {
     if (reached_) ++reconnects_;
     reached_ = true;
@@ -110,7 +113,7 @@ void Link::write(double now) {
     const auto count = transport_->write(session_->output());
     if (!count) return lose(count.error(), now);
     if (*count == 0) return;  // full: poll() says when there is room
-    session_->sent(*count);
+    session_->sent(*count, now);
   }
 }
 
@@ -119,11 +122,23 @@ void Link::note_times(double read_at, double written_at) noexcept {
     answered_ = session_->answered_ticket();
     answered_at_.store(read_at);
   }
-  const std::uint16_t sent = session_->sent_ticket();
-  if (sent != 0 && sent != written_ && session_->output().empty()) {
-    written_ = sent;
+  const LinkSession::Written& written = session_->written();
+  if (written.ticket != written_.ticket || written.count != written_.count) {
+    written_ = written;
     written_at_.store(written_at);
+    written_speeds_.store(std::uint32_t{static_cast<std::uint16_t>(written.speeds.left)} |
+                          std::uint32_t{static_cast<std::uint16_t>(written.speeds.right)} << 16);
   }
+  const double blind_way = session_->blind_way(written_at);
+  blind_way_.store(session_->up() ? blind_way : std::max(blind_way, options_.blind_distance));
+}
+
+CommandTimes Link::times() const noexcept {
+  const std::uint32_t speeds = written_speeds_.load();
+  return {.written = written_at_.load(),
+          .answered = answered_at_.load(),
+          .speeds = {static_cast<std::int16_t>(speeds), static_cast<std::int16_t>(speeds >> 16)},
+          .blind_way = blind_way_.load()};
 }
 
 void Link::lose(const TransportError& error, double now) {
@@ -137,6 +152,7 @@ void Link::lose(const TransportError& error, double now) {
 }
 
 void Link::stop(double now) {
+  hushed_until_ = -never;
   voided_ = taken_;
   session_->stop(now);
 }
@@ -175,7 +191,7 @@ double Link::worth_waiting_until() const noexcept {
 }
 
 LinkStatus Link::status(double now) const {
-  LinkStatus status = session_->status();
+  LinkStatus status = session_->status(now);
   status.out_for = std::max(0.0, now - session_->out_since());
   status.reconnects = reconnects_;
   if (failed_ || (ended_ && !status.stop_acknowledged))

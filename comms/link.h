@@ -33,6 +33,9 @@ class Link {
   void turn(short events, std::uint32_t emergency, double now);
   /// For `times`: what came was read at `read_at`, what there was to write is written by `written_at`.
   void note_times(double read_at, double written_at) noexcept;
+  /// Writes nothing until then, whatever becomes due, and goes on reading; a stop ends it. To see what a robot does
+  /// that hears nothing.
+  void hush(double until) noexcept { hushed_until_ = until; }
   void stop(double now);                      ///< stop at once; commands given so far are void
   void begin_closing(double now);             ///< stop, take no more commands, reconnect quickly if need be
   void fail(std::string reason, double now);  ///< gives the link up
@@ -47,7 +50,8 @@ class Link {
   /// While closing: until when an attempt to reach the robot that is under way is worth waiting for [s]; 0: none is.
   double worth_waiting_until() const noexcept;
   LinkStatus status(double now) const;
-  CommandTimes times() const noexcept { return {written_at_.load(), answered_at_.load()}; }  ///< any thread
+  const RoundTrips& round_trips() const noexcept { return session_->round_trips(); }
+  CommandTimes times() const noexcept;  ///< any thread
 
  private:
   void open(double now);
@@ -69,6 +73,7 @@ class Link {
   double wait_;          // before the attempt after that
   double connecting_until_ = 0.0;
   double opened_at_ = -never;
+  double hushed_until_ = -never;
   bool reached_ = false;   // was up at least once
   bool reopened_ = false;  // open, and not up since
   bool failed_ = false;
@@ -77,8 +82,11 @@ class Link {
   std::uint16_t taken_ = 0;   // ticket of the newest command taken from the slot
   std::uint16_t voided_ = 0;  // ticket of the newest command that an emergency stop made void
   std::uint64_t reconnects_ = 0;
-  std::uint16_t written_ = 0, answered_ = 0;  // tickets of the newest commands that `times` knows of
-  std::atomic<double> written_at_{0.0}, answered_at_{0.0};
+  // What `times` knows of.
+  LinkSession::Written written_;
+  std::uint16_t answered_ = 0;  // ticket
+  std::atomic<double> written_at_{0.0}, answered_at_{0.0}, blind_way_{0.0};
+  std::atomic<std::uint32_t> written_speeds_{0};
 };
 
 }  // namespace skein::comms

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace skein::comms {
@@ -13,11 +14,18 @@ namespace {
 // margin lets runs through whose own clock goes faster than ours.
 constexpr double jump_margin = 2000;  // [steps]
 
+constexpr double metres_per_step = std::numbers::pi * 0.041 / 1000.0;  // of every e-puck, to a few per cent
+
+double speed_of(WheelCommand command) noexcept {
+  return metres_per_step * std::max(std::abs(command.left), std::abs(command.right));
+}
+
 }  // namespace
 
 void LinkSession::opened(double now) {
   pending_.reset();
-  in_flight_.reset();
+  unconfirmed_.reset();
+  question_.reset();
   output_.clear();
   owes_reply_ = false;
   garbled_ = false;
@@ -31,7 +39,8 @@ void LinkSession::lost(std::string reason, double now) {
   if (up()) down_since_ = now;
   phase_ = Phase::closed;
   pending_.reset();
-  in_flight_.reset();
+  unconfirmed_.reset();
+  question_.reset();
   output_.clear();
   moving_allowed_ = false;
   garbled_ = false;
@@ -43,12 +52,12 @@ void LinkSession::command(WheelCommand command, std::uint16_t ticket, double now
   commanded_at_ = now;
   if (phase_ == Phase::closed) return;
   pending_ = Pending{command, ticket, now};
-  if (phase_ == Phase::idle) send_next(now);
+  next(now);
 }
 
 void LinkSession::stop(double now) {
   pending_.reset();
-  in_flight_.reset();
+  unconfirmed_.reset();
   // While synchronising a stop is on its way already, and nothing else is sent after it.
   if (phase_ == Phase::closed || phase_ == Phase::synchronising) return;
   stop_acknowledged_ = false;
@@ -56,9 +65,15 @@ void LinkSession::stop(double now) {
 }
 
 void LinkSession::send_stop(double now) {
-  if (phase_ == Phase::idle) silent_since_ = now;
+  stop_wait_ = phase_ == Phase::synchronising ? std::min(2.0 * stop_wait_, options_.reply_timeout)
+                                              : std::min(options_.stop_repeat, options_.reply_timeout);
+  if (phase_ == Phase::up && !question_) silent_since_ = now;
   if (up()) down_since_ = now;
+  count_way(now);
+  question_.reset();
   put_stop();
+  staged_ = {{}, told_ticket_, staged_.count + 1};
+  told_.reset();
   phase_ = Phase::synchronising;
   moving_allowed_ = false;
   asked_at_ = now;
@@ -67,14 +82,14 @@ void LinkSession::send_stop(double now) {
 void LinkSession::repeat_stop(double now) {
   ++counters_.timeouts;
   owes_reply_ = true;
-  reason_ = fmt::format("no answer to the stop within {:g} s", options_.reply_timeout);
+  reason_ = fmt::format("no answer to the stop within {:g} s", stop_wait_);
   send_stop(now);
 }
 
 void LinkSession::resynchronise(std::string reason, double now) {
-  // A command that got no answer is sent again once the robot listens, unless a newer one came.
-  if (in_flight_ && !pending_) pending_ = in_flight_;
-  in_flight_.reset();
+  // A command that was not confirmed is sent again once the robot listens, unless a newer one came.
+  if (unconfirmed_ && !pending_) pending_ = unconfirmed_;
+  unconfirmed_.reset();
   stop_acknowledged_ = false;
   owes_reply_ = true;
   reason_ = std::move(reason);
@@ -95,17 +110,22 @@ void LinkSession::restarted() {
 }
 
 void LinkSession::synchronised() {
-  phase_ = Phase::idle;
+  phase_ = Phase::up;
   owes_reply_ = false;
 }
 
+void LinkSession::stands(double now) {
+  stop_acknowledged_ = true;
+  count_way(now);
+  confirmed_way_ = way_;
+  fastest_ = fastest_since_question_ = 0.0;
+}
+
 bool LinkSession::send_pending(double now) {
-  if (pending_ && fresh(*pending_, now)) {
-    send_next(now);
-    return true;
-  }
-  pending_.reset();
-  return false;
+  if (pending_ && !fresh(*pending_, now)) pending_.reset();
+  if (!pending_) return false;
+  next(now);
+  return true;
 }
 
 bool LinkSession::fresh(const Pending& pending, double now) const noexcept {
@@ -131,29 +151,88 @@ void LinkSession::read_battery(int raw, double now) {
   battery_at_ = now;
 }
 
-void LinkSession::exchange_answered(double now) {
-  round_trips_.add(now - asked_at_);
-  ++counters_.exchanges;
-  if (in_flight_) answered_ticket_ = in_flight_->ticket;
-  in_flight_.reset();
-  phase_ = Phase::idle;
-  if (pending_) send_next(now);
+// --- Requests and answers -------------------------------------------------------------------------------------------
+
+void LinkSession::next(double now) {
+  if (!up() || !output_.empty()) return;
+  if (pending_) {
+    if (!question_ || sent_since_question_ < most_unconfirmed) send(now);
+  } else if (!question_ && unconfirmed_) {
+    ask(now);
+  }
 }
 
-void LinkSession::send_next(double now) {
-  if (pending_->command != WheelCommand{}) stop_acknowledged_ = false;
+void LinkSession::send(double now) {
+  const Pending sent = *std::exchange(pending_, std::nullopt);
+  if (sent.command != WheelCommand{}) stop_acknowledged_ = false;
   moving_allowed_ = true;
-  in_flight_ = std::exchange(pending_, std::nullopt);
-  begin_exchange(in_flight_->command, now);
+  const bool changed = options_.repeat_speeds || told_ != sent.command;
+  count_way(now);
+  told_ = sent.command;
+  told_ticket_ = sent.ticket;
+  unconfirmed_ = sent;
+  fastest_ = std::max(fastest_, speed_of(sent.command));
+  fastest_since_question_ = std::max(fastest_since_question_, speed_of(sent.command));
+  request(changed ? told_ : std::nullopt, !question_, now);
 }
 
-void LinkSession::begin_exchange(std::optional<WheelCommand> speeds, double now) {
-  const bool battery = options_.battery_period > 0.0 && now - battery_at_ >= options_.battery_period;
-  put_request(speeds, battery);
-  phase_ = Phase::waiting;
-  asked_at_ = now;
-  silent_since_ = now;
+void LinkSession::ask(double now) {
+  request(std::nullopt, true, now);
 }
+
+void LinkSession::request(std::optional<WheelCommand> speeds, bool with_question, double now) {
+  const bool battery = options_.battery_period > 0.0 && now - battery_at_ >= options_.battery_period;
+  const Question what = !with_question ? Question::none : battery ? Question::wheels_and_battery : Question::wheels;
+  staged_ = {told_.value_or(WheelCommand{}), told_ticket_, staged_.count + (speeds ? 1u : 0u)};
+  if (speeds || with_question) put_request(speeds, what);
+  if (output_.empty()) written_ = staged_;  // nothing to say: the robot has these speeds already
+  if (!with_question) {
+    ++sent_since_question_;
+    return;
+  }
+  count_way(now);
+  question_ = Asked{what, told_, told_ticket_, way_, output_.size()};
+  fastest_since_question_ = told_ ? speed_of(*told_) : 0.0;
+  sent_since_question_ = 0;
+  asked_at_ = silent_since_ = now;
+}
+
+void LinkSession::answered(std::optional<WheelCommand> taken, double now) {
+  const Asked question = *std::exchange(question_, std::nullopt);
+  round_trips_.add(now - asked_at_);
+  stop_flight_ = 0.5 * round_trips_.quantile_since_start(0.999);
+  ++counters_.exchanges;
+  if (taken && question.told && *taken != *question.told) {
+    ++counters_.wrong_speeds;
+    return resynchronise(fmt::format("the robot took the speeds {} {} for {} {}", taken->left, taken->right,
+                                     question.told->left, question.told->right),
+                         now);
+  }
+  count_way(now);
+  confirmed_way_ = question.way;
+  fastest_ = fastest_since_question_;
+  answered_ticket_ = question.ticket;
+  if (unconfirmed_ && unconfirmed_->ticket == answered_ticket_) unconfirmed_.reset();
+  next(now);
+}
+
+// --- Way without confirmation ---------------------------------------------------------------------------------------
+
+void LinkSession::count_way(double now) noexcept {
+  way_ += fastest_ * std::max(0.0, now - way_at_);
+  way_at_ = now;
+}
+
+double LinkSession::blind_way(double now) const noexcept {
+  return way_ - confirmed_way_ + fastest_ * std::max(0.0, now - way_at_);
+}
+
+double LinkSession::blind_deadline(double share) const noexcept {
+  if (options_.blind_distance <= 0.0 || !moving_allowed_ || fastest_ <= 0.0) return never;
+  return way_at_ + (share * options_.blind_distance - (way_ - confirmed_way_)) / fastest_ - stop_flight_;
+}
+
+// --- Time -----------------------------------------------------------------------------------------------------------
 
 void LinkSession::advance(double now) {
   if (now < deadline()) return;
@@ -162,21 +241,29 @@ void LinkSession::advance(double now) {
       return;
     case Phase::synchronising:
       return no_answer_to_stop(now);
-    case Phase::waiting:
-      ++counters_.timeouts;
-      resynchronise(fmt::format("no reply within {:g} s", options_.reply_timeout), now);
-      down_since_ = silent_since_;  // it was lost when it fell silent, not when that was noticed
-      return;
-    case Phase::idle: {
-      if (silence_counts()) {
-        // Nobody commands any more: the robot must not run on. The stop, not a speed of 0: its answer says that the
-        // robot has understood it, that to a speed damaged on the way looks like any other.
-        reason_ = fmt::format("no command for {:g} s: stopped", options_.command_silence);
-        stop_acknowledged_ = false;
-        return send_stop(now);
-      }
-      return send_heartbeat(now);
-    }
+    case Phase::up:
+      break;
+  }
+  if (question_ && now >= asked_at_ + options_.reply_timeout) {
+    ++counters_.timeouts;
+    const double asked_at = asked_at_;
+    resynchronise(fmt::format("no reply within {:g} s", options_.reply_timeout), now);
+    down_since_ = asked_at;  // it was lost when it fell silent, not when that was noticed
+  } else if (now >= blind_deadline()) {
+    ++counters_.blind_stops;
+    resynchronise(fmt::format("no reply for {:.3f} s, {:.0f} mm of way: stopped", now - asked_at_,
+                              1e3 * options_.blind_distance),
+                  now);
+  } else if (silence_counts() && now >= commanded_at_ + options_.command_silence) {
+    // Nobody commands any more: the robot must not run on. The stop, not a speed of 0: it is repeated until the robot
+    // has acknowledged it.
+    reason_ = fmt::format("no command for {:g} s: stopped", options_.command_silence);
+    stop_acknowledged_ = false;
+    pending_.reset();
+    unconfirmed_.reset();
+    send_stop(now);
+  } else if (!question_ && output_.empty()) {
+    ask(now);
   }
 }
 
@@ -185,30 +272,39 @@ double LinkSession::deadline() const noexcept {
     case Phase::closed:
       return never;
     case Phase::synchronising:
-    case Phase::waiting:
-      return asked_at_ + options_.reply_timeout;
-    case Phase::idle:
-      if (silence_counts()) return commanded_at_ + options_.command_silence;
-      return options_.heartbeat > 0.0 ? asked_at_ + options_.heartbeat : never;
+      return asked_at_ + stop_wait_;
+    case Phase::up: {
+      double first = blind_deadline();
+      if (silence_counts()) first = std::min(first, commanded_at_ + options_.command_silence);
+      if (question_) return std::min(first, asked_at_ + options_.reply_timeout);
+      // While the system takes nothing there is nothing to ask; the other deadlines stay. A robot that moves is asked
+      // while half of its blind distance is left.
+      if (!output_.empty()) return first;
+      if (options_.heartbeat > 0.0) first = std::min(first, asked_at_ + options_.heartbeat);
+      return std::min(first, blind_deadline(0.5));
+    }
   }
   return never;
 }
 
 double LinkSession::silent_since() const noexcept {
-  const bool owes = phase_ == Phase::synchronising || phase_ == Phase::waiting;
-  return owes ? silent_since_ : never;
+  return phase_ == Phase::synchronising || question_ ? silent_since_ : never;
 }
 
 double LinkSession::out_since() const noexcept {
   return up() ? never : down_since_;
 }
 
-void LinkSession::sent(std::size_t bytes) {
+void LinkSession::sent(std::size_t bytes, double now) {
   counters_.bytes_sent += bytes;
   output_.erase(output_.begin(), output_.begin() + static_cast<std::ptrdiff_t>(bytes));
+  if (question_) question_->unsent -= std::min(question_->unsent, bytes);
+  if (!output_.empty()) return;
+  written_ = staged_;
+  next(now);
 }
 
-LinkStatus LinkSession::status() const {
+LinkStatus LinkSession::status(double now) const {
   LinkStatus status = counters_;
   status.state = phase_ == Phase::closed ? LinkState::down
                  : up()                  ? LinkState::up
@@ -217,6 +313,8 @@ LinkStatus LinkSession::status() const {
   status.reason = reason_;
   status.rtt_median = round_trips_.quantile(0.5);
   status.rtt_p99 = round_trips_.quantile(0.99);
+  status.rtt_p999 = round_trips_.quantile_since_start(0.999);
+  status.blind_way = blind_way(now);
   status.stop_acknowledged = stop_acknowledged_;
   return status;
 }

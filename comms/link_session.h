@@ -18,12 +18,14 @@ namespace skein::comms {
 /// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
 /// that never goes back. Not thread-safe.
 ///
-///     opened --> synchronising --stopped--> idle <--> waiting (one exchange)   a reply that does not come, or
-///                     ^ stop,                 |        |                       bytes that nobody asked for, lead back
-///                     | repeated              +--------+                       to the stop
-///                     +------------------------+
+///     opened --> synchronising --stopped--> up    an answer that does not come or does not fit the request, bytes that
+///                     ^ stop,                |    nobody asked for, too much way on unconfirmed commands and silence of
+///                     | repeated             |    the control thread lead back to the stop
+///                     +----------------------+
 ///
-/// Here is what all robots have in common; how a stop, an exchange and their answers look, the protocols say:
+/// While the link is up, new speeds are written at once. A question (which speeds has the robot taken, where are its
+/// counters) goes along unless an older one is still unanswered; the answer confirms every command up to the question.
+/// Here is what all robots have in common; how a stop, a request and their answers look, the protocols say:
 /// AsercomSession, WifiSession.
 class LinkSession {
  public:
@@ -39,14 +41,16 @@ class LinkSession {
   void advance(double now);  ///< lets time pass; call it at deadline() at the latest
 
   // --- What is asked of the robot -----------------------------------------------------------------------------------
-  /// The newest wheel speeds: sent now, or as soon as the outstanding reply is in; a newer one replaces it meanwhile.
+  /// The newest wheel speeds. Written now, unless the system still holds bytes or `most_unconfirmed` commands are
+  /// without an answer: then a newer one may replace them. Speeds that the robot has already are not sent again (an
+  /// e-puck1 loses part of a step with every speed command); the next question confirms them.
   void command(WheelCommand command, std::uint16_t ticket, double now);
   /// The stop, at once whatever is outstanding, repeated until acknowledged; drops commands not yet answered.
   void stop(double now);
 
   // --- What is to be done -------------------------------------------------------------------------------------------
   std::span<const std::uint8_t> output() const noexcept { return output_; }  ///< bytes to write
-  void sent(std::size_t bytes);                                              ///< the first so many are written
+  void sent(std::size_t bytes, double now);                                  ///< the first so many are written
   double deadline() const noexcept;                                          ///< infinity: none
   /// What came cannot be understood, and no byte sent can mend that: the link must be opened anew. The reason is in
   /// status().
@@ -54,44 +58,63 @@ class LinkSession {
 
   // --- What is known ------------------------------------------------------------------------------------------------
   bool open() const noexcept { return phase_ != Phase::closed; }
-  bool up() const noexcept { return phase_ == Phase::idle || phase_ == Phase::waiting; }
+  bool up() const noexcept { return phase_ == Phase::up; }
   bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
   double silent_since() const noexcept;  ///< since when it has owed an answer and said nothing; infinity: it owes none
   /// Since when it has not been up: where it fell silent, since it was asked; infinity: it is.
   double out_since() const noexcept;
   std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
-  /// Of the command whose answer is awaited; 0: none is.
-  std::uint16_t sent_ticket() const noexcept { return in_flight_ ? in_flight_->ticket : std::uint16_t{0}; }
-  LinkStatus status() const;
+  /// What was handed to the system last. A stop counts as speeds of 0.
+  struct Written {
+    WheelCommand speeds;
+    std::uint16_t ticket = 0;  ///< of the newest command contained in it
+    std::uint64_t count = 0;   ///< how many writes there were
+  };
+  const Written& written() const noexcept { return written_; }
+  /// How far the faster wheel may have rolled since the newest question that was answered had been sent: at the fastest
+  /// of the speeds commanded since then. 0 for a robot that is known to stand. [m]
+  double blind_way(double now) const noexcept;
+  LinkStatus status(double now) const;
+  const RoundTrips& round_trips() const noexcept { return round_trips_; }
+
+  /// So many commands may be unconfirmed. With a question they stay below the 58 bytes that an e-puck1 can receive at
+  /// once, should the radio hold them all back.
+  static constexpr int most_unconfirmed = 6;
 
  protected:
-  enum class Phase { closed, synchronising, idle, waiting };
+  enum class Phase { closed, synchronising, up };
   static constexpr double never = std::numeric_limits<double>::infinity();
 
   // --- What a protocol says -----------------------------------------------------------------------------------------
   virtual void begin() = 0;     ///< forget what came over the old link
   virtual void put_stop() = 0;  ///< a stop into the output
-  virtual void put_request(std::optional<WheelCommand> speeds, bool battery) = 0;  ///< speeds, if any, and counters
+  /// Speeds, if any, and a question, if any, into the output, which is empty.
+  virtual void put_request(std::optional<WheelCommand> speeds, Question question) = 0;
   virtual void hear(std::span<const std::uint8_t> bytes, double now) = 0;
   virtual void no_answer_to_stop(double now) = 0;  ///< the time-out while synchronising is over
 
   // --- What it does with it -----------------------------------------------------------------------------------------
   void send_stop(double now);
   void repeat_stop(double now);  ///< counts the time-out
-  void send_heartbeat(double now) { begin_exchange({}, now); }
+  void ask(double now);          ///< a question, no speeds
   void resynchronise(std::string reason, double now);
   void restarted();
   void read_counters(Encoders encoders, double now);
   void read_battery(int raw, double now);
-  void exchange_answered(double now);
+  /// The question is answered. `taken`: the speeds that the robot says it has; a difference leads to the stop.
+  void answered(std::optional<WheelCommand> taken, double now);
+  void stands(double now);        ///< the newest stop is acknowledged
   void synchronised();            ///< up: the robot stands and listens
   bool send_pending(double now);  ///< the newest command, if there is one and it is still fresh
   void garble(std::string reason) { reason_ = std::move(reason), garbled_ = true; }
+  /// A question is out, to its last byte, and not answered.
+  bool answer_due() const noexcept { return question_ && question_->unsent == 0; }
+  Question asked() const noexcept { return question_ ? question_->what : Question::none; }
 
   LinkOptions options_;
   Phase phase_ = Phase::closed;
   std::vector<std::uint8_t> output_;
-  double asked_at_ = 0.0;  // when the outstanding request or stop was sent
+  double asked_at_ = 0.0;  // when the newest question or stop was sent
   bool stop_acknowledged_ = false;
   std::string reason_;
   LinkStatus counters_;
@@ -102,20 +125,43 @@ class LinkSession {
     std::uint16_t ticket = 0;
     double given_at = 0.0;
   };
+  struct Asked {
+    Question what = Question::none;
+    std::optional<WheelCommand> told;  // what the robot should have taken by then
+    std::uint16_t ticket = 0;          // of the newest command sent before it or with it
+    double way = 0.0;                  // way_ at that moment
+    std::size_t unsent = 0;            // bytes of it in the output
+  };
 
-  void begin_exchange(std::optional<WheelCommand> speeds, double now);
-  void send_next(double now);
+  void next(double now);
+  void send(double now);
+  void request(std::optional<WheelCommand> speeds, bool with_question, double now);
+  void count_way(double now) noexcept;
+  /// When this share of the blind distance will be used up by the time that a stop written then arrives.
+  double blind_deadline(double share = 1.0) const noexcept;
   bool fresh(const Pending& pending, double now) const noexcept;
   bool silence_counts() const noexcept { return options_.command_silence > 0.0 && moving_allowed_; }
 
-  std::optional<Pending> pending_;    // newest command, not sent yet
-  std::optional<Pending> in_flight_;  // the command whose answer is awaited
-  double silent_since_ = 0.0;         // the robot was asked then, or said something
-  double down_since_ = -never;        // not up since then
-  double commanded_at_ = 0.0;         // when the newest command came
-  bool moving_allowed_ = false;       // a command was sent and no stop since: command silence must stop the robot
+  std::optional<Pending> pending_;      // newest command, not sent yet
+  std::optional<Pending> unconfirmed_;  // newest command that was sent and is not confirmed
+  std::optional<WheelCommand> told_;    // what the robot was told last; none: stopped since, or never told
+  std::uint16_t told_ticket_ = 0;
+  std::optional<Asked> question_;
+  int sent_since_question_ = 0;
+  double silent_since_ = 0.0;    // the robot was asked then, or said something
+  double down_since_ = -never;   // not up since then
+  double commanded_at_ = 0.0;    // when the newest command came
+  bool moving_allowed_ = false;  // a command was sent and no stop since: command silence must stop the robot
+  double stop_wait_ = 0.0;       // until the stop is sent again [s]
   bool garbled_ = false;
   std::uint16_t answered_ticket_ = 0;
+  Written staged_, written_;  // in the output; gone
+
+  double way_ = 0.0, confirmed_way_ = 0.0;  // of the faster wheel, as commanded [m]
+  double way_at_ = 0.0;                     // until when way_ is counted
+  double fastest_ = 0.0;                    // since the last confirmed question [m/s]
+  double fastest_since_question_ = 0.0;     // since the newest question [m/s]
+  double stop_flight_ = 0.0;                // that a stop needs to arrive, going by the round trips so far [s]
 
   std::optional<Encoders> encoders_;  // the reading that the next is compared with
   double encoders_at_ = 0.0;

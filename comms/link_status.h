@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "comms/asercom.h"
 #include "comms/battery.h"
 
 namespace skein::comms {
@@ -27,8 +28,11 @@ std::optional<LinkState> link_state(std::string_view word) noexcept;
 
 /// When the newest command that was sent went through each of its stations, CLOCK_MONOTONIC; 0: none yet. [s]
 struct CommandTimes {
-  double written = 0.0;   ///< its last byte was handed to the system
-  double answered = 0.0;  ///< the newest answer to a command came
+  double written = 0.0;    ///< its last byte was handed to the system
+  double answered = 0.0;   ///< the newest answer to a command came
+  WheelCommand speeds{};   ///< what was written then; a stop is speeds of 0 [steps/s]
+  /// See LinkStatus, as of the link thread's last turn; at least LinkOptions::blind_distance while not up. [m]
+  double blind_way = 0.0;
 };
 
 /// What is known of one link.
@@ -38,11 +42,15 @@ struct LinkStatus {
   std::string reason;       ///< the newest thing that went wrong, as a sentence; empty: nothing yet
   double rtt_median = 0.0;  ///< round trip of the last 256 exchanges, 0 before the first [s]
   double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]
+  double rtt_p999 = 0.0;    ///< 99.9th percentile of all exchanges so far, rounded up by at most 5 % [s]
+  double blind_way = 0.0;   ///< how far it may have driven since the last confirmed question was sent [m]
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;
   std::uint64_t exchanges = 0;           ///< requests answered
   std::uint64_t timeouts = 0;            ///< requests and stops not answered in time
   std::uint64_t resynchronisations = 0;  ///< times that an answer was missing or not understood: stopped, begun anew
+  std::uint64_t wrong_speeds = 0;        ///< times that the robot had taken other speeds than it was sent
+  std::uint64_t blind_stops = 0;         ///< times that LinkOptions::blind_distance was used up
   std::uint64_t reconnects = 0;          ///< times that the link came up again after it was lost
   std::int64_t left_steps =
       0;  ///< unwrapped encoder, from the first reading on; a robot's restart adds nothing [steps]

@@ -65,8 +65,16 @@ class LinkSupervisor::Loop {
   void release_stop() noexcept;
   bool stopped() const noexcept { return (emergency_.load() & 1u) != 0; }
   bool wait_acknowledged(double timeout_s);
+  void hush(std::size_t robot, double seconds) {
+    const std::lock_guard lock(mutex_);
+    if (robot < links_.size()) links_[robot].hush(seconds_now() + seconds);
+  }
   CommandTimes times(std::size_t robot) const noexcept { return links_[robot].times(); }
   std::vector<LinkStatus> status() const;
+  RoundTrips round_trips(std::size_t robot) const {
+    const std::lock_guard lock(mutex_);
+    return links_[robot].round_trips();
+  }
   std::vector<LinkStatus> close(double timeout_s);
   std::size_t size() const noexcept { return links_.size(); }
 
@@ -291,11 +299,17 @@ bool LinkSupervisor::stopped() const noexcept {
 bool LinkSupervisor::wait_acknowledged(double timeout_s) {
   return loop_->wait_acknowledged(timeout_s);
 }
+void LinkSupervisor::hush(std::size_t robot, double seconds) {
+  loop_->hush(robot, seconds);
+}
 CommandTimes LinkSupervisor::times(std::size_t robot) const noexcept {
   return loop_->times(robot);
 }
 std::vector<LinkStatus> LinkSupervisor::status() const {
   return loop_->status();
+}
+RoundTrips LinkSupervisor::round_trips(std::size_t robot) const {
+  return loop_->round_trips(robot);
 }
 std::vector<LinkStatus> LinkSupervisor::close(double timeout_s) {
   return loop_->close(timeout_s);

@@ -9,12 +9,13 @@
 #include "comms/link_address.h"
 #include "comms/link_options.h"
 #include "comms/link_status.h"
+#include "comms/round_trips.h"
 
 namespace skein::comms {
 
 /// Keeps the links to a group of robots, on one thread of its own for all of them.
 ///
-/// Every robot has a slot for its newest command and at most one request outstanding. A link that is opened or that
+/// Every robot has a slot for its newest command and at most one question outstanding. A link that is opened or that
 /// lost a reply sends the stop sequence first. A robot that was reconnected stays stopped until a new command comes.
 /// Robots are counted from 0 here and from 1 in every sentence, unless their addresses name them. Nothing but bad_alloc
 /// in the constructor is thrown.
@@ -47,11 +48,17 @@ class LinkSupervisor {
   /// false: not within `timeout_s`. For runs in lock-step. Any thread.
   bool wait_acknowledged(double timeout_s);
 
+  /// Sends a robot nothing for so long, unless it is to be stopped: what does it do? Any thread.
+  void hush(std::size_t robot, double seconds);
+
   /// When this robot's newest command was written, and the newest answer came. Any thread; wait-free.
   CommandTimes times(std::size_t robot) const noexcept;
 
   /// A snapshot, in the order of the robots. Any thread; waits at most for one turn of the link thread (microseconds).
   std::vector<LinkStatus> status() const;
+
+  /// The round trips of a robot's link. Any thread; waits as status() does.
+  RoundTrips round_trips(std::size_t robot) const;
 
   /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so, and
   /// an attempt that is under way when time is out is waited for, at most for options.connect_timeout and a second);

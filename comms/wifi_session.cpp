@@ -3,14 +3,17 @@
 namespace skein::comms {
 namespace {
 
-constexpr int most_repetitions = 2;  // of a stop, before the connection is given up
+constexpr int packets_to_answer = 2;  // the first may be older than the question
+// Counters that have not moved for so long belong to a robot that stands: an e-puck2 at 13 steps/s or more, the slowest
+// speed that it is given, makes a step at least every 77 ms. [s]
+constexpr double stands_after = 0.1;
 
 }  // namespace
 
 void WifiSession::begin() {
   parser_.clear();
   newest_ = {};
-  unanswered_ = before_stop_ = 0;
+  packets_ = changes_ = 0;
   standing_.reset();
 }
 
@@ -18,63 +21,63 @@ void WifiSession::begin() {
 void WifiSession::put(WheelCommand command) {
   const std::size_t whole = output_.size() / wifi_command_size;
   output_.resize(output_.size() - whole * wifi_command_size);
-  unanswered_ -= static_cast<int>(whole);
   const auto packet = wifi_command(command);
   output_.insert(output_.end(), packet.begin(), packet.end());
-  ++unanswered_;
   newest_ = command;
 }
 
 void WifiSession::put_stop() {
   put({});
   if (phase_ == Phase::synchronising) return;
-  before_stop_ = unanswered_ - 1;
-  repetitions_ = 0;
+  packets_ = changes_ = 0;
   standing_.reset();
 }
 
-void WifiSession::put_request(std::optional<WheelCommand> speeds, bool /*battery*/) {
-  put(speeds.value_or(newest_));  // every answer tells the battery
+void WifiSession::put_request(std::optional<WheelCommand> speeds, Question question) {
+  if (question != Question::none) packets_ = 0;
+  put(speeds.value_or(newest_));  // every packet tells the battery
 }
 
 void WifiSession::hear(std::span<const std::uint8_t> bytes, double now) {
   parser_.feed(bytes);
-  while (const auto packet = parser_.next()) {
-    // Only what has been written can be answered: else it is somebody else's robot, or not a robot.
-    if (unanswered_ <= static_cast<int>(output_.size() / wifi_command_size))
-      return garble("the robot sent a packet that nobody asked for");
-    --unanswered_;
-    answered(*packet, now);
-  }
+  while (const auto next = parser_.next()) packet(*next, now);
   if (parser_.garbled()) garble("the robot sent what is no packet: is it an e-puck2 with the WiFi firmware?");
 }
 
-void WifiSession::answered(const WifiPacket& packet, double now) {
-  if (packet.sensors) {
-    read_counters(packet.encoders, now);
-    read_battery(packet.battery, now);
-  }
-  if (phase_ == Phase::waiting) {
-    if (unanswered_ == 0) exchange_answered(now);
+void WifiSession::packet(const WifiPacket& packet, double now) {
+  if (!packet.sensors) return;
+  read_counters(packet.encoders, now);
+  read_battery(packet.battery, now);
+  // What came before the request had gone out says nothing about it.
+  if (!output_.empty()) return;
+  ++packets_;
+  if (phase_ == Phase::up) {
+    if (answer_due() && packets_ >= packets_to_answer) answered({}, now);
     return;
   }
-  if (before_stop_ > 0) {
-    --before_stop_;
+  if (packets_ < packets_to_answer) return;
+  if (standing_ != packet.encoders) {
+    standing_ = packet.encoders;
+    standing_since_ = now;
+    ++changes_;
     return;
   }
-  const bool stands = packet.sensors && standing_ == packet.encoders;
-  standing_ = packet.encoders;
-  if (stands) stop_acknowledged_ = true;
-  if (unanswered_ > 0) return;
-  if (!stop_acknowledged_) return send_stop(now);  // once more, to see whether the counters stand
+  if (now - standing_since_ < stands_after) return;
+  stands(now);
   synchronised();
   send_pending(now);
 }
 
 void WifiSession::no_answer_to_stop(double now) {
-  // What TCP was given it delivers, or the connection is dead; and a robot that forgot an answer never makes up for it.
-  if (++repetitions_ > most_repetitions) return garble("the robot owes answers: connecting anew");
-  repeat_stop(now);
+  // A robot that has just come to a stand needs no other stop, only to be watched a little longer. TCP delivers what it
+  // was given, or the connection is dead; and the firmware pauses its stream for a second after a mismatch on its own
+  // UART: that is no reason to connect again.
+  constexpr int on_their_way = 4;  // packets from before the stop
+  const bool streams = standing_ && now < standing_since_ + 2.0 * stands_after;
+  if (streams && changes_ <= on_their_way)
+    asked_at_ = now;
+  else
+    repeat_stop(now);
 }
 
 }  // namespace skein::comms

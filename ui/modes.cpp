@@ -14,6 +14,7 @@ QString tr(const char* text) {
 
 ModeLook look(std::uint8_t mode, const Colours& c) {
   if (mode & app::lost) return {app::lost, QStringLiteral("?"), tr("lost"), c.alarm};
+  if (mode & app::late) return {app::late, QStringLiteral("…"), tr("late"), c.limited};
   if (mode & app::stopped) return {app::stopped, QStringLiteral("■"), tr("stopped"), c.standing};
   if (mode & app::shielded) return {app::shielded, QStringLiteral("S"), tr("shielded"), c.shielded};
   if (mode & app::avoiding) return {app::avoiding, QStringLiteral("A"), tr("avoiding"), c.avoiding};
@@ -31,6 +32,7 @@ QString mode_text(std::uint8_t mode) {
   if (mode & app::avoiding) names << tr("avoiding");
   if (mode & app::shielded) names << tr("shielded");
   if (mode & app::limited) names << tr("limited");
+  if (mode & app::late) names << tr("late");
   return names.join(QStringLiteral("+"));
 }
 

@@ -10,6 +10,7 @@
 
 #include "app/bench/bench.h"
 #include "app/bench/bench_links.h"
+#include "app/bench/bench_radio.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "app/record/statistics.h"
@@ -269,6 +270,7 @@ int bench(const std::string& what, double seconds, std::vector<std::string> argu
         ->MinTime(2.0);
   if (asked("vision")) vision::register_vision_benchmarks();
   if (asked("links")) register_link_benchmarks(seconds);
+  if (asked("radio")) register_radio_benchmarks();
   if (asked("loopback"))
     benchmark::RegisterBenchmark("loopback in real time", loopback)
         ->Unit(benchmark::kSecond)

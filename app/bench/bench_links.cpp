@@ -71,7 +71,7 @@ class PlainLines {
   PlainLines& operator=(const PlainLines&) = delete;
 
   void write(comms::WheelCommand command) {
-    const auto bytes = comms::set_speeds_read_encoders(command);
+    const auto bytes = comms::wheel_request(command, comms::Question::wheels);
     for (const int line : lines_) [[maybe_unused]] const auto written = ::write(line, bytes.data(), bytes.size());
   }
   void drop_answers() {

@@ -206,7 +206,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
       .add_option(
           "what", bench_what,
           "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (6 minutes); default: all but ui")
-      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "loopback", "ui"}));
+      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "radio", "loopback", "ui"}));
   double bench_seconds = 60.0;
   bench_command.add_option("--seconds", bench_seconds, "links, ui: how long each measurement takes")
       ->check(CLI::Range(1.0, 3600.0))

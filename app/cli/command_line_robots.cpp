@@ -36,6 +36,11 @@ void RobotCommands::add_to(CLI::App& program) {
   calibration->needs(camera);
   test_->add_flag("--save", request_.save, "put tag, version, wheel diameter and track into the file of robots");
 
+  ping_ = add("ping", "Measures how long robots take to answer under the traffic of a run; they stand meanwhile");
+  ping_->add_option("robots", request_.words, which)->required();
+  ping_->add_option("--minutes", request_.minutes, "how long")->check(CLI::Range(0.01, 1440.0))->capture_default_str();
+  ping_->add_flag("--save", request_.save, "put the proposal for [links] into the experiment file");
+
   const auto adapter = [&](CLI::App* command) {
     command->add_option("--adapter", request_.adapter, "hci1, or its address; default: all")->type_name("ADAPTER");
     command->add_flag("--save", request_.save, "add them to the file of robots");
@@ -55,6 +60,7 @@ std::optional<int> RobotCommands::run() {
   if (*list_) return list_robots(request_.file);
   if (*stop_) return stop_robots(request_.words, request_.file);
   if (*test_) return test_robots(request_);
+  if (*ping_) return ping_robots(request_);
   if (*scan_) return scan_robots(request_);
   if (*pair_) return pair_robots(request_);
   return {};

@@ -16,7 +16,7 @@ class RobotCommands {
   std::optional<int> run();
 
  private:
-  CLI::App *list_ = nullptr, *test_ = nullptr, *stop_ = nullptr, *scan_ = nullptr, *pair_ = nullptr;
+  CLI::App *list_ = nullptr, *test_ = nullptr, *stop_ = nullptr, *ping_ = nullptr, *scan_ = nullptr, *pair_ = nullptr;
   RobotsRequest request_;
 };
 

@@ -28,6 +28,10 @@ void print(const RobotTestResult& result, const Experiment& experiment, std::siz
   if (result.tag >= 0) fmt::print("tag: {}\n", result.tag);
   if (result.wheel_diameter) fmt::print("wheel_diameter: {:.5f}\n", *result.wheel_diameter);
   if (result.track) fmt::print("track: {:.5f}\n", *result.track);
+  if (result.watchdog)
+    fmt::print("watchdog: {}\n", *result.watchdog == 0.0
+                                     ? "none: it drives on when nothing is sent to it"
+                                     : fmt::format("{:.2f} s: it stopped by itself", *result.watchdog));
   fmt::print("faults: {}\n\n", result.faults.size());
   std::fflush(stdout);
   for (const std::string& fault : result.faults) complain(robot_name(experiment, robot) + ": " + fault);
@@ -59,6 +63,7 @@ int save(const std::string& path, const Experiment& experiment,
     if (result.tag >= 0) set("tag", std::to_string(result.tag));
     if (!result.status.version.empty()) set("version", fmt::format("\"{}\"", result.status.version));
     if (result.wheel_diameter) set("wheel_diameter", fmt::format("{:.5f}", *result.wheel_diameter));
+    if (result.watchdog) set("watchdog", fmt::format("{:.2f}", *result.watchdog));
     if (result.track) set("track", fmt::format("{:.5f}", *result.track));
   }
   if (changed == *text) return done;

@@ -60,7 +60,8 @@ struct RobotsRequest {
   std::string camera, calibration;  ///< source and calibration file; empty: that of the experiment, if there is one
   std::string adapter;              ///< "hci1", or its address; empty: all
   double seconds = 12.0;            ///< how long to look for robots
-  bool save = false;                ///< into the file of robots
+  double minutes = 1.0;             ///< how long to measure links
+  bool save = false;                ///< into the file of robots; of `ping`: into the experiment file
 };
 
 /// Robots by words of the command line, with what is wrong on stderr: link addresses, names of the file of robots,
@@ -83,6 +84,10 @@ int scan_robots(const RobotsRequest& request);
 
 /// Pairs with robots, named by name or address; prints them likewise; `device_failed` if one was not paired.
 int pair_robots(const RobotsRequest& request);
+
+/// Measures the round trips of robots' links under the traffic of a run, while the robots stand, and proposes [links].
+/// `device_failed` if one does not answer. See robot_ping.h.
+int ping_robots(const RobotsRequest& request);
 
 /// Asks robots who they are, turns their wheels a little, and names what is wrong with them; `device_failed` if
 /// something is. See robot_test.h.

@@ -154,6 +154,8 @@ struct RobotSpec {
   core::MotorModel motor = core::MotorModel::ideal;  ///< key `model`; of a loopback or real robot "epuck2" unless given
   std::optional<TrajectorySpec> trajectory;          ///< of an independent reference
   std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
+  /// How long after the last byte it stops by itself, as `robots test` has found; 0: never; empty: not known. [s]
+  std::optional<double> watchdog;
   core::DifferentialDrive drive;    ///< keys wheel_diameter, track; max_step_rate follows from `model`
 
   bool simulated() const noexcept { return link != Link::device; }
@@ -180,6 +182,8 @@ struct CameraSpec {
 
 /// How patient the links to the robots are, on the wall clock.
 struct LinksSpec {
+  /// A robot may drive so far on commands that nobody has confirmed [m].
+  double blind_distance = comms::LinkOptions{}.blind_distance;
   double reply_timeout = comms::LinkOptions{}.reply_timeout;  ///< a reply later than this is a lost reply [s]
   std::optional<double> command_silence;  ///< without a new command for this long a link stops its robot [s]
 };
@@ -205,9 +209,10 @@ struct FailureSpec {
     others_go_on,  ///< that robot is held, until the operator releases it
   };
   LinkLost link_lost = LinkLost::all_stop;
-  /// A link that has not been up for longer than this is lost [s]. A robot is asked every tick, the links are looked at
-  /// every 20 ms, and the group obeys in the next tick: at 25 Hz it reacts within 0.2 s.
-  double link_bridge = 0.1;
+  /// A link that has not been up for longer than this is lost [s]; one whose connection is gone is lost at once. Until
+  /// then its robot is stopped and the others keep clear of it. Longer than the second for which an e-puck2's WiFi
+  /// program may pause.
+  double link_bridge = 1.5;
 };
 
 /// As files call it (core/words.h).

@@ -224,6 +224,13 @@ const std::vector<ExperimentKey>& all_keys() {
 }
 ,
 
+    {"links", "blind_distance", "how far a robot may drive on commands that no answer has confirmed",
+     NumberKey{[](E & e) -> auto& {return e.links.blind_distance;
+}
+, [](Limits) { return between(0.005, 1.0, "m"); }
+}
+}
+,
     {"links", "reply_timeout", "a reply later than this is lost, and the robot is stopped until it answers",
      NumberKey{[](E & e) -> auto& {return e.links.reply_timeout;
 }

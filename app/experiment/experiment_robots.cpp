@@ -62,6 +62,7 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   if (const auto known = comms::check_adapter(robot.spec.adapter); !known && t.has("adapter"))
     problems.add(t.full("adapter"), known.error());
   t.number("wheel_diameter", robot.spec.drive.wheel_diameter, between(0.01, 0.2, "m"));
+  t.number("watchdog", robot.spec.watchdog, between(0.0, 60.0, "s"));
   t.number("track", robot.spec.drive.track, between(0.01, 0.5, "m"));
   Model model = Model::ideal;
   t.choice("model", model);

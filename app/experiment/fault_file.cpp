@@ -42,6 +42,7 @@ void read_amounts(TomlTable& table, Fault& fault) {
     case FaultKind::ring:
     case FaultKind::swapped_wheels:
     case FaultKind::silent_encoders:
+    case FaultKind::stall:
       break;
   }
 }

@@ -106,6 +106,14 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_health_columns{{
     {"link_reconnects", [](auto& r) -> decltype(auto) { return (r.link.reconnects); }},
 }};
 
+// After them, where the experiment has a robot with a link: what a replay puts in.
+inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_input_columns{{
+    {"sent_left", [](auto& r) -> decltype(auto) { return (r.link.input.sent.left); }},
+    {"sent_right", [](auto& r) -> decltype(auto) { return (r.link.input.sent.right); }},
+    {"sent_at", [](auto& r) -> decltype(auto) { return (r.link.input.sent_at); }},
+    {"blind_way", [](auto& r) -> decltype(auto) { return (r.link.input.blind_way); }},
+}};
+
 /// Where columns for gains of pairs are, in the order of core::gain_names, robots from 1: "k_xx_1_2".
 inline std::string pair_column(core::GainName gain, std::size_t i, std::size_t j) {
   return std::string(word(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);

@@ -157,6 +157,7 @@ void CsvReader::find_columns() {
     };
     for (const auto& column : link_columns) of_robot(column);
     for (const auto& column : link_health_columns) of_robot(column);
+    for (const auto& column : link_input_columns) of_robot(column);
     known[prefix + "link"] = [i](TickRecord& r, std::string_view cell) {
       r.robots[i].link.state = core::from_word<LinkState>(cell);
       return cell.empty() || r.robots[i].link.state.has_value();

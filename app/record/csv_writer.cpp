@@ -14,7 +14,8 @@ namespace skein::app {
 struct CsvWriter::Impl {
   std::ostream& out;
   bool pair_gains;
-  std::string row;
+  std::string row = {};
+  bool links = false;  // some robot has one
 
   void number(double value) {
     if (!std::isnan(value)) {
@@ -42,6 +43,8 @@ struct CsvWriter::Impl {
     for (const auto& column : link_columns) number(column.get(record));
     words<Limit>(record.limits);
     for (const auto& column : link_health_columns) number(column.get(record));
+    for (const auto& column : link_input_columns)
+      if (links) number(column.get(record));
   }
 
   /// Empty where the pair has what the group's column says.
@@ -55,6 +58,8 @@ struct CsvWriter::Impl {
   }
 
   void head(const Experiment& experiment) {
+    links = std::any_of(experiment.robots.begin(), experiment.robots.end(),
+                        [](const RobotSpec& robot) { return robot.link != RobotSpec::Link::sim; });
     row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
                       hash_line, fnv1a(experiment.source), seed_line, experiment.seed);
     std::string_view rest = experiment.source;
@@ -79,6 +84,8 @@ struct CsvWriter::Impl {
       for (const auto& column : link_columns) row += fmt::format("r{}_{},", i, column.name);
       row += fmt::format("r{}_limit,", i);
       for (const auto& column : link_health_columns) row += fmt::format("r{}_{},", i, column.name);
+      for (const auto& column : link_input_columns)
+        if (links) row += fmt::format("r{}_{},", i, column.name);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     for (const core::GainName gain : core::gain_names)

@@ -125,6 +125,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   ControlTick tick(*experiment);
   std::vector<core::Measurement> measurements(experiment->robots.size());
   std::vector<double> delays(experiment->robots.size());
+  std::vector<LinkInput> links(experiment->robots.size());
   TickRecord row;
   std::int64_t last_tick = 0;
   while (true) {
@@ -147,6 +148,11 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     input.stop = row.events.contains<events::Stop>();
     input.measurements = measurements;
     input.delays = delays;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      links[i] = row.robots[i].link.input;
+      links[i].linked = !std::isnan(links[i].blind_way);
+    }
+    input.links = links;
     input.commands = commands;
     input.recorded = true;
     for (const Event& event : row.events)

@@ -30,6 +30,17 @@ enum Mode : std::uint8_t {
   limited = 16,  ///< box or wheels changed what the law asked for
   stopped = 32,  ///< commanded to stand: not running, paused, STOP, lost
   lost = 64,     ///< no pose within the bridge time
+  late = 128,    ///< slowed or held because its link has not confirmed its commands
+};
+
+/// What a tick takes into account of a robot's link. Wall clock only.
+struct LinkInput {
+  bool linked = false;                 ///< it has one
+  core::WheelSpeeds sent{none, none};  ///< the speeds that were handed to the system last; a stop is 0 [steps/s]
+  double sent_at = none;               ///< when [s, session's clock]
+  /// How far it may have driven since the newest command that it has confirmed; links.blind_distance or more: its link
+  /// has stopped it. [m]
+  double blind_way = none;
 };
 
 /// As the CSV calls it (core/words.h); of one bit.
@@ -49,12 +60,15 @@ constexpr std::string_view word(Mode bit) noexcept {
       return "stopped";
     case lost:
       return "lost";
+    case late:
+      return "late";
   }
   return {};
 }
 
 /// What is known of a robot's link at a tick; nothing of one that has none.
 struct LinkRecord {
+  LinkInput input;
   std::optional<LinkState> state;
   double round_trip = none;                      ///< median of the last 256; wall clock only [s]
   double battery = none;                         ///< wall clock only [V]
@@ -97,7 +111,7 @@ struct RobotRecord {
   core::TrackingError error{none, none, none};  ///< (4), from pose and reference; none while lost
   core::Twist law;                              ///< what (15) gave, before any limit
   core::Twist command;                          ///< after limits and shield
-  core::WheelSpeeds wheels;                     ///< sent [steps/s]
+  core::WheelSpeeds wheels;                     ///< what the tick commands; see LinkInput::sent [steps/s]
   double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
   core::Margins margins{};                      ///< of (18), now
   std::uint8_t mode = stopped;

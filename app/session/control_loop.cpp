@@ -31,6 +31,7 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       truth_(experiment.robots.size(), core::Pose{none, none, none}),
       wheels_(experiment.robots.size()),
       command_times_(experiment.robots.size()),
+      links_(experiment.robots.size()),
       delays_(experiment.robots.size()),
       pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]) {
   out_.events.reserve(tick_.record().events.limit());
@@ -64,6 +65,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   const Latency tick_before = latency_;
   new_frame_ = plant_.measure(now, newest_, truth_, frame_);
 
+  plant_.look_at_links(links_);
   take_commands(input.events);
   input.now = now;
   input.elapsed = elapsed;
@@ -71,6 +73,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   input.measurements = newest_;
   input.truth = truth_;
   input.delays = delays_;
+  input.links = links_;
   input.commands = obeyed_;
 
   const double began = clock_.now();
@@ -117,7 +120,7 @@ void ControlLoop::complete_latency() noexcept {
   double written_at = none, answered_at = none;
   bool first = true;
   for (std::size_t i = 0; i < command_times_.size(); ++i) {
-    const auto [written, answered] = command_times_[i];
+    const double written = command_times_[i].written, answered = command_times_[i].answered;
     if (written == 0.0) continue;  // no link
     const auto last = [first](double a, double b) { return first ? b : a >= b || std::isnan(a) ? a : b; };
     written_at = last(written_at, written);

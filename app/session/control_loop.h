@@ -108,6 +108,7 @@ class ControlLoop {
   Latency latency_;           // of this tick, as far as it is known
   double decided_at_ = none;  // when this tick's commands were given
   std::vector<comms::CommandTimes> command_times_;
+  std::vector<LinkInput> links_;
   std::vector<double> delays_;  // from a robot's command to the moment its wheels obey, a moving mean
   std::size_t next_perturbation_ = 0, next_action_ = 0;
   std::int64_t virtual_ticks_ = 0;

@@ -3,6 +3,25 @@
 #include <fmt/format.h>
 
 namespace skein::app {
+namespace {
+
+/// No patience helps: nothing can be sent.
+bool is_gone(comms::LinkState state) noexcept {
+  switch (state) {
+    case comms::LinkState::down:
+    case comms::LinkState::connecting:
+    case comms::LinkState::failed:
+    case comms::LinkState::closed:
+      return true;
+    case comms::LinkState::synchronising:
+    case comms::LinkState::up:
+    case comms::LinkState::stale:
+      return false;
+  }
+  return false;
+}
+
+}  // namespace
 
 LinkState state_of(comms::LinkState state) noexcept {
   switch (state) {
@@ -48,7 +67,7 @@ std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>&
       cell.battery.store(link.battery.volts, std::memory_order_relaxed);
     }
     const bool up = state == LinkState::up;
-    if (!up && link.out_for > bridge_) {
+    if (!up && (link.out_for > bridge_ || is_gone(link.state))) {
       cell.reported.store(state, std::memory_order_release);
       if (!lost)
         lost = fmt::format("robot {}: the link is {}{}{}", cell.robot + 1, word(state), link.reason.empty() ? "" : ": ",

@@ -19,7 +19,8 @@ LinkState state_of(comms::LinkState state) noexcept;
 /// Carries what is known of the links to the control thread without a lock, and says which of them are lost.
 class LinkWatch {
  public:
-  /// `robots`: the robot of each link. `bridge`: how long a link may be out of reach [s]. `wall`: the run's clock.
+  /// `robots`: the robot of each link. `bridge`: how long a link with a connection may be
+  /// without an answer [s]; without one it is lost at once. `wall`: the run's clock.
   LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall);
 
   /// Takes in the links' status. Returns a sentence about the first link that is lost, if one is. One thread.

@@ -45,8 +45,8 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     SimulatedWorld& world = plant->world_;
     plant->emulator_ = std::make_unique<comms::PtyEmulator>(
         emulated,
-        [&world, &clock, emulated_robots](std::size_t k, const core::WheelSpeeds& actual) {
-          world.turn(emulated_robots[k], clock.now(), actual);
+        [&world, &clock, emulated_robots](std::size_t k, const core::WheelSpeeds& told) {
+          world.turn(emulated_robots[k], clock.now(), told);
         },
         [&clock] { return clock.now(); }, std::string{}, options.faults, experiment.seed);
   }
@@ -64,6 +64,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
       addresses.push_back(*address);
     }
     comms::LinkOptions link_options;
+    link_options.blind_distance = experiment.links.blind_distance;
     link_options.reply_timeout = experiment.links.reply_timeout;
     link_options.command_silence = experiment.command_silence();
     link_options.heartbeat = heartbeat;
@@ -72,6 +73,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
     if (!clock.wall()) {
       link_options.command_silence = link_options.heartbeat = link_options.battery_period = 0.0;
+      link_options.blind_distance = 0.0;
       link_options.reply_timeout = lock_step_timeout;
     }
     plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, link_options);
@@ -119,7 +121,20 @@ void Plant::command_times(double given_at, std::span<comms::CommandTimes> robots
   };
   for (std::size_t k = 0; k < linked_.size(); ++k) {
     const comms::CommandTimes times = links_->times(k);
-    robots[linked_[k]] = {since(times.written), since(times.answered)};
+    robots[linked_[k]].written = since(times.written);
+    robots[linked_[k]].answered = since(times.answered);
+  }
+}
+
+void Plant::look_at_links(std::span<LinkInput> robots) const noexcept {
+  if (!links_ || !clock_.wall()) return;
+  for (std::size_t k = 0; k < linked_.size(); ++k) {
+    const comms::CommandTimes times = links_->times(k);
+    LinkInput& robot = robots[linked_[k]];
+    robot = {.linked = true, .blind_way = times.blind_way};
+    if (times.written == 0.0) continue;
+    robot.sent = {static_cast<double>(times.speeds.left), static_cast<double>(times.speeds.right)};
+    robot.sent_at = clock_.from_monotonic(times.written);
   }
 }
 
@@ -156,6 +171,11 @@ tl::expected<WheelCheck, std::string> Plant::check_wheels(std::size_t robot,
   auto check = app::check_wheels(*links_, static_cast<std::size_t>(link - linked_.begin()), keep_on);
   tested_.store(nobody, std::memory_order_release);
   return check;
+}
+
+void Plant::hush(std::size_t robot, double seconds) {
+  const auto link = std::find(linked_.begin(), linked_.end(), robot);
+  if (links_ && link != linked_.end()) links_->hush(static_cast<std::size_t>(link - linked_.begin()), seconds);
 }
 
 void Plant::stop() noexcept {

@@ -40,6 +40,9 @@ class Plant {
   /// When every robot's command that was given since `given_at` was written and answered, on the session's clock; none:
   /// not yet. Zeros: the robot has no link. The control thread's.
   void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;
+  /// What is known of each robot's link as a tick needs it; untouched where there is none, and on the virtual clock. The
+  /// control thread's.
+  void look_at_links(std::span<LinkInput> robots) const noexcept;
   /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
   /// thread's.
   void act(std::span<const core::WheelSpeeds> wheels);
@@ -71,6 +74,8 @@ class Plant {
   /// app::check_wheels of a robot that has a link and stands; `act` passes it over meanwhile. Blocks for some
   /// seconds; one at a time, on a thread of its own, and only while the control thread runs.
   tl::expected<WheelCheck, std::string> check_wheels(std::size_t robot, const std::function<std::string()>& keep_on);
+  /// Sends a robot nothing for so long, unless it is to be stopped.
+  void hush(std::size_t robot, double seconds);
   /// Looks after links and camera: why the run cannot go on, if it cannot. Not the control thread's.
   std::optional<std::string> failure();
   /// Stops every robot and waits, at most a second, until each has acknowledged.

@@ -33,10 +33,10 @@ void SimulatedWorld::command(std::size_t robot, const core::WheelSpeeds& wheels)
   robots_[robot].command(wheels);
 }
 
-void SimulatedWorld::turn(std::size_t robot, double now, const core::WheelSpeeds& actual) {
+void SimulatedWorld::turn(std::size_t robot, double now, const core::WheelSpeeds& commanded) {
   const std::lock_guard lock(mutex_);
   advance_locked(now);
-  robots_[robot].turn(actual);
+  robots_[robot].turn(commanded);
 }
 
 void SimulatedWorld::stop() {

@@ -18,8 +18,8 @@ class SimulatedWorld {
   void advance(double now);
   /// Wheel speeds as commanded [steps/s], from now on.
   void command(std::size_t robot, const core::WheelSpeeds& wheels);
-  /// Step rates as an emulated robot's motors run them, from time `now` on.
-  void turn(std::size_t robot, double now, const core::WheelSpeeds& actual);
+  /// What an emulated robot's firmware tells its motors at time `now` [steps/s].
+  void turn(std::size_t robot, double now, const core::WheelSpeeds& commanded);
   void stop();
 
   void place(std::size_t robot, const core::Pose& pose);

@@ -8,6 +8,7 @@
 #include "core/control/formation.h"
 #include "core/control/lyapunov.h"
 #include "core/estimation/pose_filter.h"
+#include "core/kinematics/step_motor.h"
 
 namespace skein::app {
 namespace {
@@ -44,6 +45,7 @@ TickState::TickState(const Experiment& e)
       near(e.robots.size()),
       pairs(e.robots.size()),
       watch(e.robots.size(), rise_tolerance(e)),
+      adrift(new bool[e.robots.size()]()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
   for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
@@ -52,6 +54,10 @@ TickState::TickState(const Experiment& e)
   held.resize(n);
   off_nominal.resize(n);
   owed.resize(n);
+  acts_at.resize(n, none);
+  sights.resize(n);
+  trust.resize(n, 1.0);
+  driving.resize(n);
   poses.resize(n);
   midway.resize(n);
   stands.resize(n);
@@ -72,6 +78,7 @@ TickState::TickState(const Experiment& e)
 void ControlTick::see(const TickInput& input) noexcept {
   TickState& tick = *state_;
   tick.begin(input);
+  tick.hear_links(input);
   tick.estimate(input);
 }
 
@@ -95,6 +102,48 @@ void TickState::look(std::size_t i) noexcept {
   if (!expected || !running()) return;
   note(events::Kidnap{i, m.pose.x - expected->x, m.pose.y - expected->y,
                       core::wrap_angle(m.pose.theta - expected->theta)});
+}
+
+/// What the links have made of the tick before: prediction goes by what was sent, and a robot is trusted with its speed
+/// as far as its link confirms that it obeys. Full speed for the first half of links.blind_distance, then less and
+/// less.
+void TickState::hear_links(const TickInput& input) noexcept {
+  for (std::size_t i = 0; i < robots(); ++i) {
+    RobotRecord& robot = record.robots[i];
+    robot.link.input = input.links.empty() ? LinkInput{} : input.links[i];
+    const LinkInput& link = robot.link.input;
+    trust[i] = 1.0;
+    if (!link.linked) continue;
+    const double budget = experiment.links.blind_distance;
+    trust[i] = std::clamp(2.0 * (budget - link.blind_way) / budget, 0.0, 1.0);
+    if (std::isnan(link.sent_at) || std::isnan(acts_at[i]) || link.sent == robot.wheels) continue;
+    const core::MotorModel motor = experiment.robots[i].motor;
+    filters[i].command(acts_at[i], experiment.robots[i].drive.twist({core::actual_step_rate(motor, link.sent.left),
+                                                                     core::actual_step_rate(motor, link.sent.right)}));
+  }
+}
+
+/// How a robot moves that need not do as it is told: from its first and its newest sight within a fifth of a second.
+void TickState::measure_twist(std::size_t i) noexcept {
+  constexpr double longest = 0.5;    // between them [s]
+  constexpr double standing = 0.02;  // slower than this is noise [m/s]
+  const core::Measurement& newest = record.robots[i].measurement;
+  Sight& sight = sights[i];
+  if (sight.count == 0 || sight.seen[(sight.count - 1) % Sight::frames].captured_at < newest.captured_at)
+    sight.seen[sight.count++ % Sight::frames] = newest;
+  adrift[i] = false;
+  if (!record.robots[i].link.input.linked || !is_out(i) || record.robots[i].is(lost) || sight.count < Sight::frames)
+    return;
+  const core::Measurement& first = sight.seen[sight.count % Sight::frames];
+  const double seconds = newest.captured_at - first.captured_at;
+  if (!(seconds > 0.0 && seconds < longest)) return;
+  const double turned = core::wrap_angle(newest.pose.theta - first.pose.theta);
+  const double heading = first.pose.theta + 0.5 * turned;
+  const double v = ((newest.pose.x - first.pose.x) * std::cos(heading) +
+                    (newest.pose.y - first.pose.y) * std::sin(heading)) / seconds;
+  if (std::abs(v) < standing) return;
+  adrift[i] = true;
+  driving[i] = {v, turned / seconds};
 }
 
 /// Every robot's pose at the moment the command of this tick acts. One that has not been seen within the bridge time is
@@ -121,6 +170,8 @@ void TickState::estimate(const TickInput& input) noexcept {
     if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event(events::Found{i}) : Event(events::Lost{i}));
     if (seen) seen_before[i] = true;
     if (robot.is(lost)) avoidance.reset(i);
+    driving[i] = commands[i];
+    if (seen) measure_twist(i);
   }
 }
 
@@ -139,7 +190,7 @@ void TickState::follow_reference() noexcept {
   if (moving()) {
     const double most_doubt = *std::max_element(doubt.begin(), doubt.end());
     const core::Scene scene{poses,
-                            commands,
+                            driving,
                             {shield_touched.get(), robots()},
                             obstacles.standing(),
                             experiment.shield.distance + 2.0 * most_doubt + detour_margin,
@@ -180,8 +231,12 @@ void TickState::limit_and_shield() noexcept {
     robot.limits = 0;
     if (!moving() || is_out(i)) {
       robot.mode |= stopped;
+      if (trust[i] < 1.0) robot.mode |= late;
       commands[i] = {};
       v_limits[i] = 0.0;
+      if (!adrift[i]) continue;
+      commands[i] = driving[i];  // for the shield; taken back below
+      v_limits[i] = std::abs(driving[i].v);
       continue;
     }
     robot.mode |= !running() ? staging : followed[i] == nominal[i] ? tracking : avoiding;
@@ -191,6 +246,10 @@ void TickState::limit_and_shield() noexcept {
     commands[i] = limits[i].limit(law[i]);
     v_limits[i] = limits[i].v_limit(commands[i].omega);
     if (commands[i] != law[i]) robot.mode |= limited;
+    if (trust[i] < 1.0) {
+      robot.mode |= late;
+      commands[i] = {trust[i] * commands[i].v, trust[i] * commands[i].omega};
+    }
   }
   // A robot that turns drives, over a tick, as its heading in the middle of it.
   for (std::size_t i = 0; i < robots(); ++i) {
@@ -198,9 +257,11 @@ void TickState::limit_and_shield() noexcept {
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
   shield.apply(experiment.shield, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
-               doubt);
-  for (std::size_t i = 0; i < robots(); ++i)
+               doubt, {adrift.get(), robots()});
+  for (std::size_t i = 0; i < robots(); ++i) {
     if (shield_touched[i]) record.robots[i].mode |= shielded;
+    if (adrift[i]) commands[i] = {};
+  }
 }
 
 /// Twists to step rates. A real motor runs only some rates: what one tick does too much or too little, the next ones
@@ -212,14 +273,17 @@ void TickState::drive_wheels() noexcept {
     const core::WheelSpeeds wanted = spec.drive.wheels(commands[i]);
     core::WheelSpeeds runs;
     const auto choose = [&](double wish, double& debt, double& command, double& actual) {
+      const double before = command;
       command = core::nearest_command(spec.motor, wish + debt);
-      actual = core::actual_step_rate(spec.motor, command);
+      actual = core::actual_step_rate(spec.motor, command) -
+               core::steps_lost_by_change(spec.motor, before, command) / experiment.period();
       debt = spec.motor == core::MotorModel::ideal || robot.is(stopped) ? 0.0 : wish + debt - actual;
     };
     if (robot.is(stopped)) owed[i] = {};
     choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
     choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
-    filters[i].command(record.now + robot.actuation_delay, spec.drive.twist(runs));
+    acts_at[i] = record.now + robot.actuation_delay;
+    filters[i].command(acts_at[i], adrift[i] ? driving[i] : spec.drive.twist(runs));
     watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
   }
 }
@@ -247,6 +311,8 @@ void TickState::watch_descent() noexcept {
   constexpr double settles = 0.5;  // [s]
   for (const Event& event : record.events)
     if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
+  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; }))
+    explained_until = record.now + settles;
   if (!running() || record.now < explained_until) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
   if (rise > 0.0) note(events::VRise{rise});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -41,8 +42,11 @@ struct TickState {
 
   bool running() const noexcept { return record.phase == Phase::running; }
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
-  /// A robot that is lost or held is not in the group: it stands, and its errors count for nobody.
-  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i]; }
+  /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
+  /// errors count for nobody.
+  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i] || trust[i] == 0.0; }
+  void hear_links(const TickInput& input) noexcept;
+  void measure_twist(std::size_t i) noexcept;
   std::size_t robots() const noexcept { return record.robots.size(); }
   void note(const Event& event) noexcept { record.events.add(event); }
 
@@ -72,6 +76,13 @@ struct TickState {
   std::vector<bool> held;               // made to stand by the operator
   std::vector<bool> off_nominal;        // follows a modified reference
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
+  std::vector<double> acts_at;          // from when on the newest commands act [s]
+  struct Sight {
+    static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
+    std::array<core::Measurement, frames> seen{};
+    std::size_t count = 0;
+  };
+  std::vector<Sight> sights;
 
   // What lasts for one tick.
   std::vector<core::Pose> poses, midway, stands;
@@ -79,6 +90,9 @@ struct TickState {
   std::vector<core::Twist> followed_twists, law, commands;
   std::vector<core::TrackingError> errors;
   std::vector<double> v_limits;
+  std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
+  std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
+  std::unique_ptr<bool[]> adrift;    // it is out, has a link, and rolls
   std::vector<double> doubt;  // how far off each pose may be [m]
   std::unique_ptr<bool[]> shield_touched;
   TickRecord record;

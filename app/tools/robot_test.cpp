@@ -237,6 +237,34 @@ tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTes
   return {};
 }
 
+double watchdog_of(double steps, double speed, double silence) noexcept {
+  constexpr double all_of_it = 0.8;  // commands stop acting a little early, encoders are read a little late
+  const double seconds = std::abs(steps / speed);
+  return seconds > all_of_it * silence ? 0.0 : seconds;
+}
+
+/// Nothing is sent for a second while the robot drives: 3 cm of way in all.
+tl::expected<void, std::string> RobotTest::cut_line(std::size_t robot, RobotTestResult& result) {
+  constexpr double speed = 150.0, begins = 0.2, silence = 1.0, answers = 0.6;  // [steps/s, s]
+  if (!clock_.wall()) return {};
+  wheels_[robot] = {speed, speed};
+  const auto go_on = [this](double seconds) -> tl::expected<void, std::string> {
+    for (int ticks = static_cast<int>(std::lround(seconds / believed_.period())); ticks > 0; --ticks)
+      if (auto ticked = tick(); !ticked) return ticked;
+    return {};
+  };
+  if (auto begun = go_on(begins); !begun) return begun;
+  plant_.hush(robot, silence);
+  const LinkRecord before = records_[robot].link;
+  if (auto waited = go_on(silence); !waited) return waited;
+  if (auto stood = stand(); !stood) return stood;
+  if (auto answered = go_on(answers); !answered) return answered;
+  const LinkRecord& after = records_[robot].link;
+  const double steps = 0.5 * (after.left_steps - before.left_steps + after.right_steps - before.right_steps);
+  result.watchdog = watchdog_of(steps, speed, silence);
+  return {};
+}
+
 tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   RobotTestResult result;
   const double begun = clock_.now();
@@ -263,6 +291,8 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
     if (result.tag >= 0 && only_the_tag)
       if (const auto calibrated = calibrate(robot, result); !calibrated) return tl::unexpected(calibrated.error());
   }
+  if (result.faults.empty())
+    if (const auto cut = cut_line(robot, result); !cut) return tl::unexpected(cut.error());
   result.status = plant_.robots().at(robot);
   return result;
 }

@@ -19,9 +19,16 @@ struct RobotTestResult {
   int tag = -1;                            ///< that turned with it; -1: the camera saw none, or there is no camera
   std::optional<double> wheel_diameter;    ///< from the camera's way against the encoders' [m]
   std::optional<double> track;             ///< from the camera's turn against the encoders' [m]
+  /// How long after the last byte from the host it stopped by itself: its dead man's switch. 0: it has none, it drove on
+  /// for the whole second in which nothing was sent. Empty: not looked at. [s]
+  std::optional<double> watchdog;
   std::vector<std::string> faults;         ///< a sentence each; empty: none found
   std::vector<std::string> notes;          ///< what could not be looked at, and why
 };
+
+/// What a robot that was told `speed` and then nothing for `silence` has for a dead man's switch, from the steps that
+/// its wheels made in that time: see RobotTestResult::watchdog. [steps/s], [s]
+double watchdog_of(double steps, double speed, double silence) noexcept;
 
 /// Tests robots one after the other, while all others stand: turns each wheel about 10 mm forward and compares its
 /// encoder, and with a camera the tags, with the command; with a camera it then drives 6 cm forth and back and turns
@@ -52,6 +59,7 @@ class RobotTest {
   tl::expected<void, std::string> tick();
   tl::expected<void, std::string> stand();
   tl::expected<Manoeuvre, std::string> drive(std::size_t robot, double left, double right, double seconds);
+  tl::expected<void, std::string> cut_line(std::size_t robot, RobotTestResult& result);
   void judge_camera(std::size_t robot, const Manoeuvre& left, const Manoeuvre& right, RobotTestResult& result) const;
   tl::expected<void, std::string> calibrate(std::size_t robot, RobotTestResult& result);
   bool free_way(int tag, double distance) const;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -66,10 +67,13 @@ int emulate(const EmulateOptions& options) {
   const auto clock = [start] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  WheelsChanged on_wheels;
+  WheelsTold on_wheels;
   if (options.verbose) {
-    on_wheels = [&clock](std::size_t robot, const core::WheelSpeeds& actual) {
-      say(fmt::format("{:.3f} robot {}: wheels {:.1f} {:.1f} steps/s", clock(), robot + 1, actual.left, actual.right));
+    // Only what is new: a host may tell the same speed 25 times a second.
+    on_wheels = [&clock, last = std::map<std::size_t, core::WheelSpeeds>()](std::size_t robot,
+                                                                            const core::WheelSpeeds& told) mutable {
+      if (std::exchange(last[robot], told) == told) return;
+      say(fmt::format("{:.3f} robot {}: wheels {:.1f} {:.1f} steps/s", clock(), robot + 1, told.left, told.right));
     };
   }
   try {

@@ -12,8 +12,9 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double byte_time = 10.0 / 115200.0;  // start bit, 8 data bits, stop bit [s]
-// Observed: a burst over about 58 bytes loses its tail. The ring has 64 places; the parser has not begun to read yet.
-constexpr std::size_t ring_capacity = 58;
+// The ring has 64 places and two counters of bytes received and read: what finds no room overwrites the oldest, and is
+// read in its place as well as in its own.
+constexpr std::size_t ring_places = 64;
 constexpr double noticeable_latency = 0.02;  // median, there and back: half a tick [s]
 constexpr double sigmas_to_p99 = 2.3263;     // of a Gaussian
 
@@ -57,6 +58,7 @@ bool EmulatedEpuck::carries() const noexcept {
       case FaultKind::corruption:
       case FaultKind::disconnect:
       case FaultKind::reboot:
+      case FaultKind::stall:
         return true;
       case FaultKind::stuck:
       case FaultKind::ring:
@@ -75,6 +77,7 @@ double EmulatedEpuck::next_event() const noexcept {
   double next = next_fault_ < faults_.size() ? start_ + faults_[next_fault_].at : never;
   for (const Fault& fault : active_) next = std::min(next, start_ + fault.end());
   if (!ring_.empty()) next = std::min(next, ring_read_at_);
+  if (firmware_.streams() && !off() && !active(FaultKind::stall)) next = std::min(next, stream_at_);
   if (!to_robot_.empty()) next = std::min(next, to_robot_.front().due);
   return next;
 }
@@ -99,7 +102,17 @@ void EmulatedEpuck::run_event(double now) {
   change_faults(now);
   if (const Fault* battery = active(FaultKind::battery))
     firmware_.set_battery(battery->volts - battery->sag * (now - start_ - battery->at) / 60.0);
-  if (!ring_.empty() && ring_read_at_ <= now) hear(std::exchange(ring_, {}), now);
+  if (!ring_.empty() && ring_read_at_ <= now) {
+    std::vector<std::uint8_t> bytes = std::exchange(ring_, {});
+    for (std::size_t k = bytes.size(); k-- > ring_places;) bytes[k - ring_places] = bytes[k];
+    hear(bytes, now);
+  }
+  if (firmware_.streams() && !off() && !active(FaultKind::stall) && stream_at_ <= now) {
+    std::vector<std::uint8_t> packet;
+    firmware_.stream(packet);
+    send(to_host_, packet, now);
+    stream_at_ = now + EpuckFirmware::stream_period;
+  }
   while (!to_robot_.empty() && to_robot_.front().due <= now) {
     const Message message = std::move(to_robot_.front());
     to_robot_.pop_front();
@@ -135,6 +148,7 @@ void EmulatedEpuck::begin(const Fault& fault) {
   }
   if (fault.kind == FaultKind::reboot) {
     firmware_.boot();
+    hosts_ = 0;
     forget_messages();
     if (fault.duration <= 0.0) end(fault);
   }
@@ -156,7 +170,9 @@ void EmulatedEpuck::reboot() {
 
 void EmulatedEpuck::accept() {
   forget_messages();
-  if (firmware_.protocol() == Protocol::wifi) firmware_.forget_half_command();
+  if (firmware_.protocol() == Protocol::asercom) return;
+  firmware_.forget_half_command();
+  ++hosts_;
 }
 
 void EmulatedEpuck::forget_messages() {
@@ -179,6 +195,7 @@ void EmulatedEpuck::send(std::deque<Message>& way, std::span<const std::uint8_t>
     const double sigma = std::log(latency->p99 / latency->median) / sigmas_to_p99;
     message.due += 0.5 * latency->median * std::exp(sigma * random_.gaussian());
   }
+  if (adapter_) message.due = std::max(message.due, adapter_->arrival(place_, &way == &to_robot_, bytes.size(), now));
   if (!way.empty()) message.due = std::max(message.due, way.back().due);  // a stream: nobody overtakes
   way.push_back(std::move(message));
 }
@@ -192,12 +209,12 @@ void EmulatedEpuck::receive(std::span<const std::uint8_t> bytes, double now) {
 void EmulatedEpuck::deliver(std::span<const std::uint8_t> bytes, double now) {
   if (off()) return;
   if (!active(FaultKind::ring)) return hear(bytes, now);
-  const std::size_t room = ring_capacity - std::min(ring_capacity, ring_.size());
-  ring_.insert(ring_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(room, bytes.size())));
+  ring_.insert(ring_.end(), bytes.begin(), bytes.end());
   ring_read_at_ = std::max(ring_read_at_, now) + static_cast<double>(bytes.size()) * byte_time;
 }
 
 void EmulatedEpuck::hear(std::span<const std::uint8_t> bytes, double now) {
+  if (!firmware_.streams()) stream_at_ = now;  // its loop, which waited for a first command, takes it at once
   std::vector<std::uint8_t> answer;
   firmware_.receive(bytes, answer);
   send(to_host_, answer, now);

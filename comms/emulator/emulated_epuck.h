@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "comms/emulator/epuck_firmware.h"
+#include "comms/emulator/radio.h"
 #include "comms/emulator/radio_faults.h"
 #include "core/simulation/random.h"
 
@@ -21,6 +22,9 @@ class EmulatedEpuck {
   EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults = {}, std::uint64_t seed = 0,
                 Protocol protocol = Protocol::asercom);
 
+  /// Has an adapter's radio carry its messages, which it shares with other robots. `adapter` outlives the robot.
+  void connect(RadioAdapter& adapter, std::size_t place) noexcept { adapter_ = &adapter, place_ = place; }
+
   void receive(std::span<const std::uint8_t> bytes, double now);  ///< what the host writes, in one write
   void advance(double now);                                       ///< lets time pass: all that is due by then happens
   /// What has reached the host and was not taken yet.
@@ -29,7 +33,13 @@ class EmulatedEpuck {
   double deadline() const noexcept;
 
   core::WheelSpeeds wheels() const noexcept { return firmware_.wheels(); }              ///< [steps/s]
+  /// What its firmware told the motors last [steps/s], and how often it told them anything.
+  core::WheelSpeeds told() const noexcept { return firmware_.told(); }
+  std::uint64_t times_told() const noexcept { return firmware_.times_told(); }
   bool connected() const noexcept { return active(FaultKind::disconnect) == nullptr; }  ///< a host can reach it
+  /// A host may connect. The WiFi firmware never closes a socket: after ten hosts there is none left until it is
+  /// switched off and on.
+  bool admits() const noexcept { return connected() && hosts_ < most_hosts; }
   std::uint64_t breaks() const noexcept { return breaks_; }  ///< times that the connection broke
   /// True: a message sent now arrives whole, and within a tick. False: one of the faults may prevent that.
   bool carries() const noexcept;
@@ -61,13 +71,18 @@ class EmulatedEpuck {
   std::vector<Fault> faults_;
   std::size_t next_fault_ = 0;  // the first that has not begun
   std::vector<Fault> active_;   // those that go on, in the order in which they began
+  RadioAdapter* adapter_ = nullptr;
+  std::size_t place_ = 0;
   core::Random random_;
   double start_;
   double time_;  // how far the robot's time has come
   std::uint64_t breaks_ = 0;
 
   std::deque<Message> to_robot_, to_host_;  // in the air
-  std::vector<std::uint8_t> ring_;          // received and not yet read by the parser
+  std::vector<std::uint8_t> ring_;          // received and not yet read by the parser, overwritten where too many
+  double stream_at_ = 0.0;                  // over WiFi: the next round of its loop
+  static constexpr int most_hosts = 10;
+  int hosts_ = 0;                           // over WiFi: that came since it was switched on
   double ring_read_at_;                     // when the parser comes to read it
 };
 

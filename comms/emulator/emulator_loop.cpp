@@ -30,7 +30,7 @@ constexpr double listen_again = 0.5;  // [s]
 
 class EmulatorLoop::Loop {
  public:
-  Loop(std::vector<EmulatorLoop::Robot> robots, WheelsChanged on_wheels, std::function<double()> clock,
+  Loop(std::vector<EmulatorLoop::Robot> robots, WheelsTold on_wheels, std::function<double()> clock,
        const std::vector<Fault>& faults, std::uint64_t seed)
       : on_wheels_(std::move(on_wheels)), clock_(std::move(clock)) {
     const double now = clock_();
@@ -84,6 +84,7 @@ class EmulatorLoop::Loop {
     std::uint64_t breaks = 0;            // the thread's own: how many of its connection's breaks the endpoint has seen
     std::unique_ptr<Endpoint> endpoint;  // the thread's own
     bool silent = false;                 // the thread's own
+    std::uint64_t times_told = 0;        // the thread's own
     core::WheelSpeeds wheels;            // guarded by mutex_
   };
 
@@ -102,7 +103,7 @@ class EmulatorLoop::Loop {
     while (!ending_) {
       polled.assign(1, {.fd = wake_, .events = POLLIN, .revents = 0});
       for (const Robot& robot : robots_) {
-        robot.endpoint->admit(robot.epuck.connected());
+        robot.endpoint->admit(robot.epuck.admits());
         polled.push_back({.fd = robot.endpoint->descriptor(), .events = POLLIN, .revents = 0});
       }
       const std::optional<timespec> wait = until_next_event();
@@ -143,7 +144,7 @@ class EmulatorLoop::Loop {
     for (const Robot& robot : robots_) {
       next = std::min(next, robot.epuck.deadline());
       // It should be listening, and the system would not have it: an adapter is gone, say.
-      if (robot.epuck.connected() && robot.endpoint->descriptor() < 0) next = std::min(next, clock_() + listen_again);
+      if (robot.epuck.admits() && robot.endpoint->descriptor() < 0) next = std::min(next, clock_() + listen_again);
     }
     if (std::isinf(next)) return {};
     const double seconds = std::clamp(next - clock_(), 0.0, 3600.0);
@@ -170,13 +171,14 @@ class EmulatorLoop::Loop {
   }
 
   void publish(std::size_t i) {
-    const core::WheelSpeeds actual = robots_[i].epuck.wheels();
+    Robot& robot = robots_[i];
+    const std::uint64_t told = robot.epuck.times_told();
+    if (std::exchange(robot.times_told, told) == told) return;
     {
       const std::lock_guard lock(mutex_);
-      if (robots_[i].wheels == actual) return;
-      robots_[i].wheels = actual;
+      robot.wheels = robot.epuck.wheels();
     }
-    if (on_wheels_) on_wheels_(i, actual);
+    if (on_wheels_) on_wheels_(i, robot.epuck.told());
   }
 
   void ring() noexcept {
@@ -184,7 +186,7 @@ class EmulatorLoop::Loop {
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   }
 
-  WheelsChanged on_wheels_;
+  WheelsTold on_wheels_;
   std::function<double()> clock_;
   std::vector<std::string> addresses_;
   std::vector<Robot> robots_;
@@ -199,7 +201,7 @@ class EmulatorLoop::Loop {
   std::thread thread_;
 };
 
-EmulatorLoop::EmulatorLoop(std::vector<Robot> robots, WheelsChanged on_wheels, std::function<double()> clock,
+EmulatorLoop::EmulatorLoop(std::vector<Robot> robots, WheelsTold on_wheels, std::function<double()> clock,
                            const std::vector<Fault>& faults, std::uint64_t seed)
     : loop_(std::make_unique<Loop>(std::move(robots), std::move(on_wheels), std::move(clock), faults, seed)) {}
 EmulatorLoop::~EmulatorLoop() = default;

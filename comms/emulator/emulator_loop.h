@@ -14,9 +14,10 @@
 
 namespace skein::comms {
 
-/// Called on the emulator's thread when a robot's wheels change, BEFORE the reply to the command is written: whoever
-/// gets the reply knows that the callback is done. It must not throw, and may call wheels() and address() only.
-using WheelsChanged = std::function<void(std::size_t robot, const core::WheelSpeeds& actual)>;
+/// Called on the emulator's thread when a robot's firmware tells its motors a speed [steps/s], new or not, BEFORE the
+/// reply to the command is written: whoever gets the reply knows that the callback is done. It must not throw, and may
+/// call wheels() and address() only.
+using WheelsTold = std::function<void(std::size_t robot, const core::WheelSpeeds& commanded)>;
 
 /// Emulated e-pucks and where hosts reach them, one thread for all.
 class EmulatorLoop {
@@ -31,7 +32,7 @@ class EmulatorLoop {
   /// emulator's thread (and once here). `faults`: what goes wrong by itself, counted from now on, see EmulatedEpuck; a
   /// broken connection is hung up, and while the fault lasts no other is admitted. `seed`: of what is random in them.
   /// Throws std::system_error.
-  EmulatorLoop(std::vector<Robot> robots, WheelsChanged on_wheels, std::function<double()> clock,
+  EmulatorLoop(std::vector<Robot> robots, WheelsTold on_wheels, std::function<double()> clock,
                const std::vector<Fault>& faults, std::uint64_t seed);
   ~EmulatorLoop();  ///< ends the thread, hangs up
   EmulatorLoop(const EmulatorLoop&) = delete;
@@ -39,7 +40,8 @@ class EmulatorLoop {
 
   std::size_t size() const noexcept;
   std::string address(std::size_t robot) const;       ///< see Endpoint; any thread
-  core::WheelSpeeds wheels(std::size_t robot) const;  ///< that the motors run [steps/s]; any thread
+  /// The rates of the speeds that the motors were told [steps/s]; any thread.
+  core::WheelSpeeds wheels(std::size_t robot) const;
 
   // Faults, for tests. They return when done. Any thread but the emulator's own.
   void hang_up(std::size_t robot);

@@ -34,13 +34,15 @@ std::string list(char letter, const std::array<int, N>& values) {
 
 }  // namespace
 
-EpuckFirmware::EpuckFirmware(core::MotorModel model, Protocol protocol) : model_(model), protocol_(protocol) {}
+EpuckFirmware::EpuckFirmware(core::MotorModel model, Protocol protocol)
+    : model_(model), protocol_(protocol), left_motor_(model), right_motor_(model) {}
 
 void EpuckFirmware::boot() noexcept {
   EpuckFirmware fresh(model_, protocol_);
   fresh.battery_volts_ = battery_volts_;
   fresh.wheels_swapped_ = wheels_swapped_;
   fresh.encoders_silent_ = encoders_silent_;
+  fresh.times_told_ = times_told_ + 1;
   *this = std::move(fresh);
 }
 
@@ -52,11 +54,10 @@ std::string EpuckFirmware::greeting() const {
 // --- The parser -----------------------------------------------------------------------------------------------------
 
 void EpuckFirmware::receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) {
-  for (const std::uint8_t byte : bytes)
-    if (protocol_ == Protocol::wifi)
-      take_packet_byte(byte, reply);
-    else
-      take(byte, reply);
+  if (protocol_ == Protocol::wifi)
+    waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
+  else
+    for (const std::uint8_t byte : bytes) take(byte, reply);
 }
 
 // The firmware is one thread that waits for every byte; here each place where it waits is a state.
@@ -67,7 +68,7 @@ void EpuckFirmware::take(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
       if (byte == 0) return;
       if (byte >= 0x80) {  // a negative char: binary
         merged_.clear();
-        run_letter(byte);
+        run_letter(byte, reply);
         return;
       }
       line_.assign(ends_line ? "" : std::string(1, static_cast<char>(byte)));
@@ -85,7 +86,7 @@ void EpuckFirmware::take(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
       run_line(reply);
       return;
     case Parsing::sequence:
-      if (byte != 0) return run_letter(byte);
+      if (byte != 0) return run_letter(byte, reply);
       reply.insert(reply.end(), merged_.begin(), merged_.end());
       parsing_ = Parsing::top;
       return;
@@ -102,11 +103,11 @@ void EpuckFirmware::take(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
 
 // Reads ",number,number" as the firmware's sscanf does: a number that is not there leaves its variable as it was, and
 // so does everything after it.
-int EpuckFirmware::scan_arguments(int* first, int* second) const {
+int EpuckFirmware::scan_arguments(int* first, int* second, int* third) const {
   const std::string_view text = std::string_view(line_).substr(0, line_.find('\0'));  // a C string ends there
   std::size_t at = 1;
   int count = 0;
-  for (int* const value : {first, second}) {
+  for (int* const value : {first, second, third}) {
     if (value == nullptr || at >= text.size() || text[at] != ',') return count;
     ++at;
     while (at < text.size() && std::isspace(static_cast<unsigned char>(text[at]))) ++at;
@@ -145,7 +146,7 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
       answer = fmt::format("q,{},{}\r\n", left_counter(), right_counter());
       break;
     case 'S':  // the motors only: E goes on reporting the old speeds
-      motor_left_ = motor_right_ = 0;
+      tell_motors(0, 0);
       answer = "s\r\n";
       break;
     case 'V':
@@ -196,12 +197,19 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
       boot();
       answer = "r\r\n" + greeting();
       break;
+    case 'W':
+      scan_arguments(&i2c_module_, &i2c_register_, &i2c_value_);
+      answer = "w\r\n";
+      break;
+    case 'Y':  // nobody is on the bus
+      scan_arguments(&i2c_module_, &i2c_register_);
+      answer = fmt::format("y,{},{}\r\ny,0\r\n", i2c_module_, i2c_register_);
+      i2c_value_ = 0;
+      break;
     case 'I':
     case 'J':
     case 'K':
-    case 'W':
-    case 'Y':
-    case 'Z':  // camera, calibration, I2C: not emulated, not answered
+    case 'Z':  // camera, calibration, all of the I2C bus: not emulated, not answered
       break;
     default:
       answer = "z,Command not found\r\n";
@@ -212,24 +220,24 @@ void EpuckFirmware::run_line(std::vector<std::uint8_t>& reply) {
 // --- Wheels ---------------------------------------------------------------------------------------------------------
 
 void EpuckFirmware::set_motors() noexcept {
-  motor_left_ = as_int16(wheels_swapped_ ? speed_right_ : speed_left_);
-  motor_right_ = as_int16(wheels_swapped_ ? speed_left_ : speed_right_);
+  const int left = as_int16(speed_left_), right = as_int16(speed_right_);
+  if (wheels_swapped_)
+    tell_motors(right, left);
+  else
+    tell_motors(left, right);
+}
+
+void EpuckFirmware::tell_motors(int left, int right) noexcept {
+  motor_left_ = left;
+  motor_right_ = right;
+  ++times_told_;
+  left_motor_.command(left);
+  right_motor_.command(right);
 }
 
 void EpuckFirmware::set_counters(int left, int right) noexcept {
-  if (!epuck1()) return;  // an e-puck2 says that it did
-  steps_left_ = left;
-  steps_right_ = right;
-}
-
-core::WheelSpeeds EpuckFirmware::wheels() const noexcept {
-  return {core::actual_step_rate(model_, motor_left_), core::actual_step_rate(model_, motor_right_)};
-}
-
-void EpuckFirmware::advance(double dt) noexcept {
-  const core::WheelSpeeds rates = wheels();
-  steps_left_ += rates.left * dt;
-  steps_right_ += rates.right * dt;
+  left_motor_.set_counter(left);
+  right_motor_.set_counter(right);
 }
 
 int EpuckFirmware::battery_raw() const noexcept {
@@ -238,10 +246,9 @@ int EpuckFirmware::battery_raw() const noexcept {
   return static_cast<int>(std::lround(battery_volts_ * raw_per_volt));
 }
 
-std::int64_t EpuckFirmware::counter(double position) const noexcept {
+std::int64_t EpuckFirmware::counter(const core::StepMotor& motor) const noexcept {
   if (encoders_silent_) return 0;
-  // Whole steps only, a hair's breadth of rounding forgiven: 25 times 0.04 s at 1000 steps/s are 1000 steps, not 999.
-  const auto steps = static_cast<std::int64_t>(position + std::copysign(1e-6, position));
+  const std::int64_t steps = motor.counter();
   return epuck1() ? static_cast<std::int16_t>(steps) : static_cast<std::int32_t>(steps);
 }
 

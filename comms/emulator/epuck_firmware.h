@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/kinematics/step_rate.h"
+#include "core/kinematics/step_motor.h"
 
 namespace skein::comms {
 
@@ -17,27 +17,44 @@ enum class Protocol {
   wifi      ///< an e-puck2's packets over TCP (epuck_wifi.h)
 };
 
-/// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, byte for byte what the
-/// manufacturer's parser answers, mistakes included; or an e-puck2's WiFi program, whose packets become the asercom
-/// commands F7 and F8 inside the robot. No I/O, no clock. Not thread-safe.
+/// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, as the manufacturer's parser
+/// answers, mistakes included; or an e-puck2's WiFi program, whose packets become the asercom commands F7 and F8 inside
+/// the robot. No I/O, no clock. Not thread-safe.
 ///
-/// Emulated: every request of the protocol that needs no camera, sound, extension board (these are answered as by a
-/// robot that lacks them, or pass unanswered). Sensors read constants, but for the battery. The e-puck1's receive ring
-/// stands before the parser: see EmulatedEpuck.
+/// Emulated: every request of the protocol but those for the camera (I, J), the calibration (K), the scan of the I2C bus
+/// (Z) and the whole text of the help (H). Extension boards are answered for as by a robot that has none. Sensors read
+/// constants, but for the battery. The e-puck1's receive ring stands before the parser: see EmulatedEpuck.
 class EpuckFirmware {
  public:
   /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
   explicit EpuckFirmware(core::MotorModel model, Protocol protocol = Protocol::asercom);
 
   /// Feeds bytes to the parser and appends to `reply` what the robot answers. What is not finished is kept, also when
-  /// the host goes away meanwhile.
+  /// the host goes away meanwhile. Over WiFi they only wait for stream().
   void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply);
 
-  /// The step rates that the motors really run. [steps/s]
-  core::WheelSpeeds wheels() const noexcept;
+  /// One round of the WiFi program's loop, every `stream_period`: it takes a command if one waits (of five or more only
+  /// the newest), tells the motors, and once a first command has come sends a packet of the kind that the newest one
+  /// asked for, whether it is new or not.
+  void stream(std::vector<std::uint8_t>& reply);
+  static constexpr double stream_period = 0.022;  // [s]
+  bool streams() const noexcept { return streaming_ || !waiting_.empty(); }
+
+  /// The step rates of the speeds that the motors were told. [steps/s]
+  core::WheelSpeeds wheels() const noexcept {
+    return {left_motor_.settled_rate(), right_motor_.settled_rate()};
+  }
+  /// What the motors were told last [steps/s], and how often they were told.
+  core::WheelSpeeds told() const noexcept {
+    return {static_cast<double>(motor_left_), static_cast<double>(motor_right_)};
+  }
+  std::uint64_t times_told() const noexcept { return times_told_; }
 
   /// Lets `dt` seconds pass: the encoders count.
-  void advance(double dt) noexcept;
+  void advance(double dt) noexcept {
+    left_motor_.advance(dt);
+    right_motor_.advance(dt);
+  }
 
   /// What the robot says when it boots; nothing over WiFi.
   std::string greeting() const;
@@ -48,6 +65,8 @@ class EpuckFirmware {
   void forget_half_command() noexcept {
     parsing_ = Parsing::top;
     arguments_.clear();
+    waiting_.clear();
+    streaming_ = false;
   }
   Protocol protocol() const noexcept { return protocol_; }
 
@@ -60,18 +79,18 @@ class EpuckFirmware {
   enum class Parsing { top, line_start, line, sequence, arguments };
 
   void take(std::uint8_t byte, std::vector<std::uint8_t>& reply);
-  void take_packet_byte(std::uint8_t byte, std::vector<std::uint8_t>& reply);
   void run_line(std::vector<std::uint8_t>& reply);
-  void run_letter(std::uint8_t letter);
+  void run_letter(std::uint8_t letter, std::vector<std::uint8_t>& reply);
   void run_letter_with_arguments();
-  int scan_arguments(int* first, int* second) const;
+  int scan_arguments(int* first, int* second, int* third = nullptr) const;
   void append(std::int64_t value);
   void append_all_sensors();
   void set_motors() noexcept;
   void set_counters(int left, int right) noexcept;
-  std::int64_t left_counter() const noexcept { return counter(steps_left_); }
-  std::int64_t right_counter() const noexcept { return counter(steps_right_); }
-  std::int64_t counter(double position) const noexcept;
+  std::int64_t left_counter() const noexcept { return counter(left_motor_); }
+  std::int64_t right_counter() const noexcept { return counter(right_motor_); }
+  std::int64_t counter(const core::StepMotor& motor) const noexcept;
+  void tell_motors(int left, int right) noexcept;
   int battery_raw() const noexcept;
   bool epuck1() const noexcept { return model_ == core::MotorModel::epuck1; }
 
@@ -81,13 +100,19 @@ class EpuckFirmware {
   std::string line_;                     // the ASCII line so far, or finished
   std::vector<std::uint8_t> merged_;     // the answer of the binary sequence so far
   std::uint8_t letter_ = 0;              // the binary command whose arguments are awaited
-  std::vector<std::uint8_t> arguments_;  // or the packet so far
+  std::vector<std::uint8_t> arguments_;
   std::size_t arguments_needed_ = 0;
 
   int speed_left_ = 0, speed_right_ = 0;        // as E reports: last commanded, unclamped
   int position_left_ = 0, position_right_ = 0;  // last arguments of P
   int motor_left_ = 0, motor_right_ = 0;        // what the motors were last told
-  double steps_left_ = 0.0, steps_right_ = 0.0;
+  std::uint64_t times_told_ = 0;
+  core::StepMotor left_motor_, right_motor_;
+  int i2c_module_ = 0, i2c_register_ = 0, i2c_value_ = 0;  // last arguments of Y and W
+
+  std::vector<std::uint8_t> waiting_;  // over WiFi: received and not yet taken
+  bool streaming_ = false;             // a first command has come
+  bool wants_sensors_ = false;         // the newest command asked for them
 
   double battery_volts_ = 3.9;
   bool wheels_swapped_ = false;

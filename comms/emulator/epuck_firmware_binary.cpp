@@ -1,4 +1,6 @@
 // The binary half of the emulated firmware; the parser that leads here is in epuck_firmware.cpp.
+#include <algorithm>
+
 #include "comms/emulator/epuck_firmware.h"
 #include "comms/emulator/epuck_values.h"
 
@@ -6,22 +8,34 @@ namespace skein::comms {
 
 // A packet: its head, what is asked for, then the arguments of "all actuators at once". What begins with another byte
 // is passed over.
-void EpuckFirmware::take_packet_byte(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
-  constexpr std::size_t whole = 21;
-  if (arguments_.empty() && byte != 0x80) return;
-  arguments_.push_back(byte);
-  if (arguments_.size() < whole) return;
-  const bool sensors = (arguments_[1] & 0x02) != 0;
-  arguments_.erase(arguments_.begin(), arguments_.begin() + 2);
-  letter_ = 0xF7;
-  run_letter_with_arguments();
-  arguments_.clear();
-  reply.push_back(sensors ? 0x02 : 0x03);
-  if (!sensors) return;
+void EpuckFirmware::stream(std::vector<std::uint8_t>& reply) {
+  constexpr std::size_t whole = 21, too_many = 5;
+  if (protocol_ != Protocol::wifi) return;
+  while (!waiting_.empty() && waiting_.front() != 0x80) waiting_.erase(waiting_.begin());
+  const std::size_t packets = waiting_.size() / whole;
+  if (packets >= too_many)
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>((packets - 1) * whole));
+  if (waiting_.size() >= whole) {
+    wants_sensors_ = (waiting_[1] & 0x02) != 0;
+    arguments_.assign(waiting_.begin() + 2, waiting_.begin() + whole);
+    letter_ = 0xF7;
+    run_letter_with_arguments();
+    arguments_.clear();
+    waiting_.erase(waiting_.begin(), waiting_.begin() + whole);
+    streaming_ = true;
+  }
+  if (!streaming_) return;
+  reply.push_back(wants_sensors_ ? 0x02 : 0x03);
+  if (!wants_sensors_) return;
   merged_.clear();
   append_all_sensors();
   merged_.push_back(0);  // one that means nothing
   reply.insert(reply.end(), merged_.begin(), merged_.end());
+}
+
+// The firmware receives a byte where an int lies.
+static void set_low_byte(int& value, std::uint8_t byte) {
+  value = (value & ~0xFF) | byte;
 }
 
 void EpuckFirmware::append(std::int64_t value) {
@@ -29,7 +43,7 @@ void EpuckFirmware::append(std::int64_t value) {
   merged_.push_back(static_cast<std::uint8_t>((value >> 8) & 0xFF));
 }
 
-void EpuckFirmware::run_letter(std::uint8_t letter) {
+void EpuckFirmware::run_letter(std::uint8_t letter, std::vector<std::uint8_t>& reply) {
   parsing_ = Parsing::sequence;
   letter_ = letter;
   arguments_.clear();
@@ -69,6 +83,20 @@ void EpuckFirmware::run_letter(std::uint8_t letter) {
     case 'O':
       for (const int value : epuck_alone.ambient) append(value);
       break;
+    case 'A':  // spherical, three numbers of 4 bytes
+      merged_.insert(merged_.end(), 12, 0);
+      break;
+    case 'M':  // no ground sensors
+      merged_.insert(merged_.end(), epuck1() ? 10 : 8, 0);
+      break;
+    case 'U':  // an e-puck1 sends its microphones' buffer at once, ahead of the merged answer
+      if (!epuck1()) break;
+      reply.insert(reply.end(), 600, 0);
+      merged_.push_back(0);
+      break;
+    case 'Y':
+      if (!epuck1()) arguments_needed_ = 2;
+      break;
     case 't':
       merged_.push_back(0);
       break;
@@ -84,6 +112,21 @@ void EpuckFirmware::run_letter(std::uint8_t letter) {
       break;
     case 0xA:  // coloured LEDs
       if (!epuck1()) arguments_needed_ = 12;
+      break;
+    case 0xB:  // the button
+    case 0xE:  // the memory card
+      if (!epuck1()) merged_.push_back(0);
+      break;
+    case 0xC:  // four microphones
+      if (!epuck1()) merged_.insert(merged_.end(), 8, 0);
+      break;
+    case 0xD:  // distance
+      if (!epuck1()) merged_.insert(merged_.end(), 2, 0);
+      break;
+    case 0xF:   // magnetometer on, off
+    case 0x10:  // proximity on, off
+    case 0x11:  // distance on, off
+      if (!epuck1()) arguments_needed_ = 1;
       break;
     default:  // unknown or not emulated: passed over in silence
       break;
@@ -112,7 +155,24 @@ void EpuckFirmware::run_letter_with_arguments() {
     case 0x9:
       speed_left_ = argument(1);
       speed_right_ = argument(3);
-      if ((arguments_[0] & 0x04) == 0) set_motors();  // else they are positions, which an e-puck2 cannot set
+      if ((arguments_[0] & 0x04) == 0)
+        set_motors();
+      else
+        set_counters(speed_left_, speed_right_);
+      break;
+    case 0xF:
+    case 0x10:
+    case 0x11:  // done
+      merged_.push_back(0);
+      break;
+    case 'Y':  // nobody is on the bus
+    case 'W':
+      set_low_byte(i2c_module_, arguments_[0]);
+      set_low_byte(i2c_register_, arguments_[1]);
+      if (letter_ == 256 - 'Y') merged_.push_back(0);
+      break;
+    case 'w':  // an e-puck1 receives its arguments where it puts its answer together
+      if (epuck1()) std::copy_n(arguments_.begin(), std::min(arguments_.size(), merged_.size()), merged_.begin());
       break;
     default:
       break;

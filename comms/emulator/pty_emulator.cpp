@@ -14,7 +14,7 @@ std::vector<EmulatorLoop::Robot> on_lines(const std::vector<core::MotorModel>& m
 
 }  // namespace
 
-PtyEmulator::PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsChanged on_wheels,
+PtyEmulator::PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsTold on_wheels,
                          std::function<double()> clock, std::string directory, const std::vector<Fault>& faults,
                          std::uint64_t seed)
     : names_(std::move(directory)),

@@ -40,6 +40,9 @@ Fault random_fault(FaultKind kind, core::Random& random) {
     case FaultKind::stuck:
       fault.duration = 0.0;
       break;
+    case FaultKind::stall:
+      fault.duration = between(0.5, 1.5);
+      break;
     case FaultKind::battery:
       fault.volts = between(3.3, 4.2);
       fault.sag = between(0.0, 0.5);

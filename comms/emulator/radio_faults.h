@@ -18,10 +18,11 @@ enum class FaultKind {
   disconnect,      ///< the connection breaks, and cannot be made again while the fault lasts; wheels go on
   reboot,          ///< the robot is off while the fault lasts, then greets: wheels stand, counters are 0
   stuck,           ///< the robot's parser is left within half a command, as after a host that died; an instant
-  ring,            ///< the e-puck1's 64-byte receive ring at 115200 baud: the tail of a burst over 58 bytes is lost
+  ring,            ///< the e-puck1's 64-byte receive ring at 115200 baud: a burst over 64 bytes overwrites its beginning
   battery,         ///< the battery is at `volts` and sags by `sag` a minute
   swapped_wheels,  ///< the command for the left wheel drives the right one, its counter too, and the other way
-  silent_encoders  ///< the step counters read 0
+  silent_encoders, ///< the step counters read 0
+  stall            ///< over WiFi: the robot's loop pauses, as after a mismatch on its own UART; commands wait
 };
 
 /// One fault of one robot. Times are in seconds from the start of the emulation.
@@ -62,6 +63,8 @@ constexpr std::string_view word(FaultKind kind) noexcept {
       return "swapped_wheels";
     case FaultKind::silent_encoders:
       return "silent_encoders";
+    case FaultKind::stall:
+      return "stall";
   }
   return {};
 }

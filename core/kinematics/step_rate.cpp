@@ -42,7 +42,7 @@ double nearest_command(MotorModel motor, double wanted) noexcept {
   const double clamped = std::clamp(wanted, -limit, limit);
   if (motor == MotorModel::ideal) return clamped;
   const double size = std::abs(clamped);
-  if (size < 0.5) return 0.0;
+  if (size < slowest_command) return size < 0.5 * actual_step_rate(motor, slowest_command) ? 0.0 : std::copysign(slowest_command, clamped);
   // The rates on either side of `size` are timer/k and timer/(k+1); the smallest whole command that runs timer/k is
   // ceil(timer/(k+1) + a little), and every whole command in between gives timer/k as well: take the one nearest to it.
   const double timer = timer_rate(motor);
@@ -50,9 +50,9 @@ double nearest_command(MotorModel motor, double wanted) noexcept {
   const double faster = std::min(std::floor(timer / k), limit);
   const double slower = std::floor(timer / (k + 1.0));
   const auto miss = [&](double command) { return std::abs(std::abs(actual_step_rate(motor, command)) - size); };
-  double best = std::round(size);
+  double best = std::max(std::round(size), slowest_command);
   for (const double command : {faster, slower})
-    if (command >= 1.0 && miss(command) < miss(best)) best = command;
+    if (command >= slowest_command && miss(command) < miss(best)) best = command;
   return std::copysign(best, clamped);
 }
 

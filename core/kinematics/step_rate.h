@@ -32,8 +32,12 @@ double max_step_rate(MotorModel motor) noexcept;
 /// The step rate that the motor really runs when `commanded` (a whole number unless `ideal`) is asked for. [steps/s]
 double actual_step_rate(MotorModel motor, double commanded) noexcept;
 
-/// The whole-number command whose actual step rate is nearest to `wanted` (`wanted` itself for an ideal motor).
-/// [steps/s]
+/// The slowest speed that a real motor is given [steps/s]: after a slower one an e-puck2 takes up to half a second to
+/// obey (12 steps/s: 42 ms, one tick). What lies between 0 and it is made of both in turn.
+inline constexpr double slowest_command = 13.0;
+
+/// The whole-number command, 0 or at least `slowest_command`, whose actual step rate is nearest to `wanted` (`wanted`
+/// itself for an ideal motor). [steps/s]
 double nearest_command(MotorModel motor, double wanted) noexcept;
 
 }  // namespace skein::core

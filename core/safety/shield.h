@@ -30,9 +30,11 @@ class Shield {
   /// Changes `commands` in place; `touched[i]` becomes true where v_i had to change (by more than 1e-9 m/s).
   /// v_limit: what the limits leave each robot beside its turning rate [m/s]; |v_i| <= v_limit,i on entry.
   /// doubt: how far off each robot's pose may be [m]; two robots keep theirs on top of D, empty: none.
+  /// adrift: robots that drive with commands[i].v whatever they are told (empty: none). Their speed is not changed; the
+  /// others allow for it, as far as they can by not driving towards them.
   void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
              std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
-             std::span<const double> doubt = {}) noexcept;
+             std::span<const double> doubt = {}, std::span<const bool> adrift = {}) noexcept;
 
  private:
   /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle (then j = i).
@@ -42,6 +44,7 @@ class Shield {
   };
   void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>, std::span<const double>,
                std::span<const double>) noexcept;
+  void fix(std::span<const bool> adrift, std::span<const Twist> commands) noexcept;
 
   std::vector<Constraint> constraints_;  // reserved for every pair: apply never allocates
   std::vector<double> v_, lower_, upper_;

@@ -10,22 +10,38 @@ namespace skein::core {
 SimulatedRobot::SimulatedRobot(const DifferentialDrive& drive, MotorModel motor, const Imperfection& imperfection,
                                std::uint64_t seed, std::uint64_t stream)
     : drive_(drive),
-      motor_(motor),
       imperfection_(imperfection),
       slip_random_(seed, 2 * stream),
-      sensor_random_(seed, 2 * stream + 1) {}
+      sensor_random_(seed, 2 * stream + 1),
+      left_(motor),
+      right_(motor) {}
 
 void SimulatedRobot::command(const WheelSpeeds& commanded) noexcept {
-  wheels_ = {actual_step_rate(motor_, commanded.left), actual_step_rate(motor_, commanded.right)};
+  if (commanded != commanded_) turn(commanded);
+}
+
+void SimulatedRobot::turn(const WheelSpeeds& commanded) noexcept {
+  commanded_ = commanded;
+  left_.command(commanded.left);
+  right_.command(commanded.right);
 }
 
 void SimulatedRobot::step(double dt) noexcept {
-  WheelSpeeds rolled = wheels_;
+  double left_share = 1.0, right_share = 1.0;
   if (imperfection_.slip > 0.0) {
-    rolled.left *= 1.0 + imperfection_.slip * slip_random_.gaussian();
-    rolled.right *= 1.0 + imperfection_.slip * slip_random_.gaussian();
+    left_share += imperfection_.slip * slip_random_.gaussian();
+    right_share += imperfection_.slip * slip_random_.gaussian();
   }
-  pose_ = advance(pose_, drive_.twist(rolled), dt);
+  // An arc for each stretch in which neither wheel changes its rate.
+  for (double left = dt; left > 0.0;) {
+    const double seconds = std::min({left, left_.rate_lasts(), right_.rate_lasts()});
+    WheelSpeeds rolled{left_.rate(), right_.rate()};
+    if (imperfection_.slip > 0.0) rolled = {rolled.left * left_share, rolled.right * right_share};
+    pose_ = advance(pose_, drive_.twist(rolled), seconds);
+    left_.advance(seconds);
+    right_.advance(seconds);
+    left = seconds < left ? left - seconds : 0.0;
+  }
 
   const double slide = std::hypot(slide_x_, slide_y_);
   if (!(slide > 0.0)) return;

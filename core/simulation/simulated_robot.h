@@ -6,7 +6,7 @@
 
 #include "core/estimation/measurement.h"
 #include "core/kinematics/differential_drive.h"
-#include "core/kinematics/step_rate.h"
+#include "core/kinematics/step_motor.h"
 #include "core/simulation/random.h"
 
 namespace skein::core {
@@ -36,14 +36,15 @@ class SimulatedRobot {
   /// What friction takes of a slide [m/s^2]: rubber on a smooth floor, a friction coefficient of 0.3.
   static constexpr double friction = 3.0;
 
-  /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot.
+  /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot. Speeds that it has already
+  /// change nothing: links do not send them again.
   void command(const WheelSpeeds& commanded) noexcept;
-  /// The same when the step rates come from an emulated robot's own motors: taken as they are.
-  void turn(const WheelSpeeds& actual) noexcept { wheels_ = actual; }
-  /// The step rates that its motors run now.
-  const WheelSpeeds& wheels() const noexcept { return wheels_; }
+  /// The same of a robot whose link is emulated: what its firmware tells the motors, whether it is new or not.
+  void turn(const WheelSpeeds& commanded) noexcept;
+  /// The step rates that its motors run once the steps under way have ended.
+  WheelSpeeds wheels() const noexcept { return {left_.settled_rate(), right_.settled_rate()}; }
   /// The twist that these give without slip.
-  Twist twist() const noexcept { return drive_.twist(wheels_); }
+  Twist twist() const noexcept { return drive_.twist(wheels()); }
 
   /// Drives for dt seconds.
   void step(double dt) noexcept;
@@ -56,11 +57,11 @@ class SimulatedRobot {
   static constexpr std::size_t in_flight = 64;
 
   DifferentialDrive drive_;
-  MotorModel motor_;
   Imperfection imperfection_;
   Random slip_random_, sensor_random_;
   Pose pose_;
-  WheelSpeeds wheels_;
+  StepMotor left_, right_;
+  WheelSpeeds commanded_;
   double slide_x_ = 0.0, slide_y_ = 0.0;        // of a kick [m/s]
   std::array<Measurement, in_flight> queue_{};  // measurements on their way; number k lives at k % in_flight
   std::size_t taken_ = 0, arrived_ = 0;

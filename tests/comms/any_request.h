@@ -22,7 +22,7 @@ inline rc::Gen<Bytes> any_request() {
                      return bytes(comms::ascii_request(letter, std::array{left, right}));
                    });
   const auto as_binary = rc::gen::map(rc::gen::pair(speed, speed), [](const std::pair<int, int>& speeds) {
-    const auto request = comms::set_speeds_read_encoders(comms::clamped(speeds.first, speeds.second));
+    const auto request = set_and_read(comms::clamped(speeds.first, speeds.second));
     return Bytes(request.begin(), request.end());
   });
   const auto letters = rc::gen::elementOf(Bytes{0xBC, 0xB0, 0xB4, 0xA9, 0x89, 0xAF, 0xBB, 0xB2, 0x9F, 0x9E,

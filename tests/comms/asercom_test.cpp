@@ -26,10 +26,11 @@ std::vector<Reply> lines_of(std::string_view fed) {
 }
 
 TEST(Asercom, BinaryRequestsByteForByte) {
-  EXPECT_EQ(set_speeds_read_encoders({100, -200}),
-            (std::array<std::uint8_t, 7>{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xAF, 0x00}));
-  EXPECT_EQ(set_speeds_read_encoders({}), (std::array<std::uint8_t, 7>{0xBC, 0, 0, 0, 0, 0xAF, 0}));
-  EXPECT_EQ(read_encoders(), (std::array<std::uint8_t, 2>{0xAF, 0x00}));
+  EXPECT_EQ(wheel_request(WheelCommand{100, -200}, Question::wheels),
+            (Bytes{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xBB, 0xAF, 0x00}));
+  EXPECT_EQ(wheel_request(WheelCommand{}, Question::none), (Bytes{0xBC, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(wheel_request({}, Question::wheels), (Bytes{0xBB, 0xAF, 0x00}));
+  EXPECT_EQ(wheel_request({}, Question::wheels_and_battery), (Bytes{0xBB, 0xAF, 0x9E, 0x00}));
 }
 
 TEST(Asercom, StopSequenceByteForByte) {
@@ -40,7 +41,7 @@ TEST(Asercom, StopSequenceByteForByte) {
 }
 
 TEST(Asercom, StopBehindAnExchangeFitsTheReceiveRingOfAnEpuck1) {
-  EXPECT_LE(stop_sequence().size() + set_speeds_read_encoders({}).size(), 58u);
+  EXPECT_LE(stop_sequence().size() + wheel_request(WheelCommand{}, Question::wheels_and_battery).size(), 58u);
 }
 
 TEST(Asercom, AsciiRequestsEndInOneLineFeed) {
@@ -115,17 +116,23 @@ TEST(ReplyParser, EndlessNoiseIsNotCollected) {
   EXPECT_LT(parser.pending(), 5000u);
 }
 
-TEST(ReplyParser, AnEncoderReplyIsFourBytesAndThenNothing) {
+TEST(ReplyParser, AnAnswerHasEightBytesOrTenAndThenNothing) {
   ReplyParser parser;
-  parser.expect_encoders();
-  parser.feed(Bytes{0x0D, 0x0A, 0x38});
+  parser.expect_answer(Question::wheels);
+  parser.feed(Bytes{0x64, 0x00, 0x38, 0xFF, 0x0D, 0x0A, 0x38});
   EXPECT_FALSE(parser.next());
   parser.feed(Bytes{0xFF, 'x'});
   const Reply reply = parser.next().value();
-  EXPECT_EQ(reply.kind, Kind::encoders);
+  EXPECT_EQ(reply.kind, Kind::wheels);
+  EXPECT_EQ(reply.taken, (WheelCommand{100, -200}));
   EXPECT_EQ(reply.encoders, (Encoders{0x0A0D, -200}));
   EXPECT_FALSE(parser.next());
   EXPECT_EQ(parser.pending(), 1u);
+
+  parser.clear();
+  parser.expect_answer(Question::wheels_and_battery);
+  parser.feed(Bytes{0, 0, 0, 0, 1, 0, 2, 0, 0x7B, 0x0C});
+  EXPECT_EQ(parser.next().value().battery, 3195);
 }
 
 TEST(ReplyParser, ChunksDoNotMatter) {
@@ -156,16 +163,16 @@ TEST(Asercom, SpeedsMakeTheRoundTripThroughARobot) {
   test::holds("a robot reports the speeds it was sent, binary and ASCII", [](std::int16_t left, std::int16_t right) {
     const WheelCommand command = clamped(left, right);
     EpuckFirmware robot(core::MotorModel::epuck1);
-    test::ask(robot, set_speeds_read_encoders(command));
+    test::ask(robot, test::set_and_read(command));
     const ReplyLine reply = parse_reply_line(test::ask(robot, ascii_request('E')));
     RC_ASSERT(reply.values == (std::vector<int>{command.left, command.right}));
 
     EpuckFirmware other(core::MotorModel::epuck2);
     test::ask(other, ascii_request('D', std::array<int, 2>{command.left, command.right}));
     ReplyParser parser;
-    parser.expect_encoders();
-    parser.feed(test::ask(other, {0xBB, 0x00}));
-    RC_ASSERT(parser.next().value().encoders == (Encoders{command.left, command.right}));
+    parser.expect_answer(Question::wheels);
+    parser.feed(test::ask(other, wheel_request({}, Question::wheels)));
+    RC_ASSERT(parser.next().value().taken == command);
   });
 }
 

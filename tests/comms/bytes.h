@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "comms/asercom.h"
 #include "comms/emulator/epuck_firmware.h"
 
 namespace skein::test {
@@ -17,6 +18,13 @@ inline Bytes bytes(std::string_view text) {
 }
 inline std::string text(std::span<const std::uint8_t> bytes) {
   return {bytes.begin(), bytes.end()};
+}
+
+/// A host that sets speeds and reads the counters in one request: `BC l l r r AF 00`, 4 bytes back.
+inline Bytes set_and_read(comms::WheelCommand command) {
+  Bytes request = comms::wheel_request(command, comms::Question::none);
+  request.insert(request.end() - 1, 0xAF);
+  return request;
 }
 
 /// What a robot answers to `request`, as bytes.

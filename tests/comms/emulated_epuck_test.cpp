@@ -126,28 +126,32 @@ TEST(EmulatedEpuck, AStuckParserIsFreedByTheStopSequence) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     EmulatedEpuck robot(MotorModel::epuck2, 0.0, {{.kind = FaultKind::stuck, .at = 1.0, .duration = 0.0}}, seed);
     ask_at(robot, "D,100,100\n", 0.5);
-    ask_at(robot, set_speeds_read_encoders({5, 5}), 1.5);
+    ask_at(robot, test::set_and_read({5, 5}), 1.5);
     const std::string answer = test::text(ask_at(robot, stop_sequence(), 2.0));
     EXPECT_TRUE(answer.ends_with("s\r\n")) << answer;
     EXPECT_EQ(robot.wheels(), core::WheelSpeeds{});
   }
 }
 
-TEST(EmulatedEpuck, TheRingLosesTheTailOfALongBurst) {
+/// 64 places and two counters: byte 64 is stored, and read, in the place of byte 0 as well as in its own.
+TEST(EmulatedEpuck, ABurstOverwritesTheBeginningOfTheRing) {
   EmulatedEpuck robot = with({.kind = FaultKind::ring}, MotorModel::epuck1);
   const Bytes stop(stop_sequence().begin(), stop_sequence().end());
   EXPECT_TRUE(ask_at(robot, stop, 101.0).empty()) << "43 bytes take 3.7 ms";
   EXPECT_EQ(test::text(heard_at(robot, 101.004)), "s\r\n");
-  Bytes twice = stop;
-  twice.insert(twice.end(), stop.begin(), stop.end());
-  robot.receive(twice, 102.0);
-  EXPECT_EQ(test::text(heard_at(robot, 102.1)), "s\r\n") << "the second lost its end";
-  // Two writes without a pause are one burst.
+  Bytes lines = bytes("D,100,100\n");
+  lines.resize(60, '\n');
+  const Bytes end = bytes("\nQ\nE\n");
+  lines.insert(lines.end(), end.begin(), end.end());
+  robot.receive(lines, 102.0);
+  EXPECT_EQ(test::text(heard_at(robot, 102.1)), "z,Command not found\r\nq,0,0\r\ne,0,0\r\n")
+      << "the line end of byte 64 where the D was";
+  // Two writes without a pause are one burst; the end of a stop is never lost.
   robot.receive(stop, 103.0);
   robot.receive(stop, 103.001);
-  EXPECT_EQ(test::text(heard_at(robot, 103.1)), "s\r\n");
+  EXPECT_TRUE(test::text(heard_at(robot, 103.1)).ends_with("s\r\n"));
   // An exchange and a stop fit.
-  robot.receive(set_speeds_read_encoders({100, 100}), 104.0);
+  robot.receive(test::set_and_read({100, 100}), 104.0);
   robot.receive(stop, 104.0);
   EXPECT_EQ(heard_at(robot, 104.1).size(), 4u + 3u);
   EXPECT_EQ(robot.wheels(), core::WheelSpeeds{});
@@ -166,7 +170,7 @@ TEST(EmulatedEpuck, SwappedWheelsAndSilentEncoders) {
   EmulatedEpuck swapped = with({.kind = FaultKind::swapped_wheels});
   ask_at(swapped, "D,100,-200\n", 100.0);
   EXPECT_EQ(swapped.wheels(), (core::WheelSpeeds{-200, 100}));
-  EXPECT_EQ(test::text(ask_at(swapped, "Q\n", 101.0)), "q,-200,100\r\n");
+  EXPECT_EQ(test::text(ask_at(swapped, "Q\n", 101.0)), "q,-198,99\r\n");
   EmulatedEpuck silent = with({.kind = FaultKind::silent_encoders});
   ask_at(silent, "D,100,-200\n", 100.0);
   EXPECT_EQ(test::text(ask_at(silent, "Q\n", 101.0)), "q,0,0\r\n");
@@ -176,7 +180,7 @@ TEST(RandomFaults, AreOfEveryKindWithinTheTimeAndTheSameForTheSameSeed) {
   const auto faults = random_faults(4, 600.0, 3.0, 42), again = random_faults(4, 600.0, 3.0, 42);
   ASSERT_EQ(faults.size(), again.size());
   EXPECT_NEAR(static_cast<double>(faults.size()), 4 * 200.0, 120.0);
-  std::vector<int> counts(11);
+  std::vector<int> counts(12);
   for (std::size_t i = 0; i < faults.size(); ++i) {
     EXPECT_EQ(faults[i].at, again[i].at);
     EXPECT_EQ(faults[i].kind, again[i].kind);

@@ -58,7 +58,7 @@ TEST(Fuzz, WhateverAWifiRobotSays) {
 
 TEST(Fuzz, WhateverAHostSends) {
   const auto stop = stop_sequence();
-  const auto set = set_speeds_read_encoders({300, -300});
+  const auto set = test::set_and_read({300, -300});
   run({{},
        {stop.begin(), stop.end()},
        {set.begin(), set.end()},

@@ -1,5 +1,6 @@
 #include "comms/asercom_session.h"
 
+#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -14,6 +15,16 @@ using test::Bytes;
 using test::bytes;
 
 const Bytes exact_stop(stop_sequence().begin(), stop_sequence().end());
+const Bytes question = wheel_request({}, Question::wheels);
+
+/// The answer of a robot that has taken these speeds, its counters at 0.
+Bytes answer(int left, int right) {
+  Bytes bytes(8, 0);
+  const WheelCommand taken = clamped(left, right);
+  std::memcpy(bytes.data(), &taken.left, 2);
+  std::memcpy(bytes.data() + 2, &taken.right, 2);
+  return bytes;
+}
 
 /// A session and an emulated robot on a clock of their own, with the link between them in the test's hands.
 struct Lab {
@@ -23,7 +34,7 @@ struct Lab {
   /// What the session wants to send now; taken off it.
   Bytes take() {
     const Bytes out(session.output().begin(), session.output().end());
-    session.sent(out.size());
+    session.sent(out.size(), now);
     return out;
   }
   /// Carries bytes to and fro until nobody has anything to say.
@@ -47,7 +58,7 @@ struct Lab {
     talk();
     ASSERT_TRUE(session.up());
   }
-  LinkState state() const { return session.status().state; }
+  LinkState state() const { return session.status(now).state; }
 
   double now = 1000.0;
   AsercomSession session;
@@ -75,7 +86,7 @@ TEST(LinkSession, RepeatsTheStopUntilItIsAnswered) {
     lab.pass();
   }
   EXPECT_EQ(lab.state(), LinkState::stale);
-  EXPECT_EQ(lab.session.status().timeouts, 5u);
+  EXPECT_EQ(lab.session.status(lab.now).timeouts, 5u);
   // Six answers were asked for; the link is up when all have come, so that none is mistaken for something else.
   lab.take();
   lab.session.received(bytes("s\r\n"), lab.now);
@@ -96,11 +107,11 @@ TEST(LinkSession, DoesNotWaitForeverForAnswersToRepetitions) {
   lab.pass();
   EXPECT_TRUE(lab.session.up());
   // They may be late, not lost: an exchange finds out.
-  EXPECT_EQ(lab.take(), (Bytes{0xAF, 0x00}));
+  EXPECT_EQ(lab.take(), question);
   lab.session.received(bytes("s\r"), lab.now);
-  lab.session.received(bytes(std::string_view("\n\0\0\0\0", 5)), lab.now);
+  lab.session.received(bytes(std::string_view("\n\0\0\0\0\0\0\0\0", 9)), lab.now);
   EXPECT_TRUE(lab.session.up());
-  EXPECT_EQ(lab.session.status().exchanges, 1u);
+  EXPECT_EQ(lab.session.status(lab.now).exchanges, 1u);
 }
 
 TEST(LinkSession, ALateAnswerToAnOldStopIsNoAnswerToANewOne) {
@@ -138,37 +149,128 @@ TEST(LinkSession, ALateAnswerDoesNotPutOffTheRepetitionOfALostStop) {
   lab.pass(0.05);
   lab.session.received(bytes("s\r\n"), lab.now);  // the answer to the first stop
   EXPECT_FALSE(lab.session.stop_acknowledged());
-  EXPECT_NEAR(lab.session.deadline(), sent + LinkOptions{}.reply_timeout, 1e-9);
+  EXPECT_NEAR(lab.session.deadline(), sent + LinkOptions{}.stop_repeat, 1e-9);
 }
 
-TEST(LinkSession, OneExchangeSetsSpeedsAndReadsEncoders) {
+TEST(LinkSession, OneRequestSetsSpeedsAndReadsThemBackWithTheCounters) {
   Lab lab;
   lab.open();
   lab.command(100, -200);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xAF, 0x00}));
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xBB, 0xAF, 0x00}));
   EXPECT_FALSE(lab.session.stop_acknowledged());
   lab.pass(0.003);
-  lab.session.received(Bytes{0, 0, 0, 0}, lab.now);
-  const LinkStatus status = lab.session.status();
+  lab.session.received(answer(100, -200), lab.now);
+  const LinkStatus status = lab.session.status(lab.now);
   EXPECT_EQ(status.exchanges, 1u);
   EXPECT_NEAR(status.rtt_median, 0.003, 1e-9);
-  EXPECT_EQ(status.bytes_sent, exact_stop.size() + 7u);
-  EXPECT_EQ(status.bytes_received, 3u + 4u);
+  EXPECT_EQ(status.bytes_sent, exact_stop.size() + 8u);
+  EXPECT_EQ(status.bytes_received, 3u + 8u);
   EXPECT_EQ(lab.session.answered_ticket(), lab.ticket);
 }
 
-TEST(LinkSession, WhileAReplyIsOutstandingTheNewestCommandWaits) {
+TEST(LinkSession, SpeedsGoOutWhileAnAnswerIsOwedTheQuestionWaits) {
   Lab lab;
   lab.open();
   lab.command(1, 1);
   lab.take();
   lab.command(2, 2);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 2, 0, 2, 0, 0}));
   lab.command(3, 3);
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 3, 0, 3, 0, 0}));
+  const Bytes first = answer(1, 1);
+  lab.session.received(std::span(first).first(5), lab.now);  // a part of it
   EXPECT_EQ(lab.take(), Bytes{});
-  lab.session.received(Bytes{0, 0}, lab.now);  // half a reply
+  lab.session.received(std::span(first).subspan(5), lab.now);
+  EXPECT_EQ(lab.session.answered_ticket(), 1u);
+  EXPECT_EQ(lab.take(), question) << "at once: two commands are not confirmed";
+  lab.session.received(answer(3, 3), lab.now);
+  EXPECT_EQ(lab.session.answered_ticket(), 3u);
   EXPECT_EQ(lab.take(), Bytes{});
-  lab.session.received(Bytes{0, 0}, lab.now);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 3, 0, 3, 0, 0xAF, 0}));
+}
+
+TEST(LinkSession, NoMoreCommandsGoOutUnconfirmedThanAnEpuck1CanReceiveAtOnce) {
+  Lab lab({.blind_distance = 0.0, .reply_timeout = 10.0});
+  lab.open();
+  std::size_t bytes = 0;
+  for (int speed = 1; speed <= 20; ++speed) {
+    lab.command(speed, speed);
+    bytes += lab.take().size();
+  }
+  EXPECT_LE(bytes, 58u);
+  lab.session.received(answer(1, 1), lab.now);
+  EXPECT_EQ(lab.take(), wheel_request(WheelCommand{20, 20}, Question::wheels)) << "the newest; the others are void";
+}
+
+TEST(LinkSession, SpeedsThatTheRobotHasAreNotSentAgainButAskedFor) {
+  Lab lab;
+  lab.open();
+  lab.command(300, 300);
+  lab.talk();
+  lab.command(300, 300);
+  EXPECT_EQ(lab.take(), question);
+  lab.session.received(answer(300, 300), lab.now);
+  EXPECT_EQ(lab.session.answered_ticket(), lab.ticket);
+  lab.session.stop(lab.now);
+  lab.talk();
+  lab.command(300, 300);
+  EXPECT_EQ(lab.take(), wheel_request(WheelCommand{300, 300}, Question::wheels)) << "a stop takes them away";
+}
+
+TEST(LinkSession, ARobotThatTookOtherSpeedsIsStoppedWithinThatRoundTrip) {
+  Lab lab;
+  lab.open();
+  Bytes reply;
+  lab.robot.receive(bytes("\xBC"), reply);  // noise: the beginning of a command
+  lab.command(300, 300);
+  lab.robot.receive(lab.take(), reply);
+  EXPECT_NE(lab.robot.wheels(), (core::WheelSpeeds{300, 300}));
+  lab.session.received(reply, lab.now);
+  EXPECT_EQ(lab.take(), exact_stop);
+  EXPECT_EQ(lab.session.status(lab.now).wrong_speeds, 1u);
+  EXPECT_NE(lab.session.status(lab.now).reason.find("the robot took the speeds"), std::string::npos);
+}
+
+TEST(LinkSession, ARobotIsStoppedWhenItsBlindDistanceIsUsedUp) {
+  for (const int speed : {100, 400, 1000}) {
+    Lab lab({.blind_distance = 0.02, .reply_timeout = 100.0, .command_silence = 0.0});
+    lab.open();
+    lab.command(speed, speed);
+    lab.take();
+    const double sent = lab.now, metres_per_second = speed * 1.288e-4;
+    lab.pass(0.99 * 0.02 / metres_per_second);
+    EXPECT_TRUE(lab.session.up()) << speed;
+    EXPECT_NEAR(lab.session.blind_way(lab.now), 0.99 * 0.02, 1e-4);
+    lab.pass();
+    EXPECT_NEAR(lab.now - sent, 0.02 / metres_per_second, 1e-3) << "slow robots may wait longer";
+    EXPECT_EQ(lab.take(), exact_stop);
+    EXPECT_EQ(lab.session.status(lab.now).blind_stops, 1u);
+  }
+}
+
+TEST(LinkSession, SlowingDownDoesNotMakeTheUnconfirmedWayShorterUntilItIsConfirmed) {
+  Lab lab({.blind_distance = 0.05, .reply_timeout = 100.0, .command_silence = 0.0});
+  lab.open();
+  lab.command(1000, 1000);
+  lab.take();
+  lab.pass(0.1);
+  lab.command(100, 100);
+  lab.take();
+  lab.pass(0.1);
+  EXPECT_NEAR(lab.session.blind_way(lab.now), 0.2 * 0.1288, 1e-4) << "nobody says that it has slowed down";
+  lab.session.received(answer(1000, 1000), lab.now);
+  lab.take();
+  EXPECT_NEAR(lab.session.blind_way(lab.now), 0.2 * 0.1288, 1e-4) << "since the question was sent";
+  lab.pass(0.01);
+  lab.session.received(answer(100, 100), lab.now);
+  EXPECT_NEAR(lab.session.blind_way(lab.now), 0.01 * 0.1288, 1e-4);
+  lab.pass(0.01);
+  EXPECT_NEAR(lab.session.blind_way(lab.now), 0.01 * 0.1288 + 0.01 * 0.01288, 1e-5);
+  lab.session.stop(lab.now);
+  lab.take();
+  lab.pass(1.0);
+  EXPECT_GT(lab.session.blind_way(lab.now), 0.01) << "a stop that is not acknowledged";
+  lab.session.received(bytes("s\r\n"), lab.now);
+  EXPECT_EQ(lab.session.blind_way(lab.now), 0.0);
 }
 
 TEST(LinkSession, CommandSilenceStopsTheRobotOnce) {
@@ -184,8 +286,8 @@ TEST(LinkSession, CommandSilenceStopsTheRobotOnce) {
   lab.session.received(bytes("s\r\n"), lab.now);
   EXPECT_TRUE(lab.session.stop_acknowledged());
   lab.pass();
-  EXPECT_EQ(lab.take(), (Bytes{0xAF, 0x00})) << "then only heartbeats, which leave the wheels alone";
-  lab.session.received(Bytes{0, 0, 0, 0}, lab.now);
+  EXPECT_EQ(lab.take(), question) << "then only heartbeats, which leave the wheels alone";
+  lab.session.received(answer(300, 300), lab.now);
   lab.command(300, 300);
   lab.talk();
   lab.pass(0.11);
@@ -193,7 +295,7 @@ TEST(LinkSession, CommandSilenceStopsTheRobotOnce) {
 }
 
 TEST(LinkSession, SilenceAndHeartbeatCanBeTurnedOff) {
-  Lab lab({.command_silence = 0.0, .heartbeat = 0.0});
+  Lab lab({.blind_distance = 0.0, .command_silence = 0.0, .heartbeat = 0.0});
   lab.open();
   lab.command(300, 300);
   lab.talk();
@@ -212,17 +314,18 @@ TEST(LinkSession, ALostReplyLeadsToTheStopAndTheCommandIsSentAgain) {
   EXPECT_EQ(lab.state(), LinkState::stale);
   EXPECT_EQ(lab.take(), exact_stop);
   lab.session.received(bytes("s\r\n"), lab.now);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x2C, 0x01, 0x2C, 0x01, 0xAF, 0}));
+  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x2C, 0x01, 0x2C, 0x01, 0xBB, 0xAF, 0}));
   EXPECT_NE(lab.session.answered_ticket(), lab.ticket);
 }
 
 TEST(LinkSession, AfterALostReplyAnOldCommandIsNotSentAgain) {
-  Lab lab({.reply_timeout = 0.2, .command_silence = 0.1});
+  Lab lab({.reply_timeout = 0.09, .command_silence = 0.1});
   lab.open();
   lab.command(300, 300);
   lab.take();
   lab.pass();
   lab.take();
+  lab.pass(0.05);
   lab.session.received(bytes("s\r\n"), lab.now);
   EXPECT_TRUE(lab.session.up());
   EXPECT_EQ(lab.take(), Bytes{});
@@ -262,7 +365,7 @@ TEST(LinkSession, EmergencyStopReplacesBytesThatNobodyTook) {
   Lab lab;
   lab.open();
   lab.command(300, 300);
-  lab.session.sent(3);  // the system took no more
+  lab.session.sent(3, lab.now);  // the system took no more
   lab.session.stop(lab.now);
   EXPECT_EQ(lab.take(), exact_stop);
 }
@@ -274,7 +377,7 @@ TEST(LinkSession, AfterAReconnectItStaysStoppedUntilANewCommand) {
   lab.talk();
   lab.session.lost("the line hung up", lab.now);
   EXPECT_EQ(lab.state(), LinkState::down);
-  EXPECT_EQ(lab.session.status().reason, "the line hung up");
+  EXPECT_EQ(lab.session.status(lab.now).reason, "the line hung up");
   EXPECT_FALSE(lab.session.stop_acknowledged());
   lab.command(310, 310);
   lab.open();
@@ -296,18 +399,18 @@ TEST(LinkSession, EncodersAreUnwrappedAndARestartAddsNothing) {
   }
   lab.command(0, 0);
   lab.talk();
-  EXPECT_EQ(lab.session.status().left_steps, 100000);
-  EXPECT_EQ(lab.session.status().right_steps, -100000);
+  EXPECT_EQ(lab.session.status(lab.now).left_steps, 100000);
+  EXPECT_EQ(lab.session.status(lab.now).right_steps, -100000);
 
   lab.robot.boot();
   lab.session.received(bytes(lab.robot.greeting()), lab.now);
-  EXPECT_EQ(lab.session.status().reason, "the robot restarted");
+  EXPECT_EQ(lab.session.status(lab.now).reason, "the robot restarted");
   EXPECT_EQ(lab.state(), LinkState::stale);
   lab.talk();
   lab.command(0, 0);
   lab.talk();
   EXPECT_EQ(lab.state(), LinkState::up);
-  EXPECT_EQ(lab.session.status().left_steps, 100000);
+  EXPECT_EQ(lab.session.status(lab.now).left_steps, 100000);
 }
 
 TEST(LinkSession, AGreetingInPlaceOfAReplyIsNotTakenForEncoders) {
@@ -315,7 +418,7 @@ TEST(LinkSession, AGreetingInPlaceOfAReplyIsNotTakenForEncoders) {
   lab.open();
   lab.command(100, 100);
   lab.talk();
-  const std::int64_t steps = lab.session.status().left_steps;
+  const std::int64_t steps = lab.session.status(lab.now).left_steps;
   lab.command(100, 100);
   lab.take();  // the robot loses power before it hears this
   lab.robot.boot();
@@ -323,8 +426,8 @@ TEST(LinkSession, AGreetingInPlaceOfAReplyIsNotTakenForEncoders) {
   lab.session.received(bytes(greeting.substr(0, 30)), lab.now);
   lab.session.received(bytes(greeting.substr(30)), lab.now);
   lab.talk();
-  EXPECT_EQ(lab.session.status().reason, "the robot restarted");
-  EXPECT_EQ(lab.session.status().left_steps, steps);
+  EXPECT_EQ(lab.session.status(lab.now).reason, "the robot restarted");
+  EXPECT_EQ(lab.session.status(lab.now).left_steps, steps);
   EXPECT_TRUE(lab.session.up());
 }
 

@@ -51,7 +51,7 @@ TEST(PtyEmulator, AnswersOverThePseudoTerminalByteForByte) {
   ASSERT_EQ(robots.size(), 2u);
   Transport first = open(robots, 0), second = open(robots, 1);
   // 0x0A and 0x0D pass unchanged: the line is raw.
-  EXPECT_EQ(exchange(first, set_speeds_read_encoders({0x0A, 0x0D}), 4), (Bytes{0, 0, 0, 0}));
+  EXPECT_EQ(exchange(first, test::set_and_read({0x0A, 0x0D}), 4), (Bytes{0, 0, 0, 0}));
   EXPECT_EQ(robots.wheels(0), (core::WheelSpeeds{10, core::actual_step_rate(MotorModel::epuck1, 13)}));
   EXPECT_EQ(test::text(exchange(second, test::bytes("V\n"), 54)),
             "v,Version 2.0 January 2018 GCtronic\r\nHW version: FFFF\r\n");
@@ -64,17 +64,17 @@ TEST(PtyEmulator, WheelsAreReportedBeforeTheReplyAndDriveTheEncoders) {
       {MotorModel::epuck2}, [&](std::size_t, const core::WheelSpeeds& actual) { left = actual.left; },
       [&] { return clock.load(); });
   Transport line = open(robots, 0);
-  exchange(line, set_speeds_read_encoders({1000, -500}), 4);
+  exchange(line, test::set_and_read({1000, -500}), 4);
   EXPECT_EQ(left.load(), 1000.0);
   clock = 7.0;
-  EXPECT_EQ(exchange(line, set_speeds_read_encoders({0, 0}), 4), (Bytes{0xD0, 0x07, 0x18, 0xFC}));
+  EXPECT_EQ(exchange(line, test::set_and_read({0, 0}), 4), (Bytes{0xC6, 0x07, 0x1D, 0xFC})) << "10 ms to begin";
   EXPECT_EQ(left.load(), 0.0);
 }
 
 TEST(PtyEmulator, HangingUpBreaksTheLineAndTheNameLeadsToANewOne) {
   PtyEmulator robots({MotorModel::epuck2}, nullptr, [] { return 0.0; });
   Transport line = open(robots, 0);
-  exchange(line, set_speeds_read_encoders({100, 100}), 4);
+  exchange(line, test::set_and_read({100, 100}), 4);
   robots.hang_up(0);
   std::array<std::uint8_t, 16> bytes;
   EXPECT_TRUE(test::wait_until([&] { return !line.read(bytes); }));
@@ -111,7 +111,7 @@ TEST(Emulate, RunsUntilItIsTold) {
   {
     auto line = Transport::open({LinkKind::serial, directory + "/robot2", 0, ""});
     ASSERT_TRUE(line) << line.error().reason;
-    EXPECT_EQ(exchange(*line, set_speeds_read_encoders({100, 100}), 4).size(), 4u);
+    EXPECT_EQ(exchange(*line, test::set_and_read({100, 100}), 4).size(), 4u);
   }
   ::pthread_kill(emulation.native_handle(), SIGTERM);
   emulation.join();

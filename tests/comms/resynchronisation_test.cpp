@@ -33,7 +33,8 @@ Fault any_fault() {
   Fault fault;
   fault.kind = *rc::gen::element(FaultKind::latency, FaultKind::loss, FaultKind::burst, FaultKind::corruption,
                                  FaultKind::disconnect, FaultKind::reboot, FaultKind::stuck, FaultKind::ring,
-                                 FaultKind::battery, FaultKind::swapped_wheels, FaultKind::silent_encoders);
+                                 FaultKind::battery, FaultKind::swapped_wheels, FaultKind::silent_encoders,
+                                 FaultKind::stall);
   fault.at = between(0.0, 0.7 * faults_end);
   fault.duration = fault.kind == FaultKind::stuck ? 0.0 : between(0.001, 0.3 * faults_end);
   const bool of_the_robot = fault.kind == FaultKind::ring || fault.kind == FaultKind::battery ||
@@ -84,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Resynchronisation,
                                          Kind{MotorModel::epuck2, Protocol::asercom},
                                          Kind{MotorModel::epuck2, Protocol::wifi}));
 
-constexpr LinkOptions patient{.reply_timeout = 0.2};
+constexpr LinkOptions patient{.reply_timeout = 0.2, .stop_repeat = 0.2, .command_silence = 0.0};
 
 std::unique_ptr<LinkSession> session_of(Protocol protocol) {
   if (protocol == Protocol::wifi) return std::make_unique<WifiSession>(patient);
@@ -106,7 +107,7 @@ TEST_P(Resynchronisation, StopsARobotAfterAnythingAtAll) {
     session->opened(now);
     const auto exchange = [&] {
       const Bytes request(session->output().begin(), session->output().end());
-      session->sent(request.size());
+      session->sent(request.size(), now);
       robot.receive(request, now);
       now += step;
       robot.advance(now);

@@ -58,11 +58,13 @@ TEST(StepRate, ClampsAndIsOdd) {
   EXPECT_EQ(actual_step_rate(MotorModel::ideal, 123.456), 123.456);
 }
 
-/// The smallest miss of any whole command, by trying them all.
+/// The smallest miss of any whole command that a robot is given, by trying them all.
 double least_miss(MotorModel motor, double wanted) {
   double least = 1e9;
   const int limit = static_cast<int>(core::max_step_rate(motor));
-  for (int s = -limit; s <= limit; ++s) least = std::min(least, std::abs(actual_step_rate(motor, s) - wanted));
+  for (int s = -limit; s <= limit; ++s)
+    if (s == 0 || std::abs(s) >= core::slowest_command)
+      least = std::min(least, std::abs(actual_step_rate(motor, s) - wanted));
   return least;
 }
 
@@ -97,7 +99,7 @@ TEST_P(NearestCommand, IsTheBestOfAllForAnyWish) {
 }
 
 TEST_P(NearestCommand, RunsARateThatTheMotorHas) {
-  for (int s = 1; s <= 1000; ++s) {
+  for (int s = 13; s <= 1000; ++s) {
     const double rate = actual_step_rate(GetParam(), s);
     if (rate > core::max_step_rate(GetParam())) continue;
     EXPECT_EQ(actual_step_rate(GetParam(), nearest_command(GetParam(), rate)), rate) << s;

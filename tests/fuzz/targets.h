@@ -26,7 +26,7 @@ inline void replies(std::span<const std::uint8_t> bytes) {
   comms::AsercomSession session({});
   double now = 1.0;
   session.opened(now);
-  session.sent(session.output().size());
+  session.sent(session.output().size(), now);
   std::size_t begin = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
@@ -42,7 +42,7 @@ inline void replies(std::span<const std::uint8_t> bytes) {
     session.command(comms::clamped(chunk[0], -chunk[0]), static_cast<std::uint16_t>(i + 1), now);
     must(session.output().size() <= comms::stop_sequence().size());
     must(!std::isnan(session.deadline()));
-    session.sent(session.output().size());
+    session.sent(session.output().size(), now);
   }
 
   comms::EpuckFirmware robot(core::MotorModel::epuck2);
@@ -50,7 +50,7 @@ inline void replies(std::span<const std::uint8_t> bytes) {
   for (int turn = 0; turn < 200 && !(session.up() && session.stop_acknowledged()); ++turn) {
     while (!session.output().empty()) {
       const std::vector<std::uint8_t> request(session.output().begin(), session.output().end());
-      session.sent(request.size());
+      session.sent(request.size(), now);
       std::vector<std::uint8_t> answer;
       robot.receive(request, answer);
       session.received(answer, now);
@@ -68,7 +68,7 @@ inline void packets(std::span<const std::uint8_t> bytes) {
   comms::WifiSession session({});
   double now = 1.0;
   session.opened(now);
-  session.sent(session.output().size());
+  session.sent(session.output().size(), now);
   std::size_t begin = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
@@ -80,19 +80,22 @@ inline void packets(std::span<const std::uint8_t> bytes) {
     session.command(comms::clamped(chunk[0], -chunk[0]), static_cast<std::uint16_t>(i + 1), now);
     must(session.output().size() <= 2 * comms::wifi_command_size);
     must(!std::isnan(session.deadline()));
-    session.sent(std::min<std::size_t>(session.output().size(), chunk[0]));
+    session.sent(std::min<std::size_t>(session.output().size(), chunk[0]), now);
     if (session.garbled()) session.opened(now);
   }
 
   comms::EpuckFirmware robot(core::MotorModel::epuck2, comms::Protocol::wifi);
   session.opened(now);
   session.stop(now);
-  for (int turn = 0; turn < 8 && !session.up(); ++turn) {
+  for (int turn = 0; turn < 20 && !session.up(); ++turn) {
     const std::vector<std::uint8_t> request(session.output().begin(), session.output().end());
-    session.sent(request.size());
+    session.sent(request.size(), now);
     std::vector<std::uint8_t> answer;
     robot.receive(request, answer);
+    robot.stream(answer);
     session.received(answer, now);
+    now += comms::EpuckFirmware::stream_period;
+    session.advance(now);
   }
   must(session.up() && session.stop_acknowledged());
   must(robot.wheels() == core::WheelSpeeds{});

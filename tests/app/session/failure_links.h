@@ -42,7 +42,7 @@ class FailureLinks {
       if (steps_ % 20 == 0) {
         std::vector<comms::LinkStatus> status;
         for (auto& link : links_) {
-          status.push_back(link->session.status());
+          status.push_back(link->session.status(now_));
           status.back().out_for = std::max(0.0, now_ - link->session.out_since());
         }
         if (auto lost = watch_.look(status); lost && !lost_at) lost_at = now_, why = *lost;
@@ -88,7 +88,7 @@ class FailureLinks {
     link.session.advance(now_);
     while (link.session.open() && !link.session.output().empty()) {
       const std::vector<std::uint8_t> bytes(link.session.output().begin(), link.session.output().end());
-      link.session.sent(bytes.size());
+      link.session.sent(bytes.size(), now_);
       link.robot.receive(bytes, now_);
       link.session.received(link.robot.take(), now_);
     }

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "comms/emulator/radio.h"
+#include "comms/emulator/radio_faults.h"
+
+namespace skein::app {
+
+/// A run over slow radios in virtual time: the control tick, the links' conversations and emulated e-pucks whose
+/// messages an adapter carries, seven robots on each. What the program's threads do on the wall clock, without either:
+/// the same seed gives the same run.
+struct RadioLapOptions {
+  comms::RadioParameters radio;
+  std::vector<comms::Fault> faults;
+  std::uint64_t seed = 1;
+};
+
+struct RadioLap {
+  bool all_stop = false;  ///< a link was lost
+  std::string why;        ///< it was lost
+  std::size_t perturbations = 0, recovered = 0;  ///< tracking within 1 cm again before the next
+  double final_error = 0.0;                      ///< largest distance of a robot from its reference at the end [m]
+  double min_distance = 0.0;                     ///< between two robots [m]
+  double rtt_median = 0.0, rtt_p99 = 0.0, rtt_p999 = 0.0;  ///< of all robots, the largest [s]
+  double written = 0.0;           ///< share of the commands that were handed over within their tick
+  double late_ticks = 0.0;        ///< share of robots' ticks that were slowed or held because of the link
+  std::uint64_t blind_stops = 0;  ///< times that a blind distance was used up, and that an answer was too late
+  std::uint64_t timeouts = 0, wrong_speeds = 0;
+  /// The longest way of a wheel since the newest confirmed question had been sent, as far as a stop could have been
+  /// carried in that time. [m]
+  double blind_way = 0.0;
+};
+
+RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options);
+
+}  // namespace skein::app

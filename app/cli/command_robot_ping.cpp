@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "app/cli/commands.h"
+#include "app/experiment/known_robots.h"
+#include "app/experiment/text_file.h"
+#include "app/experiment/toml_edit.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/session/safety_net.h"
+#include "app/tools/robot_ping.h"
+
+namespace skein::app {
+namespace {
+
+void complain(const std::string& text) {
+  fmt::print(stderr, "skein: {}\n", text);
+}
+
+void print(const RobotPing::Robot& robot, double seconds) {
+  const comms::LinkStatus& status = robot.status;
+  fmt::print("{}{}\n", robot.name, robot.adapter.empty() ? "" : fmt::format(" over {}", robot.adapter));
+  fmt::print("  questions answered: {} in {:g} s\n", status.exchanges, seconds);
+  fmt::print("  round_trip_ms: {:.1f} median, {:.1f} p99, {:.1f} p99.9\n", 1e3 * robot.times.quantile_since_start(0.5),
+             1e3 * robot.times.quantile_since_start(0.99), 1e3 * robot.times.quantile_since_start(0.999));
+  fmt::print("  lost: {}, connections lost: {}, wrong speeds: {}\n", status.timeouts, status.reconnects,
+             status.wrong_speeds);
+  for (const std::string& line : histogram(robot.times)) fmt::print("  {}\n", line);
+}
+
+int save(const std::string& file, const LinksSpec& links) {
+  auto text = read_text(file);
+  if (!text) {
+    for (const Problem& problem : text.error()) fmt::print(stderr, "{}\n", problem.message());
+    return wrong_input;
+  }
+  for (const auto& [key, value] :
+       {std::pair{"links.blind_distance", links.blind_distance}, {"links.reply_timeout", links.reply_timeout}}) {
+    auto with = with_toml_value(*text, key, fmt::format("{:g}", value));
+    if (!with) {
+      complain(fmt::format("{}: {}", file, with.error()));
+      return wrong_input;
+    }
+    *text = std::move(*with);
+  }
+  if (const auto saved = save_known_robots(file, *text); !saved) {
+    complain(saved.error());
+    return wrong_input;
+  }
+  fmt::print("# saved in {}\n", file);
+  return done;
+}
+
+}  // namespace
+
+int ping_robots(const RobotsRequest& request) {
+  const auto named = named_robots(request.words, request.file);
+  if (!named) return wrong_input;
+  if (request.save && !named->experiment) {
+    complain("--save writes [links] into an experiment file: name one, and nothing else");
+    return wrong_input;
+  }
+  Experiment experiment = named->experiment.value_or(Experiment{});
+  if (!named->experiment) experiment.robots = named->robots;
+  auto net = SafetyNet::spread(experiment);
+  if (!net) complain(fmt::format("{}: should this program be killed, nothing stops the robots", net.error()));
+  const auto ping = ping_robots(experiment, 60.0 * request.minutes, [] { return !interrupted(); });
+  if (!ping) {
+    if (net) net->done({});
+    complain(ping.error());
+    return device_failed;
+  }
+  bool good = true;
+  double worst = 0.0;
+  std::map<std::string, comms::RoundTrips> adapters;
+  for (const RobotPing::Robot& robot : ping->robots) {
+    print(robot, ping->seconds);
+    worst = std::max(worst, robot.times.quantile_since_start(0.999));
+    if (!robot.adapter.empty()) adapters[robot.adapter].add(robot.times);
+    if (!robot.stop_acknowledged) complain(robot.name + " has NOT acknowledged its stop");
+    good = good && robot.stop_acknowledged && robot.status.exchanges > 0;
+  }
+  for (const auto& [name, times] : adapters) {
+    fmt::print("all over {}: {:.1f} ms median, {:.1f} p99.9\n", name, 1e3 * times.quantile_since_start(0.5),
+               1e3 * times.quantile_since_start(0.999));
+    for (const std::string& line : histogram(times)) fmt::print("  {}\n", line);
+  }
+  if (net) net->done({});
+  const LinksSpec links = proposed_links(worst, experiment.controller.v_max, experiment.period());
+  fmt::print("\n[links]\nblind_distance = {:g}\nreply_timeout = {:g}\n", links.blind_distance, links.reply_timeout);
+  const int saved = request.save && good ? save(request.words.front(), links) : done;
+  return saved != done ? saved : good ? done : device_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,151 @@
+#include "core/kinematics/step_motor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace skein::core {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double epuck1_tick = 1e-4, epuck2_tick = 1e-5;  // [s]
+constexpr double power_saving_below = 601.0;              // e-puck1 [steps/s]
+constexpr double coils_on_for = 15.0 * epuck1_tick;       // [s]
+constexpr double standing_period = 0.01;                  // e-puck2 [s]
+
+bool saves_power(double speed) noexcept {
+  return std::abs(speed) < power_saving_below;
+}
+
+double epuck1_period(double speed) noexcept {
+  return std::floor(10000.0 / std::abs(speed)) * epuck1_tick;
+}
+double epuck2_half_period(double speed) noexcept {
+  return std::floor(50000.0 / std::abs(speed)) * epuck2_tick;
+}
+
+}  // namespace
+
+void StepMotor::command(double speed) noexcept {
+  const double limit = max_step_rate(model_);
+  speed_ = std::clamp(speed, -limit, limit);
+  switch (model_) {
+    case MotorModel::ideal:
+      rate_ = speed_;
+      return;
+    case MotorModel::epuck1:
+      if (speed_ != 0.0) period_ = epuck1_period(speed_);
+      break;
+    case MotorModel::epuck2:  // preloaded: see step()
+      break;
+  }
+  aim();
+}
+
+/// Time until the shaft makes its next step, or half step. [s]
+double StepMotor::until_step() const noexcept {
+  if (model_ == MotorModel::epuck2) return std::max(period_ - elapsed_, 0.0);
+  const double counts = std::max(period_ - elapsed_, epuck1_tick);  // one whose count is over acts at the next tick
+  return coils_on_ && saves_power(speed_) ? counts + (period_ - coils_on_for) : counts;
+}
+
+/// From where the shaft is to where it is due next.
+void StepMotor::aim() noexcept {
+  settled_ = speed_ == 0.0;
+  if (speed_ == 0.0) {
+    rate_ = 0.0;
+    return;
+  }
+  const double target = landed_ + std::copysign(step_size(), speed_);
+  rate_ = (target - position_) / std::max(until_step(), epuck2_tick);
+}
+
+/// The timer has counted to its end.
+void StepMotor::fire() noexcept {
+  elapsed_ = 0.0;
+  switch (model_) {
+    case MotorModel::ideal:
+      return;
+    case MotorModel::epuck1:
+      if (coils_on_ && saves_power(speed_)) {
+        coils_on_ = false;
+        period_ = epuck1_period(speed_) - coils_on_for;
+        return;
+      }
+      if (saves_power(speed_)) {
+        coils_on_ = true;
+        period_ = coils_on_for;
+      }
+      break;
+    case MotorModel::epuck2:
+      period_ = speed_ == 0.0 ? standing_period : epuck2_half_period(speed_);
+      if (speed_ == 0.0) return;
+      break;
+  }
+  landed_ += std::copysign(step_size(), speed_);
+  position_ = landed_;
+  rate_ = actual_step_rate(model_, speed_);
+  settled_ = true;
+}
+
+double StepMotor::rate_lasts() const noexcept {
+  return model_ == MotorModel::ideal || settled_ ? never : std::max(until_step(), epuck2_tick);
+}
+
+void StepMotor::advance(double dt) noexcept {
+  if (model_ == MotorModel::ideal) {
+    position_ += rate_ * dt;
+    return;
+  }
+  if (speed_ == 0.0 && model_ == MotorModel::epuck1) return;  // its timer stands as well
+  // Rounding must not put off a step that is due by the time that has passed.
+  constexpr double rounding = 1e-9;
+  while (true) {
+    const double left = std::max(period_ - elapsed_, 0.0);
+    if (dt + rounding < left) {
+      elapsed_ += dt;
+      position_ += rate_ * dt;
+      return;
+    }
+    position_ += rate_ * left;
+    dt = std::max(dt - left, 0.0);
+    fire();
+    if (dt == 0.0) return;
+  }
+}
+
+std::int64_t StepMotor::counter() const noexcept {
+  const double whole = model_ == MotorModel::ideal ? position_ : landed_;
+  return static_cast<std::int64_t>(whole + std::copysign(1e-6, whole));
+}
+
+void StepMotor::set_counter(std::int64_t steps) noexcept {
+  const double from = model_ == MotorModel::ideal ? position_ : landed_;
+  position_ += static_cast<double>(steps) - from;
+  landed_ = static_cast<double>(steps);
+}
+
+double steps_lost_by_change(MotorModel model, double from, double to) noexcept {
+  if (from == to || to == 0.0) return 0.0;
+  switch (model) {
+    case MotorModel::ideal:
+      return 0.0;
+    case MotorModel::epuck1: {
+      if (from == 0.0 || !saves_power(from)) return 0.0;
+      const double before = epuck1_period(from), after = epuck1_period(to);
+      const double coils_on = coils_on_for / before;  // share of the time
+      const double delay =
+          (1.0 - coils_on) * coils_on_for + (saves_power(to) ? coils_on * (after - coils_on_for) : 0.0);
+      return std::copysign(delay / after, to);
+    }
+    case MotorModel::epuck2: {
+      // On average half of a half step is still to come, at the old pace; a change of direction does not wait.
+      const double waits = 0.5 * (from == 0.0 ? standing_period : epuck2_half_period(from));
+      const double meanwhile = from == 0.0 ? 0.0 : std::copysign(actual_step_rate(model, from), to);
+      return (actual_step_rate(model, to) - meanwhile) * waits;
+    }
+  }
+  return 0.0;
+}
+
+}  // namespace skein::core
