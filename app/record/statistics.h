@@ -97,19 +97,6 @@ class Statistics final : public RecordSink {
     void add(double seconds);
     double median() const;
   };
-  /// Since when an error has been inside a band without a break; empty: it is outside.
-  struct Bands {
-    std::optional<double> formation_1cm, formation_5mm, tracking_1cm, tracking_5mm;
-    void add(const Sample& sample);
-    Settling since(double begin) const;
-  };
-  /// The exact median of up to 20,000 durations; of more, to 4.4 %.
-  struct Durations {
-    std::vector<double> exact;
-    Histogram all;
-    void add(double seconds);
-    double median() const;
-  };
   /// What somebody's hand did: a window for settling begins here.
   struct Disturbance {
     double t;

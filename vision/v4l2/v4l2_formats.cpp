@@ -80,8 +80,9 @@ const PixelFormat* pixel_format(std::uint32_t number) {
 tl::expected<const PixelFormat*, std::string> choose_format(const V4l2Device& device, const WantedFormat& wanted) {
   std::vector<std::uint32_t> offered;
   std::string names;
-  for (v4l2_fmtdesc description{.index = 0, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
-       device.control(VIDIOC_ENUM_FMT, &description) == 0; ++description.index) {
+  v4l2_fmtdesc description{};
+  description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  for (; device.control(VIDIOC_ENUM_FMT, &description) == 0; ++description.index) {
     offered.push_back(description.pixelformat);
     names += (names.empty() ? "" : ", ") + four_letters(description.pixelformat);
   }
