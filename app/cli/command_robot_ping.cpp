@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <map>
 
@@ -8,9 +9,9 @@
 #include "app/experiment/known_robots.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_edit.h"
+#include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
-#include "app/guard/safety_net.h"
 #include "app/tools/robot_ping.h"
 
 namespace skein::app {
@@ -65,19 +66,32 @@ int ping_robots(const RobotsRequest& request) {
   }
   Experiment experiment = named->experiment.value_or(Experiment{});
   if (!named->experiment) experiment.robots = named->robots;
-  auto net = SafetyNet::spread(experiment);
+  const auto addresses = real_robots(experiment);
+  if (!addresses) {
+    complain(addresses.error());
+    return wrong_input;
+  }
+  tl::expected<SafetyNet, std::string> net;
+  if (!addresses->empty()) net = SafetyNet::spread({experiment.name, *addresses});
   if (!net) complain(fmt::format("{}: should this program be killed, nothing stops the robots", net.error()));
-  const auto ping = ping_robots(experiment, 60.0 * request.minutes, [] { return !interrupted(); });
+  std::atomic<bool> stop_asked{false};
+  if (net) net->on_stop([&] { stop_asked = true; }, [] { return std::vector<StopResult>{}; });
+  const auto ping =
+      ping_robots(experiment, 60.0 * request.minutes, [&] { return !interrupted() && !stop_asked.load(); });
+  if (net) net->on_stop({}, {});
   if (!ping) {
-    if (net) net->done({});
+    if (net) net->done(std::vector<StopResult>{});  // those that were reached have been stopped
     complain(ping.error());
     return device_failed;
   }
   bool good = true;
   double worst = 0.0;
+  std::vector<StopResult> stops;  // in the order of `addresses`, as `ping->robots`
   std::map<std::string, comms::RoundTrips> adapters;
   for (const RobotPing::Robot& robot : ping->robots) {
     print(robot, ping->seconds);
+    stops.push_back({comms::to_text((*addresses)[stops.size()]), robot.stop_acknowledged,
+                     robot.stop_acknowledged ? "" : "it has not acknowledged its stop"});
     worst = std::max(worst, robot.times.quantile_since_start(0.999));
     if (!robot.adapter.empty()) adapters[robot.adapter].add(robot.times);
     if (!robot.stop_acknowledged) complain(robot.name + " has NOT acknowledged its stop");
@@ -88,7 +102,7 @@ int ping_robots(const RobotsRequest& request) {
                1e3 * times.quantile_since_start(0.999));
     for (const std::string& line : histogram(times)) fmt::print("  {}\n", line);
   }
-  if (net) net->done({});
+  if (net) net->done(stops);
   const LinksSpec links = proposed_links(worst, experiment.controller.v_max, experiment.period());
   fmt::print("\n[links]\nblind_distance = {:g}\nreply_timeout = {:g}\n", links.blind_distance, links.reply_timeout);
   const int saved = request.save && good ? save(request.words.front(), links) : done;

@@ -50,7 +50,7 @@ class StopSocket {
 struct StopAnswer {
   bool reached = false;                           ///< somebody listens there
   bool heard = false;                             ///< and said so within the time
-  bool ended = false;    ///< and went away
+  bool ended = false;                             ///< and went away
   pid_t process = 0;                              ///< of who listens; 0: not known, or in another PID namespace
   std::optional<std::vector<StopResult>> robots;  ///< empty: it ended before it could say
 };

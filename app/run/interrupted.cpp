@@ -1,10 +1,7 @@
 #include "app/run/interrupted.h"
 
 #include <atomic>
-#include <cerrno>
 #include <csignal>
-
-#include "comms/crash_stop.h"
 
 namespace skein::app {
 namespace {
@@ -13,14 +10,6 @@ std::atomic<bool> interrupted_flag{false};
 
 void on_signal(int) {
   interrupted_flag.store(true);
-}
-
-/// Ctrl-Z: robots do not drive on while their program stands still. Whoever continues it finds a run that has ended.
-void on_suspend(int) {
-  const int kept = errno;
-  if (comms::stop_robots_now()) interrupted_flag.store(true);
-  ::raise(SIGSTOP);
-  errno = kept;
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ std::vector<std::string> histogram(const comms::RoundTrips& times) {
   constexpr std::array<double, 11> ends{0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 1e9};  // [s]
   std::array<double, ends.size()> counts{};
   for (std::size_t k = 0; k < comms::RoundTrips::class_count; ++k) {
-    const auto bin = std::find_if(ends.begin(), ends.end(),
-                                  [&](double end) { return comms::RoundTrips::end_of(k) <= end * 1.03; });
+    const auto bin =
+        std::find_if(ends.begin(), ends.end(), [&](double end) { return comms::RoundTrips::end_of(k) <= end * 1.03; });
     counts[static_cast<std::size_t>(bin - ends.begin())] += static_cast<double>(times.classes()[k]);
   }
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0);

@@ -68,23 +68,6 @@ void Shield::fix(std::span<const bool> adrift, std::span<const Twist> commands) 
   }
 }
 
-/// A robot adrift contributes what it does, and has no say: its share goes into the bound, which stays where standing
-/// still satisfies it.
-void Shield::fix(std::span<const bool> adrift, std::span<const Twist> commands) noexcept {
-  if (adrift.empty()) return;
-  for (Constraint& c : constraints_) {
-    const bool alone = c.j == c.i;
-    if (adrift[c.i]) {
-      c.bound = alone ? -std::numeric_limits<double>::infinity() : std::min(0.0, c.bound - c.a_i * commands[c.i].v);
-      c.a_i = 0.0;
-    }
-    if (!alone && adrift[c.j]) {
-      c.bound = std::min(0.0, c.bound - c.a_j * commands[c.j].v);
-      c.a_j = 0.0;
-    }
-  }
-}
-
 void Shield::apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
                    std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
                    std::span<const double> doubt, std::span<const bool> adrift) noexcept {
