@@ -1,9 +1,13 @@
-// The house rules of ARCHITECTURE.md, read off the sources themselves: which room may know which, and what stays
-// private to one.
+// The house rules of ARCHITECTURE.md, checked against the sources: which folder may include which, what stays private to a
+// room, and that nothing includes itself in a circle.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <initializer_list>
+#include <regex>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rules.h"
@@ -12,17 +16,53 @@
 namespace skein::test {
 namespace {
 
+const Arrows& architecture() {
+  static const Arrows arrows = arrows_of(text_of("ARCHITECTURE.md"));
+  return arrows;
+}
+
 class Room : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Room, KeepsTheHouseRules) {
   const std::vector<SourceFile> files = sources_of(GetParam());
   EXPECT_FALSE(files.empty()) << "no sources in " << GetParam() << ": is the root right?";
   for (const SourceFile& file : files)
-    for (const std::string& broken : broken_rules(file)) ADD_FAILURE() << broken;
+    for (const std::string& broken : broken_rules(file, architecture())) ADD_FAILURE() << broken;
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Room, ::testing::Values("core", "vision", "comms", "app", "ui"),
                          [](const auto& room) { return std::string(room.param); });
+
+TEST(House, HasNoCycles) {
+  std::vector<SourceFile> all;
+  for (const char* room : {"core", "vision", "comms", "app", "ui"})
+    for (SourceFile& file : sources_of(room)) all.push_back(std::move(file));
+  for (const std::string& cycle : cycles_in(all)) ADD_FAILURE() << cycle;
+}
+
+TEST(House, ArchitectureNamesOnlyFoldersThatExist) {
+  const auto exists = [](const std::string& folder) {
+    return std::filesystem::is_directory(test::in_source(folder));
+  };
+  for (const auto& [folder, allowed] : architecture()) {
+    EXPECT_TRUE(exists(folder)) << folder;
+    for (const std::string& to : allowed) EXPECT_TRUE(to == "Eigen" || exists(to)) << folder << " -> " << to;
+  }
+}
+
+TEST(House, ArchitectureNamesTheFirstFileToReadOfEveryFolder) {
+  const std::string page = text_of("ARCHITECTURE.md");
+  for (const auto& [folder, allowed] : architecture()) {
+    const std::string name = folder.substr(folder.rfind('/') + 1);
+    const std::regex entry("[ (]" + name + "/ [^\\[\n]*\\[([a-z0-9_]+(?:/[a-z0-9_]+)?\\.(?:h|cpp))\\]");
+    std::smatch found;
+    if (!std::regex_search(page, found, entry)) {
+      ADD_FAILURE() << folder << " has no entry of the form \"" << name << "/ what it is [first_file.h]\"";
+      continue;
+    }
+    EXPECT_TRUE(std::filesystem::exists(test::in_source(folder + "/" + found[1].str()))) << folder << ": " << found[1];
+  }
+}
 
 TEST(Rules, SeeTheIncludesOfRealFiles) {
   // A reader that sees no includes would pass everything. Real files under a wrong name: core's may stand in any room,
@@ -31,13 +71,13 @@ TEST(Rules, SeeTheIncludesOfRealFiles) {
   for (const SourceFile& file : sources_of("vision")) {
     if (file.text.find("\n#include <opencv2/") == std::string::npos) continue;
     ++opencv;
-    EXPECT_FALSE(broken_rules({"app/x.cpp", file.text}).empty()) << file.path;
-    EXPECT_FALSE(broken_rules({"core/x.cpp", file.text}).empty()) << file.path;
+    EXPECT_FALSE(broken_rules({"app/run/x.cpp", file.text}, architecture()).empty()) << file.path;
+    EXPECT_FALSE(broken_rules({"core/x.cpp", file.text}, architecture()).empty()) << file.path;
   }
   EXPECT_GT(opencv, 0);
   for (const SourceFile& file : sources_of("core"))
-    for (const char* room : {"vision", "comms", "app", "ui"})
-      EXPECT_TRUE(broken_rules({std::string(room) + "/x.h", file.text}).empty()) << file.path;
+    for (const char* folder : {"vision/fit", "comms", "app/tick", "ui"})
+      EXPECT_TRUE(broken_rules({std::string(folder) + "/x.h", file.text}, architecture()).empty()) << file.path;
 }
 
 struct Case {
@@ -47,19 +87,27 @@ struct Case {
 TEST(Rules, ReportWhatIsForbidden) {
   for (const Case& c : std::initializer_list<Case>{
            // arrows
-           {"core/a.h", "#include \"vision/frame.h\""},
-           {"core/a.cpp", "#include \"app/session.h\""},
+           {"core/a.h", "#include \"vision/frames/frame.h\""},
+           {"core/a.cpp", "#include \"app/session/session.h\""},
            {"core/a.cpp", "#include <comms/link.h>"},
-           {"vision/a.cpp", "#include \"comms/link.h\""},
-           {"vision/a.h", "#include \"app/session.h\""},
-           {"comms/a.cpp", "#include \"vision/track.h\""},
+           {"vision/track/a.cpp", "#include \"comms/link.h\""},
+           {"vision/track/a.h", "#include \"app/session/session.h\""},
+           {"comms/a.cpp", "#include \"vision/track/track.h\""},
            {"comms/a.cpp", "#include \"ui/window.h\""},
-           {"app/session.cpp", "#include \"ui/window.h\""},
-           {"ui/a.cpp", "#include \"vision/track.h\""},
+           {"app/session/a.cpp", "#include \"ui/window.h\""},
+           {"ui/a.cpp", "#include \"vision/track/track.h\""},
            {"ui/a.cpp", "#include \"comms/link.h\""},
-           {"app/a.cpp", "#include \"vision/fit/sampling.h\""},
-           {"app/a.cpp", "#include \"vision/modules/boards.h\""},
-           {"vision/a.cpp", "#include \"../comms/link.h\""},
+           {"app/session/a.cpp", "#include \"vision/fit/sampling.h\""},
+           {"app/session/a.cpp", "#include \"vision/modules/boards.h\""},
+           {"vision/track/a.cpp", "#include \"../comms/link.h\""},
+           {"app/run/a.cpp", "#include \"app/tick/control_tick.h\""},
+           {"app/tick/a.cpp", "#include \"app/session/session.h\""},
+           {"app/experiment/a.cpp", "#include \"vision/frames/frame.h\""},
+           {"vision/fit/a.cpp", "#include \"vision/tracker/tracker.h\""},
+           // another room's names, whichever header they come by
+           {"vision/fit/a.cpp", "comms::LinkState state;"},
+           {"core/a.h", "const app::Event& event;"},
+           {"app/tick/a.cpp", "  if (x) return vision::TagPose{};"},
            // core
            {"core/a.h", "#include <thread>"},
            {"core/a.h", "#include <mutex>"},
@@ -73,19 +121,19 @@ TEST(Rules, ReportWhatIsForbidden) {
            {"core/a.h", "#include <unistd.h>"},
            {"core/a.h", "  #  include   <thread>  // with spaces"},
            // what stays private
-           {"vision/a.h", "#include <opencv2/core.hpp>"},
-           {"vision/a.h", "#include <apriltag/apriltag.h>"},
-           {"app/a.cpp", "#include <opencv2/core.hpp>"},
+           {"vision/track/a.h", "#include <opencv2/core.hpp>"},
+           {"vision/track/a.h", "#include <apriltag/apriltag.h>"},
+           {"app/session/a.cpp", "#include <opencv2/core.hpp>"},
            {"ui/a.cpp", "#include <apriltag/tag36h11.h>"},
            {"comms/a.h", "#include <bluetooth/bluetooth.h>"},
-           {"app/a.cpp", "#include <bluetooth/rfcomm.h>"},
-           {"app/a.cpp", "#include <systemd/sd-bus.h>"},
-           {"app/a.cpp", "#include <QObject>"},
+           {"app/session/a.cpp", "#include <bluetooth/rfcomm.h>"},
+           {"app/session/a.cpp", "#include <systemd/sd-bus.h>"},
+           {"app/session/a.cpp", "#include <QObject>"},
            {"app/program/main.cpp", "#include <QApplication>"},
            {"comms/a.cpp", "#include <QtDBus/QDBusConnection>"},
-           {"vision/a.cpp", "#include <qcustomplot.h>"},
+           {"vision/track/a.cpp", "#include <qcustomplot.h>"},
        }) {
-    const auto broken = broken_rules({c.path, std::string("#pragma once\n\n") + c.line + "\nint x;\n"});
+    const auto broken = broken_rules({c.path, std::string("#pragma once\n\n") + c.line + "\nint x;\n"}, architecture());
     ASSERT_EQ(broken.size(), 1u) << c.path << " " << c.line;
     EXPECT_TRUE(broken[0].starts_with(std::string(c.path) + ":3:")) << broken[0];
   }
@@ -96,23 +144,43 @@ TEST(Rules, LetThroughWhatIsAllowed) {
            {"core/a.h", "#include <vector>"},
            {"core/a.h", "#include <Eigen/Dense>"},
            {"core/a.cpp", "#include \"core/geometry/pose.h\""},
-           {"vision/a.cpp", "#include <opencv2/core.hpp>"},
+           {"vision/track/a.cpp", "#include <opencv2/core.hpp>"},
            {"vision/boards/a.h", "#include <opencv2/core.hpp>"},
            {"vision/fit/a.h", "#include <apriltag/apriltag.h>"},
            {"vision/media/a.h", "#include <opencv2/videoio.hpp>"},
-           {"vision/a.h", "#include \"vision/synthetic/painter.h\""},
-           {"vision/a.cpp", "#include <thread>"},
+           {"vision/track/a.h", "#include \"vision/synthetic/painter.h\""},
+           {"vision/track/a.cpp", "#include <thread>"},
            {"comms/a.cpp", "#include <bluetooth/rfcomm.h>"},
            {"comms/a.h", "#include \"core/kinematics/step_rate.h\""},
-           {"app/a.cpp", "#include \"vision/track.h\""},
-           {"app/a.cpp", "#include \"comms/link.h\""},
+           {"app/session/a.cpp", "#include \"vision/track/track.h\""},
+           {"app/session/a.cpp", "#include \"comms/link.h\""},
            {"app/program/main.cpp", "#include \"ui/window.h\""},
            {"ui/a.h", "#include <QWidget>"},
-           {"ui/a.h", "#include \"app/session.h\""},
+           {"ui/a.h", "#include \"app/session/session.h\""},
            {"ui/a.h", "#include \"core/geometry/pose.h\""},
            {"core/a.h", "// #include <thread> in a comment"},
+           {"core/a.h", "// like app::Event, but smaller"},
+           {"vision/fit/a.cpp", "say(\"comms::LinkState\");"},
+           {"app/session/a.cpp", "comms::LinkState state;"},
        })
-    EXPECT_TRUE(broken_rules({c.path, std::string(c.line) + "\n"}).empty()) << c.path << " " << c.line;
+    EXPECT_TRUE(broken_rules({c.path, std::string(c.line) + "\n"}, architecture()).empty()) << c.path << " " << c.line;
+}
+
+TEST(Rules, ReportCyclesOfUnitsAndOfFolders) {
+  const SourceFile a{"core/a/one.h", "#include \"core/b/two.h\"\n"};
+  const SourceFile b{"core/b/two.cpp", "#include \"core/a/one.h\"\n"};
+  const SourceFile header{"core/b/two.h", ""}, other{"core/b/three.cpp", "#include \"core/a/four.h\"\n"};
+  const SourceFile four{"core/a/four.h", ""};
+  EXPECT_EQ(cycles_in({a, header}).size(), 0u);
+  EXPECT_EQ(cycles_in({a, b, header}).size(), 2u) << "a unit is a header with its source";
+  EXPECT_EQ(cycles_in({a, header, other, four}).size(), 1u) << "folders alone";
+}
+
+TEST(Rules, ReadTheTable) {
+  const Arrows arrows = arrows_of("text\n```arrows\na -> b, c/d\nb ->\n```\nmore -> text\n");
+  EXPECT_EQ(arrows, (Arrows{{"a", {"b", "c/d"}}, {"b", {}}}));
+  EXPECT_THROW(arrows_of("a -> b\n"), std::runtime_error);
+  EXPECT_THROW(arrows_of("```arrows\na b\n```\n"), std::runtime_error);
 }
 
 }  // namespace

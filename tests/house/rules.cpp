@@ -2,7 +2,6 @@
 #include "tests/places.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 
 namespace skein::test {
@@ -19,14 +19,7 @@ namespace {
 using std::string;
 using std::string_view;
 
-/// skein (the program) -> ui -> app -> { vision, comms } -> core. Every room may also include itself.
-const std::map<string, std::set<string>, std::less<>> arrows{
-    {"core", {"core"}},
-    {"vision", {"vision", "core"}},
-    {"comms", {"comms", "core"}},
-    {"app", {"app", "vision", "comms", "core"}},
-    {"ui", {"ui", "app", "core"}},
-};
+const std::set<string, std::less<>> rooms{"core", "vision", "comms", "app", "ui"};
 
 /// What core may take from the standard library: everything that computes, nothing that waits, reads, writes or looks
 /// at a clock.
@@ -78,6 +71,29 @@ bool starts_with_any(string_view text, std::initializer_list<string_view> beginn
 
 string room_of(string_view path) {
   return string(path.substr(0, path.find('/')));
+}
+
+string folder_of(string_view path) {
+  const auto slash = path.rfind('/');
+  return slash == string_view::npos ? string() : string(path.substr(0, slash));
+}
+
+bool is_inside(string_view path, string_view folder) {
+  return path == folder || (path.starts_with(folder) && path[folder.size()] == '/');
+}
+
+/// The line of the table that speaks for a file: that of its folder, or of the nearest folder above.
+Arrows::const_iterator line_for(const Arrows& arrows, string_view path) {
+  auto nearest = arrows.end();
+  for (auto line = arrows.begin(); line != arrows.end(); ++line)
+    if (is_inside(path, line->first) && (nearest == arrows.end() || line->first.size() > nearest->first.size()))
+      nearest = line;
+  return nearest;
+}
+
+/// The header without its ending, likewise the source: both are one unit.
+string unit_of(string_view path) {
+  return string(path.substr(0, path.rfind('.')));
 }
 
 bool is_opencv_or_apriltag(string_view header) {
@@ -133,15 +149,23 @@ std::vector<Include> includes_of(const string& text) {
   return found;
 }
 
+/// Why the line of the table does not let `path` include `header` of another room or folder; nothing where it does.
+std::optional<string> forbidden_arrow(const string& path, const string& header, const Arrows& arrows) {
+  const auto line = line_for(arrows, path);
+  if (line == arrows.end()) return "ARCHITECTURE.md has no arrows for " + folder_of(path);
+  const auto& [folder, allowed] = *line;
+  if (is_inside(header, folder)) return {};
+  if (std::any_of(allowed.begin(), allowed.end(), [&](const string& to) { return is_inside(header, to); })) return {};
+  return folder + " must not know " + folder_of(header);
+}
+
 /// Why `path` may not include `header`; nothing where it may.
-std::optional<string> objection(const string& path, const string& header) {
+std::optional<string> objection(const string& path, const string& header, const Arrows& arrows) {
   const string room = room_of(path);
-  const bool is_program = path == "app/program/main.cpp";
   const string target = header.find('/') == string::npos ? string() : room_of(header);
 
-  if (arrows.contains(target)) {
-    if (is_program && target == "ui") return {};
-    if (!arrows.at(room).contains(target)) return room + " must not know " + target;
+  if (rooms.contains(target)) {
+    if (auto why = forbidden_arrow(path, header, arrows)) return why;
     if (target == "vision" && room != "vision" && is_private_to_vision(header)) return header + " is private to vision";
     return {};
   }
@@ -157,6 +181,64 @@ std::optional<string> objection(const string& path, const string& header) {
   return {};
 }
 
+/// The rooms whose namespace a line of code names ("comms::LinkState"), comments and texts left out.
+std::set<string, std::less<>> rooms_named_in(string_view line) {
+  std::set<string, std::less<>> named;
+  bool in_text = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '\\') {
+      ++i;
+    } else if (line[i] == '"') {
+      in_text = !in_text;
+    } else if (!in_text && line.substr(i).starts_with("//")) {
+      break;
+    } else if (!in_text && line.substr(i).starts_with("::")) {
+      auto begin = i;
+      while (begin > 0 && (std::isalnum(static_cast<unsigned char>(line[begin - 1])) || line[begin - 1] == '_')) --begin;
+      const string word(line.substr(begin, i - begin));
+      if (rooms.contains(word)) named.insert(word);
+    }
+  }
+  return named;
+}
+
+/// True where the table lets `path` use something of `room`.
+bool may_name(const string& path, string_view room, const Arrows& arrows) {
+  if (room_of(path) == room) return true;
+  const auto line = line_for(arrows, path);
+  return line != arrows.end() && std::any_of(line->second.begin(), line->second.end(),
+                                             [&](const string& to) { return room_of(to) == room; });
+}
+
+/// One cycle of a graph as a sentence, "a -> b -> a"; empty where there is none.
+string cycle_of(const std::map<string, std::set<string>>& graph) {
+  enum class Mark { unseen, open, done };
+  std::map<string, Mark> marks;
+  std::vector<string> way;
+  const auto visit = [&](const auto& self, const string& node) -> string {
+    marks[node] = Mark::open;
+    way.push_back(node);
+    if (const auto targets = graph.find(node); targets != graph.end()) {
+      for (const string& next : targets->second) {
+        if (marks[next] == Mark::open) {
+          string cycle;
+          for (auto at = std::find(way.begin(), way.end(), next); at != way.end(); ++at) cycle += *at + " -> ";
+          return cycle + next;
+        }
+        if (marks[next] == Mark::unseen)
+          if (string cycle = self(self, next); !cycle.empty()) return cycle;
+      }
+    }
+    marks[node] = Mark::done;
+    way.pop_back();
+    return {};
+  };
+  for (const auto& [node, targets] : graph)
+    if (marks[node] == Mark::unseen)
+      if (string cycle = visit(visit, node); !cycle.empty()) return cycle;
+  return {};
+}
+
 bool is_source(const std::filesystem::path& path) {
   static const std::set<string> endings{".h", ".hpp", ".hh", ".cpp", ".cc", ".cxx", ".c", ".ipp", ".inl", ".in"};
   return endings.contains(path.extension().string());
@@ -164,12 +246,61 @@ bool is_source(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::vector<string> broken_rules(const SourceFile& file) {
+Arrows arrows_of(string_view page) {
+  constexpr string_view begin = "```arrows\n";
+  const auto start = page.find(begin);
+  if (start == string_view::npos) throw std::runtime_error("the page has no block ```arrows");
+  const auto body = page.substr(start + begin.size());
+  std::istringstream lines{string(body.substr(0, body.find("```")))};
+  Arrows arrows;
+  for (string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    string folder, arrow;
+    if (!(words >> folder >> arrow) || arrow != "->") throw std::runtime_error("no arrow: " + line);
+    auto& allowed = arrows[folder];
+    for (string to; words >> to;) {
+      if (to.ends_with(',')) to.pop_back();
+      allowed.insert(to);
+    }
+  }
+  return arrows;
+}
+
+std::vector<string> broken_rules(const SourceFile& file, const Arrows& arrows) {
   std::vector<string> broken;
+  const auto report = [&](int line, const string& what) {
+    broken.push_back(file.path + ":" + std::to_string(line) + ": " + what);
+  };
   for (const Include& include : includes_of(file.text))
-    if (const auto why = objection(file.path, include.header))
-      broken.push_back(file.path + ":" + std::to_string(include.line) + ": includes " + include.header + ": " + *why);
+    if (const auto why = objection(file.path, include.header, arrows))
+      report(include.line, "includes " + include.header + ": " + *why);
+  std::istringstream lines(file.text);
+  int number = 0;
+  for (string line; std::getline(lines, line);) {
+    ++number;
+    for (const string& room : rooms_named_in(line))
+      if (!may_name(file.path, room, arrows)) report(number, "uses " + room + ":: without an arrow to " + room);
+  }
   return broken;
+}
+
+std::vector<string> cycles_in(const std::vector<SourceFile>& files) {
+  std::set<string, std::less<>> paths;
+  for (const SourceFile& file : files) paths.insert(file.path);
+  std::map<string, std::set<string>> units, folders;
+  for (const SourceFile& file : files)
+    for (const Include& include : includes_of(file.text)) {
+      if (!paths.contains(include.header)) continue;
+      const auto link = [](auto& graph, const string& from, const string& to) {
+        if (from != to) graph[from].insert(to);
+      };
+      link(units, unit_of(file.path), unit_of(include.header));
+      link(folders, folder_of(file.path), folder_of(include.header));
+    }
+  std::vector<string> found;
+  if (const string cycle = cycle_of(units); !cycle.empty()) found.push_back("units include each other: " + cycle);
+  if (const string cycle = cycle_of(folders); !cycle.empty()) found.push_back("folders include each other: " + cycle);
+  return found;
 }
 
 std::vector<SourceFile> sources_of(const string& room) {
@@ -177,12 +308,16 @@ std::vector<SourceFile> sources_of(const string& room) {
   std::vector<SourceFile> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
     if (!entry.is_regular_file() || !is_source(entry.path())) continue;
-    std::ifstream in(entry.path());
-    files.push_back({entry.path().lexically_relative(root).generic_string(),
-                     string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>())});
+    const string path = entry.path().lexically_relative(root).generic_string();
+    files.push_back({path, text_of(path)});
   }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
   return files;
+}
+
+string text_of(const string& path) {
+  std::ifstream in(test::in_source(path));
+  return string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
 }
 
 }  // namespace skein::test
