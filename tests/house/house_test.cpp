@@ -2,6 +2,7 @@
 // room, and that nothing includes itself in a circle.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <regex>
@@ -55,12 +56,11 @@ TEST(House, ArchitectureNamesTheFirstFileToReadOfEveryFolder) {
   for (const auto& [folder, allowed] : architecture()) {
     const std::string name = folder.substr(folder.rfind('/') + 1);
     const std::regex entry("[ (]" + name + "/ [^\\[\n]*\\[([a-z0-9_]+(?:/[a-z0-9_]+)?\\.(?:h|cpp))\\]");
-    std::smatch found;
-    if (!std::regex_search(page, found, entry)) {
-      ADD_FAILURE() << folder << " has no entry of the form \"" << name << "/ what it is [first_file.h]\"";
-      continue;
-    }
-    EXPECT_TRUE(std::filesystem::exists(test::in_source(folder + "/" + found[1].str()))) << folder << ": " << found[1];
+    // Rooms share names (vision/bench, app/bench): one of the entries must name a file of this folder.
+    const auto begin = std::sregex_iterator(page.begin(), page.end(), entry);
+    EXPECT_TRUE(std::any_of(begin, std::sregex_iterator(), [&](const std::smatch& found) {
+      return std::filesystem::exists(test::in_source(folder + "/" + found[1].str()));
+    })) << folder << " has no entry of the form \"" << name << "/ what it is [first_file.h]\" with a file that exists";
   }
 }
 
@@ -148,7 +148,7 @@ TEST(Rules, LetThroughWhatIsAllowed) {
            {"vision/boards/a.h", "#include <opencv2/core.hpp>"},
            {"vision/fit/a.h", "#include <apriltag/apriltag.h>"},
            {"vision/media/a.h", "#include <opencv2/videoio.hpp>"},
-           {"vision/track/a.h", "#include \"vision/synthetic/painter.h\""},
+           {"vision/bench/a.h", "#include \"vision/synthetic/painter.h\""},
            {"vision/track/a.cpp", "#include <thread>"},
            {"comms/a.cpp", "#include <bluetooth/rfcomm.h>"},
            {"comms/a.h", "#include \"core/kinematics/step_rate.h\""},
