@@ -7,7 +7,6 @@
 
 #include "app/run/output.h"
 #include "ui/base/icons.h"
-#include "ui/icons.h"
 #include "ui/main/main_window.h"
 
 namespace skein::ui {

@@ -19,6 +19,7 @@
 
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "tests/places.h"
 #include "ui/base/dialogs.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/plots/plot_view.h"
@@ -54,8 +55,9 @@ class Display : public Operator {
   }
   /// One emulated robot behind a serial line, under a camera that shows an empty floor.
   void start_emulator(int robots = 1) {
-    emulator.start(QStringLiteral(SKEIN_PROGRAM), {QStringLiteral("emulate"), QStringLiteral("--robots"),
-                                                   QString::number(robots), QStringLiteral("--directory"), dir.path()});
+    emulator.start(QString::fromStdString(skein::test::program()),
+                   {QStringLiteral("emulate"), QStringLiteral("--robots"), QString::number(robots),
+                    QStringLiteral("--directory"), dir.path()});
     ASSERT_TRUE(eventually([&] { return QFile::exists(device()); }));
   }
   QString device() { return dir.filePath(QStringLiteral("robot1")); }
@@ -68,7 +70,7 @@ class Display : public Operator {
                                                 "\"\ncalibration = \"overhead.toml\"\n",
                                             "one.toml");
     EXPECT_TRUE(experiment.has_value());
-    experiment->directory = SKEIN_SOURCE_DIR "/resources/cameras";
+    experiment->directory = skein::test::in_source("resources/cameras");
     return *experiment;
   }
   void end_emulator() {
@@ -143,12 +145,9 @@ TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
   EXPECT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::mode) == said; }))
       << robot_cell(0, RobotsModel::mode).toStdString();
   const Colours c = colours(window.palette());
-  EXPECT_EQ(find<QAbstractItemView>("robots")
-                ->model()
-                ->index(0, RobotsModel::mode)
-                .data(Qt::ForegroundRole)
-                .value<QColor>(),
-            c.alarm);
+  EXPECT_EQ(
+      find<QAbstractItemView>("robots")->model()->index(0, RobotsModel::mode).data(Qt::ForegroundRole).value<QColor>(),
+      c.alarm);
   EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }))
       << arena().scene().banner.toStdString();
   EXPECT_TRUE(arena().scene().banner_alarms);
@@ -319,11 +318,12 @@ TEST_F(Display, WithoutItsCameraAnExperimentOpensAndSaysWhatIsMissing) {
   app::Experiment experiment = app::paper_experiment();
   experiment.camera.source = "v4l2:/dev/no-such-camera";
   experiment.camera.calibration = "overhead.toml";
-  experiment.directory = SKEIN_SOURCE_DIR "/resources/cameras";
+  experiment.directory = skein::test::in_source("resources/cameras");
   open_and_wait(experiment);
   EXPECT_TRUE(live().is_open());
-  EXPECT_TRUE(eventually([&] { return find<QLabel>("check_camera")->text().contains(QStringLiteral("no-such-camera")); }))
-      << find<QLabel>("check_camera")->text().toStdString();
+  EXPECT_TRUE(eventually([&] {
+    return find<QLabel>("check_camera")->text().contains(QStringLiteral("no-such-camera"));
+  })) << find<QLabel>("check_camera")->text().toStdString();
   EXPECT_GT(find<QAbstractItemView>("robots")->model()->rowCount(), 0);
   EXPECT_GT(live().gain_border(core::GainName::k_xx), 0.0);
   window.go();

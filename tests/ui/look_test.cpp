@@ -55,8 +55,9 @@ TEST_P(Look, CutsNothingOff) {
     const QSize needed = widget->minimumSizeHint().expandedTo(QSize(0, 0));
     EXPECT_GE(widget->width(), needed.width()) << widget->objectName().toStdString();
     EXPECT_GE(widget->height(), needed.height()) << widget->objectName().toStdString();
-    if (!scrolls(widget))
+    if (!scrolls(widget)) {
       EXPECT_EQ(widget->visibleRegion().boundingRect(), widget->rect()) << widget->objectName().toStdString();
+    }
     EXPECT_GE(widget->font().pointSizeF(), 9.0) << widget->objectName().toStdString();
     const QRect inside(QPoint(), widget->parentWidget()->size());
     EXPECT_TRUE(inside.contains(widget->geometry())) << widget->objectName().toStdString() << " lies outside";

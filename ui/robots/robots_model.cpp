@@ -129,7 +129,7 @@ QString RobotsModel::tip(std::size_t i, int column) const {
   }
   if (column == mode && may_be_driving(i))
     return tr("It was told to stop and has not acknowledged it: nobody knows whether it stands");
-  if (column == mode && i < why_.size()) return why_[i];
+  if (column == mode && static_cast<qsizetype>(i) < why_.size()) return why_[static_cast<qsizetype>(i)];
   if (column == robot) return tr("Robot %1, tag %2").arg(i + 1).arg(specs_[i].tag);
   return text(i, column);
 }

@@ -33,7 +33,7 @@ class FailureLinks {
     for (; now_ < time - 0.5 * step; now_ = step * ++steps_) {
       if (ticking && steps_ % 40 == 0) {
         watch_.tell(events_);
-        for (const app::Event& event : events_) told_.emplace_back(now_, describe(event));
+        for (const app::Event& event : events_) told_.emplace_back(now_, app::describe(event));
         events_ = {};
         // Another one every time: what a robot obeys can be seen.
         for (auto& link : links_) link->session.command(comms::clamped(300 + steps_ % 80, 300), ++ticket_, now_);

@@ -246,7 +246,7 @@ TEST(FailureTable, ATickThatThrowsStopsTheRobots) {
   ControlLoop loop(experiment, clock, **plant, [&rows](const TickRecord&) {
     if (++rows == 20) throw std::runtime_error("a tick that throws");
   });
-  loop.post({});  // start
+  ASSERT_TRUE(loop.post(commands::Start{}));
   loop.start_thread();
   ASSERT_TRUE(eventually([&] { return loop.failed(); }));
   EXPECT_NE(loop.reason().find("a tick that throws"), std::string::npos);

@@ -114,10 +114,16 @@ TEST(Sweep, ThreadsMakeNoDifference) {
 
 TEST(Sweep, SumsUp) {
   Study study;
-  study.expect = {0, 0.9, 0.6};
-  const RunOutcome good{1, 0.2, 0, 0.09, none, 0.001, 4.0, true, ""}, slow{2, 0.2, 0, 0.08, none, 0.3, {}, false, ""};
-  const RunOutcome crash{3, 0.01, 2, 0.06, none, 0.002, 6.0, {}, ""},
-      none_made{4, 0.0, 0, none, none, none, {}, {}, "no"};
+  study.expect = {.collisions = 0, .inside = {}, .recovered = 0.9, .formation_first = 0.6};
+  RunOutcome good, slow, crash, none_made;
+  good.seed = 1, good.perturbation = 0.2, good.min_distance = 0.09, good.obstacle_gap = none, good.final_error = 0.001;
+  good.recovery = 4.0, good.formation_first = true;
+  slow.seed = 2, slow.perturbation = 0.2, slow.min_distance = 0.08, slow.obstacle_gap = none, slow.final_error = 0.3;
+  slow.formation_first = false;
+  crash.seed = 3, crash.perturbation = 0.01, crash.collisions = 2, crash.min_distance = 0.06, crash.obstacle_gap = none;
+  crash.final_error = 0.002, crash.recovery = 6.0;
+  none_made.seed = 4, none_made.min_distance = none, none_made.obstacle_gap = none, none_made.final_error = none;
+  none_made.failure = "no";
   const SweepSummary s = summarise(study, {good, slow, crash, none_made});
   EXPECT_EQ(s.runs, 4);
   EXPECT_EQ(s.collisions, 2);
