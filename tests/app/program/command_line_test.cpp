@@ -20,7 +20,7 @@ extern char** environ;
 
 namespace {
 
-const std::string experiments = test::in_source("resources/experiments/");
+const std::string experiments = skein::test::in_source("resources/experiments/");
 
 std::string read_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -49,7 +49,7 @@ class Folder {
 class Program {
  public:
   explicit Program(const std::vector<std::string>& words) {
-    std::vector<std::string> all{test::program()};
+    std::vector<std::string> all{skein::test::program()};
     all.insert(all.end(), words.begin(), words.end());
     std::vector<char*> arguments;
     for (std::string& word : all) arguments.push_back(word.data());
