@@ -24,6 +24,9 @@ class KnownRobotsCommands : public ::testing::Test {
  protected:
   KnownRobotsCommands() : directory(fs::temp_directory_path() / ("skein-robots-" + std::to_string(::getpid()))) {
     fs::create_directories(directory);
+    write("robots.toml",
+          "[[robot]]\nname = \"anna\"\nlink = \"rfcomm:10:00:e8:aa:bb:cc/1\"\ntag = 7\nmodel = \"epuck1\"\n\n"
+          "[[robot]]\nname = \"bert\"\nlink = \"tcp:192.168.1.20\"\n");
   }
   ~KnownRobotsCommands() override { fs::remove_all(directory); }
   std::string path(const std::string& name) const { return (directory / name).string(); }

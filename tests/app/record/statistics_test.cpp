@@ -228,14 +228,16 @@ TEST(Summary, ReadsAsLinesAndAsJson) {
   EXPECT_EQ(
       as_lines(s),
       "name: a \"name\"\nticks: 2100\nduration: 84.0\nfinal_error: 0.001235\nfinal_formation_error: none\n"
-      "arrived: none\nmin_distance: none\nobstacle_gap: none\ncollisions: 1\nmissed_deadlines: 0\ndropped_rows: "
+      "arrived: none\nmin_distance: none\nobstacle_gap: none\noutside: 0.0\ncollisions: 1\nmissed_deadlines: "
+      "0\ndropped_rows: "
       "0\ncamera_outages: 0\ncamera_damaged: 0\nvideo_frames: 0\nvideo_dropped: "
       "0\nlargest_period: none\nmedian_compute: "
       "none\n"
       "largest_compute: none\nloop_delay: none\ndelay_margin: none\nstopped: false\nnot_stopped: 1 "
       "3\nperturbation_1_t: 18.0\nperturbation_1_robot: 2\n"
       "perturbation_1_what: perturb r2\nperturbation_1_formation_1cm: 4.24\nperturbation_1_formation_5mm: none\n"
-      "perturbation_1_tracking_1cm: 6.84\nperturbation_1_tracking_5mm: 7.76\nperturbation_1_formation_first: true\n"
+      "perturbation_1_tracking_1cm: 6.84\nperturbation_1_tracking_5mm: 7.76\nperturbation_1_relative_1cm: none\n"
+      "perturbation_1_relative_5mm: none\nperturbation_1_formation_first: true\nperturbation_1_relative_first: false\n"
       "events: 2\n");
   const auto json = nlohmann::json::parse(as_json(s));
   EXPECT_EQ(json["name"], s.name);

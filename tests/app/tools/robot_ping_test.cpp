@@ -21,7 +21,7 @@ TEST(RobotPing, TheHistogramHasEveryExchangeAndNoEmptyEnds) {
   for (int i = 0; i < 9; ++i) times.add(0.03);
   times.add(0.3);
   const std::vector<std::string> lines = histogram(times);
-  ASSERT_EQ(lines.size(), 6u);
+  ASSERT_EQ(lines.size(), 7u);
   EXPECT_NE(lines.front().find("2 .. 5 ms"), std::string::npos) << lines.front();
   EXPECT_NE(lines.front().find("90.00 %"), std::string::npos) << lines.front();
   EXPECT_NE(lines.back().find("200 .. 500 ms"), std::string::npos) << lines.back();
