@@ -127,6 +127,7 @@ Route::State Route::at(double t) const noexcept {
 }
 
 Twist Route::twist(double t, double dt) const noexcept {
+  if (!(dt > 0.0)) return {};  // no time has passed yet in the first tick
   const State now = at(t), then = at(t + dt);
   return {(then.driven - now.driven) / dt, (then.turned - now.turned) / dt};
 }
