@@ -38,7 +38,8 @@ class Operator : public ::testing::Test {
   }
 
   void TearDown() override {
-    for (QDialog* dialog : window.findChildren<QDialog*>()) delete dialog;  // an editor would ask about its changes
+    // An editor would ask about its changes. Deleting a dialog deletes those that it has opened.
+    while (auto* dialog = window.findChild<QDialog*>()) delete dialog;
     window.close();
     EXPECT_TRUE(eventually([&] { return !window.isVisible(); })) << "the window did not close";
   }

@@ -7,6 +7,7 @@
 #include <QMouseEvent>
 #include <QPlainTextEdit>
 #include <QToolButton>
+#include <QWindow>
 
 namespace skein::ui {
 
@@ -24,6 +25,13 @@ bool press_focused_button() {
   return true;
 }
 
+/// True where a key that arrives at `watched`, a widget or a window of the system, goes to `window` itself and not to a
+/// dialog in front of it.
+bool is_in(const QObject* watched, const QWidget* window) {
+  const auto* widget = qobject_cast<const QWidget*>(watched);
+  return widget ? widget->window() == window : watched == window->windowHandle();
+}
+
 }  // namespace
 
 StopGuard::StopGuard(Calls calls, QWidget* button, QObject* parent)
@@ -38,8 +46,7 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
       return watched->isWidgetType() && !QApplication::activePopupWidget() && !key->isAutoRepeat() &&
              key->modifiers() == Qt::NoModifier && press_focused_button();
     if (key->key() != Qt::Key_Space && key->key() != Qt::Key_Escape) return false;
-    const bool closes_something = QApplication::activePopupWidget() || (QApplication::activeWindow() && button_ &&
-                                                                        QApplication::activeWindow() != button_->window());
+    const bool closes_something = QApplication::activePopupWidget() || (button_ && !is_in(watched, button_->window()));
     if (key->key() == Qt::Key_Escape && closes_something && calls_.all_stand()) return false;
     const bool stopped_something = !key->isAutoRepeat() && calls_.stop();  // a key held down stops once
     if (stopped_something) return true;
