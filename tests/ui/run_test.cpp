@@ -119,7 +119,7 @@ TEST_F(Run, RecordsARunThatCanBeReplayed) {
   choose_speed(10.0);
   ASSERT_TRUE(eventually([&] { return record().t > 5.0; }));
   QTest::mouseClick(find<QPushButton>("record"), Qt::LeftButton);  // what was before is in it all the same
-  ASSERT_EQ(recorded_files().size(), 1);
+  ASSERT_TRUE(eventually([&] { return recorded_files().size() == 1; }));
   ASSERT_TRUE(eventually([&] { return record().t > 20.0; }));
   key(Qt::Key_Space);
   ASSERT_TRUE(eventually([&] { return stopped() && live().record_file().isEmpty(); })) << "the file is not finished";
@@ -131,13 +131,13 @@ TEST_F(Run, RecordsARunThatCanBeReplayed) {
 TEST_F(Run, RecordsTheNextRunToAFileOfItsOwn) {
   start();
   window.record(true);
-  ASSERT_EQ(recorded_files().size(), 1);
+  ASSERT_TRUE(eventually([&] { return recorded_files().size() == 1; }));
   window.new_run();
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   EXPECT_EQ(recorded_files().size(), 1) << "before anything happened";
   window.go();
   ASSERT_TRUE(eventually([&] { return running(); }));
-  EXPECT_EQ(recorded_files().size(), 2);
+  EXPECT_TRUE(eventually([&] { return recorded_files().size() == 2; }));
 }
 
 TEST_F(Run, SaysAtOnceThatADiskTakesNothing) {
@@ -154,7 +154,7 @@ TEST_F(Run, StopsWhenTheDiskFillsUp) {
   start();
   choose_speed(10.0);
   window.record(true);
-  ASSERT_EQ(recorded_files().size(), 1);
+  ASSERT_TRUE(eventually([&] { return recorded_files().size() == 1; }));
   // A file that may not grow: to the writer a disk that is full.
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);

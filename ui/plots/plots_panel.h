@@ -61,7 +61,7 @@ class PlotsPanel final : public QWidget {
   const std::vector<PlotRow>& rows() const { return rows_; }
   PlotView& view() { return *view_; }
   QSize sizeHint() const override { return {430, 600}; }
-  QSize minimumSizeHint() const override { return {200, 150}; }
+  QSize minimumSizeHint() const override { return {QWidget::minimumSizeHint().width(), 150}; }  // its buttons fit
 
  signals:
   void save_wanted(bool everything);
