@@ -92,8 +92,8 @@ TEST(SyntheticCamera, LightPrintAndContrastAreAsAsked) {
     Frame frame;
     camera.render(std::vector<SyntheticTag>{{0, {x, y, 0.0}}}, 0.0, frame);
     // The tag's border is black all around, an eighth of its edge wide; its paper another eighth.
-    const auto at = *pixel_from_world(calibration, {x - 0.5 * 0.875 * 0.06, y, calibration.tag_height});
-    const auto beside = *pixel_from_world(calibration, {x - 0.5 * 1.125 * 0.06, y, calibration.tag_height});
+    const auto at = *pixel_from_world(calibration, {x - 0.5 * 0.875 * default_tag_size, y, calibration.tag_height});
+    const auto beside = *pixel_from_world(calibration, {x - 0.5 * 1.125 * default_tag_size, y, calibration.tag_height});
     return std::pair{mean_grey(frame, at.x(), at.y(), 0), mean_grey(frame, beside.x(), beside.y(), 0)};
   };
   const SceneOptions even{.noise_sigma = 0.0, .blur_px = 0.3, .light_gradient = 0.0};

@@ -110,7 +110,8 @@ std::vector<Family> families() {
 }
 
 TEST(FalseTags, OtherFamiliesAreNotOurs) {
-  const Calibration calibration = overhead_calibration(2.0, 1.5);
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  calibration.tag_size = 0.06;
   SyntheticCamera camera(calibration, {}, 5);
   TagDetector detector;
   TagTracker tracker(calibration, {.tags = test::sanitized ? std::vector{0, 1, 2, 7} : all_ids()});

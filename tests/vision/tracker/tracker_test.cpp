@@ -35,7 +35,7 @@ struct Errors {
 
 /// A scene, its camera and its tracker.
 struct Lab {
-  explicit Lab(TrackerOptions options, const SceneOptions& scene = {}, double tag_size = 0.06)
+  explicit Lab(TrackerOptions options, const SceneOptions& scene = {}, double tag_size = default_tag_size)
       : calibration(make(tag_size)), camera(calibration, scene, 17), tracker(calibration, std::move(options)) {}
 
   static Calibration make(double tag_size) {
@@ -144,7 +144,7 @@ TEST(TagTracker, IsRightAtEveryPlaceAndHeading) {
 }
 
 TEST(TagTracker, SeesInDimLightAfterAMoment) {
-  Lab lab({.tags = first_ids(12)}, {.noise_sigma = 2.0, .brightness = 0.15});
+  Lab lab({.tags = first_ids(12)}, {.noise_sigma = 2.0, .brightness = 0.15}, 0.06);
   int seen = 0;
   for (int k = 0; k < 12; ++k) seen = static_cast<int>(lab.step(roundabout(k * frame_time, 0.06)).size());
   EXPECT_EQ(seen, 12);
@@ -288,7 +288,7 @@ TEST(TagTracker, ARollingShutterSaysWhenEachRowWasRead) {
     for (const int tag : {1, 2}) {
       const core::Pose start = at(tag, t);
       const auto pixel = pixel_from_world(calibration, {start.x, start.y, calibration.tag_height});
-      tags.push_back({tag, at(tag, t + row_time * pixel->y())});
+      tags.push_back({tag, at(tag, t + row_time * pixel->y()), calibration.tag_size});
     }
     camera.render(tags, t, frame);
     const auto& poses = tracker.process(frame);
