@@ -242,11 +242,12 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
     case NotSeen::not_found:
       return fmt::format("no tag {} is in the picture", d.tag);
     case NotSeen::wrong_size: {
-      const double part = d.size / calibration.tag_size - 1.0;
+      const double edge = std::round(1e3 * d.size) / 1e3;  // both numbers of the sentence are of the edge that it names
+      const double part = edge / calibration.tag_size - 1.0;
       return fmt::format(
           "tag {} is there, but its edge is {}, {:.0f} % {} than [tags] size {}: correct the size, or [tags] height if "
           "all robots' tags are off by as much",
-          d.tag, millimetres(std::round(1e3 * d.size) / 1e3), 100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger",
+          d.tag, millimetres(edge), 100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger",
           millimetres(calibration.tag_size));
     }
     case NotSeen::tilted:

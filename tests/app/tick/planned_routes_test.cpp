@@ -59,7 +59,7 @@ TEST(PlannedRoutes, BringAKickedRobotBackAndReleaseItsCouplingsMeanwhile) {
 
 TEST(PlannedRoutes, SayWhereThereIsNoWay) {
   Experiment e = crowd();
-  e.duration = 30.0;
+  e.duration = 10.0;
   const core::Pose place = make_reference(e)->at(0, 60.0).pose;
   e.obstacles = {{place.x, place.y, 0.05}};  // on its place
   int no_way = 0, no_progress = 0;
