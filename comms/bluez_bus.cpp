@@ -45,8 +45,7 @@ std::string sentence(const sd_bus_error& error, int result) {
   if (name == "org.freedesktop.DBus.Error.AccessDenied")
     return "the system bus refuses to speak with the Bluetooth daemon: is the user in the group bluetooth?";
   if (is(".NotReady")) return "the adapter is off: \"bluetoothctl power on\" switches it on";
-  if (is(".AuthenticationFailed") || is(".AuthenticationRejected"))
-    return "the robot refuses the PIN: is the number in its name its own?";
+  if (is(".AuthenticationFailed") || is(".AuthenticationRejected")) return "the robot refuses to pair";
   if (is(".AuthenticationTimeout") || is(".NoReply") || is(".Timeout")) return "the robot did not answer in time";
   if (is(".AuthenticationCanceled")) return "pairing was cancelled";
   if (is(".ConnectionAttemptFailed"))
@@ -151,9 +150,10 @@ BluezObjects read_objects(sd_bus_message* m) {
 /// Answers what the daemon asks while it pairs with one device.
 struct Agent {
   std::string device_path, pin;
+  bool was_asked = false;  // for the PIN
 
   static int on_message(sd_bus_message* m, void* self, sd_bus_error*) {
-    const auto& agent = *static_cast<const Agent*>(self);
+    auto& agent = *static_cast<Agent*>(self);
     const char* const interface = sd_bus_message_get_interface(m);
     if (interface == nullptr || std::strcmp(interface, "org.bluez.Agent1") != 0) return 0;
     const std::string_view member = sd_bus_message_get_member(m);
@@ -161,6 +161,7 @@ struct Agent {
     const char* device = nullptr;
     if (sd_bus_message_read(m, "o", &device) < 0 || agent.device_path != device)
       return sd_bus_reply_method_errorf(m, "org.bluez.Error.Rejected", "not the robot that is being paired");
+    agent.was_asked = agent.was_asked || member == "RequestPinCode" || member == "RequestPasskey";
     if (member == "RequestPinCode") return sd_bus_reply_method_return(m, "s", agent.pin.c_str());
     if (member == "RequestPasskey")
       return sd_bus_reply_method_return(m, "u", static_cast<std::uint32_t>(std::atoi(agent.pin.c_str())));
@@ -289,8 +290,14 @@ tl::expected<void, std::string> BluezBus::pair(const BluezDevice& device, const 
   }
   sd_bus_call_method(bus_.get(), daemon, "/org/bluez", "org.bluez.AgentManager1", "UnregisterAgent", nullptr, nullptr,
                      "o", agent_path);
-  if (!outcome.error.empty() && !outcome.error_name.ends_with(".AlreadyExists")) return tl::unexpected(outcome.error);
-  return {};
+  if (outcome.error.empty() || outcome.error_name.ends_with(".AlreadyExists")) return {};
+  const bool refused =
+      outcome.error_name.ends_with(".AuthenticationFailed") || outcome.error_name.ends_with(".AuthenticationRejected");
+  if (!refused) return tl::unexpected(outcome.error);
+  if (agent.was_asked)
+    return tl::unexpected(std::string("the robot refuses the PIN: is the number in its name its own?"));
+  return tl::unexpected(outcome.error +
+                        ": it asked for no PIN. It may know another computer, or an older pairing of this one");
 }
 
 }  // namespace skein::comms

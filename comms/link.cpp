@@ -45,7 +45,7 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
     if (events != 0)
       finish_connecting(now);
     else if (now >= connecting_until_)
-      lose({fmt::format("no connection within {:g} s", options_.connect_timeout)}, now);
+      lose({no_connection()}, now);
   }
   if (transport_ && (events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
   if (transport_ && now < hushed_until_) return;
@@ -59,6 +59,7 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
     if (reached_) ++reconnects_;
     reached_ = true;
     reopened_ = false;
+    refusal_.clear();
     wait_ = options_.reconnect_first;
   }
   write(now);
@@ -67,15 +68,26 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
 
 void Link::open(double now) {
   auto transport = Transport::open(address_);
-  if (!transport) return lose(transport.error(), now);
+  if (!transport) {
+    refusal_ = transport.error().reason;
+    return lose(transport.error(), now);
+  }
   transport_ = std::move(*transport);
   connecting_until_ = now + options_.connect_timeout;
   if (!transport_->connecting()) opened(now);
 }
 
 void Link::finish_connecting(double now) {
-  if (const auto connected = transport_->finish_connecting(); !connected) return lose(connected.error(), now);
+  if (const auto connected = transport_->finish_connecting(); !connected) {
+    refusal_ = connected.error().reason;
+    return lose(connected.error(), now);
+  }
   opened(now);
+}
+
+std::string Link::no_connection() const {
+  const std::string late = fmt::format("no connection within {:g} s", options_.connect_timeout);
+  return refusal_.empty() ? late : fmt::format("{} (and then {})", refusal_, late);
 }
 
 void Link::opened(double now) {

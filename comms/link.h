@@ -61,6 +61,8 @@ class Link {
   void take_command(std::uint32_t emergency, double now);
   void write(double now);
   void lose(const TransportError& error, double now);
+  /// Why an attempt that ran out of time failed: what an earlier attempt was told says more than the clock.
+  std::string no_connection() const;
 
   static constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -73,6 +75,7 @@ class Link {
   double wait_;          // before the attempt after that
   double connecting_until_ = 0.0;
   double opened_at_ = -never;
+  std::string refusal_;  // why the newest attempt was refused; empty: none was since the robot last answered
   double hushed_until_ = -never;
   bool reached_ = false;   // was up at least once
   bool reopened_ = false;  // open, and not up since

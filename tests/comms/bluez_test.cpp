@@ -117,7 +117,9 @@ TEST_F(Bluez, PairingThatFailsSaysWhy) {
   FakeDevice wrong_pin = first, silent = second;
   wrong_pin.pin = "9999";
   silent.answers = false;
-  FakeBluez bluez(bus, {{}}, {wrong_pin, silent, telephone});
+  FakeDevice unwilling{.name = "e-puck2_04568", .address = "30:AE:A4:AA:BB:03", .refuses = true};
+  FakeBluez bluez(bus, {{}}, {wrong_pin, silent, unwilling, telephone});
+  EXPECT_NE(pair_error("e-puck2_04568").find("it asked for no PIN"), std::string::npos) << pair_error("e-puck2_04568");
   EXPECT_NE(pair_error("e-puck_1234").find("refuses the PIN"), std::string::npos) << pair_error("e-puck_1234");
   EXPECT_NE(pair_error(second.address).find("does not answer"), std::string::npos) << pair_error(second.address);
   EXPECT_NE(pair_error(telephone.address).find("no e-puck's name"), std::string::npos);

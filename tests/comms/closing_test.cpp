@@ -141,6 +141,37 @@ TEST(Closing, EndsWhereTheRobotIsNotReached) {
   EXPECT_FALSE(status.stop_acknowledged);
 }
 
+/// The first attempt is refused, the later ones wait in vain: why it was refused is what the operator must read.
+TEST(Reaching, ARefusalIsSaidEvenWhenALaterAttemptRunsOutOfTime) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = here(0);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), size),
+            0);  // nobody listens: connections are refused
+  ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  LinkSupervisor links(
+      {{LinkKind::tcp, "127.0.0.1", ntohs(address.sin_port), {}, {}}},
+      {.connect_timeout = 0.2, .reconnect_first = 0.01, .reconnect_longest = 0.02, .silence_reconnect = 0.2});
+  auto started = std::async(std::launch::async, [&] { return links.start(30.0); });
+  ASSERT_TRUE(test::wait_until([&] { return links.status()[0].reason.find("nothing listens") != std::string::npos; }))
+      << links.status()[0].reason;
+  ::listen(listener, 0);
+  std::vector<int> waiting;
+  const auto late = [&] {  // the queue is kept full: the link's own attempts may have a place in it
+    const int guest = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    ::connect(guest, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    waiting.push_back(guest);
+    return links.status()[0].reason.find("no connection within 0.2 s") != std::string::npos;
+  };
+  EXPECT_TRUE(test::wait_until(late));
+  const std::string reason = links.status()[0].reason;
+  EXPECT_NE(reason.find("nothing listens"), std::string::npos) << reason;
+  links.close(0.05);
+  (void)started.get();
+  for (const int guest : waiting) ::close(guest);
+  ::close(listener);
+}
+
 TEST(Patience, FollowsTheRobotsThatAnAdapterHasToPage) {
   std::vector<LinkAddress> robots;
   for (int i = 0; i < 28; ++i)

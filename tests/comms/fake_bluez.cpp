@@ -152,6 +152,8 @@ int FakeBluez::pair(sd_bus_message* m) {
                                    [m](const FakeDevice& d) { return path_of(d) == sd_bus_message_get_path(m); });
   if (device == devices_.end()) return sd_bus_reply_method_errorf(m, "org.bluez.Error.DoesNotExist", "no such device");
   if (!device->answers) return sd_bus_reply_method_errorf(m, "org.bluez.Error.ConnectionAttemptFailed", "Page Timeout");
+  if (device->refuses)
+    return sd_bus_reply_method_errorf(m, "org.bluez.Error.AuthenticationFailed", "Authentication Failed");
   pairing_ = sd_bus_message_ref(m);
   paired_with_ = &*device;
   return sd_bus_call_method_async(bus_, nullptr, sd_bus_message_get_sender(m), agent_path_.c_str(), "org.bluez.Agent1",

@@ -35,6 +35,7 @@ struct FakeDevice {
   bool paired = false;
   bool known = false;   ///< from before; otherwise it must be looked for
   bool answers = true;  ///< when it is to be paired
+  bool refuses = false;  // to pair, before anybody is asked for a PIN
 };
 
 /// org.bluez on a bus, as far as Skein speaks with it: adapters, discovery, devices, agents, pairing. On a thread of
