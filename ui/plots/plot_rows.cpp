@@ -41,188 +41,156 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
   std::vector<PlotRow> rows;
   const auto add = [&rows](PlotRow row) { rows.push_back(std::move(row)); };
 
-  add({"e_x",
-       "e",
-       "x",
-       tr("[m]"),
-       tr("Tracking error along x, in the world frame"),
-       Of::robot,
-       0.02,
-       false,
-       true,
-       {},
-       {},
-       0,
-       known([](const app::RobotRecord& r) { return r.nominal.pose.x - r.pose.x; })});
-  add({"e_y",
-       "e",
-       "y",
-       tr("[m]"),
-       tr("Tracking error along y, in the world frame"),
-       Of::robot,
-       0.02,
-       false,
-       true,
-       {},
-       {},
-       0,
-       known([](const app::RobotRecord& r) { return r.nominal.pose.y - r.pose.y; })});
-  add({"e_theta",
-       "e",
-       "θ",
-       tr("[rad]"),
-       tr("Tracking error of the heading"),
-       Of::robot,
-       0.1,
-       false,
-       true,
-       {},
-       {},
-       0,
-       known([](const app::RobotRecord& r) { return core::wrap_angle(r.nominal.pose.theta - r.pose.theta); })});
-  add({"delta",
-       "δ",
-       "i,j",
-       tr("[m]"),
-       tr("Formation error of neighbours: how much too close"),
-       Of::pair,
-       0.02,
-       false,
-       true,
-       {},
-       {},
-       0,
-       [](const TickRecord& record, std::size_t i) { return i < record.delta.size() ? record.delta[i] : app::none; }});
-  add({"V",
-       "V",
-       "",
-       tr("[–]"),
-       tr("Lyapunov function"),
-       Of::group,
-       0.002,
-       true,
-       true,
-       {},
-       {},
-       0,
-       [](const TickRecord& record, std::size_t) { return record.V; }});
-  add({"V_dot",
-       "V̇",
-       "",
-       tr("[1/s]"),
-       tr("dV/dt, if the law's commands were carried out exactly"),
-       Of::group,
-       0.001,
-       false,
-       false,
-       {},
-       {},
-       0,
-       [](const TickRecord& record, std::size_t) { return record.V_dot; }});
-  add({"v",
-       "v",
-       "",
-       tr("[m/s]"),
-       tr("Commanded speed, and its limits"),
-       Of::robot,
-       0.02,
-       false,
-       false,
-       {-law.v_max, law.v_max},
-       {},
-       0,
-       known([](const app::RobotRecord& r) { return r.command.v; })});
-  add({"omega",
-       "ω",
-       "",
-       tr("[rad/s]"),
-       tr("Commanded turning rate, and its limits"),
-       Of::robot,
-       0.2,
-       false,
-       false,
-       {-law.omega_max, law.omega_max},
-       {},
-       0,
-       known([](const app::RobotRecord& r) { return r.command.omega; })});
+  add({
+      .name = "e_x",
+      .symbol = "e",
+      .index = "x",
+      .unit = tr("[m]"),
+      .what = tr("Tracking error along x, in the world frame"),
+      .least = 0.02,
+      .usual = true,
+      .value = known([](const app::RobotRecord& r) { return r.nominal.pose.x - r.pose.x; }),
+  });
+  add({
+      .name = "e_y",
+      .symbol = "e",
+      .index = "y",
+      .unit = tr("[m]"),
+      .what = tr("Tracking error along y, in the world frame"),
+      .least = 0.02,
+      .usual = true,
+      .value = known([](const app::RobotRecord& r) { return r.nominal.pose.y - r.pose.y; }),
+  });
+  add({
+      .name = "e_theta",
+      .symbol = "e",
+      .index = "θ",
+      .unit = tr("[rad]"),
+      .what = tr("Tracking error of the heading"),
+      .least = 0.1,
+      .usual = true,
+      .value = known([](const app::RobotRecord& r) { return core::wrap_angle(r.nominal.pose.theta - r.pose.theta); }),
+  });
+  add({
+      .name = "delta",
+      .symbol = "δ",
+      .index = "i,j",
+      .unit = tr("[m]"),
+      .what = tr("Formation error of neighbours: how much too close"),
+      .of = Of::pair,
+      .least = 0.02,
+      .usual = true,
+      .value = [](const TickRecord& record,
+                  std::size_t i) { return i < record.delta.size() ? record.delta[i] : app::none; },
+  });
+  add({
+      .name = "V",
+      .symbol = "V",
+      .unit = tr("[–]"),
+      .what = tr("Lyapunov function"),
+      .of = Of::group,
+      .least = 0.002,
+      .from_zero = true,
+      .usual = true,
+      .value = [](const TickRecord& record, std::size_t) { return record.V; },
+  });
+  add({
+      .name = "V_dot",
+      .symbol = "V̇",
+      .unit = tr("[1/s]"),
+      .what = tr("dV/dt, if the law's commands were carried out exactly"),
+      .of = Of::group,
+      .least = 0.001,
+      .value = [](const TickRecord& record, std::size_t) { return record.V_dot; },
+  });
+  add({
+      .name = "v",
+      .symbol = "v",
+      .unit = tr("[m/s]"),
+      .what = tr("Commanded speed, and its limits"),
+      .least = 0.02,
+      .limits = {-law.v_max, law.v_max},
+      .value = known([](const app::RobotRecord& r) { return r.command.v; }),
+  });
+  add({
+      .name = "omega",
+      .symbol = "ω",
+      .unit = tr("[rad/s]"),
+      .what = tr("Commanded turning rate, and its limits"),
+      .least = 0.2,
+      .limits = {-law.omega_max, law.omega_max},
+      .value = known([](const app::RobotRecord& r) { return r.command.omega; }),
+  });
   std::vector<double> shield;
   if (experiment.shield.enabled) shield.push_back(experiment.shield.distance);
-  add({"min_distance",
-       "d",
-       "min",
-       tr("[m]"),
-       tr("Distance of the closest pair, and the shield's"),
-       Of::group,
-       0.1,
-       true,
-       false,
-       std::move(shield),
-       {},
-       0,
-       [](const TickRecord& record, std::size_t) { return record.min_distance; }});
-  add({"period",
-       "T",
-       "",
-       tr("[ms]"),
-       tr("Time since the tick before, and what it should be"),
-       Of::group,
-       60.0,
-       true,
-       false,
-       {ms * experiment.period()},
-       {},
-       0,
-       [](const TickRecord& record, std::size_t) { return ms * record.period; }});
-  add({"compute_time",
-       "T",
-       "tick",
-       tr("[ms]"),
-       tr("Time that the tick took"),
-       Of::group,
-       0.01,
-       true,
-       false,
-       {},
-       {},
-       0,
-       [](const TickRecord& record, std::size_t) { return ms * record.compute_time; }});
+  add({
+      .name = "min_distance",
+      .symbol = "d",
+      .index = "min",
+      .unit = tr("[m]"),
+      .what = tr("Distance of the closest pair, and the shield's"),
+      .of = Of::group,
+      .least = 0.1,
+      .from_zero = true,
+      .limits = std::move(shield),
+      .value = [](const TickRecord& record, std::size_t) { return record.min_distance; },
+  });
+  add({
+      .name = "period",
+      .symbol = "T",
+      .unit = tr("[ms]"),
+      .what = tr("Time since the tick before, and what it should be"),
+      .of = Of::group,
+      .least = 60.0,
+      .from_zero = true,
+      .limits = {ms * experiment.period()},
+      .value = [](const TickRecord& record, std::size_t) { return ms * record.period; },
+  });
+  add({
+      .name = "compute_time",
+      .symbol = "T",
+      .index = "tick",
+      .unit = tr("[ms]"),
+      .what = tr("Time that the tick took"),
+      .of = Of::group,
+      .least = 0.01,
+      .from_zero = true,
+      .value = [](const TickRecord& record, std::size_t) { return ms * record.compute_time; },
+  });
 
   const std::size_t n = experiment.robots.size();
   for (const core::GainName gain : core::gain_names) {
     const bool xx = gain == core::GainName::k_xx, tt = gain == core::GainName::k_tt;
-    add({core::word(gain).data(),
-         "k",
-         xx   ? "xx"
-         : tt ? "θθ"
-              : "yy",
-         xx ? tr("[m/s]") : tr("[rad/s]"),
-         n > most_coupled ? tr("Coupling gain, the largest of all pairs") : tr("Coupling gain of each pair"),
-         n > most_coupled ? Of::group : Of::couple,
-         0.1 * (xx ? law.v_max : law.omega_max),
-         true,
-         false,
-         {},
-         {},
-         0,
-         [gain, n](const TickRecord& record, std::size_t curve) {
-           if (n > most_coupled) return record.gain(gain);
-           const auto [i, j] = *robots_of(Of::couple, curve, n);
-           return record.pair_gain(gain, i, j);
-         }});
+    add({
+        .name = core::word(gain).data(),
+        .symbol = "k",
+        .index = xx   ? "xx"
+                 : tt ? "θθ"
+                      : "yy",
+        .unit = xx ? tr("[m/s]") : tr("[rad/s]"),
+        .what = n > most_coupled ? tr("Coupling gain, the largest of all pairs") : tr("Coupling gain of each pair"),
+        .of = n > most_coupled ? Of::group : Of::couple,
+        .least = 0.1 * (xx ? law.v_max : law.omega_max),
+        .from_zero = true,
+        .value =
+            [gain, n](const TickRecord& record, std::size_t curve) {
+              if (n > most_coupled) return record.gain(gain);
+              const auto [i, j] = *robots_of(Of::couple, curve, n);
+              return record.pair_gain(gain, i, j);
+            },
+    });
   }
-  add({"latency",
-       "T",
-       "stage",
-       tr("[ms]"),
-       tr("Time that each stage from frame to answer took"),
-       Of::stage,
-       0.2,
-       true,
-       false,
-       {},
-       {},
-       0,
-       [](const TickRecord& record, std::size_t stage) { return ms * record.latency.of[stage]; }});
+  add({
+      .name = "latency",
+      .symbol = "T",
+      .index = "stage",
+      .unit = tr("[ms]"),
+      .what = tr("Time that each stage from frame to answer took"),
+      .of = Of::stage,
+      .least = 0.2,
+      .from_zero = true,
+      .value = [](const TickRecord& record, std::size_t stage) { return ms * record.latency.of[stage]; },
+  });
 
   std::size_t next = 0;
   for (PlotRow& row : rows) {

@@ -15,16 +15,16 @@ namespace skein::ui {
 struct PlotRow {
   enum class Of { robot, pair, couple, stage, group };  ///< what there is a curve of; a pair is of neighbours
 
-  QString name;                 ///< in menus and in a CSV's head: "e_x"
-  QString symbol, index, unit;  ///< as the paper writes it
-  QString what;                 ///< in a sentence
+  QString name;                      ///< in menus and in a CSV's head: "e_x"
+  QString symbol, index = {}, unit;  ///< as the paper writes it
+  QString what;                      ///< in a sentence
   Of of = Of::robot;
-  double least = 0.0;           ///< the smallest height, so that noise does not fill it
-  bool from_zero = false;       ///< else about zero
-  bool usual = false;           ///< shown unless the operator chose otherwise
-  std::vector<double> limits;   ///< dashed lines: what a value must not, or should not, pass
-  std::vector<QString> curves;  ///< names: "1", "1,2", "law"
-  std::size_t first = 0;        ///< its first curve among all of the rows'
+  double least = 0.0;             ///< the smallest height, so that noise does not fill it
+  bool from_zero = false;         ///< else about zero
+  bool usual = false;             ///< shown unless the operator chose otherwise
+  std::vector<double> limits{};   ///< dashed lines: what a value must not, or should not, pass
+  std::vector<QString> curves{};  ///< names: "1", "1,2", "law"
+  std::size_t first = 0;          ///< its first curve among all of the rows'
   std::function<double(const app::TickRecord&, std::size_t curve)> value;
 };
 
