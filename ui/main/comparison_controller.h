@@ -21,6 +21,7 @@ class ComparisonController final : public QObject {
                        QObject* parent = nullptr);
   void build_menu(QMenu* file);
   void load(const QString& file);
+  void compare_with_now();  ///< what the run that is shown has been so far stays behind those that follow
   /// Another run is shown: the second one stays if it has as many robots.
   void show_experiment();
   void refresh();  ///< thirty times a second
@@ -31,7 +32,6 @@ class ComparisonController final : public QObject {
  private:
   void ask();
   void compare(ReplayRun::Recording other);
-  void compare_with_now();
   std::optional<OtherRun> other_at(double t) const;
 
   const Runs& runs_;

@@ -24,6 +24,7 @@ QString shortcuts_text() {
          row.arg(QStringLiteral("F6"), tr("A simulation: one tick on, and pause")) +
          row.arg(tr("Ctrl+Up, Ctrl+Down"), tr("A simulation: faster, slower")) +
          row.arg(QStringLiteral("Ctrl+R"), tr("Record as CSV")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
+         row.arg(QStringLiteral("Ctrl+B"), tr("A simulation or its replay: go on from this moment, otherwise")) +
          row.arg(QStringLiteral("Ctrl+L"), tr("Check list: what has to hold before a start")) +
          row.arg(tr("Ctrl+Z, Ctrl+Shift+Z"), tr("Undo and redo a change of a gain")) +
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +

@@ -23,6 +23,7 @@
 #include "ui/base/settings.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/main/arena_actions.h"
+#include "ui/main/branch_controller.h"
 #include "ui/main/calibration_controller.h"
 #include "ui/main/check_controller.h"
 #include "ui/main/comparison_controller.h"
@@ -124,6 +125,7 @@ void MainWindow::build_controllers() {
   LiveRun& live = runs_.live();
   messages_ = std::make_unique<Messages>(runs_, alert_, log_, this);
   arena_actions_ = new ArenaActions(arena_, this);
+  branch_ = new BranchController(runs_, *messages_, this);
   checks_ = new CheckController(runs_, *messages_, check_list_, gains_, this);
   files_ = new FileController(live, *messages_, this);
   editor_ = new EditorController(runs_, *files_, *messages_, this);
@@ -283,6 +285,7 @@ void MainWindow::build_run_menu(QMenu* run) {
   add(run, tr("Sl&ower"), QStringLiteral("slower"), QKeySequence(tr("Ctrl+Down")),
       [this] { run_bar_->pick_speed(-1); });
   new_run_action_ = add(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
+  branch_->build_menu(run);
   run->addSeparator();
   add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
       [this] { record(!recording_->records()); });
@@ -354,6 +357,10 @@ void MainWindow::connect_panels() {
       results_->compare(QFileInfo(QString::fromStdString(other->file)).fileName(), other->experiment, other->rows);
     else
       results_->end_comparison();
+  });
+  connect(branch_, &BranchController::experiment_wanted, this, [this](const app::Experiment& experiment) {
+    comparison_->compare_with_now();
+    open(experiment, true);
   });
   connect(recording_, &RecordingController::saved, this, &MainWindow::saved);
   connect(calibration_, &CalibrationController::session_ends, this, &MainWindow::let_go_of_session);

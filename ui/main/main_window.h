@@ -18,6 +18,7 @@ namespace skein::ui {
 class AlertStrip;
 class ArenaActions;
 class ArenaView;
+class BranchController;
 class CalibrationController;
 class CheckController;
 class CheckList;
@@ -137,6 +138,7 @@ class MainWindow final : public QMainWindow {
 
   std::unique_ptr<Messages> messages_;
   ArenaActions* arena_actions_;
+  BranchController* branch_;
   CheckController* checks_;
   FileController* files_;
   EditorController* editor_;

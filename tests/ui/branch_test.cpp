@@ -1,0 +1,86 @@
+// "Go on from here": the past comes out the same, and the rest is the operator's.
+#include "app/record/csv_file.h"
+#include "operator.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Branch : public Operator {
+ protected:
+  bool paused() { return live().latest() != nullptr && live().phase() == app::Phase::paused; }
+  void go_on_from_here() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
+  QString alert() { return find<QLabel>("alert")->text(); }
+
+  static void expect_same_places(const app::TickRecord& one, const app::TickRecord& other) {
+    ASSERT_EQ(one.robots.size(), other.robots.size());
+    for (std::size_t i = 0; i < one.robots.size(); ++i) {
+      EXPECT_NEAR(one.robots[i].truth.x, other.robots[i].truth.x, 1e-9) << "robot " << i + 1;
+      EXPECT_NEAR(one.robots[i].truth.y, other.robots[i].truth.y, 1e-9) << "robot " << i + 1;
+    }
+  }
+};
+
+TEST_F(Branch, OfALiveSimulationRepeatsWhatTheHandDidAndPauses) {
+  start();
+  const QPoint from = robot(1);
+  drag(from, from + QPoint(30, 25));
+  moved(1);
+  const double moved_at = record().t;
+  ASSERT_TRUE(eventually([&] { return record().t > moved_at + 0.5; }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  const app::TickRecord before = record();
+  ASSERT_GT(core::distance(before.robots[1].pose, before.robots[1].nominal.pose), 0.02)
+      << "the hand's mark is still there";
+
+  go_on_from_here();
+  ASSERT_TRUE(eventually([&] { return !live().is_open() || record().t < before.t; })) << "it begins anew";
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  EXPECT_NEAR(record().t, before.t, 1e-9);
+  expect_same_places(record(), before);
+  EXPECT_EQ(live().speed(), 1.0);
+
+  window.go();
+  EXPECT_TRUE(eventually([&] { return running() && record().t > before.t + 0.2; })) << "it goes on";
+}
+
+TEST_F(Branch, OfAReplayGoesOnLiveFromItsPresentMoment) {
+  app::Experiment experiment = app::paper_experiment();
+  const QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("run.csv"));
+  app::CsvFile csv(file.toStdString(), experiment);
+  auto session = app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}});
+  (*session)->run();
+  csv.finish();
+  window.resize(1280, 800);
+  window.show();
+  window.activateWindow();
+  window.open_recording(file);
+  ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded() && window.replay().latest()->t > 0.2; }));
+  window.go();
+  for (int k = 0; k < 2; ++k) QTest::keyClick(find<QWidget>("time_line"), Qt::Key_PageDown);  // past the kick at 18 s
+  const app::TickRecord there = *window.replay().latest();
+  ASSERT_GT(core::distance(there.robots[1].pose, there.robots[1].nominal.pose), 0.02);
+
+  go_on_from_here();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  EXPECT_NEAR(record().t, there.t, 1e-9);
+  expect_same_places(record(), there);
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("As it was")); })) << alert().toStdString();
+}
+
+TEST_F(Branch, NeedsARunAndSaysSo) {
+  window.resize(1280, 800);
+  window.show();
+  window.activateWindow();
+  window.open(app::paper_experiment(), false);
+  ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+  ASSERT_TRUE(eventually([&] { return live().latest() != nullptr; }));
+  go_on_from_here();
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("no run yet")); })) << alert().toStdString();
+  EXPECT_EQ(live().phase(), app::Phase::ready);
+}
+
+}  // namespace
+}  // namespace skein::ui::test
