@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <cstdio>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 
-#include "app/bench/bench.h"
 #include "app/cli/command_line_robots.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
@@ -21,6 +22,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/version.h"
 #include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
 
@@ -72,11 +74,24 @@ bool read_faults(const std::string& source, comms::EmulateOptions& options) {
   return false;
 }
 
-int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+/// Becomes the program `name` in this program's folder; returns only where there is none.
+int start_beside(const std::string& name, std::vector<std::string> words) {
+  std::error_code none;
+  const auto path = std::filesystem::read_symlink("/proc/self/exe", none).parent_path() / name;
+  words.insert(words.begin(), name);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::execv(path.c_str(), arguments.data());
+  complain(path.string() + ": " + std::strerror(errno) + "; it is a package of its own");
+  return wrong_input;
+}
+
+int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App program{
       "Skein: real-time lab control for groups of unicycle robots.\n"
       "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
-  program.set_version_flag("--version", "skein " SKEIN_VERSION);
+  program.set_version_flag("--version", "skein " + version_and_commit());
   program.require_subcommand(0, 1);
   ExperimentOptions window_experiment;
   window_experiment.add_to(program, false);
@@ -213,18 +228,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   std::string marker;
   guard_command.add_option("marker", marker, "the file that names the robots")->required();
 
-  CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
-  std::string bench_what;
-  bench_command
-      .add_option(
-          "what", bench_what,
-          "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (6 minutes); default: all but ui")
-      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "radio", "loopback", "ui"}));
-  double bench_seconds = 60.0;
-  bench_command.add_option("--seconds", bench_seconds, "links, ui: how long each measurement takes")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
+  // Benchmarks are a program of their own, beside this one: what was written for `skein-bench` goes on working.
+  CLI::App& bench_command = *program.add_subcommand("bench", "Starts the program skein-bench");
+  bench_command.group("")->prefix_command()->set_help_flag();
 
   try {
     program.parse(argc, argv);
@@ -239,6 +245,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
     if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);
   }
+  if (bench_command) return start_beside("skein-bench", bench_command.remaining());
   if (guard_command) return guard(marker, STDIN_FILENO);
   if (stop_command) {
     std::signal(SIGPIPE, SIG_IGN);
@@ -259,13 +266,6 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   if (const auto status = vision_commands.run()) return *status;
   if (const auto status = robot_commands.run()) return *status;
   if (list_command) return list_cameras(camera_device);
-  if (bench_command && bench_what == "ui") {
-    if (bench_window) return bench_window(bench_seconds, argc, argv);
-    complain("this program was built without a window");
-    return wrong_input;
-  }
-  if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
-
   if (!show_window) {
     complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");
     return wrong_input;
@@ -284,17 +284,18 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   }
   const auto experiment = load(window_experiment.request());
   // A file with errors is mended in the window's editor; what the command line itself got wrong is said here.
-  const bool mendable = !experiment && window_experiment.request().sets.empty() && std::ifstream(window_experiment.file);
+  const bool mendable =
+      !experiment && window_experiment.request().sets.empty() && std::ifstream(window_experiment.file);
   if (mendable) return show_window({{}, window_experiment.file, {}}, argc, argv);
   return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
 }
 
 }  // namespace
 
-int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+int command_line(int argc, char** argv, const ShowWindow& show_window) {
   fill_standard_descriptors();
   try {
-    return parse_and_do(argc, argv, show_window, bench_window);
+    return parse_and_do(argc, argv, show_window);
   } catch (const std::exception& error) {
     complain(error.what());
   } catch (...) {
