@@ -88,6 +88,9 @@ int start_beside(const std::string& name, std::vector<std::string> words) {
 }
 
 int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
+  // Benchmarks are a program of their own, beside this one: what was written for `skein bench` goes on working.
+  if (argc > 1 && std::string_view(argv[1]) == "bench") return start_beside("skein-bench", {argv + 2, argv + argc});
+
   CLI::App program{
       "Skein: real-time lab control for groups of unicycle robots.\n"
       "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
@@ -228,10 +231,6 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::string marker;
   guard_command.add_option("marker", marker, "the file that names the robots")->required();
 
-  // Benchmarks are a program of their own, beside this one: what was written for `skein-bench` goes on working.
-  CLI::App& bench_command = *program.add_subcommand("bench", "Starts the program skein-bench");
-  bench_command.group("")->prefix_command()->set_help_flag();
-
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -245,7 +244,6 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);
   }
-  if (bench_command) return start_beside("skein-bench", bench_command.remaining());
   if (guard_command) return guard(marker, STDIN_FILENO);
   if (stop_command) {
     std::signal(SIGPIPE, SIG_IGN);
