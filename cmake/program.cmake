@@ -21,6 +21,3 @@ function(skein_program name main app_room ui_room)
 endfunction()
 skein_program(skein app/program/main.cpp skein_app_cli skein_ui)
 skein_program(skein-bench app/program/bench_main.cpp skein_app_bench skein_ui_bench)
-
-install(TARGETS skein RUNTIME DESTINATION bin)
-install(TARGETS skein-bench RUNTIME DESTINATION bin)

@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_links.h"
 #include "app/bench/bench_radio.h"
+#include "app/manual/manual.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
@@ -56,8 +58,8 @@ std::string words_of_the_table() {
 }
 
 int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
-  CLI::App program{
-      "Measures Skein on this machine, as ratios against a baseline of the same run (docs/benchmarks.md)."};
+  CLI::App program{"Measures Skein on this machine, as ratios against a baseline of the same run (docs/benchmarks.md).",
+                   "skein-bench"};
   program.set_version_flag("--version", "skein-bench " + version_and_commit());
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
@@ -70,10 +72,22 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
+  std::string manual_folder;
+  program.add_option("--manual", manual_folder)->group("");  // writes its own manual page there
+
+  if (argc > 1 && std::string_view(argv[1]) == "complete") {  // a shell asks: resources/completion
+    print_out(completions(program, {argv + 2, argv + argc}));
+    return done;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? done : wrong_input;
+  }
+  if (!manual_folder.empty()) {
+    const auto written = write_manual(program, version_and_commit(), manual_folder);
+    if (!written) complain(written.error());
+    return written ? done : wrong_input;
   }
   catch_interrupts();
   comms::stop_robots_on_crash();

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/cli/candidates.h"
 #include "app/cli/command_line_robots.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
@@ -19,9 +20,11 @@
 #include "app/experiment/fault_file.h"
 #include "app/guard/guard.h"
 #include "app/guard/stop_run.h"
+#include "app/manual/manual.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/resources.h"
 #include "app/run/version.h"
 #include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
@@ -38,7 +41,10 @@ struct ExperimentOptions {
   void add_to(CLI::App& command, bool required) {
     auto* option = command.add_option(
         "experiment", file,
-        required ? "experiment file (TOML)" : "experiment file (TOML), or a recorded run (CSV) to be played");
+        required
+            ? "experiment file (TOML), or the name of one that Skein comes with"
+            : "experiment file (TOML), the name of one that Skein comes with, or a recorded run (CSV) to be played");
+    option->transform([](const std::string& name) { return find_resource("experiments", name); });
     if (required) option->required();
     command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
         ->type_name("KEY=VALUE")
@@ -93,7 +99,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App program{
       "Skein: real-time lab control for groups of unicycle robots.\n"
-      "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
+      "Without a command it opens the operator's window, on the paper's experiment unless a file is named.",
+      "skein"};
   program.set_version_flag("--version", "skein " + version_and_commit());
   program.require_subcommand(0, 1);
   ExperimentOptions window_experiment;
@@ -146,7 +153,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App& sweep_command = *program.add_subcommand(
       "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
   SweepRequest sweep_request;
-  sweep_command.add_option("study", sweep_request.file, "study file (TOML), see docs/studies.md")->required();
+  sweep_command
+      .add_option("study", sweep_request.file,
+                  "study file (TOML), see docs/studies.md, or the name of one that Skein comes with")
+      ->required()
+      ->transform([](const std::string& name) { return find_resource("studies", name); });
   sweep_command.add_option("--runs", sweep_request.runs, "how many runs, instead of the file's")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
       ->type_name("N");
@@ -231,12 +242,25 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::string marker;
   guard_command.add_option("marker", marker, "the file that names the robots")->required();
 
+  CLI::App& manual_command = *program.add_subcommand("manual", "Writes its own manual pages into a folder");
+  std::string manual_folder;
+  manual_command.group("")->add_option("folder", manual_folder)->required();
+
+  if (argc > 1 && std::string_view(argv[1]) == "complete") {  // a shell asks: resources/completion
+    print_out(completions(program, {argv + 2, argv + argc}, candidates));
+    return done;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
   }
 
+  if (manual_command) {
+    const auto written = write_manual(program, version_and_commit(), manual_folder);
+    if (!written) complain(written.error());
+    return written ? done : wrong_input;
+  }
   // The emulator waits for signals in its own way.
   if (emulate_command) {
     emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
