@@ -60,7 +60,8 @@ function(skein_room name)
     return()
   endif()
   add_library(skein_${name} STATIC ${ROOM_SOURCES})
-  target_link_libraries(skein_${name} PUBLIC skein_options ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
+  # How Skein itself is compiled is nothing for a program that uses an installed room.
+  target_link_libraries(skein_${name} PUBLIC $<BUILD_INTERFACE:skein_options> ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
 endfunction()
 
 # skein_test(core SOURCES ... LINK ...): one GoogleTest program a room; every case is a CTest test named room.Suite.Case.

@@ -12,8 +12,4 @@ void prepare(QApplication& application);
 /// Opens the operator's window; returns the program's exit status when it is closed.
 int show_window(const app::WindowRequest& request, int& argc, char** argv);
 
-/// Measures the window, with half an hour of data in it, and the control thread beside it, and prints figures with
-/// their targets. `seconds`: how long each measurement takes.
-int bench_window(int& argc, char** argv, double seconds);
-
 }  // namespace skein::ui

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <string>
-#include <vector>
+#include <functional>
 
 namespace skein::app {
 
-/// `what`: "tick", "run", "loopback", "links", "radio"; empty: all. `seconds`: how long each measurement of the links takes.
-/// Further words go to Google Benchmark.
-int bench(const std::string& what, double seconds, std::vector<std::string> arguments);
+/// Measures the window, each time for so many seconds; empty in a program that was built without one.
+using BenchWindow = std::function<int(double seconds, int& argc, char** argv)>;
+
+/// The program `skein-bench`: measures what its command line names, a row of the table in bench.cpp each. Never throws.
+/// Returns an exit status (app/run/exit_status.h).
+int bench(int argc, char** argv, const BenchWindow& bench_window = {});
 
 }  // namespace skein::app

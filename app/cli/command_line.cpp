@@ -2,15 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <cstdio>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 
-#include "app/bench/bench.h"
+#include "app/cli/candidates.h"
 #include "app/cli/command_line_robots.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
@@ -18,9 +20,12 @@
 #include "app/experiment/fault_file.h"
 #include "app/guard/guard.h"
 #include "app/guard/stop_run.h"
+#include "app/manual/manual.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/resources.h"
+#include "app/run/version.h"
 #include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
 
@@ -36,7 +41,10 @@ struct ExperimentOptions {
   void add_to(CLI::App& command, bool required) {
     auto* option = command.add_option(
         "experiment", file,
-        required ? "experiment file (TOML)" : "experiment file (TOML), or a recorded run (CSV) to be played");
+        required
+            ? "experiment file (TOML), or the name of one that Skein comes with"
+            : "experiment file (TOML), the name of one that Skein comes with, or a recorded run (CSV) to be played");
+    option->transform([](const std::string& name) { return find_resource("experiments", name); });
     if (required) option->required();
     command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
         ->type_name("KEY=VALUE")
@@ -72,11 +80,28 @@ bool read_faults(const std::string& source, comms::EmulateOptions& options) {
   return false;
 }
 
-int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+/// Becomes the program `name` in this program's folder; returns only where there is none.
+int start_beside(const std::string& name, std::vector<std::string> words) {
+  std::error_code none;
+  const auto path = std::filesystem::read_symlink("/proc/self/exe", none).parent_path() / name;
+  words.insert(words.begin(), name);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::execv(path.c_str(), arguments.data());
+  complain(path.string() + ": " + std::strerror(errno) + "; it is a package of its own");
+  return wrong_input;
+}
+
+int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
+  // Benchmarks are a program of their own, beside this one: what was written for `skein bench` goes on working.
+  if (argc > 1 && std::string_view(argv[1]) == "bench") return start_beside("skein-bench", {argv + 2, argv + argc});
+
   CLI::App program{
       "Skein: real-time lab control for groups of unicycle robots.\n"
-      "Without a command it opens the operator's window, on the paper's experiment unless a file is named."};
-  program.set_version_flag("--version", "skein " SKEIN_VERSION);
+      "Without a command it opens the operator's window, on the paper's experiment unless a file is named.",
+      "skein"};
+  program.set_version_flag("--version", "skein " + version_and_commit());
   program.require_subcommand(0, 1);
   ExperimentOptions window_experiment;
   window_experiment.add_to(program, false);
@@ -128,7 +153,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   CLI::App& sweep_command = *program.add_subcommand(
       "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
   SweepRequest sweep_request;
-  sweep_command.add_option("study", sweep_request.file, "study file (TOML), see docs/studies.md")->required();
+  sweep_command
+      .add_option("study", sweep_request.file,
+                  "study file (TOML), see docs/studies.md, or the name of one that Skein comes with")
+      ->required()
+      ->transform([](const std::string& name) { return find_resource("studies", name); });
   sweep_command.add_option("--runs", sweep_request.runs, "how many runs, instead of the file's")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
       ->type_name("N");
@@ -213,25 +242,25 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   std::string marker;
   guard_command.add_option("marker", marker, "the file that names the robots")->required();
 
-  CLI::App& bench_command = *program.add_subcommand("bench", "Measures this program on this machine, as ratios");
-  std::string bench_what;
-  bench_command
-      .add_option(
-          "what", bench_what,
-          "tick, control, run, vision, links (2 minutes), loopback (84 s) or ui (6 minutes); default: all but ui")
-      ->check(CLI::IsMember({"tick", "control", "run", "vision", "links", "radio", "loopback", "ui"}));
-  double bench_seconds = 60.0;
-  bench_command.add_option("--seconds", bench_seconds, "links, ui: how long each measurement takes")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  bench_command.allow_extras()->footer("Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
+  CLI::App& manual_command = *program.add_subcommand("manual", "Writes its own manual pages into a folder");
+  std::string manual_folder;
+  manual_command.group("")->add_option("folder", manual_folder)->required();
 
+  if (argc > 1 && std::string_view(argv[1]) == "complete") {  // a shell asks: resources/completion
+    print_out(completions(program, {argv + 2, argv + argc}, candidates));
+    return done;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
   }
 
+  if (manual_command) {
+    const auto written = write_manual(program, version_and_commit(), manual_folder);
+    if (!written) complain(written.error());
+    return written ? done : wrong_input;
+  }
   // The emulator waits for signals in its own way.
   if (emulate_command) {
     emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
@@ -259,13 +288,6 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   if (const auto status = vision_commands.run()) return *status;
   if (const auto status = robot_commands.run()) return *status;
   if (list_command) return list_cameras(camera_device);
-  if (bench_command && bench_what == "ui") {
-    if (bench_window) return bench_window(bench_seconds, argc, argv);
-    complain("this program was built without a window");
-    return wrong_input;
-  }
-  if (bench_command) return bench(bench_what, bench_seconds, bench_command.remaining());
-
   if (!show_window) {
     complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");
     return wrong_input;
@@ -284,17 +306,18 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window, const Ben
   }
   const auto experiment = load(window_experiment.request());
   // A file with errors is mended in the window's editor; what the command line itself got wrong is said here.
-  const bool mendable = !experiment && window_experiment.request().sets.empty() && std::ifstream(window_experiment.file);
+  const bool mendable =
+      !experiment && window_experiment.request().sets.empty() && std::ifstream(window_experiment.file);
   if (mendable) return show_window({{}, window_experiment.file, {}}, argc, argv);
   return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
 }
 
 }  // namespace
 
-int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window) {
+int command_line(int argc, char** argv, const ShowWindow& show_window) {
   fill_standard_descriptors();
   try {
-    return parse_and_do(argc, argv, show_window, bench_window);
+    return parse_and_do(argc, argv, show_window);
   } catch (const std::exception& error) {
     complain(error.what());
   } catch (...) {

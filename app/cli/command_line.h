@@ -10,10 +10,7 @@ namespace skein::app {
 /// without one.
 using ShowWindow = std::function<int(const WindowRequest& request, int& argc, char** argv)>;
 
-/// Measures the window, each time for so many seconds; empty in a program that was built without one.
-using BenchWindow = std::function<int(double seconds, int& argc, char** argv)>;
-
 /// The program `skein`: reads the command line and does what it says. Never throws.
-int command_line(int argc, char** argv, const ShowWindow& show_window, const BenchWindow& bench_window = {});
+int command_line(int argc, char** argv, const ShowWindow& show_window);
 
 }  // namespace skein::app

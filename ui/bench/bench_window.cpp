@@ -1,4 +1,6 @@
-// skein bench ui: what the window costs, and what it costs the control thread.
+// skein-bench ui: what the window costs, and what it costs the control thread.
+#include "ui/bench/bench_window.h"
+
 #include <sys/resource.h>
 #include <time.h>
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -315,7 +316,24 @@ TEST(CommandLine, HelpOfEveryCommand) {
     EXPECT_EQ(r.status, 0) << command;
     EXPECT_GT(r.out.size(), 80u) << command;
   }
-  EXPECT_EQ(skein({"--version"}).out.substr(0, 6), "skein ");
+}
+
+TEST(CommandLine, TheVersionNamesTheCommit) {
+  const std::string version = skein({"--version"}).out;
+  EXPECT_TRUE(std::regex_match(version, std::regex(R"(skein \d+\.\d+\.\d+ \([0-9a-f]{7,40}(\+changes)?\)\n)")))
+      << version;
+}
+
+TEST(CommandLine, BenchmarksAreAProgramOfTheirOwn) {
+  // The names of the libraries that a program links stand in it as they are.
+  const std::string beside = skein::test::program() + "-bench";
+  EXPECT_FALSE(has(read_file(skein::test::program()), "libbenchmark.so"));
+  EXPECT_TRUE(has(read_file(beside), "libbenchmark.so")) << "else the line above proves nothing";
+  // What was written for `skein bench` goes on working, options of Google Benchmark as well.
+  const Result r = skein({"bench", "tick", "--benchmark_list_tests"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.out, "tick (n = 4)")) << r.out;
+  EXPECT_EQ(skein({"bench", "nothing"}).status, 2);
 }
 
 class Signal : public testing::TestWithParam<int> {};

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace CLI {
+class App;
+}
+
+namespace skein::app {
+
+/// A page of section 1 of the manual: "skein-run", and its text for man(1).
+struct ManualPage {
+  std::string name, text;
+};
+
+/// The pages of a program and of every command below it, made of the words that --help prints. Hidden commands have
+/// none. `version` stands in their foot.
+std::vector<ManualPage> manual_pages(const CLI::App& program, const std::string& version);
+
+/// Writes each page as NAME.1 into a folder, which is made. The error is a sentence.
+tl::expected<void, std::string> write_manual(const CLI::App& program, const std::string& version,
+                                             const std::string& folder);
+
+/// What may stand in the place of a word that is being typed.
+struct Candidate {
+  std::string word;
+  std::string help;  ///< a few words, or none
+};
+
+/// The candidates for the value of an option or positional, by its name ("--set", "experiment"); empty: a file.
+using ValuesOf = std::function<std::optional<std::vector<Candidate>>(const std::string& name)>;
+
+/// What a shell prints for `words`, all behind the program's name, of which the last is being typed: lines of
+/// "WORD<tab>HELP" that begin with it, after a line "@files" where a file may stand there as well
+/// (resources/completion). Commands, options and the words that an option allows come from the program itself.
+std::string completions(const CLI::App& program, const std::vector<std::string>& words, const ValuesOf& values = {});
+
+}  // namespace skein::app

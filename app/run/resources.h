@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace skein::app {
+
+/// What Skein comes with, wherever the tree is: share/skein beside the folder of the running program, or resources/ of
+/// the checkout that it was built in.
+
+/// `name`, unless there is no such file here and a shipped one in `folder` ("experiments", "studies") has it, with or
+/// without ".toml": then the path of that.
+std::string find_resource(const std::string& folder, const std::string& name);
+
+/// The names of those in `folder`, sorted, without ".toml".
+std::vector<std::string> resource_names(const std::string& folder);
+
+}  // namespace skein::app

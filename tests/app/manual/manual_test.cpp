@@ -1,0 +1,82 @@
+#include "app/manual/manual.h"
+
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+
+namespace skein::app {
+namespace {
+
+/// A program with a bit of everything.
+class Manual : public testing::Test {
+ protected:
+  Manual() {
+    CLI::App& run = *program.add_subcommand("run", "Runs an experiment");
+    run.add_option("experiment", text, "which")->required();
+    run.add_option("--set", texts, "key=value")->type_name("KEY=VALUE");
+    run.add_option("--speed", text, "how fast")->check(CLI::IsMember({"max", "realtime"}));
+    run.add_flag("--quiet", flag, "says nothing");
+    program.add_subcommand("replay", "Runs it again");
+    CLI::App& robots = *program.add_subcommand("robots", "Real ones");
+    robots.require_subcommand(1);
+    robots.add_subcommand("scan", "Looks for them\nwith Bluetooth");
+    program.add_subcommand("secret", "hidden")->group("");
+  }
+  std::string after(const std::vector<std::string>& words) const {
+    return completions(program, words, [](const std::string& name) -> std::optional<std::vector<Candidate>> {
+      if (name == "--set")
+        return {{{"rate=", "ticks"},
+                 {"avoidance.kind=", "how"},
+                 {"avoidance.kind=plan", {}},
+                 {"avoidance.kind=field", {}}}};
+      if (name == "experiment") return {{{"platoon", {}}, {"parking", {}}}};
+      return {};
+    });
+  }
+  CLI::App program{"Says what it does", "skein"};
+  std::string text;
+  std::vector<std::string> texts;
+  bool flag = false;
+};
+
+TEST_F(Manual, EveryCommandHasAPageAndHiddenOnesHaveNone) {
+  std::vector<std::string> names;
+  for (const ManualPage& page : manual_pages(program, "1.2")) names.push_back(page.name);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"skein", "skein-run", "skein-replay", "skein-robots", "skein-robots-scan"}));
+}
+
+TEST_F(Manual, APageHasTheWordsOfHelp) {
+  const std::string page = manual_pages(program, "1.2")[1].text;
+  EXPECT_NE(page.find(".SH NAME\nskein\\-run \\- runs an experiment\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("\\fB\\-\\-set\\fR \\fIKEY=VALUE"), std::string::npos) << page;
+  EXPECT_NE(page.find("\\fB\\-\\-quiet\\fR\nsays nothing"), std::string::npos) << page;
+  EXPECT_NE(page.find("\\fIEXPERIMENT\\fR\nwhich"), std::string::npos) << page;
+}
+
+TEST_F(Manual, NoLineOfAPageIsTakenForARequest) {
+  CLI::App odd("What it says\n.so /etc/passwd\n'quoted'", "odd");
+  const std::string page = manual_pages(odd, "1")[0].text;
+  EXPECT_EQ(page.find("\n.so"), std::string::npos) << page;
+  EXPECT_EQ(page.find("\n'"), std::string::npos) << page;
+}
+
+TEST_F(Manual, CompletesCommandsAndOptions) {
+  EXPECT_EQ(after({"r"}), "run\tRuns an experiment\nreplay\tRuns it again\nrobots\tReal ones\n");
+  EXPECT_EQ(after({"robots", ""}), "scan\tLooks for them\n");
+  EXPECT_EQ(after({"run", "--s"}), "--set\tkey=value\n--speed\thow fast\n");
+  EXPECT_EQ(after({"sec"}), "") << "hidden";
+  EXPECT_EQ(after({"run", "x", "run", "scan"}), "") << "neither is a command there";
+}
+
+TEST_F(Manual, CompletesValues) {
+  EXPECT_EQ(after({"run", "--speed", ""}), "max\t\nrealtime\t\n");
+  EXPECT_EQ(after({"run", "--quiet", "pl"}), "@files\nplatoon\t\n") << "a flag takes no value";
+  EXPECT_EQ(after({"run", "--speed", "max", "pa"}), "@files\nparking\t\n");
+  EXPECT_EQ(after({"run", "platoon", "pa"}), "") << "there is one experiment";
+  EXPECT_EQ(after({"run", "--set", "avo"}), "avoidance.kind=\thow\n") << "keys first";
+  EXPECT_EQ(after({"run", "--set", "avoidance.kind="}), "avoidance.kind=plan\t\navoidance.kind=field\t\n");
+}
+
+}  // namespace
+}  // namespace skein::app
