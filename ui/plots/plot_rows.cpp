@@ -1,11 +1,23 @@
 #include "ui/plots/plot_rows.h"
 
 #include <QCoreApplication>
+#include <algorithm>
 
 #include "core/geometry/pose.h"
 
 namespace skein::ui {
 namespace {
+
+/// Both ways, of every robot that has other limits than those before it.
+template <typename Limit>
+std::vector<double> limits_of(const app::Experiment& experiment, Limit&& limit) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    const double most = limit(app::make_limits(experiment, i));
+    if (std::find(all.begin(), all.end(), most) == all.end()) all.insert(all.end(), {-most, most});
+  }
+  return all;
+}
 
 QString tr(const char* text) {
   return QCoreApplication::translate("PlotRows", text);
@@ -128,7 +140,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
        0.02,
        false,
        false,
-       {-law.v_max, law.v_max},
+       limits_of(experiment, [](const core::CommandLimits& c) { return c.v_max; }),
        {},
        0,
        known([](const app::RobotRecord& r) { return r.command.v; })});
@@ -141,7 +153,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
        0.2,
        false,
        false,
-       {-law.omega_max, law.omega_max},
+       limits_of(experiment, [](const core::CommandLimits& c) { return c.omega_max; }),
        {},
        0,
        known([](const app::RobotRecord& r) { return r.command.omega; })});
