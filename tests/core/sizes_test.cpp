@@ -6,6 +6,7 @@
 
 #include "core/avoidance/avoidance.h"
 #include "core/kinematics/robot_type.h"
+#include "core/kinematics/step_motor.h"
 #include "core/kinematics/unicycle.h"
 #include "core/safety/shield.h"
 #include "draw.h"
