@@ -112,7 +112,7 @@ void KheperaSession::line(std::string_view text, double now) {
 }
 
 void KheperaSession::stop_answered(std::string_view text, double now) {
-  if (text.starts_with("b,")) {
+  if (stop_acknowledged_ && text.starts_with("b,")) {
     counters_.version = "Khepera IV " + std::string(text.substr(2));
     return come_up(now);
   }

@@ -144,6 +144,15 @@ TEST(KheperaSession, ADThatAnswersWhatWasBrokenOffIsNoAcknowledgement) {
   EXPECT_EQ(lab.robot.told(), WheelSpeeds{});
 }
 
+TEST(KheperaSession, AVersionIsNoAcknowledgementOfAStop) {
+  Lab lab({.ask_version = true});
+  lab.session.opened(lab.now);
+  lab.session.received(test::bytes("b,A,1\r\n"), lab.now);  // what another host had asked
+  EXPECT_FALSE(lab.session.up());
+  lab.exchange();
+  EXPECT_TRUE(lab.session.up() && lab.session.stop_acknowledged());
+}
+
 TEST(KheperaSession, WhatItDoesNotUnderstandLeadsToTheStop) {
   Lab lab;
   lab.session.opened(lab.now);
