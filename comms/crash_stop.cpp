@@ -12,8 +12,6 @@
 #include <ctime>
 #include <utility>
 
-#include "comms/asercom.h"
-#include "comms/epuck_wifi.h"
 
 namespace skein::comms {
 namespace {
@@ -21,7 +19,7 @@ namespace {
 struct Entry {
   std::atomic<bool> taken{false};
   std::atomic<int> descriptor{-1};
-  std::atomic<bool> wifi{false};
+  std::atomic<const Protocol*> protocol{nullptr};  // set before the descriptor
   std::atomic<bool> stands{false};
 };
 struct Thread {
@@ -41,9 +39,6 @@ std::atomic<bool> handling{false};
 constexpr long look_every = 2'000'000;                 // [ns]
 constexpr int looks_a_stop = 50, looks_at_most = 500;  // 100 ms, 1 s
 
-const auto wifi_stop = wifi_command({});
-std::array<std::uint8_t, 43> asercom_stop;  // filled by stop_robots_on_crash()
-
 long this_thread() noexcept {
   return ::syscall(SYS_gettid);
 }
@@ -56,20 +51,15 @@ int take(Places& places) noexcept {
 }
 
 void write_stop(const Entry& entry, int descriptor) noexcept {
-  const bool wifi = entry.wifi.load();
-  const std::uint8_t* const bytes = wifi ? wifi_stop.data() : asercom_stop.data();
-  [[maybe_unused]] const auto written = ::write(descriptor, bytes, wifi ? wifi_stop.size() : asercom_stop.size());
+  const std::span<const std::uint8_t> stop = entry.protocol.load()->stop_bytes();
+  [[maybe_unused]] const auto written = ::write(descriptor, stop.data(), stop.size());
 }
 
-/// Reads the answer where the thread that would have is this one, and gone. A line that ends in "s", or anything from a
-/// WiFi robot, which answers nothing but what it was sent.
+/// Reads the answer where the thread that would have is this one, and gone.
 bool answered(const Entry& entry, int descriptor) noexcept {
-  std::array<char, 256> bytes;
+  std::array<std::uint8_t, 256> bytes;
   const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
-  if (entry.wifi.load()) return count > 0;
-  for (ssize_t i = 0; i + 1 < count; ++i)
-    if (bytes[static_cast<std::size_t>(i)] == 's' && bytes[static_cast<std::size_t>(i) + 1] == '\r') return true;
-  return false;
+  return count > 0 && entry.protocol.load()->acknowledged(std::span(bytes).first(static_cast<std::size_t>(count)));
 }
 
 void stop_all() noexcept {
@@ -128,8 +118,7 @@ void stop_robots_on_suspend(void (*stopped)() noexcept) {
 }
 
 void stop_robots_on_crash() {
-  const auto stop = stop_sequence();
-  std::copy(stop.begin(), stop.end(), asercom_stop.begin());
+  for (const Protocol& protocol : protocols()) protocol.stop_bytes();  // what is made at first use is made here
   static std::array<char, 32 * 1024> stack;  // for an overflow of this thread's own
   stack_t alternative{};
   if (::sigaltstack(nullptr, &alternative) == 0 && (alternative.ss_flags & SS_DISABLE) != 0) {
@@ -145,10 +134,10 @@ void stop_robots_on_crash() {
   for (std::size_t i = 0; i < crashes.size(); ++i) ::sigaction(crashes[i], &action, &before[i]);
 }
 
-CrashEntry::CrashEntry(int descriptor, LinkKind kind) noexcept : place_(take(entries)) {
+CrashEntry::CrashEntry(int descriptor, const Protocol& protocol) noexcept : place_(take(entries)) {
   if (place_ < 0) return;
   Entry& entry = entries[static_cast<std::size_t>(place_)];
-  entry.wifi.store(kind == LinkKind::tcp);
+  entry.protocol.store(&protocol);
   entry.stands.store(false);
   entry.descriptor.store(descriptor);
 }

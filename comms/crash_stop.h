@@ -1,6 +1,6 @@
 #pragma once
 
-#include "comms/link_address.h"
+#include "comms/protocol.h"
 
 /// Stops the robots when the program crashes: what a signal handler needs lies ready at any time, descriptors of open
 /// links and the bytes of a stop.
@@ -24,7 +24,7 @@ void stop_robots_on_suspend(void (*stopped)() noexcept);
 class CrashEntry {
  public:
   CrashEntry() noexcept = default;
-  CrashEntry(int descriptor, LinkKind kind) noexcept;  ///< beyond 128 links: not known
+  CrashEntry(int descriptor, const Protocol& protocol) noexcept;  ///< beyond 128 links: not known
   CrashEntry(CrashEntry&& other) noexcept;
   CrashEntry& operator=(CrashEntry&& other) noexcept;
   ~CrashEntry();

@@ -6,24 +6,20 @@
 #include <array>
 #include <utility>
 
-#include "comms/asercom_session.h"
-#include "comms/wifi_session.h"
+#include "comms/protocol.h"
 
 namespace skein::comms {
-namespace {
-
-std::unique_ptr<LinkSession> session_for(const LinkAddress& address, const LinkOptions& options) {
-  if (address.kind == LinkKind::tcp) return std::make_unique<WifiSession>(options);
-  return std::make_unique<AsercomSession>(options);
-}
-
-}  // namespace
-
 Link::Link(LinkAddress address, const LinkOptions& options)
     : address_(std::move(address)),
       options_(options),
-      session_(session_for(address_, options)),
+      fastest_(protocol_of(address_).unit.fastest),
+      session_(protocol_of(address_).make_session(options)),
       wait_(options.reconnect_first) {}
+
+WheelCommand Link::clamped(int left, int right) const noexcept {
+  const auto clamp = [&](int speed) { return static_cast<std::int16_t>(std::clamp(speed, -fastest_, fastest_)); };
+  return {clamp(left), clamp(right)};
+}
 
 pollfd Link::wanted() const noexcept {
   if (!transport_) return {.fd = -1, .events = 0, .revents = 0};  // poll() passes over negative descriptors

@@ -25,6 +25,8 @@ class Link {
   Link(LinkAddress address, const LinkOptions& options);
 
   CommandSlot slot;  ///< filled by the control thread
+  /// The nearest command that such a robot can carry out; any thread.
+  WheelCommand clamped(int left, int right) const noexcept;
 
   // --- Link thread --------------------------------------------------------------------------------------------------
   pollfd wanted() const noexcept;    ///< what to wait for
@@ -69,6 +71,7 @@ class Link {
   LinkAddress address_;
   LinkOptions options_;
   std::optional<Transport> transport_;
+  int fastest_;  // [steps/s]
   std::unique_ptr<LinkSession> session_;  // in the protocol of the address
 
   double try_at_ = 0.0;  // when to open the transport next

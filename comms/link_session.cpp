@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace skein::comms {
@@ -14,13 +13,11 @@ namespace {
 // margin lets runs through whose own clock goes faster than ours.
 constexpr double jump_margin = 2000;  // [steps]
 
-constexpr double metres_per_step = std::numbers::pi * 0.041 / 1000.0;  // of every e-puck, to a few per cent
-
-double speed_of(WheelCommand command) noexcept {
-  return metres_per_step * std::max(std::abs(command.left), std::abs(command.right));
-}
-
 }  // namespace
+
+double LinkSession::speed_of(WheelCommand command) const noexcept {
+  return unit_.metres_per_step * std::max(std::abs(int{command.left}), std::abs(int{command.right}));
+}
 
 void LinkSession::opened(double now) {
   pending_.reset();
@@ -136,7 +133,7 @@ void LinkSession::read_counters(Encoders encoders, double now) {
   if (encoders_) {
     const int left = steps_between(encoders_->left, encoders.left);
     const int right = steps_between(encoders_->right, encoders.right);
-    const double possible = fastest_motor * (now - encoders_at_) + jump_margin;
+    const double possible = unit_.fastest * (now - encoders_at_) + jump_margin;
     if (std::max(std::abs(left), std::abs(right)) <= possible) {
       counters_.left_steps += left;
       counters_.right_steps += right;
@@ -147,7 +144,11 @@ void LinkSession::read_counters(Encoders encoders, double now) {
 }
 
 void LinkSession::read_battery(int raw, double now) {
-  counters_.battery = battery_of(raw);
+  read_battery(battery_of(raw), now);
+}
+
+void LinkSession::read_battery(const Battery& battery, double now) {
+  counters_.battery = battery;
   battery_at_ = now;
 }
 
@@ -156,7 +157,7 @@ void LinkSession::read_battery(int raw, double now) {
 void LinkSession::next(double now) {
   if (!up() || !output_.empty()) return;
   if (pending_) {
-    if (!question_ || sent_since_question_ < most_unconfirmed) send(now);
+    if (!question_ || sent_since_question_ < unit_.most_unconfirmed) send(now);
   } else if (!question_ && unconfirmed_) {
     ask(now);
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,15 @@
 #include "comms/round_trips.h"
 
 namespace skein::comms {
+
+/// How a robot counts what its wheels roll.
+struct WheelUnit {
+  double metres_per_step = std::numbers::pi * 0.041 / 1000.0;  ///< of every e-puck, to a few per cent [m]
+  int fastest = fastest_motor;                                 ///< that any such robot is told [steps/s]
+  /// So many commands may be unconfirmed while a question is. With a question they stay below the 58 bytes that an
+  /// e-puck1 can receive at once, should the radio hold them all back.
+  int most_unconfirmed = 6;
+};
 
 /// The conversation with one robot over one link, as a state machine: bytes and times in, bytes and the time of the
 /// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
@@ -29,7 +39,7 @@ namespace skein::comms {
 /// AsercomSession, WifiSession.
 class LinkSession {
  public:
-  explicit LinkSession(const LinkOptions& options) : options_(options) {}
+  explicit LinkSession(const LinkOptions& options, const WheelUnit& unit = {}) : options_(options), unit_(unit) {}
   virtual ~LinkSession() = default;
   LinkSession(const LinkSession&) = delete;
   LinkSession& operator=(const LinkSession&) = delete;
@@ -77,9 +87,7 @@ class LinkSession {
   LinkStatus status(double now) const;
   const RoundTrips& round_trips() const noexcept { return round_trips_; }
 
-  /// So many commands may be unconfirmed. With a question they stay below the 58 bytes that an e-puck1 can receive at
-  /// once, should the radio hold them all back.
-  static constexpr int most_unconfirmed = 6;
+  static constexpr int most_unconfirmed = WheelUnit{}.most_unconfirmed;
 
  protected:
   enum class Phase { closed, synchronising, up };
@@ -101,6 +109,7 @@ class LinkSession {
   void restarted();
   void read_counters(Encoders encoders, double now);
   void read_battery(int raw, double now);
+  void read_battery(const Battery& battery, double now);
   /// The question is answered. `taken`: the speeds that the robot says it has; a difference leads to the stop.
   void answered(std::optional<WheelCommand> taken, double now);
   void stands(double now);        ///< the newest stop is acknowledged
@@ -112,6 +121,7 @@ class LinkSession {
   Question asked() const noexcept { return question_ ? question_->what : Question::none; }
 
   LinkOptions options_;
+  WheelUnit unit_;
   Phase phase_ = Phase::closed;
   std::vector<std::uint8_t> output_;
   double asked_at_ = 0.0;  // when the newest question or stop was sent
@@ -137,6 +147,8 @@ class LinkSession {
   void send(double now);
   void request(std::optional<WheelCommand> speeds, bool with_question, double now);
   void count_way(double now) noexcept;
+  /// Of the faster wheel [m/s].
+  double speed_of(WheelCommand command) const noexcept;
   /// When this share of the blind distance will be used up by the time that a stop written then arrives.
   double blind_deadline(double share = 1.0) const noexcept;
   bool fresh(const Pending& pending, double now) const noexcept;

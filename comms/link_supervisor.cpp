@@ -171,7 +171,7 @@ tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
 void LinkSupervisor::Loop::command(std::size_t robot, int left, int right) noexcept {
   const std::uint32_t epoch = emergency_.load();
   if (robot >= links_.size() || (epoch & 1u) != 0) return;
-  links_[robot].slot.put(clamped(left, right), static_cast<std::uint16_t>(epoch));
+  links_[robot].slot.put(links_[robot].clamped(left, right), static_cast<std::uint16_t>(epoch));
   wake();
 }
 

@@ -14,8 +14,7 @@
 #include <system_error>
 #include <utility>
 
-#include "comms/asercom.h"
-#include "comms/epuck_wifi.h"
+#include "comms/protocol.h"
 #include "comms/rfcomm.h"
 
 namespace skein::comms {
@@ -47,9 +46,11 @@ bool make_raw(int descriptor) {
 
 TransportError describe_transport_error(int error, const LinkAddress& address) {
   const bool rfcomm = address.kind == LinkKind::rfcomm;
-  const bool tcp = address.kind == LinkKind::tcp;
+  const bool udp = address.kind == LinkKind::udp;
+  const bool tcp = address.kind == LinkKind::tcp || udp;
   switch (error) {
     case ECONNREFUSED:
+      if (udp) return {fmt::format("nothing listens on port {}: is the robot's program running?", address.channel)};
       if (tcp)
         return {fmt::format("nothing listens on port {}: is the selector at 15 and the WiFi firmware on the robot?",
                             address.channel)};
@@ -105,7 +106,8 @@ tl::expected<Transport, TransportError> Transport::open(const LinkAddress& addre
     case LinkKind::rfcomm:
       return open_rfcomm(address);
     case LinkKind::tcp:
-      return open_tcp(address);
+    case LinkKind::udp:
+      return open_ip(address);
   }
   return fail(EINVAL, address);
 }
@@ -137,17 +139,18 @@ tl::expected<Transport, TransportError> Transport::open_rfcomm(const LinkAddress
   return transport;
 }
 
-tl::expected<Transport, TransportError> Transport::open_tcp(const LinkAddress& address) {
+tl::expected<Transport, TransportError> Transport::open_ip(const LinkAddress& address) {
   sockaddr_in robot{};
   robot.sin_family = AF_INET;
   robot.sin_port = htons(static_cast<std::uint16_t>(address.channel));
   if (::inet_pton(AF_INET, address.device.c_str(), &robot.sin_addr) != 1)
     return tl::unexpected(TransportError{fmt::format("{} is no IPv4 address", address.device), true});
-  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const int descriptor = ::socket(
+      AF_INET, (address.kind == LinkKind::tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return fail(errno, address);
   Transport transport(descriptor, /*connecting=*/true, address);
   const int on = 1;  // 21 bytes wait for no others
-  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (address.kind == LinkKind::tcp) ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&robot), sizeof robot) == 0)
     transport.connected();
   else if (errno != EINPROGRESS)
@@ -188,11 +191,9 @@ Transport::~Transport() {
 
 void Transport::connected() noexcept {
   connecting_ = false;
-  crash_entry_ = CrashEntry(descriptor_, address_.kind);
-  const auto wifi = wifi_command({});
-  guarded_line_ =
-      GuardedLine(descriptor_, address_.kind == LinkKind::tcp ? std::span<const std::uint8_t>(wifi) : stop_sequence(),
-                  to_text(address_));
+  const Protocol& protocol = protocol_of(address_);
+  crash_entry_ = CrashEntry(descriptor_, protocol);
+  guarded_line_ = GuardedLine(descriptor_, protocol.stop_bytes(), to_text(address_));
 }
 
 tl::expected<void, TransportError> Transport::finish_connecting() {
@@ -209,6 +210,7 @@ tl::expected<std::size_t, TransportError> Transport::read(std::span<std::uint8_t
   if (count > 0) return static_cast<std::size_t>(count);
   if (count < 0 && nothing_now(errno)) return 0;
   if (count < 0) return fail(errno, address_);
+  if (address_.kind == LinkKind::udp) return 0;  // an empty datagram
   return fail(address_.kind == LinkKind::serial ? EIO : ECONNRESET, address_);  // end of file: hung up
 }
 

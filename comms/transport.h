@@ -22,13 +22,14 @@ struct TransportError {
 /// The sentence for an errno value met at `address`.
 TransportError describe_transport_error(int error, const LinkAddress& address);
 
-/// A byte stream to one robot on a non-blocking descriptor: serial line (raw, 115200 8N1), RFCOMM or TCP socket.
+/// A byte stream to one robot on a non-blocking descriptor: serial line (raw, 115200 8N1), RFCOMM, TCP or UDP
+/// socket (what is read or written at once is a datagram).
 /// Move-only; closes on destruction, says nothing to the robot when it does. No call waits. Not thread-safe.
 class Transport {
  public:
   /// Opens a serial line, or begins to connect a socket: then connecting() is true until the descriptor is writable and
-  /// finish_connecting() has said how it went. A serial line is locked (flock) against a second program. A tcp address
-  /// must be resolve()d.
+  /// finish_connecting() has said how it went. A serial line is locked (flock) against a second program. A tcp or
+  /// udp address must be resolve()d.
   static tl::expected<Transport, TransportError> open(const LinkAddress& address);
 
   Transport(Transport&& other) noexcept;
@@ -52,7 +53,7 @@ class Transport {
   void connected() noexcept;
   static tl::expected<Transport, TransportError> open_serial(const LinkAddress& address);
   static tl::expected<Transport, TransportError> open_rfcomm(const LinkAddress& address);
-  static tl::expected<Transport, TransportError> open_tcp(const LinkAddress& address);
+  static tl::expected<Transport, TransportError> open_ip(const LinkAddress& address);
 
   int descriptor_ = -1;
   bool connecting_ = false;

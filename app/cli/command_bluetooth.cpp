@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/cli/commands.h"
+#include "app/experiment/experiment_robots.h"
 #include "app/experiment/known_robots.h"
 #include "app/experiment/text_file.h"
 #include "app/run/exit_status.h"
@@ -24,7 +25,7 @@ KnownRobot known(const comms::BluetoothRobot& robot) {
   known.spec.link = RobotSpec::Link::device;
   known.spec.address = comms::to_text(robot.link());
   known.spec.adapter = robot.adapter;
-  known.spec.motor = robot.model();
+  become(known.spec, *core::find_robot_type(core::word(robot.model())));  // types have the names of their motors
   return known;
 }
 

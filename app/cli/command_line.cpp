@@ -32,6 +32,14 @@
 namespace skein::app {
 namespace {
 
+/// The robots that are no mere simulations.
+std::vector<std::string> linked_models() {
+  std::vector<std::string> names;
+  for (const core::RobotType& type : core::robot_types)
+    if (type.motor != core::MotorModel::ideal) names.emplace_back(type.name);
+  return names;
+}
+
 /// What all commands that run or check an experiment have in common.
 struct ExperimentOptions {
   std::string file;
@@ -202,23 +210,23 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App& emulate_command = *program.add_subcommand(
       "emulate",
-      "Runs emulated e-pucks until it is interrupted, on pseudo-terminals unless told otherwise, and says how to reach "
+      "Runs emulated robots until it is interrupted, on pseudo-terminals unless told otherwise, and says how to reach "
       "them");
   comms::EmulateOptions emulate_options;
   std::string model = "epuck2";
   auto* robots_option = emulate_command.add_option("--robots", emulate_options.robots, "how many")
                             ->check(CLI::Range(1, 64))
                             ->capture_default_str();
-  emulate_command.add_option("--model", model, "epuck1 or epuck2")
-      ->check(CLI::IsMember({"epuck1", "epuck2"}))
+  emulate_command.add_option("--model", model, "which robots")
+      ->check(CLI::IsMember(linked_models()))
       ->capture_default_str();
   emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
       ->type_name("DIR");
   emulate_command
       .add_option(
           "--listen", emulate_options.listen,
-          "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1), or tcp:ADDRESS:PORT for an e-puck2 with WiFi: a robot listens "
-          "there; repeatable, one robot each")
+          "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1), tcp:ADDRESS:PORT for an e-puck2 with WiFi, or udp:ADDRESS:PORT for a robot with the open "
+          "protocol: a robot listens there; repeatable, one robot each")
       ->type_name("WHERE")
       ->excludes(robots_option);
   emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
@@ -263,7 +271,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   }
   // The emulator waits for signals in its own way.
   if (emulate_command) {
-    emulate_options.model = model == "epuck1" ? core::MotorModel::epuck1 : core::MotorModel::epuck2;
+    emulate_options.model = core::find_robot_type(model);
     if (!emulate_options.listen.empty()) emulate_options.robots = emulate_options.listen.size();
     if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/cli/commands.h"
+#include "app/experiment/experiment_robots.h"
 #include "app/experiment/known_robots.h"
 #include "app/guard/robot_addresses.h"
 #include "app/guard/run_marker.h"
@@ -28,7 +29,7 @@ void print(const std::vector<Problem>& problems) {
 
 std::string not_known(const std::string& name, const std::string& path, const std::string& names) {
   return fmt::format(
-      "{}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST), an "
+      "{}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST, udp:HOST), an "
       "experiment or a file of robots (.toml), or a name in {}:{}",
       name, path,
       !names.empty()     ? names
@@ -56,7 +57,7 @@ class Known {
     spec.tag = -1;
     spec.link = RobotSpec::Link::device;
     spec.address = comms::to_text(address);
-    spec.motor = core::MotorModel::epuck2;
+    become(spec, type_spoken(address));
     return spec;
   }
   std::optional<RobotSpec> by_name(const std::string& name) {
@@ -202,7 +203,7 @@ std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, c
       named.robots.insert(named.robots.end(), experiment->robots.begin(), experiment->robots.end());
       if (words.size() == 1) named.experiment = std::move(experiment);
     } else {
-      const bool address = word.starts_with("rfcomm:") || word.starts_with("serial:") || word.starts_with("tcp:");
+      const bool address = comms::is_link_address(word);
       const auto parsed = comms::parse_link_address(word);
       if (address && !parsed) return print_error(fmt::format("skein: {}\n", parsed.error())), std::nullopt;
       const auto robot = address ? known.by_link(*parsed) : known.by_name(word);
@@ -227,7 +228,7 @@ int list_robots(const std::string& file) {
   for (const auto& [spec, version] : *known)
     fmt::print("{:<16} {:<32} {:<8} {:>4} {:<7} {:>8.2f} {:>8.2f} {}\n", spec.name, spec.address,
                spec.adapter.empty() ? "-" : spec.adapter, spec.tag < 0 ? "-" : std::to_string(spec.tag),
-               spec.motor == core::MotorModel::epuck1 ? "epuck1" : "epuck2", 1e3 * spec.drive.wheel_diameter,
+               spec.type->name, 1e3 * spec.drive.wheel_diameter,
                1e3 * spec.drive.track, version.empty() ? "-" : version);
   return done;
 }
@@ -254,7 +255,7 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
         continue;
       }
       problems.insert(problems.end(), known.problems.begin(), known.problems.end());
-      const bool is_address = word.starts_with("rfcomm:") || word.starts_with("serial:") || word.starts_with("tcp:");
+      const bool is_address = comms::is_link_address(word);
       problems.push_back("skein: " + (is_address ? address.error() : not_known(word, path, names_of(known.robots))));
     }
   }

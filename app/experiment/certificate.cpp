@@ -144,8 +144,8 @@ bool Certificate::holds() const noexcept {
 bool Certificate::keeps_tracking() const noexcept {
   constexpr double rounding = 1e-9;
   return std::all_of(robots.begin(), robots.end(), [&](const Robot& r) {
-    return r.k_x.value >= (core::tracking_share - rounding) * v_max &&
-           r.k_theta.value >= (core::tracking_share - rounding) * omega_max;
+    return r.k_x.value >= (core::tracking_share - rounding) * r.v_max &&
+           r.k_theta.value >= (core::tracking_share - rounding) * r.omega_max;
   });
 }
 
@@ -165,6 +165,8 @@ Certificate certify(const Experiment& experiment) {
   start.k_x.value = start.k_theta.value = start.b.value = start.f.value = start.g.value = infinite;
   start.v.value = start.omega.value = start.wheel.value = -infinite;
   certificate.robots.assign(n, start);
+  for (std::size_t i = 0; i < n; ++i)
+    certificate.robots[i].v_max = gains.v_max[i], certificate.robots[i].omega_max = gains.omega_max[i];
 
   CaseWatch cases(certificate.v_max, certificate.omega_max);
 
@@ -250,9 +252,9 @@ std::string as_lines(const Certificate& certificate) {
   for (std::size_t i = 0; i < certificate.robots.size(); ++i) {
     const Certificate::Robot& r = certificate.robots[i];
     fmt::format_to(out, "robot_{}_smallest_k_x: {:.4g} m/s ({:.0f} % of v_max) at t = {:g} s\n", i + 1, r.k_x.value,
-                   100.0 * r.k_x.value / certificate.v_max, r.k_x.t);
+                   100.0 * r.k_x.value / r.v_max, r.k_x.t);
     fmt::format_to(out, "robot_{}_smallest_k_theta: {:.4g} rad/s ({:.0f} % of omega_max) at t = {:g} s\n", i + 1,
-                   r.k_theta.value, 100.0 * r.k_theta.value / certificate.omega_max, r.k_theta.t);
+                   r.k_theta.value, 100.0 * r.k_theta.value / r.omega_max, r.k_theta.t);
     if (certificate.fixed) {
       fmt::format_to(out, "robot_{}_smallest_margin_f: {:.4g} m/s at t = {:g} s\n", i + 1, r.f.value, r.f.t);
       fmt::format_to(out, "robot_{}_smallest_margin_g: {:.4g} rad/s at t = {:g} s\n", i + 1, r.g.value, r.g.t);

@@ -112,10 +112,13 @@ core::Gains make_gains(const Experiment& experiment) {
   gains.coupling = c.coupling;
   gains.k_y = c.k_y;
   gains.k = c.k;
-  gains.v_max.assign(n, c.v_max);
-  gains.omega_max.assign(n, c.omega_max);
-  gains.c_x.assign(n, c.c_x);
-  gains.c_theta.assign(n, c.c_theta);
+  for (std::size_t i = 0; i < n; ++i) {
+    const RobotSpec& robot = experiment.robots[i];
+    gains.v_max[i] = robot.v_max.value_or(c.v_max);
+    gains.omega_max[i] = robot.omega_max.value_or(c.omega_max);
+    gains.c_x[i] = robot.c_x.value_or(c.c_x);
+    gains.c_theta[i] = robot.c_theta.value_or(c.c_theta);
+  }
   gains.k_xx = c.gains.k_xx;
   gains.c_xx = c.gains.c_xx;
   gains.l_xx = c.gains.l_xx;
@@ -132,7 +135,25 @@ core::Gains make_gains(const Experiment& experiment) {
 }
 
 core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot) {
-  return {experiment.controller.v_max, experiment.controller.omega_max, experiment.robots[robot].drive};
+  const RobotSpec& own = experiment.robots[robot];
+  return {own.v_max.value_or(experiment.controller.v_max), own.omega_max.value_or(experiment.controller.omega_max),
+          own.drive};
+}
+
+core::AvoidanceParameters make_avoidance(const Experiment& experiment, std::size_t robot) {
+  const RobotSpec& own = experiment.robots[robot];
+  core::AvoidanceParameters parameters = experiment.avoidance;
+  parameters.alpha = own.alpha.value_or(parameters.alpha);
+  parameters.beta = own.beta.value_or(parameters.beta);
+  parameters.K_a = own.K_a.value_or(parameters.K_a);
+  parameters.K_o = own.K_o.value_or(parameters.K_o);
+  return parameters;
+}
+
+std::vector<double> sizes_beyond(const Experiment& experiment) {
+  std::vector<double> beyond;
+  for (const RobotSpec& robot : experiment.robots) beyond.push_back(robot.radius - core::standard_radius);
+  return beyond;
 }
 
 }  // namespace skein::app

@@ -16,7 +16,7 @@
 #include "core/control/gain_schedule.h"
 #include "core/control/gains.h"
 #include "core/estimation/pose_filter.h"
-#include "core/kinematics/step_rate.h"
+#include "core/kinematics/robot_type.h"
 #include "core/reference/formation.h"
 #include "core/reference/timetable.h"
 #include "core/reference/trajectory.h"
@@ -143,20 +143,25 @@ struct GainChange {
 struct RobotSpec {
   enum class Link {
     sim,       ///< simulated, poses and wheel speeds handed over directly
-    loopback,  ///< simulated behind an emulated e-puck on a pseudo-terminal
-    device,    ///< a real robot: `address` is "rfcomm:ADDR/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT"
+    loopback,  ///< simulated behind an emulated robot on a pseudo-terminal
+    device,    ///< a real robot: `address` is what comms/link_address.h reads
   };
   std::string name;  ///< as in the file of robots; empty: it has none
   int tag = 0;
   Link link = Link::sim;
   std::string address;  ///< as written in the file
   std::string adapter;  ///< Bluetooth adapter, for example "hci1"; empty: the system's choice
-  core::MotorModel motor = core::MotorModel::ideal;  ///< key `model`; of a loopback or real robot "epuck2" unless given
+  /// Key `model`; of a loopback or real robot what its link speaks, "epuck2" as a rule, unless given.
+  const core::RobotType* type = &core::robot_types.front();
+  core::MotorModel motor = core::MotorModel::ideal;  ///< that of the type
+  double radius = core::standard_radius;             ///< that of the type unless given [m]
+  /// Its own of what (14), (15), (18) and (30) have for each robot; empty: as [controller] and [avoidance] say.
+  std::optional<double> v_max, omega_max, c_x, c_theta, alpha, beta, K_a, K_o;
   std::optional<TrajectorySpec> trajectory;          ///< of an independent reference
   std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
   /// How long after the last byte it stops by itself, as `robots test` has found; 0: never; empty: not known. [s]
   std::optional<double> watchdog;
-  core::DifferentialDrive drive;    ///< keys wheel_diameter, track; max_step_rate follows from `model`
+  core::DifferentialDrive drive;    ///< keys wheel_diameter, track; the rest follows from the type
 
   bool simulated() const noexcept { return link != Link::device; }
 };
@@ -245,7 +250,7 @@ struct Expectations {
       min_distance;  ///< smallest distance between two robots (true poses where known) is at least this [m]
   std::optional<double> arrived;        ///< all references rest and all robots are there by this time [s]
   std::optional<bool> formation_first;  ///< after every perturbation the formation settles (1 cm) before tracking does
-  std::optional<std::int64_t> collisions;  ///< number of times two robots come closer than 70 mm
+  std::optional<std::int64_t> collisions;  ///< number of times two robots come closer than their radii
   std::optional<bool> inside{};            ///< no body is ever over the edge of the arena
 };
 
@@ -295,5 +300,9 @@ std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& tr
 std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment);
 core::Gains make_gains(const Experiment& experiment);
 core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot);
+/// (30) as robot i has it.
+core::AvoidanceParameters make_avoidance(const Experiment& experiment, std::size_t robot);
+/// How much larger each body is than a standard one, for core::Sizes [m].
+std::vector<double> sizes_beyond(const Experiment& experiment);
 
 }  // namespace skein::app

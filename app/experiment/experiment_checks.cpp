@@ -52,6 +52,12 @@ void check_robots(const Experiment& e, Problems& problems) {
     if (const auto [other, unique] = names.emplace(robot.name, i); !unique && !robot.name.empty())
       problems.add(robot_key(i, "name"), fmt::format("found \"{}\", as robot {} is called, allowed: a name of its own",
                                                      robot.name, other->second + 1));
+    // Half a tick more than one, since ticks can be late.
+    if (const double most = robot.watchdog.value_or(0.0) / 1.5;
+        robot.link != RobotSpec::Link::sim && most > 0.0 && e.period() >= most)
+      problems.add("rate", fmt::format("found {} Hz, at which robot {} stops by itself between two ticks (watchdog {} s); "
+                                       "allowed: above {:.4g} Hz",
+                                       e.rate, i + 1, *robot.watchdog, 1.0 / most));
     if (robot.simulated()) continue;
     if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
       problems.add(robot_key(i, "link"),
@@ -81,6 +87,7 @@ struct Bound {
   const char* tracking_gain;
   const char* unit;
   double whole;      // v_max, omega_max
+  std::vector<double> wholes;  // of each robot
   double demand;     // what the reference takes of it, at most
   double per_speed;  // the same for 1 m/s of reference.speed; 0: that says nothing of it
   std::vector<std::string> keys;
@@ -109,9 +116,10 @@ void refuse_gain(const Bound& bound, std::size_t i, std::size_t k, double sum, s
                   i + 1, slower));
 }
 
-void check_bound(const Bound& bound, std::size_t robots, Problems& problems) {
-  if (bound.whole <= bound.demand) return;  // said by check_speed
+void check_bound(Bound bound, std::size_t robots, Problems& problems) {
   for (std::size_t i = 0; i < robots; ++i) {
+    bound.whole = bound.wholes[i];
+    if (bound.whole <= bound.demand) continue;  // said by check_speed
     double sum = 0.0;
     for (const core::PairTable* table : bound.tables) sum += table->row_sum(i);
     if (sum < bound.whole - bound.demand) continue;
@@ -120,39 +128,58 @@ void check_bound(const Bound& bound, std::size_t robots, Problems& problems) {
   }
 }
 
+std::vector<double> all_v_max(const Experiment& e) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < e.robots.size(); ++i) all.push_back(make_limits(e, i).v_max);
+  return all;
+}
+std::vector<double> all_omega_max(const Experiment& e) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < e.robots.size(); ++i) all.push_back(make_limits(e, i).omega_max);
+  return all;
+}
+
 void check_speed(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const core::ReferenceDemand demand = reference.demand(e.controller.k_y);
   if (e.reference.kind == ReferenceSpec::Kind::independent) return check_trajectory_speeds(e, problems);
+  const std::vector<double> forward = all_v_max(e), turning = all_omega_max(e);  // all robots share the reference
+  const double v_max = *std::min_element(forward.begin(), forward.end());
+  const double omega_max = *std::min_element(turning.begin(), turning.end());
   const double curvature = make_path(e.reference.path)->largest_curvature();
   if (const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
       platoon && demand.v > e.reference.speed &&
-      (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)) {
+      (demand.v >= v_max || demand.turning >= omega_max)) {
     problems.add(
         "reference.change",
         fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for which {} fails whatever "
                     "the couplings, allowed: changes that take longer",
-                    demand.v, demand.v >= e.controller.v_max ? "(18f)" : "(18g)"));
+                    demand.v, demand.v >= v_max ? "(18f)" : "(18g)"));
     return;
   }
-  const double share = std::max(demand.v / e.controller.v_max, demand.turning / e.controller.omega_max);
+  const double share = std::max(demand.v / v_max, demand.turning / omega_max);
   const double fastest = e.reference.speed / share;  // all velocities grow with it
-  if (demand.v >= e.controller.v_max || demand.turning >= e.controller.omega_max)
+  if (demand.v >= v_max || demand.turning >= omega_max)
     problems.add(
         "reference.speed",
         fmt::format("found {}, for which {} fails whatever the couplings; allowed: below {:.6g} m/s with v_max {}, "
                     "omega_max {}, k_y {} and bends of {:.4g} m",
-                    e.reference.speed, demand.v >= e.controller.v_max ? "(18f)" : "(18g)", fastest, e.controller.v_max,
-                    e.controller.omega_max, e.controller.k_y, 1.0 / curvature));
+                    e.reference.speed, demand.v >= v_max ? "(18f)" : "(18g)", fastest, v_max,
+                    omega_max, e.controller.k_y, 1.0 / curvature));
 }
 
 /// (18f, g) with tracking gains that are given, at the key of the file that fails first.
-void check_fixed(const ControllerSpec& c, const core::ReferenceDemand& demand, const core::CouplingGains& gains,
-                 const std::string& place, std::size_t robots, Problems& problems) {
+void check_fixed(const Experiment& e, const core::ReferenceDemand& demand, const core::CouplingGains& gains,
+                 const std::string& place, Problems& problems) {
   constexpr double rounding = 1e-12;
-  const auto check = [&](const char* equation, const char* name, double given, double whole, double reference,
-                         const std::vector<double>& couplings) {
-    const auto most = std::max_element(couplings.begin(), couplings.end());
-    const double left = whole - reference - *most;
+  const ControllerSpec& c = e.controller;
+  const std::size_t robots = e.robots.size();
+  const auto check = [&](const char* equation, const char* name, double given, const std::vector<double>& wholes,
+                         double reference, const std::vector<double>& couplings) {
+    std::size_t worst = 0;
+    for (std::size_t i = 1; i < robots; ++i)
+      if (wholes[i] - couplings[i] < wholes[worst] - couplings[worst]) worst = i;
+    const auto most = couplings.begin() + static_cast<std::ptrdiff_t>(worst);
+    const double whole = wholes[worst], left = whole - reference - *most;
     if (given <= left + rounding) return;
     const std::string said = fmt::format(
         "{} fails for robot {} by {:.4g}: {:.6g} - reference {:.6g} - couplings {:.6g} "
@@ -167,8 +194,8 @@ void check_fixed(const ControllerSpec& c, const core::ReferenceDemand& demand, c
     forward.push_back(gains.k_xx.row_sum(i));
     turning.push_back(gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i));
   }
-  check("(18f)", "k_x", c.k_x, c.v_max, demand.v, forward);
-  check("(18g)", "k_theta", c.k_theta, c.omega_max, demand.turning, turning);
+  check("(18f)", "k_x", c.k_x, all_v_max(e), demand.v, forward);
+  check("(18g)", "k_theta", c.k_theta, all_omega_max(e), demand.turning, turning);
 }
 
 void check_gains(const Experiment& e, const core::Reference& reference, Problems& problems) {
@@ -181,6 +208,7 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                  "k_x",
                  "m/s",
                  c.v_max,
+                 all_v_max(e),
                  demand.v,
                  !one_speed       ? 0.0
                  : demand.v > 0.0 ? demand.v / e.reference.speed
@@ -195,6 +223,7 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                  "k_theta",
                  "rad/s",
                  c.omega_max,
+                 all_omega_max(e),
                  demand.turning,
                  !one_speed       ? 0.0
                  : demand.v > 0.0 ? demand.turning / e.reference.speed
@@ -204,7 +233,7 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                 e.robots.size(), problems);
   };
   core::CouplingGains gains = c.gains;
-  if (c.policy == core::GainPolicy::fixed) check_fixed(c, demand, gains, "controller", e.robots.size(), problems);
+  if (c.policy == core::GainPolicy::fixed) check_fixed(e, demand, gains, "controller", problems);
   check_xx(gains, "controller.gains");
   check_tt_yy(gains, "controller.gains");
 
@@ -220,7 +249,7 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
     if (change[core::GainName::k_yy]) gains.k_yy = *change[core::GainName::k_yy];
     if (change[core::GainName::k_xx]) check_xx(gains, place);
     if (change[core::GainName::k_tt] || change[core::GainName::k_yy]) check_tt_yy(gains, place);
-    if (c.policy == core::GainPolicy::fixed) check_fixed(c, demand, gains, place, e.robots.size(), problems);
+    if (c.policy == core::GainPolicy::fixed) check_fixed(e, demand, gains, place, problems);
   }
 }
 

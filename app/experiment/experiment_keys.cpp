@@ -188,7 +188,7 @@ const std::vector<ExperimentKey>& all_keys() {
 }
 , {"shield", "distance", "midpoints are kept this far apart", NumberKey{[](E & e) -> auto& {return e.shield.distance;
 }
-, [](Limits) { return between(2.0 * core::robot_radius, longest, "m"); }
+, [](Limits) { return between(2.0 * core::standard_radius, longest, "m"); }
 }
 }
 , {"shield", "gamma", "how fast a gap may close, as a share of what is left of it",

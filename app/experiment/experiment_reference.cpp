@@ -125,9 +125,15 @@ void for_each_offset(const Experiment& e, const core::Reference& reference, Visi
   if (const double end = last_arrival(e); end < e.duration) all_pairs(end);
 }
 
+double largest_radius(const Experiment& e) {
+  double largest = 0.0;
+  for (const RobotSpec& robot : e.robots) largest = std::max(largest, robot.radius);
+  return largest;
+}
+
 void check_arena(const Experiment& e, const core::Reference& reference, Problems& problems) {
   const PathSpec& path = e.reference.path;
-  const double room = 2.0 * core::robot_radius;
+  double room = 2.0 * largest_radius(e);
   const bool circle = path.shape == PathShape::circle;
   if (e.reference.kind == Kind::platoon && path.centre == core::Point{} && path.shape != PathShape::polyline &&
       path.shape != PathShape::spline) {
@@ -139,12 +145,13 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
                                width, height, e.arena_width - room, e.arena_height - room, room));
     return;
   }
-  const double x_most = 0.5 * (e.arena_width - room), y_most = 0.5 * (e.arena_height - room);
   core::Pose farthest;
   double outside = 0.0;
   std::size_t who = 0;
   const auto see = [&](const core::Pose& pose, std::size_t robot) {
-    const double by = std::max(std::abs(pose.x) - x_most, std::abs(pose.y) - y_most);
+    const double wide = e.reference.kind == Kind::platoon ? room : 2.0 * e.robots[robot].radius;
+    const double by = std::max(std::abs(pose.x) - 0.5 * (e.arena_width - wide),
+                               std::abs(pose.y) - 0.5 * (e.arena_height - wide));
     if (by > outside) outside = by, farthest = pose, who = robot;
   };
   if (e.reference.kind == Kind::platoon) {
@@ -155,6 +162,8 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
     });
   }
   const bool own = e.reference.kind == Kind::independent;
+  if (e.reference.kind != Kind::platoon) room = 2.0 * e.robots[who].radius;
+  const double x_most = 0.5 * (e.arena_width - room), y_most = 0.5 * (e.arena_height - room);
   if (outside > 0.0)
     problems.add(own ? fmt::format("robot.{}.trajectory", who + 1) : "reference.path",
                  fmt::format("found a place ({:.4g}, {:.4g}) m that a robot comes to, allowed: from "
@@ -163,18 +172,40 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
                              farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
 }
 
+/// How much more room the bodies of the two need than two standard ones [m]. Along a path the offset is that of any two
+/// robots so many places apart.
+double more_room(const Experiment& e, const Offset& at) {
+  const auto beyond = [&](std::size_t i) { return e.robots[i].radius - core::standard_radius; };
+  if (e.reference.kind != Kind::platoon) return beyond(at.i) + beyond(at.j);
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + at.j < e.robots.size(); ++i) most = std::max(most, beyond(i) + beyond(i + at.j));
+  return most;
+}
+
+/// How far inside the larger of the two robots' detection regions the other one is: at most 1 inside.
+double region_level(const Experiment& e, const Offset& at, double leaves_at) {
+  double least = std::numeric_limits<double>::infinity();
+  const bool platoon = e.reference.kind == Kind::platoon;
+  for (std::size_t i = 0; i < e.robots.size(); ++i)
+    if (platoon || i == at.i || i == at.j)
+      least = std::min(least, core::region_level(core::wider(make_avoidance(e, i), more_room(e, at)),
+                                                 at.dx / leaves_at, at.dy / leaves_at));
+  return least;
+}
+
 /// Says that robots i and j come too close.
 void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
-  const double wide = 2.0 * core::robot_radius, nearest = std::hypot(at.dx, at.dy);
+  const double wide = core::standard_radius + core::standard_radius + more_room(e, at),
+               nearest = std::hypot(at.dx, at.dy);
   if (e.reference.kind == Kind::platoon)
     problems.add(
         at.spacing == e.reference.spacing ? "reference.spacing" : "reference.change",
-        fmt::format("found {}, with which robots of {} m width come within {:.4g} m of each other, allowed: more "
+        fmt::format("found {}, with which robots of {:.4g} m width come within {:.4g} m of each other, allowed: more "
                     "room on a path of {:.4g} m for {} robots",
                     at.spacing, wide, nearest, make_path(e.reference.path)->length(), e.robots.size()));
   else if (e.reference.kind == Kind::formation)
     problems.add(e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
-                 fmt::format("found places, or a change of them, with which robots of {} m width come within {:.4g} m "
+                 fmt::format("found places, or a change of them, with which robots of {:.4g} m width come within {:.4g} m "
                              "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
                              "crosses another's way",
                              wide, nearest));
@@ -182,7 +213,7 @@ void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
     problems.add(
         fmt::format("robot.{}.trajectory", at.j + 1),
         fmt::format("found a reference that comes within {:.4g} m of robot {}'s at t = {:.4g} s, allowed: more "
-                    "than the {} m that robots are wide{}",
+                    "than the {:.4g} m that robots are wide{}",
                     nearest, at.i + 1, at.t, wide,
                     e.reference.may_meet
                         ? " where they begin and where they come to rest"
@@ -192,13 +223,15 @@ void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
 /// The reference itself must neither collide nor set off what keeps robots apart.
 void check_spacing(const Experiment& e, const core::Reference& reference, Problems& problems) {
   constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
+  // `nearest`: as if the bodies were standard ones.
   double nearest = std::numeric_limits<double>::infinity(), level = nearest;
   Offset closest{};
   for_each_offset(e, reference, [&](const Offset& offset) {
-    if (const double d = std::hypot(offset.dx, offset.dy); d < nearest) nearest = d, closest = offset;
-    level = std::min(level, core::region_level(e.avoidance, offset.dx / leaves_at, offset.dy / leaves_at));
+    if (const double d = std::hypot(offset.dx, offset.dy) - more_room(e, offset); d < nearest)
+      nearest = d, closest = offset;
+    level = std::min(level, region_level(e, offset, leaves_at));
   });
-  if (nearest <= 2.0 * core::robot_radius) return refuse_meeting(e, closest, problems);
+  if (nearest <= core::standard_radius + core::standard_radius) return refuse_meeting(e, closest, problems);
   const char* where = e.reference.may_meet ? "where they begin or come to rest" : "of the formation";
   if (e.avoidance.enabled && level <= 1.0) {
     const double fits = std::pow(level, 1.0 / e.avoidance.p);
@@ -212,8 +245,9 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
   }
   if (e.shield.enabled && e.shield.distance >= nearest)
     problems.add("shield.distance", fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
-                                                "robots {}",
-                                                e.shield.distance, nearest, where));
+                                                "robots {}{}",
+                                                e.shield.distance, nearest, where,
+                                                more_room(e, closest) == 0.0 ? "" : ", less what their bodies are larger than an e-puck"));
 }
 
 }  // namespace

@@ -14,11 +14,18 @@ namespace {
 
 constexpr std::size_t most_robots = 64;
 
+/// The types that a robot with a link can have.
+std::string linked_type_names() {
+  std::string names;
+  for (const core::RobotType& type : core::robot_types)
+    if (type.motor != core::MotorModel::ideal) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", type.name);
+  return names;
+}
+
 void read_link(TomlTable& t, RobotSpec& robot) {
   const toml::node* const found = t.node("link");
   if (!found) return;
   const std::string_view text = found->value_exact<std::string_view>().value_or("");
-  const bool address = text.starts_with("rfcomm:") || text.starts_with("serial:") || text.starts_with("tcp:");
   const auto parsed = comms::parse_link_address(text);
   if (text == "sim")
     robot.link = RobotSpec::Link::sim;
@@ -28,8 +35,8 @@ void read_link(TomlTable& t, RobotSpec& robot) {
     robot.link = RobotSpec::Link::device;
   else
     t.refuse("link", *found,
-             R"("sim", "loopback", "rfcomm:ADDRESS/CHANNEL", "serial:/dev/..." or "tcp:HOST:PORT")" +
-                 (address ? fmt::format(" ({})", parsed.error()) : ""));
+             R"("sim", "loopback", "rfcomm:ADDRESS/CHANNEL", "serial:/dev/...", "tcp:HOST:PORT" or "udp:HOST:PORT")" +
+                 (comms::is_link_address(text) ? fmt::format(" ({})", parsed.error()) : ""));
   robot.address = parsed ? std::string(text) : "";
 }
 
@@ -56,27 +63,69 @@ void read_start(TomlTable& t, RobotSpec& robot, const Experiment& e) {
 }  // namespace
 
 void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
-  using Model = core::MotorModel;
   read_link(t, robot.spec);
   t.text("adapter", robot.spec.adapter);
   if (const auto known = comms::check_adapter(robot.spec.adapter); !known && t.has("adapter"))
     problems.add(t.full("adapter"), known.error());
-  t.number("wheel_diameter", robot.spec.drive.wheel_diameter, between(0.01, 0.2, "m"));
+  t.number("radius", robot.radius, between(0.01, 0.5, "m"));
+  t.number("wheel_diameter", robot.wheel_diameter, between(0.01, 0.2, "m"));
   t.number("watchdog", robot.spec.watchdog, between(0.0, 60.0, "s"));
-  t.number("track", robot.spec.drive.track, between(0.01, 0.5, "m"));
-  Model model = Model::ideal;
-  t.choice("model", model);
-  if (t.has("model")) robot.model = model, robot.model_key = t.full("model");
+  t.number("track", robot.track, between(0.01, 0.5, "m"));
+  t.number("v_max", robot.spec.v_max, above(0.0, 10.0, "m/s"));
+  t.number("omega_max", robot.spec.omega_max, above(0.0, 100.0, "rad/s"));
+  t.number("c_x", robot.spec.c_x, above(0.0, 1e4, "1/m"));
+  t.number("c_theta", robot.spec.c_theta, above(0.0, 1e4, "1/rad"));
+  t.number("alpha", robot.spec.alpha, above(0.0, 100.0, "m"));
+  t.number("beta", robot.spec.beta, above(0.0, 100.0, "m"));
+  t.number("K_a", robot.spec.K_a, between(0.0, 1e3, "1/s"));
+  t.number("K_o", robot.spec.K_o, between(0.0, 1e3, "m^2/s"));
+  if (const toml::node* const model = t.node("model")) {
+    robot.model_key = t.full("model");
+    if (const auto* const type = core::find_robot_type(model->value_exact<std::string_view>().value_or("")))
+      robot.model = type;
+    else
+      t.refuse("model", *model, core::robot_type_names());
+  }
+}
+
+void become(RobotSpec& robot, const core::RobotType& type) {
+  robot.type = &type;
+  robot.motor = type.motor;
+  robot.radius = type.radius;
+  robot.drive = type.wheels;
+  robot.watchdog = type.watchdog;
+}
+
+const core::RobotType& type_spoken(const comms::LinkAddress& address) {
+  for (const core::RobotType& type : core::robot_types)
+    if (!type.protocol.empty() && type.protocol == comms::language(address)) return type;
+  return *core::find_robot_type("epuck2");
 }
 
 RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   RobotSpec robot = keys.spec;
-  const bool steps = robot.link != RobotSpec::Link::sim;  // an e-puck's firmware is asked for whole steps
-  robot.motor = keys.model.value_or(steps ? core::MotorModel::epuck2 : core::MotorModel::ideal);
-  if (steps && robot.motor == core::MotorModel::ideal)
-    problems.add(keys.model_key,
-                 R"(found "ideal", allowed: "epuck1", "epuck2"; only a robot of link "sim" can be ideal)");
-  robot.drive.max_step_rate = core::max_step_rate(robot.motor);
+  const bool linked = robot.link != RobotSpec::Link::sim;
+  const auto address = comms::parse_link_address(robot.address);
+  const core::RobotType& type = keys.model ? *keys.model
+                                : address  ? type_spoken(*address)
+                                           : *core::find_robot_type(linked ? "epuck2" : "ideal");
+  // A robot is asked for whole speeds; only a simulation can do better.
+  if (linked && type.motor == core::MotorModel::ideal)
+    problems.add(keys.model_key, fmt::format("found \"{}\", allowed: {}; only a robot of link \"sim\" can be ideal",
+                                             type.name, linked_type_names()));
+  if (robot.link == RobotSpec::Link::device && address) {
+    const auto spoken = comms::spoken_by(*address, type.protocol);
+    if (!spoken)
+      problems.add(keys.model_key, spoken.error());
+    else if (*spoken != *address)
+      robot.address = comms::to_text(*spoken);  // it alone says how the robot is reached
+  }
+  const std::optional<double> watchdog = robot.watchdog;
+  become(robot, type);
+  if (watchdog) robot.watchdog = watchdog;
+  robot.radius = keys.radius.value_or(type.radius);
+  robot.drive.wheel_diameter = keys.wheel_diameter.value_or(type.wheels.wheel_diameter);
+  robot.drive.track = keys.track.value_or(type.wheels.track);
   return robot;
 }
 

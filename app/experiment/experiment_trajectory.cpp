@@ -164,9 +164,10 @@ bool check_trajectories(const Experiment& e, Problems& problems) {
 }
 
 void check_trajectory_speeds(const Experiment& e, Problems& problems) {
-  const ControllerSpec& c = e.controller;
+  const double k_y = e.controller.k_y;
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
-    const core::ReferenceDemand demand = make_trajectory(*e.robots[i].trajectory, e.reference)->demand(c.k_y);
+    const core::ReferenceDemand demand = make_trajectory(*e.robots[i].trajectory, e.reference)->demand(k_y);
+    const core::CommandLimits c = make_limits(e, i);
     if (demand.v < c.v_max && demand.turning < c.omega_max) continue;
     const std::string key = fmt::format("robot.{}.trajectory", i + 1);
     if (const double rate = std::abs(e.robots[i].trajectory->turn_rate); rate >= c.omega_max) {
@@ -183,7 +184,7 @@ void check_trajectory_speeds(const Experiment& e, Problems& problems) {
                                                  : ".speed"),
         fmt::format("found a reference of up to {:.6g} m/s, for which {} fails whatever the couplings; allowed: "
                     "below {:.6g} m/s with v_max {}, omega_max {}, k_y {} and the bends of its path",
-                    demand.v, demand.v >= c.v_max ? "(18f)" : "(18g)", demand.v / share, c.v_max, c.omega_max, c.k_y));
+                    demand.v, demand.v >= c.v_max ? "(18f)" : "(18g)", demand.v / share, c.v_max, c.omega_max, k_y));
   }
 }
 

@@ -161,7 +161,7 @@ std::string as_toml(const KnownRobot& robot) {
   std::string text = fmt::format("[[robot]]\nname = \"{}\"\nlink = \"{}\"\n", spec.name, spec.address);
   if (!spec.adapter.empty()) text += fmt::format("adapter = \"{}\"\n", spec.adapter);
   if (spec.tag >= 0) text += fmt::format("tag = {}\n", spec.tag);
-  text += fmt::format("model = \"{}\"\n", spec.motor == core::MotorModel::epuck1 ? "epuck1" : "epuck2");
+  text += fmt::format("model = \"{}\"\n", spec.type->name);
   if (!robot.version.empty()) text += fmt::format("version = \"{}\"\n", robot.version);
   return text;
 }

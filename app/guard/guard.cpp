@@ -25,6 +25,7 @@
 #include "app/guard/stop_socket.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "comms/protocol.h"
 #include "comms/watchdog.h"
 
 namespace skein::app {
@@ -47,6 +48,7 @@ struct Line {
   int descriptor = -1;
   std::vector<std::uint8_t> stop;
   std::string address;
+  const comms::Protocol* protocol = nullptr;  // that is spoken there
   std::int64_t stopped_at = 0;  // written last [ns]
   bool stands = false;          // the robot has said so since
 
@@ -55,14 +57,13 @@ struct Line {
     [[maybe_unused]] const auto written = ::write(descriptor, stop.data(), stop.size());
     stopped_at = now;
   }
-  /// The answer to a stop in asercom is a line "s". A robot on WiFi has none of its own: it is asked over a new
-  /// connection.
+  /// A robot that has no answer of its own to a stop is asked over a new connection.
   void read_answer() {
-    std::array<char, 512> bytes;
+    std::array<std::uint8_t, 512> bytes;
     for (ssize_t count; (count = ::read(descriptor, bytes.data(), bytes.size())) > 0;)
-      if (std::string_view(bytes.data(), static_cast<std::size_t>(count)).find("s\r") != std::string_view::npos)
-        stands = stands || !address.starts_with("tcp:");
+      stands = stands || (answers() && protocol->acknowledged(std::span(bytes).first(static_cast<std::size_t>(count))));
   }
+  bool answers() const noexcept { return protocol && protocol->answers_stop; }
   /// Also for the run's own descriptor, which may be open in a child of it.
   void close() {
     if (descriptor < 0) return;
@@ -128,8 +129,10 @@ void Watch::take(const GuardMessage& message, int descriptor) {
       line = {descriptor,
               {message.stop.begin(), message.stop.begin() + std::min(message.size, std::uint8_t{comms::longest_stop})},
               std::string(message.address.data(), ::strnlen(message.address.data(), message.address.size())),
+              nullptr,
               0,
               false};
+      if (const auto address = comms::parse_link_address(line.address)) line.protocol = &comms::protocol_of(*address);
       return;
     case GuardMessage::Kind::line_closed:
       if (line.descriptor >= 0) ::close(std::exchange(line.descriptor, -1));
@@ -271,8 +274,8 @@ int guard(const std::string& marker, int descriptor) {
       line.write_stop(now);
     }
     // WiFi: TCP delivers what it was given, or the connection is dead.
-    const auto asercom = [&](const Line& line) { return waits(line) && !line.address.starts_with("tcp:"); };
-    if (std::none_of(watch.lines.begin(), watch.lines.end(), asercom)) break;
+    const auto answers = [&](const Line& line) { return waits(line) && line.answers(); };
+    if (std::none_of(watch.lines.begin(), watch.lines.end(), answers)) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   std::vector<std::string> stand;

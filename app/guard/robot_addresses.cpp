@@ -12,17 +12,21 @@
 
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
+#include "core/kinematics/robot_type.h"
 
 namespace skein::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-void add(RobotAddresses& found, const std::string& link, const std::string& adapter, const std::string& name,
-         const std::string& place) {
+void add(RobotAddresses& found, const std::string& link, const std::string& model, const std::string& adapter,
+         const std::string& name, const std::string& place) {
   if (link == "sim" || link == "loopback") return;
   auto address = comms::parse_link_address(link);
   if (!address) return found.problems.push_back(fmt::format("{}: {}", place, address.error()));
+  // Where model and link disagree, the link is believed: that robot is tried.
+  if (const core::RobotType* const type = core::find_robot_type(model))
+    if (auto spoken = comms::spoken_by(*address, type->protocol)) address = std::move(spoken);
   address->adapter = adapter;
   address->name = name;
   found.robots.push_back(std::move(*address));
@@ -46,10 +50,10 @@ std::optional<std::string> value_of(std::string_view line, std::string_view key)
 
 void read_lines(const std::string& text, const std::string& file, RobotAddresses& found) {
   std::istringstream lines(text);
-  std::string line, link, adapter, name, place;
+  std::string line, link, model, adapter, name, place;
   const auto end_robot = [&] {
-    if (!link.empty()) add(found, link, adapter, name, place);
-    link.clear(), adapter.clear(), name.clear();
+    if (!link.empty()) add(found, link, model, adapter, name, place);
+    link.clear(), model.clear(), adapter.clear(), name.clear();
   };
   for (int number = 1; std::getline(lines, line); ++number) {
     if (const std::size_t begin = line.find_first_not_of(" \t"); begin != line.npos && line[begin] == '[') end_robot();
@@ -58,6 +62,7 @@ void read_lines(const std::string& text, const std::string& file, RobotAddresses
       link = *value;
       place = fmt::format("{}:{}", file, number);
     }
+    if (auto value = value_of(line, "model")) model = *value;
     if (auto value = value_of(line, "adapter")) adapter = *value;
     if (auto value = value_of(line, "name")) name = *value;
   }
@@ -80,7 +85,8 @@ void read_document(const toml::table& document, const std::string& file, RobotAd
     const bool is_listed = !name.empty() && listed != known.robots.end();
     if (adapter.empty() && is_listed) adapter = listed->adapter;
     const std::string link = (*robot)["link"].value_or(is_listed ? comms::to_text(*listed) : std::string{});
-    if (!link.empty()) add(found, link, adapter, name, fmt::format("{}: robot.{}.link", file, i + 1));
+    const std::string defaults = document["robot_defaults"]["model"].value_or(std::string{});
+    if (!link.empty()) add(found, link, (*robot)["model"].value_or(defaults), adapter, name, fmt::format("{}: robot.{}.link", file, i + 1));
   }
 }
 

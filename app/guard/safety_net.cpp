@@ -298,7 +298,7 @@ tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experime
   if (!address) return tl::unexpected(fmt::format("{}: {}", robot_name(experiment, robot), address.error()));
   address->adapter = spec.adapter;
   address->name = robot_name(experiment, robot);
-  return address;
+  return comms::spoken_by(std::move(*address), spec.type->protocol);
 }
 
 tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Experiment& experiment) {

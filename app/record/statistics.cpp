@@ -9,7 +9,6 @@
 namespace skein::app {
 namespace {
 
-constexpr double touch = 2.0 * core::robot_radius;  // two robots' midpoints when their bodies meet [m]
 constexpr double touch_hysteresis = 1e-3;           // a pair that rubs along is one collision [m]
 constexpr double one_disturbance = 0.2;             // [s]
 constexpr double arrived_within = 0.01;             // [m]
@@ -109,10 +108,12 @@ void Statistics::count_collisions(const TickRecord& record) {
   };
   for (std::size_t i = 0; i < n; ++i) {
     const core::Pose here = place(record.robots[i]);
-    for (std::size_t j = i + 1; j < n; ++j) see(i * n + j, core::distance(here, place(record.robots[j])) - touch);
+    const double radius = experiment_.robots[i].radius;
+    for (std::size_t j = i + 1; j < n; ++j) 
+      see(i * n + j, core::distance(here, place(record.robots[j])) - (radius + experiment_.robots[j].radius));
     const double over =
         std::fmax(std::abs(here.x) - 0.5 * experiment_.arena_width, std::abs(here.y) - 0.5 * experiment_.arena_height) +
-        core::robot_radius;
+        radius;
     so_far_.outside = std::fmax(so_far_.outside, over);
     for (std::size_t k = 0; k < obstacles_.size(); ++k) {
       const core::Obstacle& o = obstacles_[k];
@@ -120,7 +121,7 @@ void Statistics::count_collisions(const TickRecord& record) {
         touching_[n * n + i * obstacles_.size() + k] = false;
         continue;
       }
-      const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - core::robot_radius;
+      const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - radius;
       so_far_.obstacle_gap = std::fmin(so_far_.obstacle_gap, gap);
       see(n * n + i * obstacles_.size() + k, gap);
     }

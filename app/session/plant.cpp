@@ -32,13 +32,13 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
                                                               const SessionOptions& options) {
   std::unique_ptr<Plant> plant(new Plant(experiment, clock, options.every_tag));
 
-  std::vector<core::MotorModel> emulated;
+  std::vector<const core::RobotType*> emulated;
   std::vector<std::size_t> emulated_robots;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     if (experiment.robots[i].link == RobotSpec::Link::sim) continue;
     plant->linked_.push_back(i);
     if (experiment.robots[i].link != RobotSpec::Link::loopback) continue;
-    emulated.push_back(experiment.robots[i].motor);
+    emulated.push_back(experiment.robots[i].type);
     emulated_robots.push_back(i);
   }
   if (!emulated.empty()) {
@@ -56,7 +56,8 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     for (const std::size_t i : plant->linked_) {
       const std::string name = robot_name(experiment, i);
       if (experiment.robots[i].link == RobotSpec::Link::loopback) {
-        addresses.push_back({comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name});
+        const comms::LinkAddress line{comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name};
+        addresses.push_back(*comms::spoken_by(line, experiment.robots[i].type->protocol));
         continue;
       }
       auto address = link_of(experiment, i);
@@ -173,7 +174,8 @@ tl::expected<WheelCheck, std::string> Plant::check_wheels(std::size_t robot,
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  auto check = app::check_wheels(*links_, static_cast<std::size_t>(link - linked_.begin()), keep_on);
+  auto check = app::check_wheels(*links_, static_cast<std::size_t>(link - linked_.begin()),
+                                 *experiment_.robots[robot].type, keep_on);
   tested_.store(nobody, std::memory_order_release);
   return check;
 }

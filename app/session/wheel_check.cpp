@@ -67,6 +67,10 @@ struct Examined {
 
 }  // namespace
 
+double steps_of(const core::RobotType& type, double epuck_steps) noexcept {
+  return std::round(epuck_steps * core::DifferentialDrive{}.metres_per_step() / type.wheels.metres_per_step());
+}
+
 std::string wheel_fault(const char* wheel, double its_own, double other, double expected, const char* still,
                         const char* unit) {
   const double few = expected / 4;  // a loaded machine does not turn for long
@@ -91,16 +95,18 @@ std::vector<std::string> encoder_faults(double left, double right_with_left, dou
 }
 
 tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links, std::size_t link,
+                                                   const core::RobotType& type,
                                                    const std::function<std::string()>& keep_on) {
   const Examined examined{links, link, keep_on};
-  const auto left = examined.turn(one_wheel_speed, 0);
+  const int speed = static_cast<int>(steps_of(type, one_wheel_speed));
+  const auto left = examined.turn(speed, 0);
   if (!left) return tl::unexpected(left.error());
-  const auto right = examined.turn(0, one_wheel_speed);
+  const auto right = examined.turn(0, speed);
   if (!right) return tl::unexpected(right.error());
   WheelCheck check;
   check.left_steps = left->left;
   check.right_steps = right->right;
-  check.faults = encoder_faults(left->left, left->right, right->right, right->left, one_wheel_speed * one_wheel_time);
+  check.faults = encoder_faults(left->left, left->right, right->right, right->left, speed * one_wheel_time);
   const comms::LinkStatus status = links.status().at(link);
   check.version = status.version;
   check.battery = status.battery.volts;

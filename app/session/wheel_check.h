@@ -8,12 +8,16 @@
 
 #include "app/run/status.h"
 #include "comms/link_supervisor.h"
+#include "core/kinematics/robot_type.h"
 
 namespace skein::app {
 
-/// One wheel alone is told this, for so long: 80 steps, about 10 mm. [steps/s, s]
+/// One wheel alone is told this, for so long: 80 steps of an e-puck, about 10 mm. [steps/s, s]
 inline constexpr int one_wheel_speed = 200;
 inline constexpr double one_wheel_time = 0.4;
+
+/// As far, or as fast, as so many steps of an e-puck, in those of a robot of this type.
+double steps_of(const core::RobotType& type, double epuck_steps) noexcept;
 
 /// What is wrong with a wheel that was told to turn alone, by what both did; empty: nothing. `still` is said of one
 /// that did nothing: "'s encoder is silent".
@@ -28,6 +32,7 @@ std::vector<std::string> encoder_faults(double left, double right_with_left, dou
 /// stands when this is over. `keep_on` is asked before every command: a sentence ends the check, as its error. Blocks
 /// for some seconds.
 tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links, std::size_t link,
+                                                   const core::RobotType& type,
                                                    const std::function<std::string()>& keep_on);
 
 }  // namespace skein::app

@@ -36,10 +36,15 @@ core::ShieldParameters shield_of(const Experiment& e) {
 std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Reference& reference,
                                             std::size_t obstacles) {
   if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
-  return std::make_unique<core::Planner>(
-      core::Planner::Setup{
-          e.robots.size(), obstacles, {0.5 * e.arena_width, 0.5 * e.arena_height}, e.shield.distance, e.duration},
-      reference);
+  const std::vector<double> beyond = sizes_beyond(e);
+  const double most = core::Sizes(beyond).most();
+  return std::make_unique<core::Planner>(core::Planner::Setup{e.robots.size(),
+                                                              obstacles,
+                                                              {0.5 * e.arena_width, 0.5 * e.arena_height},
+                                                              e.shield.distance + 2.0 * most,
+                                                              e.duration,
+                                                              core::standard_radius + most},
+                                         reference);
 }
 
 /// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
@@ -58,6 +63,7 @@ TickState::TickState(const Experiment& e)
       reference(make_reference(e)),
       demand(reference->demand(e.controller.k_y)),
       shield_parameters(shield_of(e)),
+      beyond(sizes_beyond(e)),
       gains(make_gains(e)),
       couplings(e, gains, demand),
       obstacles(e.obstacles),
@@ -73,7 +79,10 @@ TickState::TickState(const Experiment& e)
       adrift(new bool[e.robots.size()]()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
-  for (std::size_t i = 0; i < n; ++i) limits.push_back(make_limits(e, i));
+  for (std::size_t i = 0; i < n; ++i) {
+    limits.push_back(make_limits(e, i));
+    fields.push_back(make_avoidance(e, i));
+  }
   filters.resize(n);
   seen_before.resize(n);
   held.resize(n);
@@ -238,14 +247,15 @@ void TickState::follow_field() noexcept {
                           {shield_touched.get(), robots()},
                           obstacles.standing(),
                           experiment.shield.distance + 2.0 * most_doubt + detour_margin,
-                          0.5 * experiment.arena_width - core::robot_radius,
-                          0.5 * experiment.arena_height - core::robot_radius};
+                          0.5 * experiment.arena_width - core::standard_radius,
+                          0.5 * experiment.arena_height - core::standard_radius,
+                          sizes};
   core::AvoidanceParameters parameters = experiment.avoidance;
   if (record.phase == Phase::staging) {
     parameters.enabled = true;
     parameters.horizon = std::max(parameters.horizon, staging_horizon);
   }
-  avoidance.step(parameters, gains, motion_dt, scene, nominal, followed);
+  avoidance.step(parameters, gains, motion_dt, scene, nominal, followed, fields);
   for (std::size_t i = 0; i < robots(); ++i)
     if (avoidance.stuck(i)) note(events::Deadlock{i});
 }
@@ -321,7 +331,7 @@ void TickState::limit_and_shield() noexcept {
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
   shield.apply(shield_parameters, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
-               doubt, {adrift.get(), robots()});
+               doubt, {adrift.get(), robots()}, sizes);
   for (std::size_t i = 0; i < robots(); ++i) {
     if (shield_touched[i]) record.robots[i].mode |= shielded;
     if (adrift[i]) commands[i] = {};
@@ -405,7 +415,7 @@ void TickState::watch_progress() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     const double over = std::max(std::abs(stands[i].x) - shield_parameters.half_width,
                                  std::abs(stands[i].y) - shield_parameters.half_height) +
-                        core::robot_radius;
+                        experiment.robots[i].radius;
     if (over > 0.0 && !outside[i]) note(events::Outside{i, over});
     outside[i] = over > 0.0;
     const double away = core::distance(poses[i], nominal[i].pose);

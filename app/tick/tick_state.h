@@ -72,6 +72,9 @@ struct TickState {
   const core::ReferenceDemand demand;
   const core::ShieldParameters shield_parameters;  // with the arena's edge
   std::vector<core::CommandLimits> limits;
+  const std::vector<double> beyond;  // bodies, against standard ones [m]
+  const core::Sizes sizes{beyond};
+  std::vector<core::AvoidanceParameters> fields;  // (30) of each robot
 
   // What lasts from tick to tick.
   double last_now = none;

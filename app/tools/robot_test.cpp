@@ -11,8 +11,9 @@
 namespace skein::app {
 namespace {
 
-constexpr double way_speed = 300, way_time = 1.6;      // 480 steps, 62 mm
-constexpr double turn_speed = 250, turn_time = 1.6;    // 400 steps each, 110 degrees
+// Speeds in an e-puck's steps (steps_of).
+constexpr double epuck_way_speed = 300, way_time = 1.6;      // 62 mm
+constexpr double epuck_turn_speed = 250, turn_time = 1.6;    // 52 mm of each wheel: 110 degrees of an e-puck
 constexpr double standing = 0.6, settled = 0.2;        // how long it stands; from when on its poses count [s]
 constexpr double first_sight = 10.0, all_parts = 1.6;  // a camera opens; the tracker looks everywhere once [s]
 constexpr double turned_at_least = 0.05;               // a tag on a robot that turns 0.19 rad; noise is 0.001 [rad]
@@ -155,7 +156,8 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   }
   // What each wheel rolled, from how the tag turned and went ahead.
   const core::DifferentialDrive& drive = believed_.robots[robot].drive;
-  const double expected_way = one_wheel_speed * one_wheel_time * drive.metres_per_step() * 1e3;
+  const core::RobotType& type = *believed_.robots[robot].type;
+  const double expected_way = steps_of(type, one_wheel_speed) * one_wheel_time * drive.metres_per_step() * 1e3;
   for (const auto& [moved, is_left] : {std::pair(&with_left, true), std::pair(&*with_right, false)}) {
     const double arc = 0.5 * moved->turned() * drive.track, way = moved->forward();
     const double rolled_left = 1e3 * (way - arc), rolled_right = 1e3 * (way + arc);
@@ -170,18 +172,19 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
 }
 
 /// Whether nobody else's tag is where the robot with this one would drive, straight ahead or (negative) back.
-bool RobotTest::free_way(int tag, double distance) const {
+bool RobotTest::free_way(int tag, double distance, double radius) const {
   const auto own = std::find(wanted_.begin(), wanted_.end(), tag) - wanted_.begin();
   const core::Pose& at = resting_[static_cast<std::size_t>(own)];
   const double ahead_x = std::cos(at.theta), ahead_y = std::sin(at.theta);
-  if (std::abs(at.x + distance * ahead_x) > 0.5 * believed_.arena_width - core::robot_radius ||
-      std::abs(at.y + distance * ahead_y) > 0.5 * believed_.arena_height - core::robot_radius)
+  if (std::abs(at.x + distance * ahead_x) > 0.5 * believed_.arena_width - radius ||
+      std::abs(at.y + distance * ahead_y) > 0.5 * believed_.arena_height - radius)
     return false;
   for (std::size_t i = 0; i < resting_.size(); ++i) {
     if (static_cast<std::ptrdiff_t>(i) == own || !known(resting_[i])) continue;
     const double dx = resting_[i].x - at.x, dy = resting_[i].y - at.y;
     const double along = std::clamp(dx * ahead_x + dy * ahead_y, std::min(0.0, distance), std::max(0.0, distance));
-    if (std::hypot(dx - along * ahead_x, dy - along * ahead_y) < elbow_room) return false;
+    const double room = elbow_room + 2.0 * (radius - core::standard_radius);
+    if (std::hypot(dx - along * ahead_x, dy - along * ahead_y) < room) return false;
   }
   return true;
 }
@@ -189,13 +192,16 @@ bool RobotTest::free_way(int tag, double distance) const {
 /// How large its wheels are and how far apart, from what the camera saw against what the encoders counted.
 tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTestResult& result) {
   const core::DifferentialDrive& drive = believed_.robots[robot].drive;
+  const core::RobotType& type = *believed_.robots[robot].type;
+  const double way_speed = steps_of(type, epuck_way_speed), turn_speed = steps_of(type, epuck_turn_speed);
   const double distance = way_speed * way_time * drive.metres_per_step();
-  const double sign = free_way(result.tag, distance) ? 1.0 : -1.0;
-  if (sign < 0.0 && !free_way(result.tag, -distance)) {
+  const double radius = believed_.robots[robot].radius;
+  const double sign = free_way(result.tag, distance, radius) ? 1.0 : -1.0;
+  if (sign < 0.0 && !free_way(result.tag, -distance, radius)) {
     result.notes.push_back(
         fmt::format("its wheels were not measured: it needs {:.0f} mm ahead of it or behind it, "
                     "inside the arena and away from other robots",
-                    1e3 * (distance + core::robot_radius)));
+                    1e3 * (distance + radius)));
     return {};
   }
   double way = 0.0, way_steps = 0.0, turn = 0.0, turn_steps = 0.0;  // all counted positive
@@ -222,7 +228,8 @@ tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTes
       turn_steps += std::abs(steps);
     }
   }
-  if (way_steps < 100.0 || turn_steps < 100.0 || way <= 0.0 || turn <= 0.0) return {};  // named as a fault already
+  const double few = steps_of(type, 100.0);
+  if (way_steps < few || turn_steps < few || way <= 0.0 || turn <= 0.0) return {};  // named as a fault already
   const double diameter = way / way_steps * drive.steps_per_turn / core::pi;
   const double track = turn_steps * way / way_steps / turn;
   result.wheel_diameter = diameter;
@@ -245,7 +252,8 @@ double watchdog_of(double steps, double speed, double silence) noexcept {
 
 /// Nothing is sent for a second while the robot drives: 3 cm of way in all.
 tl::expected<void, std::string> RobotTest::cut_line(std::size_t robot, RobotTestResult& result) {
-  constexpr double speed = 150.0, begins = 0.2, silence = 1.0, answers = 0.6;  // [steps/s, s]
+  const double speed = steps_of(*believed_.robots[robot].type, 150.0);
+  constexpr double begins = 0.2, silence = 1.0, answers = 0.6;  // [steps/s, s]
   if (!clock_.wall()) return {};
   wheels_[robot] = {speed, speed};
   const auto go_on = [this](double seconds) -> tl::expected<void, std::string> {
@@ -276,13 +284,14 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   looked_ = true;
   if (const auto stood = stand(); !stood) return tl::unexpected(stood.error());
 
-  const auto left = drive(robot, one_wheel_speed, 0.0, one_wheel_time);
+  const double speed = steps_of(*believed_.robots[robot].type, one_wheel_speed);
+  const auto left = drive(robot, speed, 0.0, one_wheel_time);
   if (!left) return tl::unexpected(left.error());
-  const auto right = drive(robot, 0.0, one_wheel_speed, one_wheel_time);
+  const auto right = drive(robot, 0.0, speed, one_wheel_time);
   if (!right) return tl::unexpected(right.error());
   result.left_steps = left->left;
   result.right_steps = right->right;
-  result.faults = encoder_faults(left->left, left->right, right->right, right->left, one_wheel_speed * one_wheel_time);
+  result.faults = encoder_faults(left->left, left->right, right->right, right->left, speed * one_wheel_time);
   if (plant_.camera()) {
     const std::size_t wheels_at_fault = result.faults.size();
     judge_camera(robot, *left, *right, result);

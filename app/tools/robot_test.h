@@ -62,7 +62,7 @@ class RobotTest {
   tl::expected<void, std::string> cut_line(std::size_t robot, RobotTestResult& result);
   void judge_camera(std::size_t robot, const Manoeuvre& left, const Manoeuvre& right, RobotTestResult& result) const;
   tl::expected<void, std::string> calibrate(std::size_t robot, RobotTestResult& result);
-  bool free_way(int tag, double distance) const;
+  bool free_way(int tag, double distance, double radius) const;
   std::string whose(int tag) const;
 
   Plant& plant_;

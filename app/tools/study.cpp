@@ -71,7 +71,7 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     h.number("t", hand.t, above(0.0, 86400.0, "s"));
     h.integer("robots", hand.robots, 1, 64);
     read_span(h, "distance", hand.distance, between(0.0, longest, "m"));
-    h.number("clearance", hand.clearance, between(2.0 * core::robot_radius, longest, "m"));
+    h.number("clearance", hand.clearance, between(2.0 * core::standard_radius, longest, "m"));
     h.finish();
     study.hand = hand;
   }
@@ -81,7 +81,7 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     f.integer("count", field.count, 1, 1000);
     read_span(f, "radius", field.radius, above(0.0, longest, "m"));
     f.number("gap", field.gap, between(0.0, longest, "m"));
-    f.number("clearance", field.clearance, between(core::robot_radius, longest, "m"));
+    f.number("clearance", field.clearance, between(core::standard_radius, longest, "m"));
     f.finish();
     study.field = field;
   }
@@ -90,7 +90,7 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     TomlTable s = t.table("scatter");
     s.number("distance", scatter.distance, between(0.0, longest, "m"));
     s.number("heading", scatter.heading, between(0.0, core::pi, "rad"));
-    s.number("clearance", scatter.clearance, between(2.0 * core::robot_radius, longest, "m"));
+    s.number("clearance", scatter.clearance, between(2.0 * core::standard_radius, longest, "m"));
     s.finish();
     study.scatter = scatter;
   }
@@ -100,8 +100,8 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     Span robots{static_cast<double>(crowd.robots[0]), static_cast<double>(crowd.robots[1])};
     read_span(c, "robots", robots, between(1.0, 64.0));
     crowd.robots = {static_cast<std::int64_t>(std::ceil(robots[0])), static_cast<std::int64_t>(std::floor(robots[1]))};
-    c.number("clearance", crowd.clearance, between(2.0 * core::robot_radius, longest, "m"));
-    c.number("border", crowd.border, between(core::robot_radius, longest, "m"));
+    c.number("clearance", crowd.clearance, between(2.0 * core::standard_radius, longest, "m"));
+    c.number("border", crowd.border, between(core::standard_radius, longest, "m"));
     c.finish();
     study.crowd = crowd;
   }
@@ -121,6 +121,11 @@ struct Dice {
   double angle() { return core::pi * (1.0 - 2.0 * random.uniform()); }  // (-pi, pi]
 };
 
+/// How much larger the body is than those that clearances are meant for [m].
+double beyond(const Experiment& e, std::size_t robot) {
+  return e.robots[robot].radius - core::standard_radius;
+}
+
 tl::expected<std::string, std::string> place_obstacles(const Study::Field& field, const Experiment& e, Dice& dice) {
   const auto reference = make_reference(e);
   std::vector<core::Obstacle> placed;
@@ -129,14 +134,14 @@ tl::expected<std::string, std::string> place_obstacles(const Study::Field& field
     if (tries == most_tries) return tl::unexpected(std::string("there is no room for so many obstacles"));
     const double w = 0.5 * e.arena_width, h = 0.5 * e.arena_height;
     const double radius = dice.between(field.radius), x = dice.between({-w, w}), y = dice.between({-h, h});
-    const auto clear_of = [&](const core::Pose& pose) {
-      return std::hypot(pose.x - x, pose.y - y) >= radius + field.clearance;
+    const auto clear_of = [&](const core::Pose& pose, std::size_t robot) {
+      return std::hypot(pose.x - x, pose.y - y) >= radius + field.clearance + beyond(e, robot);
     };
     bool free = std::all_of(placed.begin(), placed.end(), [&](const core::Obstacle& o) {
       return std::hypot(o.x - x, o.y - y) >= o.radius + radius + field.gap;
     });
     for (std::size_t i = 0; free && i < e.robots.size(); ++i)
-      free = clear_of(reference->at(i, 0.0).pose) && clear_of(reference->at(i, e.duration).pose);
+      free = clear_of(reference->at(i, 0.0).pose, i) && clear_of(reference->at(i, e.duration).pose, i);
     if (!free) continue;
     placed.push_back({x, y, radius});
     text += fmt::format("{}{{x={}, y={}, radius={}}}", text.empty() ? "" : ", ", x, y, radius);
@@ -147,12 +152,13 @@ tl::expected<std::string, std::string> place_obstacles(const Study::Field& field
 tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::Scatter& scatter, const Experiment& e,
                                                                    Dice& dice) {
   const auto reference = make_reference(e);
-  const double w = 0.5 * e.arena_width - core::robot_radius, h = 0.5 * e.arena_height - core::robot_radius;
   std::vector<core::Pose> placed;
   std::vector<std::string> sets;
   for (int tries = 0; placed.size() < e.robots.size(); ++tries) {
     if (tries == most_tries) return tl::unexpected(std::string("there is no room for so many robots"));
     const core::Pose start = reference->at(placed.size(), 0.0).pose;
+    const RobotSpec& robot = e.robots[placed.size()];
+    const double w = 0.5 * e.arena_width - robot.radius, h = 0.5 * e.arena_height - robot.radius;
     core::Pose there{dice.between({-w, w}), dice.between({-h, h}), 0.0};
     if (scatter.distance > 0.0) {
       const double by = dice.between({0.0, scatter.distance}), direction = dice.angle();
@@ -162,9 +168,14 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
     const bool free =
         std::abs(there.x) <= w && std::abs(there.y) <= h &&
         std::all_of(placed.begin(), placed.end(),
-                    [&](const core::Pose& p) { return core::distance(p, there) >= scatter.clearance; }) &&
+                    [&](const core::Pose& p) {
+                      const auto j = static_cast<std::size_t>(&p - placed.data());
+                      return core::distance(p, there) >= scatter.clearance + beyond(e, placed.size()) + beyond(e, j);
+                    }) &&
         std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
-          return std::hypot(there.x - o.x, there.y - o.y) >= o.radius + scatter.clearance - core::robot_radius;
+          return std::hypot(there.x - o.x, there.y - o.y) >= 
+                                                               o.radius + scatter.clearance - core::standard_radius +
+                                                                   beyond(e, placed.size());
         });
     if (!free) continue;
     placed.push_back(there);
@@ -174,7 +185,8 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
 }
 
 tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, const Experiment& e, Dice& dice) {
-  const double w = 0.5 * e.arena_width - crowd.border, h = 0.5 * e.arena_height - crowd.border;
+  const double more = beyond(e, 0);  // all are as the defaults say
+  const double w = 0.5 * e.arena_width - crowd.border - more, h = 0.5 * e.arena_height - crowd.border - more;
   const auto span = static_cast<double>(crowd.robots[1] - crowd.robots[0] + 1);
   const auto n = static_cast<std::size_t>(crowd.robots[0]) + static_cast<std::size_t>(span * dice.random.uniform());
   std::vector<core::Pose> starts, places;
@@ -184,9 +196,9 @@ tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, con
       const core::Pose pose{dice.between({-w, w}), dice.between({-h, h}), dice.angle()};
       const bool free =
           std::all_of(drawn->begin(), drawn->end(),
-                      [&](const core::Pose& p) { return core::distance(p, pose) >= crowd.clearance; }) &&
+                      [&](const core::Pose& p) { return core::distance(p, pose) >= crowd.clearance + 2.0 * more; }) &&
           std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
-            return std::hypot(pose.x - o.x, pose.y - o.y) >= o.radius + crowd.clearance - core::robot_radius;
+            return std::hypot(pose.x - o.x, pose.y - o.y) >= o.radius + crowd.clearance - core::standard_radius + more;
           });
       if (free) drawn->push_back(pose);
     }
@@ -212,9 +224,9 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
     std::swap(order[i], order[i + static_cast<std::size_t>(static_cast<double>(n - i) * dice.random.uniform())]);
 
   std::string text;
-  const double from_edge = hand.clearance - core::robot_radius;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t robot = order[k];
+    const double from_edge = hand.clearance - core::standard_radius + beyond(e, robot);
     bool free = false;
     for (int tries = 0; !free; ++tries) {
       if (tries == most_tries) return tl::unexpected(fmt::format("there is no room to put robot {} down", robot + 1));
@@ -224,7 +236,7 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
       free =
           std::abs(there.x) <= 0.5 * e.arena_width - from_edge && std::abs(there.y) <= 0.5 * e.arena_height - from_edge;
       for (std::size_t j = 0; free && j < n; ++j)
-        free = j == robot || core::distance(there, poses[j]) >= hand.clearance;
+        free = j == robot || core::distance(there, poses[j]) >= hand.clearance + beyond(e, robot) + beyond(e, j);
       for (const core::Obstacle& o : e.obstacles)
         free = free && std::hypot(there.x - o.x, there.y - o.y) >= o.radius + from_edge;
       if (!free) continue;

@@ -33,7 +33,7 @@ struct Study {
     double t = 2.0;
     std::int64_t robots = 1;
     Span distance{0.05, 0.4};
-    double clearance = 0.1;  ///< to any other midpoint, [m]; that much less robot_radius to obstacles and the border
+    double clearance = 0.1;  ///< to any other midpoint, [m]; that much less standard_radius to obstacles and the border
   };
   std::optional<Hand> hand;
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "comms/emulator/emulator_loop.h"
+#include "comms/emulator/make_firmware.h"
 
 namespace skein::comms {
 namespace {
@@ -81,16 +82,25 @@ int emulate(const EmulateOptions& options) {
     std::vector<EmulatorLoop::Robot> robots;
     for (const ListenAddress& address : listen) {
       const bool wifi = address.kind == LinkKind::tcp;
-      robots.push_back({wifi ? core::MotorModel::epuck2 : options.model, wifi ? Protocol::wifi : Protocol::asercom,
-                        make_socket_endpoint(address)});
+      const core::RobotType& type = wifi                               ? *core::find_robot_type("epuck2")
+                                    : address.kind == LinkKind::udp ? *core::find_robot_type("open")
+                                                                       : *options.model;
+      robots.push_back({type.motor, wifi ? EpuckProgram::wifi : EpuckProgram::asercom, make_socket_endpoint(address),
+                        make_firmware(type)});
     }
     if (listen.empty()) {
       names.emplace(options.directory);
       for (std::size_t i = 0; i < options.robots; ++i)
-        robots.push_back({options.model, Protocol::asercom, make_pty_endpoint(*names, i)});
+        robots.push_back({options.model->motor, EpuckProgram::asercom, make_pty_endpoint(*names, i),
+                          make_firmware(*options.model)});
     }
     const EmulatorLoop emulator(std::move(robots), on_wheels, clock, options.faults, options.seed);
-    for (std::size_t i = 0; i < emulator.size(); ++i) say(fmt::format("robot {}: {}", i + 1, emulator.address(i)));
+    for (std::size_t i = 0; i < emulator.size(); ++i) {
+      const auto plain = parse_link_address(emulator.address(i));
+      const bool stream = plain && (plain->kind == LinkKind::serial || plain->kind == LinkKind::rfcomm);
+      const auto spoken = stream ? spoken_by(*plain, options.model->protocol) : plain;
+      say(fmt::format("robot {}: {}", i + 1, spoken ? to_text(*spoken) : emulator.address(i)));
+    }
     signals.wait();
   } catch (const std::system_error& error) {
     fmt::print(stderr, "skein emulate: {}\n", error.what());

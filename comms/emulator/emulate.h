@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "comms/emulator/radio_faults.h"
-#include "core/kinematics/step_rate.h"
+#include "core/kinematics/robot_type.h"
 
 namespace skein::comms {
 
@@ -15,7 +15,8 @@ struct EmulateOptions {
   std::size_t robots = 1;  ///< how many on pseudo-terminals, 1 or more
   /// Where robots listen instead, one each, see parse_listen_address(); if there are any, none is on a pseudo-terminal.
   std::vector<std::string> listen{};
-  core::MotorModel model = core::MotorModel::epuck2;  ///< of all of them
+  /// Of all of them, but that TCP is an e-puck2's, and UDP the open protocol's.
+  const core::RobotType* model = core::find_robot_type("epuck2");
   std::string directory{};      ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
   bool verbose = false;         ///< print every change of a robot's wheels
   std::vector<Fault> faults{};  ///< what goes wrong by itself, from the start on

@@ -29,8 +29,13 @@ std::span<const std::uint8_t> as_bytes(std::string_view text) {
 }  // namespace
 
 EmulatedEpuck::EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults, std::uint64_t seed,
-                             Protocol protocol)
-    : firmware_(model, protocol),
+                             EpuckProgram protocol)
+    : EmulatedEpuck(std::make_unique<EpuckFirmware>(model, protocol), now, std::move(faults), seed) {}
+
+EmulatedEpuck::EmulatedEpuck(std::unique_ptr<RobotFirmware> firmware, double now, std::vector<Fault> faults,
+                             std::uint64_t seed)
+    : firmware_(std::move(firmware)),
+      epuck_(dynamic_cast<EpuckFirmware*>(firmware_.get())),
       faults_(std::move(faults)),
       random_(seed, 0),
       start_(now),
@@ -77,9 +82,9 @@ double EmulatedEpuck::next_event() const noexcept {
   double next = next_fault_ < faults_.size() ? start_ + faults_[next_fault_].at : never;
   for (const Fault& fault : active_) next = std::min(next, start_ + fault.end());
   if (!ring_.empty()) next = std::min(next, ring_read_at_);
-  if (firmware_.streams() && !off() && !active(FaultKind::stall)) next = std::min(next, stream_at_);
+  if (streams() && !off() && !active(FaultKind::stall)) next = std::min(next, stream_at_);
   if (!to_robot_.empty()) next = std::min(next, to_robot_.front().due);
-  return next;
+  return std::min(next, time_ + firmware_->acts_in());
 }
 
 double EmulatedEpuck::deadline() const noexcept {
@@ -88,7 +93,7 @@ double EmulatedEpuck::deadline() const noexcept {
 
 void EmulatedEpuck::advance(double now) {
   const auto pass = [this](double until) {
-    firmware_.advance(until - time_);
+    firmware_->advance(until - time_);
     time_ = until;
   };
   for (double next = next_event(); next <= now; next = next_event()) {
@@ -101,15 +106,15 @@ void EmulatedEpuck::advance(double now) {
 void EmulatedEpuck::run_event(double now) {
   change_faults(now);
   if (const Fault* battery = active(FaultKind::battery))
-    firmware_.set_battery(battery->volts - battery->sag * (now - start_ - battery->at) / 60.0);
+    firmware_->set_battery(battery->volts - battery->sag * (now - start_ - battery->at) / 60.0);
   if (!ring_.empty() && ring_read_at_ <= now) {
     std::vector<std::uint8_t> bytes = std::exchange(ring_, {});
     for (std::size_t k = bytes.size(); k-- > ring_places;) bytes[k - ring_places] = bytes[k];
     hear(bytes, now);
   }
-  if (firmware_.streams() && !off() && !active(FaultKind::stall) && stream_at_ <= now) {
+  if (streams() && !off() && !active(FaultKind::stall) && stream_at_ <= now) {
     std::vector<std::uint8_t> packet;
-    firmware_.stream(packet);
+    epuck_->stream(packet);
     send(to_host_, packet, now);
     stream_at_ = now + EpuckFirmware::stream_period;
   }
@@ -137,8 +142,8 @@ void EmulatedEpuck::change_faults(double now) {
     if (fault.duration > 0.0) active_.push_back(fault);
     begin(fault);
   }
-  firmware_.swap_wheels(active(FaultKind::swapped_wheels) != nullptr);
-  firmware_.silence_encoders(active(FaultKind::silent_encoders) != nullptr);
+  firmware_->swap_wheels(active(FaultKind::swapped_wheels) != nullptr);
+  firmware_->silence_encoders(active(FaultKind::silent_encoders) != nullptr);
 }
 
 void EmulatedEpuck::begin(const Fault& fault) {
@@ -147,21 +152,21 @@ void EmulatedEpuck::begin(const Fault& fault) {
     forget_messages();
   }
   if (fault.kind == FaultKind::reboot) {
-    firmware_.boot();
+    firmware_->boot();
     hosts_ = 0;
     forget_messages();
     if (fault.duration <= 0.0) end(fault);
   }
-  if (fault.kind == FaultKind::stuck && !off() && firmware_.protocol() == Protocol::asercom) {
+  if (fault.kind == FaultKind::stuck && !off() && epuck_ && epuck_->protocol() == EpuckProgram::asercom) {
     const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(half_commands.size()));
     std::vector<std::uint8_t> answer;  // a half command has none
-    firmware_.forget_half_command();   // two halves must not make a whole that nobody sent
-    firmware_.receive(as_bytes(half_commands[which]), answer);
+    epuck_->forget_half_command();     // two halves must not make a whole that nobody sent
+    firmware_->receive(as_bytes(half_commands[which]), answer);
   }
 }
 
 void EmulatedEpuck::end(const Fault& fault) {
-  if (fault.kind == FaultKind::reboot && !off()) send(to_host_, as_bytes(firmware_.greeting()), time_);
+  if (fault.kind == FaultKind::reboot && !off()) send(to_host_, as_bytes(firmware_->greeting()), time_);
 }
 
 void EmulatedEpuck::reboot() {
@@ -170,9 +175,8 @@ void EmulatedEpuck::reboot() {
 
 void EmulatedEpuck::accept() {
   forget_messages();
-  if (firmware_.protocol() == Protocol::asercom) return;
-  firmware_.forget_half_command();
-  ++hosts_;
+  firmware_->new_host();
+  if (epuck_ && epuck_->protocol() == EpuckProgram::wifi) ++hosts_;
 }
 
 void EmulatedEpuck::forget_messages() {
@@ -214,9 +218,9 @@ void EmulatedEpuck::deliver(std::span<const std::uint8_t> bytes, double now) {
 }
 
 void EmulatedEpuck::hear(std::span<const std::uint8_t> bytes, double now) {
-  if (!firmware_.streams()) stream_at_ = now;  // its loop, which waited for a first command, takes it at once
+  if (!streams()) stream_at_ = now;  // its loop, which waited for a first command, takes it at once
   std::vector<std::uint8_t> answer;
-  firmware_.receive(bytes, answer);
+  firmware_->receive(bytes, answer);
   send(to_host_, answer, now);
 }
 

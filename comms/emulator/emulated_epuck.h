@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,10 @@ class EmulatedEpuck {
   /// `faults`: this robot's, in the order in which they begin (faults_of()); their second 0 is `now`. `seed`: of which
   /// messages are lost, which bytes change, how long each takes.
   EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults = {}, std::uint64_t seed = 0,
-                Protocol protocol = Protocol::asercom);
+                EpuckProgram protocol = EpuckProgram::asercom);
+
+  /// Another robot than an e-puck, with this program inside.
+  EmulatedEpuck(std::unique_ptr<RobotFirmware> firmware, double now, std::vector<Fault> faults, std::uint64_t seed);
 
   /// Has an adapter's radio carry its messages, which it shares with other robots. `adapter` outlives the robot.
   void connect(RadioAdapter& adapter, std::size_t place) noexcept { adapter_ = &adapter, place_ = place; }
@@ -32,10 +36,10 @@ class EmulatedEpuck {
   /// When something happens next without the host's doing; infinity: never.
   double deadline() const noexcept;
 
-  core::WheelSpeeds wheels() const noexcept { return firmware_.wheels(); }              ///< [steps/s]
+  core::WheelSpeeds wheels() const noexcept { return firmware_->wheels(); }              ///< [steps/s]
   /// What its firmware told the motors last [steps/s], and how often it told them anything.
-  core::WheelSpeeds told() const noexcept { return firmware_.told(); }
-  std::uint64_t times_told() const noexcept { return firmware_.times_told(); }
+  core::WheelSpeeds told() const noexcept { return firmware_->told(); }
+  std::uint64_t times_told() const noexcept { return firmware_->times_told(); }
   bool connected() const noexcept { return active(FaultKind::disconnect) == nullptr; }  ///< a host can reach it
   /// A host may connect. The WiFi firmware never closes a socket: after ten hosts there is none left until it is
   /// switched off and on.
@@ -67,7 +71,11 @@ class EmulatedEpuck {
   void send(std::deque<Message>& way, std::span<const std::uint8_t> bytes, double now);
   void forget_messages();
 
-  EpuckFirmware firmware_;
+  /// The firmware sends by itself, over WiFi.
+  bool streams() const noexcept { return epuck_ && epuck_->streams(); }
+
+  std::unique_ptr<RobotFirmware> firmware_;
+  EpuckFirmware* epuck_ = nullptr;  // the same, if it is one
   std::vector<Fault> faults_;
   std::size_t next_fault_ = 0;  // the first that has not begun
   std::vector<Fault> active_;   // those that go on, in the order in which they began

@@ -36,8 +36,13 @@ class EmulatorLoop::Loop {
     const double now = clock_();
     for (std::size_t i = 0; i < robots.size(); ++i) {
       addresses_.push_back(robots[i].endpoint->address());
-      robots_.emplace_back(EmulatedEpuck(robots[i].model, now, faults_of(faults, i), seed + i, robots[i].protocol),
-                           std::move(robots[i].endpoint));
+      EmulatorLoop::Robot& robot = robots[i];
+      if (robot.firmware)
+        robots_.emplace_back(EmulatedEpuck(std::move(robot.firmware), now, faults_of(faults, i), seed + i),
+                             std::move(robot.endpoint));
+      else
+        robots_.emplace_back(EmulatedEpuck(robot.model, now, faults_of(faults, i), seed + i, robot.protocol),
+                             std::move(robot.endpoint));
     }
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     if (wake_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");

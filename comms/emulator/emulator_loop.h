@@ -19,13 +19,15 @@ namespace skein::comms {
 /// call wheels() and address() only.
 using WheelsTold = std::function<void(std::size_t robot, const core::WheelSpeeds& commanded)>;
 
-/// Emulated e-pucks and where hosts reach them, one thread for all.
+/// Emulated robots and where hosts reach them, one thread for all.
 class EmulatorLoop {
  public:
   struct Robot {
     core::MotorModel model = core::MotorModel::epuck2;
-    Protocol protocol = Protocol::asercom;
+    EpuckProgram protocol = EpuckProgram::asercom;
     std::unique_ptr<Endpoint> endpoint = {};
+    /// Another robot than an e-puck, instead of model and protocol.
+    std::unique_ptr<RobotFirmware> firmware = {};
   };
 
   /// `clock`: seconds, never decreasing; drives the encoders; called on the

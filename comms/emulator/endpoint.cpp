@@ -65,7 +65,7 @@ class Descriptor {
 };
 
 // Bound to an IPv4 address of this machine; -1: errno says why not.
-int open_tcp_socket(const std::string& here, int port) {
+int open_ip_socket(const std::string& here, int port, int type) {
   sockaddr_in local{};
   local.sin_family = AF_INET;
   local.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -74,7 +74,7 @@ int open_tcp_socket(const std::string& here, int port) {
     return -1;
   }
   Descriptor socket;
-  socket.reset(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  socket.reset(::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (!socket.open() || ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0) return -1;
@@ -87,6 +87,51 @@ int local_port(int descriptor) {
   ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&local), &size);
   return ntohs(local.sin_port);
 }
+
+/// Datagrams; each that is read comes alone.
+class UdpEndpoint final : public Endpoint {
+ public:
+  explicit UdpEndpoint(ListenAddress address) : where_(std::move(address)) {
+    if (!listen()) throw std::system_error(errno, std::generic_category(), to_text({where_.kind, where_.here, where_.channel}));
+    where_.channel = local_port(socket_.get());  // to be found there again
+    address_ = to_text({where_.kind, where_.here, where_.channel});
+  }
+
+  std::string address() const override { return address_; }
+  int descriptor() const noexcept override { return socket_.get(); }
+  Arrival read(std::span<std::uint8_t> into) override {
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t count =
+        ::recvfrom(socket_.get(), into.data(), into.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+    if (count <= 0) return {};
+    host_ = from;
+    return {.bytes = static_cast<std::size_t>(count)};
+  }
+  void write(std::span<const std::uint8_t> bytes) noexcept override {
+    if (!socket_.open() || host_.sin_family != AF_INET) return;
+    [[maybe_unused]] const auto sent = ::sendto(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL,
+                                                reinterpret_cast<const sockaddr*>(&host_), sizeof host_);
+  }
+  void hang_up() override { host_ = {}; }  // nothing to break: it forgets whom it spoke with
+  void admit(bool hosts) override {
+    if (!hosts)
+      socket_.reset();
+    else if (!socket_.open())
+      listen();  // if it fails, the next call tries again
+  }
+
+ private:
+  bool listen() {
+    socket_.reset(open_ip_socket(where_.here, where_.channel, SOCK_DGRAM));
+    return socket_.open();
+  }
+
+  ListenAddress where_;
+  std::string address_;
+  Descriptor socket_;
+  sockaddr_in host_{};  // that spoke last
+};
 
 class SocketEndpoint final : public Endpoint {
  public:
@@ -132,7 +177,7 @@ class SocketEndpoint final : public Endpoint {
 
  private:
   bool listen() {
-    listener_.reset(where_.kind == LinkKind::tcp ? open_tcp_socket(where_.here, where_.channel)
+    listener_.reset(where_.kind == LinkKind::tcp ? open_ip_socket(where_.here, where_.channel, SOCK_STREAM)
                                                  : open_rfcomm_socket(where_.here, where_.channel));
     if (!listener_.open()) return false;
     if (::listen(listener_.get(), 1) == 0) return true;
@@ -155,20 +200,20 @@ std::unique_ptr<Endpoint> make_pty_endpoint(DeviceNames& names, std::size_t robo
 }
 
 tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view text) {
-  constexpr std::string_view rfcomm = "rfcomm:", tcp = "tcp:";
+  constexpr std::string_view rfcomm = "rfcomm:", tcp = "tcp:", udp = "udp:";
   const auto refuse = [&](const std::string& why) {
     return tl::unexpected(fmt::format(
-        "\"{}\": {}; allowed: \"rfcomm:hci4/1\", adapter and channel, or \"tcp:127.0.0.1:1000\"", text, why));
+        "\"{}\": {}; allowed: \"rfcomm:hci4/1\", adapter and channel, \"tcp:127.0.0.1:1000\" or \"udp:127.0.0.1:2626\"", text, why));
   };
-  if (text.starts_with(tcp)) {
+  if (text.starts_with(tcp) || text.starts_with(udp)) {
     const auto address = parse_link_address(text);
     if (!address) return tl::unexpected(address.error());
     in_addr here{};
     if (::inet_pton(AF_INET, address->device.c_str(), &here) != 1)
       return refuse(fmt::format("\"{}\" is no IPv4 address of this machine", address->device));
-    return ListenAddress{LinkKind::tcp, address->device, address->channel};
+    return ListenAddress{address->kind, address->device, address->channel};
   }
-  if (!text.starts_with(rfcomm)) return refuse("begins with neither \"rfcomm:\" nor \"tcp:\"");
+  if (!text.starts_with(rfcomm)) return refuse("begins with none of \"rfcomm:\", \"tcp:\", \"udp:\"");
   const std::size_t slash = text.rfind('/');
   if (slash == std::string_view::npos) return refuse("has no channel");
   ListenAddress address{LinkKind::rfcomm, std::string(text.substr(rfcomm.size(), slash - rfcomm.size())), 0};
@@ -183,6 +228,7 @@ tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view t
 }
 
 std::unique_ptr<Endpoint> make_socket_endpoint(const ListenAddress& address) {
+  if (address.kind == LinkKind::udp) return std::make_unique<UdpEndpoint>(address);
   return std::make_unique<SocketEndpoint>(address);
 }
 

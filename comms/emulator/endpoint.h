@@ -42,18 +42,20 @@ std::unique_ptr<Endpoint> make_pty_endpoint(DeviceNames& names, std::size_t robo
 
 /// Where a robot listens on a socket.
 struct ListenAddress {
-  LinkKind kind = LinkKind::rfcomm;  ///< or tcp
+  LinkKind kind = LinkKind::rfcomm;  ///< or tcp, udp
   std::string here;  ///< rfcomm: a Bluetooth adapter, "hci4" or its address; tcp: "127.0.0.1", "0.0.0.0"
-  int channel = 0;   ///< RFCOMM channel, 1 to 30; TCP port, 0: one that is free
+  int channel = 0;   ///< RFCOMM channel, 1 to 30; TCP or UDP port, 0: one that is free
 
   friend bool operator==(const ListenAddress&, const ListenAddress&) = default;
 };
 
-/// Reads "rfcomm:hci4/1", "rfcomm:00:AA:01:04:00:04/1" or "tcp:127.0.0.1:1000". The error names what was found and what
+/// Reads "rfcomm:hci4/1", "rfcomm:00:AA:01:04:00:04/1", "tcp:127.0.0.1:1000" or "udp:127.0.0.1:2626".
+/// The error names what was found and what
 /// is allowed.
 tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view text);
 
-/// A server for one host at a time, as the robots are: while one is there another is refused. Throws std::system_error.
+/// A server for one host at a time, as the robots are: while one is there another is refused; by UDP
+/// whoever spoke last is answered. Throws std::system_error.
 std::unique_ptr<Endpoint> make_socket_endpoint(const ListenAddress& address);
 
 }  // namespace skein::comms

@@ -34,7 +34,7 @@ std::string list(char letter, const std::array<int, N>& values) {
 
 }  // namespace
 
-EpuckFirmware::EpuckFirmware(core::MotorModel model, Protocol protocol)
+EpuckFirmware::EpuckFirmware(core::MotorModel model, EpuckProgram protocol)
     : model_(model), protocol_(protocol), left_motor_(model), right_motor_(model) {}
 
 void EpuckFirmware::boot() noexcept {
@@ -47,14 +47,14 @@ void EpuckFirmware::boot() noexcept {
 }
 
 std::string EpuckFirmware::greeting() const {
-  if (protocol_ == Protocol::wifi) return {};
+  if (protocol_ == EpuckProgram::wifi) return {};
   return (epuck1() ? fmt::format("Selector pos {}\r\n", epuck_alone.selector) : "") + std::string(welcome);
 }
 
 // --- The parser -----------------------------------------------------------------------------------------------------
 
 void EpuckFirmware::receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) {
-  if (protocol_ == Protocol::wifi)
+  if (protocol_ == EpuckProgram::wifi)
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   else
     for (const std::uint8_t byte : bytes) take(byte, reply);

@@ -7,12 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "comms/emulator/robot_firmware.h"
 #include "core/kinematics/step_motor.h"
 
 namespace skein::comms {
 
 /// What a robot listens to.
-enum class Protocol {
+enum class EpuckProgram {
   asercom,  ///< Bluetooth, serial line
   wifi      ///< an e-puck2's packets over TCP (epuck_wifi.h)
 };
@@ -24,14 +25,14 @@ enum class Protocol {
 /// Emulated: every request of the protocol but those for the camera (I, J), the calibration (K), the scan of the I2C bus
 /// (Z) and the whole text of the help (H). Extension boards are answered for as by a robot that has none. Sensors read
 /// constants, but for the battery. The e-puck1's receive ring stands before the parser: see EmulatedEpuck.
-class EpuckFirmware {
+class EpuckFirmware final : public RobotFirmware {
  public:
   /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
-  explicit EpuckFirmware(core::MotorModel model, Protocol protocol = Protocol::asercom);
+  explicit EpuckFirmware(core::MotorModel model, EpuckProgram protocol = EpuckProgram::asercom);
 
   /// Feeds bytes to the parser and appends to `reply` what the robot answers. What is not finished is kept, also when
   /// the host goes away meanwhile. Over WiFi they only wait for stream().
-  void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply);
+  void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) override;
 
   /// One round of the WiFi program's loop, every `stream_period`: it takes a command if one waits (of five or more only
   /// the newest), tells the motors, and once a first command has come sends a packet of the kind that the newest one
@@ -41,25 +42,25 @@ class EpuckFirmware {
   bool streams() const noexcept { return streaming_ || !waiting_.empty(); }
 
   /// The step rates of the speeds that the motors were told. [steps/s]
-  core::WheelSpeeds wheels() const noexcept {
+  core::WheelSpeeds wheels() const noexcept override {
     return {left_motor_.settled_rate(), right_motor_.settled_rate()};
   }
   /// What the motors were told last [steps/s], and how often they were told.
-  core::WheelSpeeds told() const noexcept {
+  core::WheelSpeeds told() const noexcept override {
     return {static_cast<double>(motor_left_), static_cast<double>(motor_right_)};
   }
-  std::uint64_t times_told() const noexcept { return times_told_; }
+  std::uint64_t times_told() const noexcept override { return times_told_; }
 
   /// Lets `dt` seconds pass: the encoders count.
-  void advance(double dt) noexcept {
+  void advance(double dt) noexcept override {
     left_motor_.advance(dt);
     right_motor_.advance(dt);
   }
 
   /// What the robot says when it boots; nothing over WiFi.
-  std::string greeting() const;
+  std::string greeting() const override;
   /// Switches it off and on: wheels stand, counters are 0, the parser is fresh. The greeting is the caller's to send.
-  void boot() noexcept;
+  void boot() noexcept override;
 
   /// The parser waits for a new command.
   void forget_half_command() noexcept {
@@ -68,12 +69,16 @@ class EpuckFirmware {
     waiting_.clear();
     streaming_ = false;
   }
-  Protocol protocol() const noexcept { return protocol_; }
+  /// Over WiFi it begins anew; asercom cannot tell.
+  void new_host() noexcept override {
+    if (protocol_ == EpuckProgram::wifi) forget_half_command();
+  }
+  EpuckProgram protocol() const noexcept { return protocol_; }
 
   // Defects: a boot does not mend them.
-  void set_battery(double volts) noexcept { battery_volts_ = volts; }         ///< [V]; 3.4 is empty, 4.2 full
-  void swap_wheels(bool swapped) noexcept { wheels_swapped_ = swapped; }      ///< left commands drive and count right
-  void silence_encoders(bool silent) noexcept { encoders_silent_ = silent; }  ///< counters read 0
+  void set_battery(double volts) noexcept override { battery_volts_ = volts; }         ///< [V]; 3.4 is empty, 4.2 full
+  void swap_wheels(bool swapped) noexcept override { wheels_swapped_ = swapped; }      ///< left commands drive and count right
+  void silence_encoders(bool silent) noexcept override { encoders_silent_ = silent; }  ///< counters read 0
 
  private:
   enum class Parsing { top, line_start, line, sequence, arguments };
@@ -95,7 +100,7 @@ class EpuckFirmware {
   bool epuck1() const noexcept { return model_ == core::MotorModel::epuck1; }
 
   core::MotorModel model_;
-  Protocol protocol_;
+  EpuckProgram protocol_;
   Parsing parsing_ = Parsing::top;
   std::string line_;                     // the ASCII line so far, or finished
   std::vector<std::uint8_t> merged_;     // the answer of the binary sequence so far

@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "comms/emulator/emulator_loop.h"
+#include "core/kinematics/robot_type.h"
 
 namespace skein::comms {
 
-/// Emulated e-pucks behind pseudo-terminals: to a program they are serial lines with robots at the end.
+/// Emulated robots behind pseudo-terminals: to a program they are serial lines with robots at the end.
 class PtyEmulator {
  public:
   using WheelsTold = comms::WheelsTold;
@@ -20,6 +21,10 @@ class PtyEmulator {
   /// files. A broken connection is a line that hangs up, and its successor a line that nobody answers while the fault
   /// lasts. Throws std::system_error when the system refuses a pseudo-terminal or a file.
   PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsTold on_wheels, std::function<double()> clock,
+              std::string directory = {}, const std::vector<Fault>& faults = {}, std::uint64_t seed = 0);
+
+  /// Robots of these types; none is null.
+  PtyEmulator(const std::vector<const core::RobotType*>& robots, WheelsTold on_wheels, std::function<double()> clock,
               std::string directory = {}, const std::vector<Fault>& faults = {}, std::uint64_t seed = 0);
 
   std::size_t size() const noexcept { return loop_.size(); }

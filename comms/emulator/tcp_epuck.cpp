@@ -7,7 +7,7 @@ namespace {
 
 std::vector<EmulatorLoop::Robot> on_port(int port) {
   std::vector<EmulatorLoop::Robot> robots(1);
-  robots[0] = {core::MotorModel::epuck2, Protocol::wifi, make_socket_endpoint({LinkKind::tcp, "127.0.0.1", port})};
+  robots[0] = {core::MotorModel::epuck2, EpuckProgram::wifi, make_socket_endpoint({LinkKind::tcp, "127.0.0.1", port})};
   return robots;
 }
 

@@ -43,11 +43,13 @@ Repulsion repulsion(const AvoidanceParameters& region, const Scene& scene, std::
     sum.velocity = {sum.velocity.x + d.x, sum.velocity.y + d.y};
     sum.inside = true;
   };
-  for (const std::uint32_t j : near) add(region, scene.poses[j].x, scene.poses[j].y);
-  for (const Obstacle& obstacle : scene.obstacles) add(around(region, obstacle), obstacle.x, obstacle.y);
+  for (const std::uint32_t j : near)
+    add(wider(region, scene.sizes.beyond(i, j)), scene.poses[j].x, scene.poses[j].y);
+  const AvoidanceParameters alone = wider(region, scene.sizes.beyond(i));
+  for (const Obstacle& obstacle : scene.obstacles) add(around(alone, obstacle), obstacle.x, obstacle.y);
   // The nearest point of each edge is an obstacle without a size; over the edge it would drive a robot farther out.
-  const double edge_x = scene.half_width + robot_radius, edge_y = scene.half_height + robot_radius;
-  const AvoidanceParameters at_edge = around(region, {});
+  const double edge_x = scene.half_width + standard_radius, edge_y = scene.half_height + standard_radius;
+  const AvoidanceParameters at_edge = around(alone, {});
   for (const double side : {-1.0, 1.0}) {
     if (std::abs(pose.x) < edge_x) add(at_edge, side * edge_x, pose.y);
     if (std::abs(pose.y) < edge_y) add(at_edge, pose.x, side * edge_y);
@@ -163,13 +165,16 @@ void Avoidance::come_back(std::size_t i, const Gains& gains, double dt, const Re
 }
 
 void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, double dt, const Scene& scene,
-                     std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference) noexcept {
+                     std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference,
+                     std::span<const AvoidanceParameters> own) noexcept {
   const bool looks_ahead = parameters.enabled && parameters.horizon > 0.0;
   const bool field = parameters.enabled && !looks_ahead;
-  if (field) touching_.sort(scene.poses, hysteresis * std::max(parameters.alpha, parameters.beta));
+  double widest = std::max(parameters.alpha, parameters.beta);
+  for (const AvoidanceParameters& each : own) widest = std::max({widest, each.alpha, each.beta});
+  if (field) touching_.sort(scene.poses, hysteresis * widest + 2.0 * scene.sizes.most());
   // A detour stays out of the others' regions, or they would avoid it.
   Scene spacious = scene;
-  if (field) spacious.keep = std::max(scene.keep, hysteresis * std::max(parameters.alpha, parameters.beta));
+  if (field) spacious.keep = std::max(scene.keep, hysteresis * widest);
   bool sorted_ahead = false;
   const auto sort_ahead = [&] {
     if (sorted_ahead) return;
@@ -181,7 +186,7 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     spacious.twists = moves_;
     const double horizon = looks_ahead ? parameters.horizon : look_ahead;
     const double fastest = *std::max_element(gains.v_max.begin(), gains.v_max.end());
-    ahead_.sort(scene.poses, 2.0 * fastest * horizon + spacious.keep);
+    ahead_.sort(scene.poses, 2.0 * fastest * horizon + spacious.keep + 2.0 * scene.sizes.most());
     sorted_ahead = true;
   };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -191,7 +196,7 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     if (!robot.has_previous) robot.previous = pose;
     const bool known = !std::isnan(pose.x);
 
-    AvoidanceParameters region = parameters;
+    AvoidanceParameters region = own.empty() ? parameters : own[i];
     if (robot.state == State::avoiding) region.alpha *= hysteresis, region.beta *= hysteresis;
     const Repulsion away = field ? repulsion(region, scene, i, touching_.around(i), nominal[i].pose) : Repulsion{};
     const bool held = i < scene.held.size() && scene.held[i];
@@ -224,8 +229,9 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     robot.previous = pose;
     robot.has_previous = known;
     // Noise and delay let a pose, and what is worked out from it, seem to be over the edge.
-    robot.reference.pose.x = std::clamp(robot.reference.pose.x, -scene.half_width, scene.half_width);
-    robot.reference.pose.y = std::clamp(robot.reference.pose.y, -scene.half_height, scene.half_height);
+    const double x_most = scene.half_width - scene.sizes.beyond(i), y_most = scene.half_height - scene.sizes.beyond(i);
+    robot.reference.pose.x = std::clamp(robot.reference.pose.x, -x_most, x_most);
+    robot.reference.pose.y = std::clamp(robot.reference.pose.y, -y_most, y_most);
     reference[i] = robot.state == State::nominal ? nominal[i] : robot.reference;
   }
 }

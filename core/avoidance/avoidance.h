@@ -35,8 +35,10 @@ class Avoidance {
 
   /// One step of length dt [s]. reference[i] is written for every robot: equal to nominal[i], bit for bit, in state
   /// nominal.
+  /// `own`: of each robot, where they differ in region, attraction and repulsion (30); empty: `parameters`.
   void step(const AvoidanceParameters& parameters, const Gains& gains, double dt, const Scene& scene,
-            std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference) noexcept;
+            std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference,
+            std::span<const AvoidanceParameters> own = {}) noexcept;
 
   State state(std::size_t i) const noexcept { return robots_[i].state; }
   /// Whether robot i has just been found stuck.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -14,8 +15,26 @@ struct Obstacle {
   friend bool operator==(const Obstacle&, const Obstacle&) = default;
 };
 
-/// Radius of an e-puck's body; two robots touch at twice this distance. [m]
-inline constexpr double robot_radius = 0.035;
+/// The body that distances of parameters are meant for, an e-puck's: what is to be kept between midpoints, or around
+/// one, holds for bodies of this radius. [m]
+inline constexpr double standard_radius = 0.035;
+
+/// How much larger the bodies of a group are than that; smaller: negative. A pair keeps what two standard bodies would,
+/// and both of these on top: so the gap between any two bodies is the same. [m]
+class Sizes {
+ public:
+  Sizes() noexcept = default;
+  /// `beyond`: radius less `standard_radius` of each robot; empty: all are standard bodies. Outlives this.
+  explicit Sizes(std::span<const double> beyond) noexcept : beyond_(beyond) {
+    for (const double b : beyond) most_ = std::max(most_, b);
+  }
+  double beyond(std::size_t i) const noexcept { return beyond_.empty() ? 0.0 : beyond_[i]; }
+  double beyond(std::size_t i, std::size_t j) const noexcept { return beyond(i) + beyond(j); }
+  double most() const noexcept { return most_; }  ///< of the largest, at least 0
+ private:
+  std::span<const double> beyond_;
+  double most_ = 0.0;
+};
 
 /// The obstacles of a run: those that it began with, and those that are dropped, moved and taken away meanwhile. Each
 /// keeps its number. Only the constructor allocates.

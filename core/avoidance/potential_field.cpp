@@ -29,11 +29,21 @@ Velocity descent(const AvoidanceParameters& a, double x, double y, double x_ref,
   return {-2.0 * a.K_a * (x - x_ref) + slope(dx, a.alpha), -2.0 * a.K_a * (y - y_ref) + slope(dy, a.beta)};
 }
 
+namespace {
+constexpr double least = 1e-3;  // [m]: a region smaller than a robot around a pole still has a size
+}
+
+AvoidanceParameters wider(const AvoidanceParameters& parameters, double by) noexcept {
+  AvoidanceParameters region = parameters;
+  region.alpha = std::max(least, region.alpha + by);
+  region.beta = std::max(least, region.beta + by);
+  return region;
+}
+
 AvoidanceParameters around(const AvoidanceParameters& parameters, const Obstacle& obstacle) noexcept {
   AvoidanceParameters wider = parameters;
-  constexpr double least = 1e-3;  // [m]: a region smaller than a robot around a pole still has a size
-  wider.alpha = std::max(least, wider.alpha + obstacle.radius - robot_radius);
-  wider.beta = std::max(least, wider.beta + obstacle.radius - robot_radius);
+  wider.alpha = std::max(least, wider.alpha + obstacle.radius - standard_radius);
+  wider.beta = std::max(least, wider.beta + obstacle.radius - standard_radius);
   return wider;
 }
 

@@ -56,6 +56,9 @@ struct Velocity {
 Velocity descent(const AvoidanceParameters& parameters, double x, double y, double x_ref, double y_ref, double x_j,
                  double y_j) noexcept;
 
+/// The region of a robot whose body, with that of the other, is so much larger than two standard ones [m].
+AvoidanceParameters wider(const AvoidanceParameters& parameters, double by) noexcept;
+
 /// The region around a round obstacle: the same gap between the bodies as between two robots.
 AvoidanceParameters around(const AvoidanceParameters& parameters, const Obstacle& obstacle) noexcept;
 

@@ -61,9 +61,10 @@ void Steering::look(const Scene& scene, std::size_t i, std::span<const std::uint
     if (j == i) continue;
     const Pose& p = scene.poses[j];
     const double v = scene.twists[j].v;
-    add(p.x, p.y, v * std::cos(p.theta), v * std::sin(p.theta), scene.keep);
+    add(p.x, p.y, v * std::cos(p.theta), v * std::sin(p.theta), scene.keep + scene.sizes.beyond(i, j));
   }
-  for (const Obstacle& o : scene.obstacles) add(o.x, o.y, 0.0, 0.0, scene.keep - robot_radius + o.radius);
+  for (const Obstacle& o : scene.obstacles) 
+    add(o.x, o.y, 0.0, 0.0, scene.keep - standard_radius + o.radius + scene.sizes.beyond(i));
 }
 
 /// What is left over between (x, y) at time t and the nearest of the others, beyond what is to be kept. [m]
@@ -78,11 +79,11 @@ double Steering::gap(double x, double y, double t) const noexcept {
   return smallest;
 }
 
-Steering::Ride Steering::ride(const Scene& scene, const Pose& from, double heading, double speed,
-                              const ReferencePoint& goal, const ReferenceBounds& bounds,
+Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& from, double heading,
+                              double speed, const ReferencePoint& goal, const ReferenceBounds& bounds,
                               double horizon) const noexcept {
   const auto outside = [&](double x, double y) {
-    return std::max(std::abs(x) - scene.half_width, std::abs(y) - scene.half_height);
+    return std::max(std::abs(x) - scene.half_width, std::abs(y) - scene.half_height) + scene.sizes.beyond(i);
   };
   const double allowed_outside = std::max(0.0, outside(from.x, from.y)) + nearer;
   const double v_x = goal.twist.v * std::cos(goal.pose.theta), v_y = goal.twist.v * std::sin(goal.pose.theta);
@@ -129,7 +130,7 @@ Course Steering::choose(const Scene& scene, std::size_t i, std::span<const std::
   double least = std::numeric_limits<double>::infinity();
   const auto consider = [&](double off, double speed, bool along) {
     const double heading = along ? goal.pose.theta : wrap_angle(straight + off);
-    const Ride r = ride(scene, from, heading, speed, goal, bounds, horizon);
+    const Ride r = ride(scene, i, from, heading, speed, goal, bounds, horizon);
     double cost = (r.off - left) / (0.5 * fastest * horizon) / (1.0 + waited);
     cost += aside * std::abs(off) / pi + (off > 0.0 ? to_the_left : 0.0);
     if (r.held > 0.0) cost += meeting + meeting_long * r.held;
@@ -169,9 +170,10 @@ bool Steering::conflict(const Scene& scene, std::size_t i, std::span<const std::
       return d < keep && d < distance(here, now) - nearer;
     };
     for (const std::uint32_t j : near)
-      if (meets(scene.poses[j], advance(scene.poses[j], scene.twists[j], t), scene.keep)) return true;
+      if (meets(scene.poses[j], advance(scene.poses[j], scene.twists[j], t), scene.keep + scene.sizes.beyond(i, j))) return true;
     for (const Obstacle& o : scene.obstacles)
-      if (meets({o.x, o.y, 0.0}, {o.x, o.y, 0.0}, scene.keep - robot_radius + o.radius)) return true;
+      if (meets({o.x, o.y, 0.0}, {o.x, o.y, 0.0},
+                scene.keep - standard_radius + o.radius + scene.sizes.beyond(i))) return true;
   }
   return false;
 }

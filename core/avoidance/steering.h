@@ -32,9 +32,10 @@ struct Scene {
   std::span<const Twist> twists;  ///< what each was told last
   std::span<const bool> held;     ///< whose forward speed the shield changed at the last tick
   std::span<const Obstacle> obstacles;
-  double keep = 0.09;  ///< distance to keep between two midpoints; a little over the shield's [m]
-  double half_width = std::numeric_limits<double>::infinity();  ///< of the floor [m]
+  double keep = 0.09;  ///< distance to keep between two midpoints of standard bodies; a little over the shield's [m]
+  double half_width = std::numeric_limits<double>::infinity();  ///< of where their midpoints may be [m]
   double half_height = std::numeric_limits<double>::infinity();
+  Sizes sizes = {};  ///< of the bodies
 };
 
 /// The way a robot takes next: which way, how fast, and whether that is straight to its goal with nobody in the way.
@@ -80,7 +81,7 @@ class Steering {
   void look(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
             double reach) noexcept;
   double gap(double x, double y, double t) const noexcept;
-  Ride ride(const Scene& scene, const Pose& from, double heading, double speed, const ReferencePoint& goal,
+  Ride ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed, const ReferencePoint& goal,
             const ReferenceBounds& bounds, double horizon) const noexcept;
 
   std::vector<Mover> movers_;

@@ -13,6 +13,11 @@ constexpr double power_saving_below = 601.0;              // e-puck1 [steps/s]
 constexpr double coils_on_for = 15.0 * epuck1_tick;       // [s]
 constexpr double standing_period = 0.01;                  // e-puck2 [s]
 
+/// It turns evenly, without steps.
+bool even(MotorModel model) noexcept {
+  return model == MotorModel::ideal || model == MotorModel::servo;
+}
+
 bool saves_power(double speed) noexcept {
   return std::abs(speed) < power_saving_below;
 }
@@ -31,6 +36,7 @@ void StepMotor::command(double speed) noexcept {
   speed_ = std::clamp(speed, -limit, limit);
   switch (model_) {
     case MotorModel::ideal:
+    case MotorModel::servo:
       rate_ = speed_;
       return;
     case MotorModel::epuck1:
@@ -65,6 +71,7 @@ void StepMotor::fire() noexcept {
   elapsed_ = 0.0;
   switch (model_) {
     case MotorModel::ideal:
+    case MotorModel::servo:
       return;
     case MotorModel::epuck1:
       if (coils_on_ && saves_power(speed_)) {
@@ -89,11 +96,11 @@ void StepMotor::fire() noexcept {
 }
 
 double StepMotor::rate_lasts() const noexcept {
-  return model_ == MotorModel::ideal || settled_ ? never : std::max(until_step(), epuck2_tick);
+  return even(model_) || settled_ ? never : std::max(until_step(), epuck2_tick);
 }
 
 void StepMotor::advance(double dt) noexcept {
-  if (model_ == MotorModel::ideal) {
+  if (even(model_)) {
     position_ += rate_ * dt;
     return;
   }
@@ -115,12 +122,12 @@ void StepMotor::advance(double dt) noexcept {
 }
 
 std::int64_t StepMotor::counter() const noexcept {
-  const double whole = model_ == MotorModel::ideal ? position_ : landed_;
+  const double whole = even(model_) ? position_ : landed_;
   return static_cast<std::int64_t>(whole + std::copysign(1e-6, whole));
 }
 
 void StepMotor::set_counter(std::int64_t steps) noexcept {
-  const double from = model_ == MotorModel::ideal ? position_ : landed_;
+  const double from = even(model_) ? position_ : landed_;
   position_ += static_cast<double>(steps) - from;
   landed_ = static_cast<double>(steps);
 }
@@ -129,6 +136,7 @@ double steps_lost_by_change(MotorModel model, double from, double to) noexcept {
   if (from == to || to == 0.0) return 0.0;
   switch (model) {
     case MotorModel::ideal:
+    case MotorModel::servo:
       return 0.0;
     case MotorModel::epuck1: {
       if (from == 0.0 || !saves_power(from)) return 0.0;

@@ -14,7 +14,7 @@ namespace skein::core {
 ///   by 1.5 ms, or by a whole step if it comes within these 1.5 ms.
 /// - e-puck2: half steps, a timer of 100 kHz whose period is preloaded: a new speed waits until the half step that is
 ///   under way has ended; only a change of direction and a stop act at once. A standing motor's timer runs at 100 Hz.
-/// - ideal: exactly the commanded rate.
+/// - ideal, servo: exactly the commanded rate.
 class StepMotor {
  public:
   explicit StepMotor(MotorModel model) noexcept : model_(model) {}

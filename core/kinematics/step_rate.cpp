@@ -10,6 +10,7 @@ double timer_rate(MotorModel motor) noexcept {
     case MotorModel::epuck2:
       return 50000.0;
     case MotorModel::epuck1:
+    case MotorModel::servo:
     case MotorModel::ideal:
       break;
   }
@@ -22,6 +23,8 @@ double max_step_rate(MotorModel motor) noexcept {
   switch (motor) {
     case MotorModel::epuck2:
       return 1100.0;
+    case MotorModel::servo:  // bounded by what the robot's type allows
+      return 32767.0;
     case MotorModel::epuck1:
     case MotorModel::ideal:
       break;
@@ -32,7 +35,7 @@ double max_step_rate(MotorModel motor) noexcept {
 double actual_step_rate(MotorModel motor, double commanded) noexcept {
   const double limit = max_step_rate(motor);
   const double clamped = std::clamp(commanded, -limit, limit);
-  if (motor == MotorModel::ideal || clamped == 0.0) return clamped;
+  if (motor == MotorModel::ideal || motor == MotorModel::servo || clamped == 0.0) return clamped;
   const double timer = timer_rate(motor);
   return std::copysign(timer / std::floor(timer / std::abs(clamped)), clamped);
 }
@@ -41,6 +44,7 @@ double nearest_command(MotorModel motor, double wanted) noexcept {
   const double limit = max_step_rate(motor);
   const double clamped = std::clamp(wanted, -limit, limit);
   if (motor == MotorModel::ideal) return clamped;
+  if (motor == MotorModel::servo) return std::round(clamped);
   const double size = std::abs(clamped);
   if (size < slowest_command) return size < 0.5 * actual_step_rate(motor, slowest_command) ? 0.0 : std::copysign(slowest_command, clamped);
   // The rates on either side of `size` are timer/k and timer/(k+1); the smallest whole command that runs timer/k is

@@ -11,6 +11,7 @@ enum class MotorModel {
   ideal,   ///< runs exactly what the law asks for, fractions of a step included (simulation only)
   epuck1,  ///< timer of 10 kHz: a step every floor(10000/|s|) ticks; clamps at 1000 steps/s
   epuck2,  ///< timer of 50 kHz: a step every floor(50000/|s|) ticks; clamps at 1100 steps/s
+  servo,   ///< a wheel that its robot's own controller keeps at the speed commanded, a whole number
 };
 
 /// As files call it (core/words.h).
@@ -22,6 +23,8 @@ constexpr std::string_view word(MotorModel motor) noexcept {
       return "epuck1";
     case MotorModel::epuck2:
       return "epuck2";
+    case MotorModel::servo:
+      return "servo";
   }
   return {};
 }

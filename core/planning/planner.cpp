@@ -31,7 +31,7 @@ constexpr double stuck_for = 4.0;       // a clock that hardly runs so long: a n
 Planner::Planner(const Setup& setup, const Reference& reference)
     : reference_(&reference),
       setup_(setup),
-      lattice_(setup.arena, setup.shield_distance - robot_radius + 0.0005, setup.obstacles),
+      lattice_(setup.arena, setup.shield_distance - setup.radius + 0.0005, setup.obstacles),
       traffic_(setup.robots),
       search_(lattice_, setup.robots),
       merge_(setup.robots),

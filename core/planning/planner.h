@@ -41,8 +41,10 @@ class Planner {
     std::size_t robots = 0;
     std::size_t obstacles = 0;  ///< at most
     HalfSize arena;
-    double shield_distance = 0.078;  ///< [m]
+    double shield_distance = 0.078;  ///< of two bodies of `radius` [m]
     double duration = 0.0;           ///< of the experiment [s]
+    /// Of the largest body: routes are planned as if all had it. [m]
+    double radius = standard_radius;
   };
   Planner(const Setup& setup, const Reference& reference);
 

@@ -12,7 +12,7 @@ Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(r
 }
 
 void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-                     std::span<const double> v_limit, std::span<const double> doubt) noexcept {
+                     std::span<const double> v_limit, std::span<const double> doubt, const Sizes& sizes) noexcept {
   constraints_.clear();
   const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
                        bool moves) {
@@ -29,21 +29,21 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
   const double fastest = poses.empty() ? 0.0 : *std::max_element(v_limit.begin(), v_limit.end());
   const auto doubt_of = [&](std::size_t i) { return doubt.empty() ? 0.0 : doubt[i]; };
   const double most_doubt = doubt.empty() ? 0.0 : *std::max_element(doubt.begin(), doubt.end());
-  near_.sort(poses, p.distance + 2.0 * most_doubt + 2.0 * fastest / p.gamma + 1e-9);
+  near_.sort(poses, p.distance + 2.0 * sizes.most() + 2.0 * most_doubt + 2.0 * fastest / p.gamma + 1e-9);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (const std::uint32_t j : near_.above(i))
-      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y, p.distance + doubt_of(i) + doubt_of(j),
-          v_limit[i] + v_limit[j], true);
+      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y, 
+          p.distance + doubt_of(i) + doubt_of(j) + sizes.beyond(i, j), v_limit[i] + v_limit[j], true);
     for (const Obstacle& o : obstacles)
-      add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - robot_radius + o.radius + doubt_of(i), v_limit[i],
-          false);
+      add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - standard_radius + o.radius + doubt_of(i) + sizes.beyond(i),
+          v_limit[i], false);
     // n_ij points into the arena. The room may be negative: then the robot may only come back.
     const auto add_edge = [&](double n_x, double n_y, double room) {
       if (!(p.gamma * room < v_limit[i])) return;
       const double a_i = n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta);
       constraints_.push_back({i, i, a_i, 0.0, -p.gamma * std::max(0.0, room), 0.0});
     };
-    const double keep = p.distance - robot_radius + doubt_of(i);
+    const double keep = p.distance - standard_radius + doubt_of(i) + sizes.beyond(i);
     add_edge(1.0, 0.0, p.half_width - keep + poses[i].x);
     add_edge(-1.0, 0.0, p.half_width - keep - poses[i].x);
     add_edge(0.0, 1.0, p.half_height - keep + poses[i].y);
@@ -70,10 +70,10 @@ void Shield::fix(std::span<const bool> adrift, std::span<const Twist> commands) 
 
 void Shield::apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
                    std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
-                   std::span<const double> doubt, std::span<const bool> adrift) noexcept {
+                   std::span<const double> doubt, std::span<const bool> adrift, const Sizes& sizes) noexcept {
   std::fill(touched.begin(), touched.end(), false);
   if (!parameters.enabled) return;
-  collect(parameters, poses, obstacles, v_limit, doubt);
+  collect(parameters, poses, obstacles, v_limit, doubt, sizes);
   fix(adrift, commands);
   const auto left_of = [&](const Constraint& c) {
     return c.a_i * v_[c.i] + (c.j != c.i ? c.a_j * v_[c.j] : 0.0) - c.bound;

@@ -14,7 +14,8 @@ namespace skein::core {
 struct ShieldParameters {
   bool enabled = true;
   double distance =
-      0.078;  ///< midpoints are kept this far apart [m]: an e-puck's 70 mm, and 8 mm for what sampling and wheels lose
+      0.078;  ///< midpoints of standard bodies are kept this far apart [m]: an e-puck's 70 mm, and 8 mm for what
+              ///< sampling and wheels lose; others keep the same gap
   double gamma = 4.0;  ///< how fast the gap may close, as a share of what is left of it [1/s]
   /// Half the arena's size, centred on the origin: a body keeps as far from its edge as from an obstacle. [m]
   double half_width = std::numeric_limits<double>::infinity();
@@ -35,11 +36,12 @@ class Shield {
   /// Changes `commands` in place; `touched[i]` becomes true where v_i had to change (by more than 1e-9 m/s).
   /// v_limit: what the limits leave each robot beside its turning rate [m/s]; |v_i| <= v_limit,i on entry.
   /// doubt: how far off each robot's pose may be [m]; two robots keep theirs on top of D, empty: none.
+  /// sizes: of the bodies.
   /// adrift: robots that drive with commands[i].v whatever they are told (empty: none). Their speed is not changed; the
   /// others allow for it, as far as they can by not driving towards them.
   void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
              std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
-             std::span<const double> doubt = {}, std::span<const bool> adrift = {}) noexcept;
+             std::span<const double> doubt = {}, std::span<const bool> adrift = {}, const Sizes& sizes = {}) noexcept;
 
  private:
   /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle or an edge (then j = i).
@@ -48,7 +50,7 @@ class Shield {
     double a_i, a_j, bound, multiplier;
   };
   void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>, std::span<const double>,
-               std::span<const double>) noexcept;
+               std::span<const double>, const Sizes&) noexcept;
   void fix(std::span<const bool> adrift, std::span<const Twist> commands) noexcept;
 
   std::vector<Constraint> constraints_;  // reserved for every pair, obstacle and edge: apply never allocates

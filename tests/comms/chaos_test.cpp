@@ -35,9 +35,9 @@ double number_from_environment(const char* name, double otherwise) {
 /// One robot, its session, and what Link does between them: it opens again what is lost.
 class ChaosLink {
  public:
-  ChaosLink(core::MotorModel model, Protocol protocol, std::vector<Fault> faults, std::uint64_t seed)
+  ChaosLink(core::MotorModel model, EpuckProgram protocol, std::vector<Fault> faults, std::uint64_t seed)
       : model_(model), robot_(model, 0.0, std::move(faults), seed, protocol) {
-    if (protocol == Protocol::wifi)
+    if (protocol == EpuckProgram::wifi)
       session_ = std::make_unique<WifiSession>(options_);
     else
       session_ = std::make_unique<AsercomSession>(options_);
@@ -173,7 +173,7 @@ TEST(Chaos, NobodyDrivesOnAStaleCommandAndEveryFaultIsRecoveredOrReported) {
   std::deque<ChaosLink> links;
   for (std::size_t i = 0; i < robots; ++i)
     links.emplace_back(i % 2 == 0 && i < bluetooth_robots ? core::MotorModel::epuck1 : core::MotorModel::epuck2,
-                       i < bluetooth_robots ? Protocol::asercom : Protocol::wifi, faults_of(faults, i), seed + i);
+                       i < bluetooth_robots ? EpuckProgram::asercom : EpuckProgram::wifi, faults_of(faults, i), seed + i);
 
   core::Random random(seed, 1000);
   double tick_at = 0.0, hangs_until = 0.0, stopped_until = 0.0;

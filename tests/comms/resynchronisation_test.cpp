@@ -46,8 +46,8 @@ Fault any_fault() {
   return fault;
 }
 
-Bytes any_host(Protocol protocol) {
-  if (protocol == Protocol::asercom || *rc::gen::inRange(0, 3) == 0) return *test::any_request();
+Bytes any_host(EpuckProgram protocol) {
+  if (protocol == EpuckProgram::asercom || *rc::gen::inRange(0, 3) == 0) return *test::any_request();
   const auto speed = rc::gen::inRange<int>(-1500, 1500);
   const int left = *speed;
   const auto command = wifi_command(clamped(left, *speed));
@@ -55,7 +55,7 @@ Bytes any_host(Protocol protocol) {
 }
 
 /// Requests of hosts, cut anywhere into writes, some with pauses between them. Returns when the last came.
-double suffer(EmulatedEpuck& robot, Protocol protocol) {
+double suffer(EmulatedEpuck& robot, EpuckProgram protocol) {
   double now = 0.0;
   for (int requests = *rc::gen::inRange(0, 12); requests > 0; --requests) {
     const Bytes request = any_host(protocol);
@@ -71,24 +71,24 @@ double suffer(EmulatedEpuck& robot, Protocol protocol) {
 
 struct Kind {
   MotorModel model;
-  Protocol protocol;
+  EpuckProgram protocol;
 };
 void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << (kind.protocol == Protocol::wifi    ? "e-puck2 over WiFi"
+  *out << (kind.protocol == EpuckProgram::wifi    ? "e-puck2 over WiFi"
            : kind.model == MotorModel::epuck1 ? "e-puck1"
                                               : "e-puck2");
 }
 
 class Resynchronisation : public testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, Resynchronisation,
-                         testing::Values(Kind{MotorModel::epuck1, Protocol::asercom},
-                                         Kind{MotorModel::epuck2, Protocol::asercom},
-                                         Kind{MotorModel::epuck2, Protocol::wifi}));
+                         testing::Values(Kind{MotorModel::epuck1, EpuckProgram::asercom},
+                                         Kind{MotorModel::epuck2, EpuckProgram::asercom},
+                                         Kind{MotorModel::epuck2, EpuckProgram::wifi}));
 
 constexpr LinkOptions patient{.reply_timeout = 0.2, .stop_repeat = 0.2, .command_silence = 0.0};
 
-std::unique_ptr<LinkSession> session_of(Protocol protocol) {
-  if (protocol == Protocol::wifi) return std::make_unique<WifiSession>(patient);
+std::unique_ptr<LinkSession> session_of(EpuckProgram protocol) {
+  if (protocol == EpuckProgram::wifi) return std::make_unique<WifiSession>(patient);
   return std::make_unique<AsercomSession>(patient);
 }
 

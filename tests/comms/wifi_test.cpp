@@ -124,7 +124,7 @@ struct Lab {
 
   double now = 1000.0;
   WifiSession session;
-  EpuckFirmware robot{core::MotorModel::epuck2, Protocol::wifi};
+  EpuckFirmware robot{core::MotorModel::epuck2, EpuckProgram::wifi};
   std::uint16_t ticket = 0;
 };
 
@@ -230,7 +230,7 @@ TEST(WifiSession, APauseOfTheStreamStopsTheRobotAndKeepsTheConnection) {
 }
 
 TEST(WifiFirmware, OfFiveWaitingCommandsOnlyTheNewestIsCarriedOut) {
-  EpuckFirmware robot{core::MotorModel::epuck2, Protocol::wifi};
+  EpuckFirmware robot{core::MotorModel::epuck2, EpuckProgram::wifi};
   Bytes packets;
   for (const int speed : {100, 200, 300, 400}) robot.receive(wifi_command(clamped(speed, speed)), packets);
   robot.stream(packets);

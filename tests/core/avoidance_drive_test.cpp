@@ -58,7 +58,7 @@ TEST(AvoidanceDrive, TwoOnACollisionCourseWouldCollideWithoutIt) {
   e.parameters.enabled = false;
   double least = 1e9;
   for (int k = 0; k < 600; ++k) least = std::min(least, tick(e, nullptr));
-  EXPECT_LT(least, 2.0 * core::robot_radius);
+  EXPECT_LT(least, 2.0 * core::standard_radius);
 }
 
 TEST(AvoidanceDrive, TwoOnACollisionCoursePassAndReturn) {
@@ -73,7 +73,7 @@ TEST(AvoidanceDrive, TwoOnACollisionCoursePassAndReturn) {
         avoided |= e.avoidance.state(0) == core::Avoidance::State::avoiding;
       }
       EXPECT_TRUE(avoided) << angle << ", " << late;
-      EXPECT_GE(least, 2.0 * core::robot_radius) << angle << ", " << late;
+      EXPECT_GE(least, 2.0 * core::standard_radius) << angle << ", " << late;
       for (std::size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(e.avoidance.state(i), core::Avoidance::State::nominal) << angle << ", " << late;
         EXPECT_LT(core::distance(e.poses[i], e.nominal[i].pose), 0.005) << angle << ", " << late;
@@ -92,7 +92,7 @@ TEST(AvoidanceDrive, ARobotRoundsAnObstacleOrWaits) {
     double least = 1e9;
     for (int k = 0; k < 1500; ++k) {
       tick(e, &shield);
-      least = std::min(least, std::hypot(e.poses[0].x, e.poses[0].y - side) - 0.04 - core::robot_radius);
+      least = std::min(least, std::hypot(e.poses[0].x, e.poses[0].y - side) - 0.04 - core::standard_radius);
     }
     EXPECT_GE(least, 0.006) << "8 mm less what turning within a tick costs; side " << side;
   }

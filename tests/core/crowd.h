@@ -35,7 +35,7 @@ inline Crowd random_crowd(Draw& draw, std::size_t robots, std::size_t obstacles,
     return std::all_of(crowd.poses.begin(), crowd.poses.end(),
                        [&](const core::Pose& p) { return std::hypot(p.x - x, p.y - y) >= closest * least; }) &&
            std::all_of(crowd.obstacles.begin(), crowd.obstacles.end(), [&](const core::Obstacle& o) {
-             return std::hypot(o.x - x, o.y - y) >= closest * (keep - core::robot_radius + o.radius);
+             return std::hypot(o.x - x, o.y - y) >= closest * (keep - core::standard_radius + o.radius);
            });
   };
   while (crowd.obstacles.size() < obstacles)
@@ -82,7 +82,7 @@ inline std::vector<HalfSpace> conditions(const Crowd& crowd) {
     }
     for (const auto& o : crowd.obstacles) {
       const Eigen::Vector2d from = at - Eigen::Vector2d(o.x, o.y);
-      const double keep = p.distance - core::robot_radius + o.radius;
+      const double keep = p.distance - core::standard_radius + o.radius;
       HalfSpace c{Eigen::VectorXd::Zero(n), -p.gamma * std::max(0.0, from.norm() - keep)};
       c.a(i) = from.normalized().dot(heading);
       all.push_back(c);

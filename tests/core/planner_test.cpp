@@ -118,8 +118,8 @@ Outcome run(const Scene& scene) {
       poses[i] = core::advance(poses[i], commands[i], dt);
       const ReferencePoint place = scene.lines.at(i, t + dt);
       there = there && core::distance(poses[i], place.pose) < 0.01 && place.twist == Twist{};
-      o.outside = std::max({o.outside, std::abs(poses[i].x) + core::robot_radius - arena.width,
-                            std::abs(poses[i].y) + core::robot_radius - arena.height});
+      o.outside = std::max({o.outside, std::abs(poses[i].x) + core::standard_radius - arena.width,
+                            std::abs(poses[i].y) + core::standard_radius - arena.height});
       for (std::size_t j = 0; j < i; ++j) o.least = std::min(o.least, core::distance(poses[i], poses[j]));
     }
     last = commands;

@@ -100,10 +100,10 @@ TEST(PotentialField, FadesAsCentresMeet) {
 
 TEST(PotentialField, LeavesTheSameGapToAnObstacleAsToARobot) {
   const AvoidanceParameters a;
-  for (const double radius : {0.01, core::robot_radius, 0.1, 0.5}) {
+  for (const double radius : {0.01, core::standard_radius, 0.1, 0.5}) {
     const AvoidanceParameters wider = core::around(a, {0.0, 0.0, radius});
-    EXPECT_NEAR(wider.alpha - radius, a.alpha - core::robot_radius, 1e-15);
-    EXPECT_NEAR(wider.beta - radius, a.beta - core::robot_radius, 1e-15);
+    EXPECT_NEAR(wider.alpha - radius, a.alpha - core::standard_radius, 1e-15);
+    EXPECT_NEAR(wider.beta - radius, a.beta - core::standard_radius, 1e-15);
   }
 }
 

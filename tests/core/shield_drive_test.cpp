@@ -186,8 +186,8 @@ TEST(ShieldDrive, NobodyLeavesTheArena) {
       shield.apply(arena, told, {}, v_limit, commands, touched);
       for (std::size_t i = 0; i < n; ++i) {
         poses[i] = core::advance(poses[i], commands[i], dt);
-        farthest = std::max({farthest, std::abs(poses[i].x) + core::robot_radius - arena.half_width,
-                             std::abs(poses[i].y) + core::robot_radius - arena.half_height});
+        farthest = std::max({farthest, std::abs(poses[i].x) + core::standard_radius - arena.half_width,
+                             std::abs(poses[i].y) + core::standard_radius - arena.half_height});
       }
     }
   }

@@ -57,7 +57,7 @@ struct Crossing : Encounter {
         for (std::size_t j = 0; j < i; ++j) least = std::min(least, core::distance(poses[i], poses[j]));
         for (const core::Obstacle& o : obstacles)
           least_gap =
-              std::min(least_gap, std::hypot(poses[i].x - o.x, poses[i].y - o.y) - o.radius - core::robot_radius);
+              std::min(least_gap, std::hypot(poses[i].x - o.x, poses[i].y - o.y) - o.radius - core::standard_radius);
       }
       if (farthest < 0.01) return t;
     }

@@ -84,7 +84,7 @@ inline void packets(std::span<const std::uint8_t> bytes) {
     if (session.garbled()) session.opened(now);
   }
 
-  comms::EpuckFirmware robot(core::MotorModel::epuck2, comms::Protocol::wifi);
+  comms::EpuckFirmware robot(core::MotorModel::epuck2, comms::EpuckProgram::wifi);
   session.opened(now);
   session.stop(now);
   for (int turn = 0; turn < 20 && !session.up(); ++turn) {

@@ -34,8 +34,8 @@ TEST_F(Operator, CannotDropARobotOutsideTheArena) {
   start();
   drag(robot(0), {1, 1});
   const core::Pose put = moved(0);
-  EXPECT_NEAR(put.x, -1.0 + robot_radius, 1e-9);
-  EXPECT_NEAR(put.y, 0.75 - robot_radius, 1e-9);
+  EXPECT_NEAR(put.x, -1.0 + core::standard_radius, 1e-9);
+  EXPECT_NEAR(put.y, 0.75 - core::standard_radius, 1e-9);
 }
 
 TEST_F(Operator, TurnsARobotWithTheWheel) {

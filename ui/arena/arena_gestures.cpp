@@ -20,7 +20,7 @@ class DragRobot final : public ArenaGesture {
   }
   void move(QPointF floor) override {
     const double theta = scene_.pose(static_cast<std::size_t>(robot_)).value_or(core::Pose{}).theta;
-    const QPointF to = inside_arena(scene_, floor - grip_, robot_radius);
+    const QPointF to = inside_arena(scene_, floor - grip_, scene_.radius(static_cast<std::size_t>(robot_)));
     scene_.ghost = {robot_, {to.x(), to.y(), theta}};
   }
   void release(const ArenaRequests& ask) override {
@@ -49,7 +49,8 @@ class KickRobot final : public ArenaGesture {
   }
   void release(const ArenaRequests& ask) override {
     if (!scene_.kick) return;
-    const bool out_of_the_robot = std::hypot(scene_.kick->way.x(), scene_.kick->way.y()) > robot_radius;
+    const bool out_of_the_robot =
+        std::hypot(scene_.kick->way.x(), scene_.kick->way.y()) > scene_.radius(static_cast<std::size_t>(robot_));
     if (out_of_the_robot) ask.kick(robot_, scene_.kick->velocity);
   }
 
@@ -111,7 +112,7 @@ class Measure final : public ArenaGesture {
 
  private:
   QPointF hold_on(QPointF floor) const {
-    const int robot = scene_.robot_at(floor.x(), floor.y(), snap);
+    const int robot = scene_.robot_at(floor.x(), floor.y(), snap, false);
     if (robot >= 0) {
       const core::Pose pose = *scene_.pose(static_cast<std::size_t>(robot));
       return {pose.x, pose.y};

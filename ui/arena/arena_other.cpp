@@ -4,7 +4,8 @@
 
 namespace skein::ui {
 
-void paint_other(QPainter& painter, const OtherRun& other, const ArenaMap& map, const Colours& colours) {
+void paint_other(QPainter& painter, const OtherRun& other, const ArenaScene& scene, const ArenaMap& map,
+                 const Colours& colours) {
   const auto at = [&](double x, double y) { return map.to_screen({x, y}); };
   for (std::size_t i = 0; i < other.trails.size(); ++i) {
     const auto& trail = other.trails[i];
@@ -18,7 +19,8 @@ void paint_other(QPainter& painter, const OtherRun& other, const ArenaMap& map, 
     painter.drawPolyline(line);
     const core::Pose& now = trail.back();
     const QPointF centre = at(now.x, now.y);
-    const QPointF edge = at(now.x + robot_radius * std::cos(now.theta), now.y + robot_radius * std::sin(now.theta));
+    const double body = scene.radius(i);
+    const QPointF edge = at(now.x + body * std::cos(now.theta), now.y + body * std::sin(now.theta));
     const double radius = std::hypot(edge.x() - centre.x(), edge.y() - centre.y());
     painter.setPen(QPen(pale, 2.0));
     painter.drawEllipse(centre, radius, radius);

@@ -27,7 +27,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   bounds_and_path();
   obstacles();
   if (scene_.show_trails) trails();
-  if (scene_.compared) paint_other(p_, *scene_.compared, map_, c_);
+  if (scene_.compared) paint_other(p_, *scene_.compared, scene_, map_, c_);
   if (scene_.record) {
     if (scene_.show_couplings) couplings();
     if (scene_.show_regions) regions();
@@ -184,18 +184,20 @@ void ArenaPainter::couplings() {
 /// Where robots are noticed (detection, |dx/alpha|^p + |dy/beta|^p = 1), and where the shield stops them: two of its
 /// rings just touch.
 void ArenaPainter::regions() {
-  const core::AvoidanceParameters& avoidance = scene_.experiment.avoidance;
   const core::ShieldParameters& shield = scene_.experiment.shield;
   p_.setBrush(Qt::NoBrush);
   for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
     const auto pose = scene_.pose(i);
     if (!pose) continue;
     const app::RobotRecord& robot = scene_.record->robots[i];
+    const double beyond = scene_.radius(i) - core::standard_radius;
     if (shield.enabled) {
       const bool acts = robot.is(app::shielded);
       p_.setPen(cosmetic(faded(acts ? c_.shielded : c_.robot(i), acts ? 0.9 : 0.6), acts ? 1.6 : 1.0, Qt::DashLine));
-      p_.drawPolygon(map_.outline({pose->x, pose->y}, shield.distance / 2, shield.distance / 2));
+      const double half = shield.distance / 2 + beyond;  // and the other's half
+      p_.drawPolygon(map_.outline({pose->x, pose->y}, half, half));
     }
+    const core::AvoidanceParameters avoidance = core::wider(app::make_avoidance(scene_.experiment, i), beyond);
     if (!avoidance.enabled) continue;
     const bool inside = robot.is(app::avoiding);
     p_.setPen(cosmetic(faded(inside ? c_.avoiding : c_.robot(i), inside ? 0.9 : 0.40), inside ? 1.6 : 1.0));
@@ -208,11 +210,12 @@ void ArenaPainter::references() {
   for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
     const app::RobotRecord& robot = scene_.record->robots[i];
     const core::Pose& nominal = robot.nominal.pose;
+    const double body = scene_.radius(i);
     p_.setPen(cosmetic(faded(c_.robot(i), 0.85), 1.4));
-    p_.drawPolygon(map_.outline({nominal.x, nominal.y}, robot_radius, robot_radius));
+    p_.drawPolygon(map_.outline({nominal.x, nominal.y}, body, body));
     const double c = std::cos(nominal.theta), s = std::sin(nominal.theta);
-    p_.drawLine(at(nominal.x + robot_radius * c, nominal.y + robot_radius * s),
-                at(nominal.x + 1.55 * robot_radius * c, nominal.y + 1.55 * robot_radius * s));
+    p_.drawLine(at(nominal.x + body * c, nominal.y + body * s),
+                at(nominal.x + 1.55 * body * c, nominal.y + 1.55 * body * s));
     if (robot.is(app::avoiding)) {  // where avoidance sends it meanwhile
       const QPointF there = at(robot.reference.pose.x, robot.reference.pose.y);
       p_.setPen(cosmetic(c_.robot(i), 1.8));
@@ -228,7 +231,7 @@ void ArenaPainter::robots() {
     if (!pose) continue;
     const std::uint8_t mode = scene_.record->robots[i].mode;
     const QPointF centre = at(pose->x, pose->y);
-    const double radius = robot_radius * map_.scale_at({pose->x, pose->y});
+    const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
     const bool dragged = scene_.ghost && scene_.ghost->robot == static_cast<int>(i);
 
     if (scene_.selected == static_cast<int>(i) || scene_.hovered == static_cast<int>(i)) {
@@ -249,13 +252,14 @@ void ArenaPainter::robots() {
 }
 
 void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) {
+  const double body_radius = scene_.radius(i);
   p_.save();
   p_.setOpacity(opacity);
   const QColor body = c_.robot(i), ink = ink_on(body);
   const QPointF centre = at(pose.x, pose.y);
   p_.setPen(cosmetic(c_.dark ? QColor(0x101214) : QColor(Qt::white), 1.2));
   p_.setBrush(body);
-  p_.drawPolygon(map_.outline({pose.x, pose.y}, robot_radius, robot_radius));
+  p_.drawPolygon(map_.outline({pose.x, pose.y}, body_radius, body_radius));
 
   // The notch: a wedge at the rim, where the robot looks to.
   const auto rim = [&](double radius, double turn) {
@@ -263,15 +267,15 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
   };
   p_.setPen(Qt::NoPen);
   p_.setBrush(ink);
-  p_.drawPolygon(QPolygonF{{rim(robot_radius, 0.0), rim(0.62 * robot_radius, 0.75), rim(0.62 * robot_radius, -0.75)}});
+  p_.drawPolygon(QPolygonF{{rim(body_radius, 0.0), rim(0.62 * body_radius, 0.75), rim(0.62 * body_radius, -0.75)}});
 
   QFont font = p_.font();
   font.setBold(true);
-  const double radius = robot_radius * map_.scale_at({pose.x, pose.y});
+  const double radius = body_radius * map_.scale_at({pose.x, pose.y});
   font.setPointSizeF(std::max(font.pointSizeF(), 0.45 * radius));  // zoomed in, the number grows with its robot
   p_.setFont(font);
   p_.setPen(ink);
-  const QPointF back = (centre - rim(robot_radius, 0.0)) * 0.16;  // the number stands clear of the notch
+  const QPointF back = (centre - rim(body_radius, 0.0)) * 0.16;  // the number stands clear of the notch
   p_.drawText(QRectF(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius)),
               Qt::AlignCenter | Qt::TextDontClip, QString::number(i + 1));
   p_.restore();

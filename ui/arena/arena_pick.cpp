@@ -24,8 +24,7 @@ double distance_to(QPointF point, QPointF a, QPointF b) {
 int ArenaView::robot_under(QPointF screen) const {
   const QPointF floor = map_.to_floor(screen);
   // Zoomed out, a robot is small: some pixels around it still catch it.
-  const double reach = std::max(robot_radius, 12.0 / map_.scale_at(floor));
-  return scene_.robot_at(floor.x(), floor.y(), reach);
+  return scene_.robot_at(floor.x(), floor.y(), 12.0 / map_.scale_at(floor), true);
 }
 
 int ArenaView::obstacle_under(QPointF screen) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/reference/reference.h"
 
@@ -64,14 +65,15 @@ ModeLook ArenaScene::look_of(std::size_t i, const Colours& colours) const {
   return unknown ? may_be_driving_look(colours) : look(record->robots[i].mode, colours);
 }
 
-int ArenaScene::robot_at(double x, double y, double reach) const {
+int ArenaScene::robot_at(double x, double y, double reach, bool bodies) const {
   int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     const auto at = pose(i);
     if (!at) continue;
     const double away = std::hypot(at->x - x, at->y - y);
-    if (away > reach) continue;
-    reach = away;
+    if (away > least || away > (bodies ? std::max(reach, radius(i)) : reach)) continue;
+    least = away;
     nearest = static_cast<int>(i);
   }
   return nearest;

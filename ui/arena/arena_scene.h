@@ -15,8 +15,6 @@
 
 namespace skein::ui {
 
-inline constexpr double robot_radius = 0.035;  ///< of an e-puck [m]
-
 /// Where a robot has been: times of the experiment, so that a pause does not wipe it out.
 struct TrailPoint {
   double t, x, y;
@@ -83,8 +81,11 @@ struct ArenaScene {
 
   /// Where robot i is: the truth where there is one, else the pose that the law used. Empty: never seen.
   std::optional<core::Pose> pose(std::size_t i) const;
-  /// The robot on this point of the floor, or -1; `reach` is how far from its middle still counts [m].
-  int robot_at(double x, double y, double reach = robot_radius) const;
+  /// How large robot i's body is [m].
+  double radius(std::size_t i) const { return i < experiment.robots.size() ? experiment.robots[i].radius : 0.0; }
+  /// The robot whose middle is nearest to this point of the floor and within `reach` [m], or on whose body, if `bodies`,
+  /// the point is; -1: none is.
+  int robot_at(double x, double y, double reach, bool bodies) const;
   /// The obstacle on this point of the floor, or -1.
   int obstacle_at(double x, double y) const;
   /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that

@@ -24,8 +24,8 @@ MarginBars::MarginBars(QWidget* parent) : QWidget(parent) {
 
 void MarginBars::show_experiment(const app::Experiment& experiment) {
   robots_ = experiment.robots.size();
-  v_max_ = experiment.controller.v_max;
-  omega_max_ = experiment.controller.omega_max;
+  limits_.clear();
+  for (std::size_t i = 0; i < robots_; ++i) limits_.push_back(app::make_limits(experiment, i));
   forward_.clear();
   turning_.clear();
   updateGeometry();
@@ -36,9 +36,10 @@ void MarginBars::take(const app::TickRecord& record) {
   constexpr double rounding = 1e-9;
   forward_.clear();
   turning_.clear();
-  for (const app::RobotRecord& robot : record.robots) {
-    forward_.push_back({robot.k_x, v_max_, robot.k_x > 0 && robot.margins.f >= -rounding});
-    turning_.push_back({robot.k_theta, omega_max_, robot.k_theta > 0 && robot.margins.g >= -rounding});
+  for (std::size_t i = 0; i < std::min(record.robots.size(), limits_.size()); ++i) {
+    const app::RobotRecord& robot = record.robots[i];
+    forward_.push_back({robot.k_x, limits_[i].v_max, robot.k_x > 0 && robot.margins.f >= -rounding});
+    turning_.push_back({robot.k_theta, limits_[i].omega_max, robot.k_theta > 0 && robot.margins.g >= -rounding});
   }
   update();
 }

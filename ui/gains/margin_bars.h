@@ -32,7 +32,7 @@ class MarginBars final : public QWidget {
   void paint_bar(QPainter& p, const QRectF& where, const Bar& bar) const;
 
   std::size_t robots_ = 0;
-  double v_max_ = 1.0, omega_max_ = 1.0;
+  std::vector<core::CommandLimits> limits_;  // of every robot
   std::vector<Bar> forward_, turning_;  // of every robot
 };
 

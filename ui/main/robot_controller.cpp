@@ -40,12 +40,14 @@ QString RobotController::in_the_way(int robot, const core::Pose& pose) const {
     if (k == moved) continue;
     const core::Pose there = place(record->robots[k]);
     const double away = core::distance(pose, there), now = core::distance(place(record->robots[moved]), there);
-    if (away < 2 * robot_radius && away < now)  // two that stand too near already may be turned, and moved apart
+    const std::vector<app::RobotSpec>& robots = runs_.shown().experiment().robots;
+    const double need = robots[moved].radius + robots[k].radius;
+    if (away < need && away < now)  // two that stand too near already may be turned, and moved apart
       return tr("Robot %1 was not moved: robot %2 stands there, %3 cm away, and two robots need %4 cm")
           .arg(robot + 1)
           .arg(k + 1)
           .arg(100 * away, 0, 'f', 1)
-          .arg(200 * robot_radius, 0, 'f', 1);
+          .arg(100 * need, 0, 'f', 1);
   }
   return {};
 }

@@ -1,11 +1,23 @@
 #include "ui/plots/plot_rows.h"
 
 #include <QCoreApplication>
+#include <algorithm>
 
 #include "core/geometry/pose.h"
 
 namespace skein::ui {
 namespace {
+
+/// Both ways, of every robot that has other limits than those before it.
+template <typename Limit>
+std::vector<double> limits_of(const app::Experiment& experiment, Limit&& limit) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    const double most = limit(app::make_limits(experiment, i));
+    if (std::find(all.begin(), all.end(), most) == all.end()) all.insert(all.end(), {-most, most});
+  }
+  return all;
+}
 
 QString tr(const char* text) {
   return QCoreApplication::translate("PlotRows", text);
@@ -109,7 +121,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .unit = tr("[m/s]"),
       .what = tr("Commanded speed, and its limits"),
       .least = 0.02,
-      .limits = {-law.v_max, law.v_max},
+      .limits = limits_of(experiment, [](const core::CommandLimits& c) { return c.v_max; }),
       .value = known([](const app::RobotRecord& r) { return r.command.v; }),
   });
   add({
@@ -118,7 +130,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .unit = tr("[rad/s]"),
       .what = tr("Commanded turning rate, and its limits"),
       .least = 0.2,
-      .limits = {-law.omega_max, law.omega_max},
+      .limits = limits_of(experiment, [](const core::CommandLimits& c) { return c.omega_max; }),
       .value = known([](const app::RobotRecord& r) { return r.command.omega; }),
   });
   std::vector<double> shield;

@@ -1,4 +1,5 @@
 // robots.toml: known robots, and experiments that take theirs from it.
+#include "app/experiment/experiment_robots.h"
 #include "app/experiment/known_robots.h"
 
 #include <gmock/gmock.h>
@@ -115,7 +116,7 @@ TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
   carl.spec.name = "e-puck2_04711";
   carl.spec.address = "rfcomm:30:AE:A4:AA:BB:CC/2";
   carl.spec.tag = -1;
-  carl.spec.motor = core::MotorModel::epuck2;
+  become(carl.spec, *core::find_robot_type("epuck2"));
   const Added added = with_robots(robots_text, *known, {anna, carl});
   EXPECT_EQ(added.robots, 1u);
   EXPECT_TRUE(added.text.starts_with(robots_text));

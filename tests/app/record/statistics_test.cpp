@@ -257,7 +257,7 @@ TEST(Statistics, CountCollisionsWithWhatTheOperatorPutsDown) {
   h.add(r);
   h.add(5, 0.0, 0.0);
   EXPECT_EQ(h.summary().collisions, 1);
-  EXPECT_NEAR(h.summary().obstacle_gap, 0.02 - core::robot_radius, 1e-12);
+  EXPECT_NEAR(h.summary().obstacle_gap, 0.02 - core::standard_radius, 1e-12);
   r = h.row();
   r.events.add(events::PutObstacle{0, {0.0, 0.05, 0.0}});  // taken away, and put down again
   h.add(r);

@@ -347,7 +347,7 @@ TEST(ControlTick, ARobotTurnedByHandBesideTheEdgeStaysInside) {
       bench.step();
       for (const core::SimulatedRobot& r : bench.robots)
         over = std::max(
-            {over, std::abs(r.pose().x) - 0.75 + core::robot_radius, std::abs(r.pose().y) - 0.55 + core::robot_radius});
+            {over, std::abs(r.pose().x) - 0.75 + core::standard_radius, std::abs(r.pose().y) - 0.55 + core::standard_radius});
     }
   }
   EXPECT_LE(over, 0.0);
@@ -363,7 +363,7 @@ TEST(ControlTick, SaysOnceThatARobotIsOverTheEdge) {
       if (const auto* const e = std::get_if<events::Outside>(&event)) {
         EXPECT_EQ(++said, 1);
         EXPECT_EQ(e->robot, 2u);
-        EXPECT_NEAR(e->over, 0.05 + core::robot_radius, 0.003);  // it drives on
+        EXPECT_NEAR(e->over, 0.05 + core::standard_radius, 0.003);  // it drives on
       }
   EXPECT_EQ(said, 1);
 }

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "comms/emulator/robot_firmware.h"
+#include "core/kinematics/robot_type.h"
+#include "core/kinematics/step_motor.h"
+
+namespace skein::comms {
+
+/// The server that a Khepera IV runs on its serial line or Bluetooth channel (K-Team's kh4server): a line in, a line
+/// out. Emulated with its mistakes: while it answers it throws away what has come meanwhile, arguments that a line lacks
+/// are those of a line before it, and it has no watchdog. Of its commands B, D, E, I, R, V and M; sensors and lights,
+/// which need no wheels, answer as what it does not know, "$".
+class KheperaFirmware final : public RobotFirmware {
+ public:
+  explicit KheperaFirmware(const core::RobotType& type) : fastest_(type.wheels.max_step_rate) {}
+
+  void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) override;
+  void advance(double dt) noexcept override {
+    left_.advance(dt);
+    right_.advance(dt);
+  }
+  core::WheelSpeeds wheels() const noexcept override { return {left_.settled_rate(), right_.settled_rate()}; }
+  core::WheelSpeeds told() const noexcept override { return told_; }
+  std::uint64_t times_told() const noexcept override { return times_told_; }
+  void boot() noexcept override;
+  void set_battery(double volts) noexcept override { volts_ = volts; }
+  void swap_wheels(bool swapped) noexcept override { swapped_ = swapped; }
+  void silence_encoders(bool silent) noexcept override { silent_ = silent; }
+
+ private:
+  std::string answer(const std::string& line);
+  void tell(long left, long right) noexcept;
+  long pulses(const core::StepMotor& motor) const noexcept;
+
+  double fastest_;
+  std::string line_;
+  long arguments_[2] = {0, 0};  // as the newest line that had them left them
+  core::StepMotor left_{core::MotorModel::servo}, right_{core::MotorModel::servo};
+  core::WheelSpeeds told_;
+  std::uint64_t times_told_ = 0;
+  double volts_ = 8.0;
+  bool swapped_ = false, silent_ = false;
+};
+
+}  // namespace skein::comms

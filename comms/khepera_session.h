@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "comms/link_session.h"
+
+namespace skein::comms {
+
+/// A Khepera IV's serial protocol, over a cable or Bluetooth: K-Team's server on the robot reads lines and answers each
+/// with one, "D,l,r" (speeds) "d", "R" (positions) "r,l,r", "V,0" (battery) "v,mV", "B" (version) "b,A,1", and what it
+/// does not know with "$". Speeds count 0.6781 mm/s, positions hundredths of that times a second, 0.006781 mm.
+///
+/// While it answers it throws away what has arrived meanwhile. So one line at a time is under way, and a new command
+/// waits for the answers to the last. It has no watchdog.
+inline constexpr WheelUnit khepera_unit{.metres_per_step = 0.6781e-3, .fastest = 1200, .most_unconfirmed = 0};
+
+/// A position as a counter of the same unit as the speeds.
+std::int16_t khepera_steps(std::int64_t pulses) noexcept;
+
+/// Ends a line that was broken off, and stops both wheels.
+std::span<const std::uint8_t> khepera_stop() noexcept;
+/// Whether it has taken a speed command.
+bool khepera_acknowledged(std::span<const std::uint8_t> heard) noexcept;
+
+/// LinkSession with a Khepera IV. A "d" may be the answer to a line that a stop has ended, and the stop thrown away
+/// meanwhile: a robot is known to stand when it has answered so many stops that the last must be among them.
+class KheperaSession final : public LinkSession {
+ public:
+  explicit KheperaSession(const LinkOptions& options) : LinkSession(options, khepera_unit) {}
+
+ private:
+  void begin() override;
+  void put_stop() override;
+  void put_request(std::optional<WheelCommand> speeds, Question question) override;
+  void hear(std::span<const std::uint8_t> bytes, double now) override;
+  void no_answer_to_stop(double now) override;
+
+  void line(std::string_view text, double now);
+  void stop_answered(std::string_view text, double now);
+  void say(std::string text);
+  void come_up(double now);
+
+  std::string heard_;              // of a line that has not ended
+  std::deque<std::string> lines_;  // to be sent, one after the other
+  char awaited_ = 0;               // the answer's letter; 0: none is due
+  int stops_wanted_ = 0;           // answers until the robot is known to stand
+  bool version_asked_ = false;
+};
+
+}  // namespace skein::comms
