@@ -29,6 +29,11 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.gains = make_gains(experiment);
   i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
+  if (experiment.controller.law.own()) {
+    auto controller = OwnController::start(i.experiment, !i.clock.wall(), i.options.program);
+    if (!controller) return tl::unexpected(controller.error());
+    i.controller = std::move(*controller);
+  }
   if (i.options.guard && i.clock.wall()) {
     const auto robots = real_robots(i.experiment);
     if (!robots) return tl::unexpected(robots.error());
@@ -43,7 +48,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   }
   i.plant = std::move(*plant);
   i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
-                                         [&i](const TickRecord& record) { i.publish(record); });
+                                         [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
   if (i.clock.wall()) {
     i.recorder_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
     i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
@@ -102,6 +107,10 @@ vision::SourceStatus Session::camera() const {
 VideoStatus Session::video() const {
   const CameraRig* camera = wiring_->plant->camera();
   return camera ? camera->video() : VideoStatus{};
+}
+
+const OwnController* Session::controller() const noexcept {
+  return wiring_->controller.get();
 }
 
 std::optional<std::string> Session::unguarded() const {
@@ -199,6 +208,7 @@ void Session::close() {
   }
   i.loop->end_thread();
   i.plant->close();
+  if (i.controller) i.controller->close();
   if (i.net) i.net->done(stop_results(i.experiment, i.plant->robots()));
   i.sleep.reset();
   if (i.recorder_thread.joinable()) {

@@ -18,6 +18,10 @@ struct TickInput {
   std::span<const LinkInput> links;  ///< of each robot; empty: nobody has one
   std::span<const OperatorCommand> commands;
   bool recorded = false;  ///< the commands are those of a recorded run: their values are held at their borders already
+  /// What the run's own controller asks for, one a robot: none where it says nothing of use. Empty: it was not asked.
+  std::span<const core::Twist> law;
+  std::span<const double> logged;  ///< by it, as TickRecord::logged
+  ControllerState controller = ControllerState::answered;
   EventList events;       ///< what the world reports: perturbations, moves, links
 };
 

@@ -129,6 +129,7 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   if (!session) return failed(seed, session.error());
   (*session)->run();
   (*session)->close();
+  if (const auto failure = (*session)->failure()) return failed(seed, *failure);
 
   const Statistics::Summary summary = statistics.summary();
   RunOutcome outcome;
