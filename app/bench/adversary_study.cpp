@@ -88,7 +88,8 @@ AdversaryOutcome run_under_adversary(std::uint64_t seed, const std::string& prog
   outcome.longest_wait = report.longest;
   outcome.late = report.late;
   const std::vector<RobotStatus> robots = (*session)->robots();
-  const bool acknowledged = std::all_of(robots.begin(), robots.end(), [](const RobotStatus& r) { return r.stop_acknowledged; });
+  const bool acknowledged =
+      std::all_of(robots.begin(), robots.end(), [](const RobotStatus& r) { return r.stop_acknowledged; });
   outcome.stands = acknowledged && (end == Phase::finished || newest.stands);
   outcome.failure = (*session)->failure().value_or("");
   return outcome;
@@ -114,11 +115,11 @@ std::string as_lines(const std::vector<AdversaryOutcome>& outcomes, double perio
   std::map<Adversary, Sum> kinds;
   Sum all;
   for (const AdversaryOutcome& o : outcomes) kinds[o.kind].add(o, period), all.add(o, period);
-  std::string text = fmt::format("{:<12} {:>5} {:>7} {:>7} {:>6} {:>10} {:>7} {:>12} {:>11}\n", "adversary", "runs", "ticks",
-                                 "late", "ended", "collisions", "outside", "nearest_mm", "longest_ms");
+  std::string text = fmt::format("{:<12} {:>5} {:>7} {:>7} {:>6} {:>10} {:>7} {:>12} {:>11}\n", "adversary", "runs",
+                                 "ticks", "late", "ended", "collisions", "outside", "nearest_mm", "longest_ms");
   const auto row = [&](std::string_view name, const Sum& s) {
-    text += fmt::format("{:<12} {:>5} {:>7} {:>7} {:>6} {:>10} {:>7} {:>12.1f} {:>11.2f}\n", name, s.runs, s.ticks, s.late,
-                        s.failed, s.collisions, s.outside, 1e3 * s.nearest, 1e3 * s.longest);
+    text += fmt::format("{:<12} {:>5} {:>7} {:>7} {:>6} {:>10} {:>7} {:>12.1f} {:>11.2f}\n", name, s.runs, s.ticks,
+                        s.late, s.failed, s.collisions, s.outside, 1e3 * s.nearest, 1e3 * s.longest);
   };
   for (const auto& [kind, sum] : kinds) row(word(kind), sum);
   row("all", all);

@@ -74,7 +74,8 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
-  program.add_option("what", what, "one of those below; default: all but controllers and ui")->check(CLI::IsMember(names));
+  program.add_option("what", what, "one of those below; default: all but controllers and ui")
+      ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
       .add_option("--seconds", seconds, "how long each measurement takes, where it does not know by itself: links, ui")

@@ -15,6 +15,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/resources.h"
 #include "app/tick/control_tick.h"
 
 namespace skein::app {
@@ -92,7 +93,8 @@ int bench_controllers(const ControllersBench& bench) {
   const Case cases[] = {
       {"built_in", {}},
       {"process_c", {fmt::format("controller.command=\"'{}' controller-host --honest\"", skein)}},
-      {"process_python", {fmt::format("controller.command=\"/usr/bin/python3 '{}'\"", SKEIN_PYTHON_LAW)}},
+      {"process_python",
+       {fmt::format("controller.command=\"/usr/bin/python3 '{}'\"", resource_folder("experiments") + "/my_law.py")}},
   };
   std::vector<Line> lines;
   std::vector<const char*> names;

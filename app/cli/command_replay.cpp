@@ -42,7 +42,8 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
     fmt::print("answers: {}\nanswers_different: {}\nanswers_late: {}\n", result->answers, result->answers_different,
                result->answers_late);
     if (result->answers_different > 0)
-      print_error(fmt::format("skein: {}: the controller answers otherwise now; first at {}\n", csv, result->first_answer));
+      print_error(
+          fmt::format("skein: {}: the controller answers otherwise now; first at {}\n", csv, result->first_answer));
   }
   if (result->answers_different == 0 && result->different == 0 && result->poses_different == 0) return done;
   if (!result->first.empty()) print_error(fmt::format("skein: {}: not bit for bit; first at {}\n", csv, result->first));

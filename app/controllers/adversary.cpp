@@ -83,14 +83,14 @@ class Worst {
           const skein_obstacle* nearest = nullptr;
           double distance = infinity;
           for (std::uint32_t k = 0; k < memory_.obstacles; ++k)
-            if (const double d = std::hypot(memory_.obstacle[k].x - robot.x, memory_.obstacle[k].y - robot.y); d < distance)
+            if (const double d = std::hypot(memory_.obstacle[k].x - robot.x, memory_.obstacle[k].y - robot.y);
+                d < distance)
               nearest = &memory_.obstacle[k], distance = d;
           return nearest ? charge(robot, nearest->x, nearest->y) : charge_at_nearest(robot, i);
         });
       case Adversary::erratic:
         return all([&](const skein_robot& robot, std::uint32_t) {
-          return skein_command{uniform() < 0.5 ? robot.v_max : -robot.v_max,
-                               (2.0 * uniform() - 1.0) * robot.omega_max};
+          return skein_command{uniform() < 0.5 ? robot.v_max : -robot.v_max, (2.0 * uniform() - 1.0) * robot.omega_max};
         });
       case Adversary::late:
         if (uniform() < 0.3) ::usleep(static_cast<useconds_t>(20'000.0 * uniform()));
@@ -139,7 +139,8 @@ class Worst {
     const skein_robot* nearest = nullptr;
     double distance = infinity;
     for (std::uint32_t j = 0; j < memory_.robots; ++j)
-      if (const double d = std::hypot(memory_.robot[j].x - robot.x, memory_.robot[j].y - robot.y); j != own && d < distance)
+      if (const double d = std::hypot(memory_.robot[j].x - robot.x, memory_.robot[j].y - robot.y);
+          j != own && d < distance)
         nearest = &memory_.robot[j], distance = d;
     return nearest ? charge(robot, nearest->x, nearest->y) : skein_command{robot.v_max, 0.0};
   }

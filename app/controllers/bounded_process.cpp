@@ -195,9 +195,7 @@ tl::expected<std::unique_ptr<BoundedProcess>, std::string> BoundedProcess::start
   }
   environment.push_back(nullptr);
   const ProcessBounds& bounds = setup.bounds;
-  const auto both = [](std::int64_t value) {
-    return rlimit{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
-  };
+  const auto both = [](std::int64_t value) { return rlimit{static_cast<rlim_t>(value), static_cast<rlim_t>(value)}; };
   constexpr std::int64_t megabyte = 1 << 20;
   std::vector<sock_filter> code = filter(bounds.processes > 0);
   const std::int64_t tasks = bounds.processes > 0 ? tasks_of_user() + bounds.processes : 0;

@@ -16,10 +16,10 @@ namespace skein::app {
 
 /// What a process of somebody else's may take of the machine. What is not bounded stands in docs/controllers.md.
 struct ProcessBounds {
-  std::int64_t memory = 2048;     ///< address space of each process [MB]
-  std::int64_t processes = 16;    ///< processes and threads beside those that the user has; 0: none but threads
+  std::int64_t memory = 2048;      ///< address space of each process [MB]
+  std::int64_t processes = 16;     ///< processes and threads beside those that the user has; 0: none but threads
   std::int64_t cpu_seconds = 600;  ///< of each process
-  std::int64_t file = 1024;       ///< the largest file that it may write [MB]
+  std::int64_t file = 1024;        ///< the largest file that it may write [MB]
 };
 
 /// A process of somebody else's in a group of its own, which ends with this one. It cannot leave its group, so that
@@ -39,8 +39,8 @@ class BoundedProcess {
 
   /// Kills the whole group. Any thread; neither waits nor allocates.
   void end() noexcept;
-  /// How it ended, and the last line that it printed: "exit status 1: NameError: ..."; empty: it has not ended. Waits at
-  /// most `patience` for that. Not the control thread's. [s]
+  /// How it ended, and the last line that it printed: "exit status 1: NameError: ..."; empty: it has not ended. Waits
+  /// at most `patience` for that. Not the control thread's. [s]
   std::string how_it_ended(double patience);
 
  private:
@@ -51,8 +51,8 @@ class BoundedProcess {
   const pid_t process_;
   const int output_;
   std::mutex mutex_;
-  std::string last_line_;   // guarded by mutex_
-  bool reaped_ = false;     // the same, and the next
+  std::string last_line_;  // guarded by mutex_
+  bool reaped_ = false;    // the same, and the next
   int status_ = 0;
   std::atomic<bool> gone_{false};
   std::jthread drainer_;

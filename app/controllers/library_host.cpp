@@ -31,7 +31,8 @@ int host_library(const std::string& path) {
   void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) return refuse(*memory, fmt::format("controller.library: {}", ::dlerror()));
   const auto function = reinterpret_cast<skein_controller_function>(::dlsym(library, "skein_controller_v1"));
-  if (!function) return refuse(*memory, fmt::format("controller.library: {} has no function skein_controller_v1", path));
+  if (!function)
+    return refuse(*memory, fmt::format("controller.library: {} has no function skein_controller_v1", path));
   const skein_controller* const controller = function();
   if (!controller || controller->version != SKEIN_CONTROLLER_VERSION || !controller->step)
     return refuse(*memory, fmt::format("controller.library: {} is not for version {}", path, SKEIN_CONTROLLER_VERSION));

@@ -13,17 +13,20 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <optional>
 
+#include "app/run/resources.h"
+
 namespace skein::app {
 namespace {
 
-constexpr double start_patience = 20.0;    // an interpreter and its libraries come from a cold disk [s]
-constexpr double waiting_deadline = 0.5;   // where nobody's clock runs [s]
-constexpr int late_too_often = 25;         // in a row
+constexpr double start_patience = 20.0;   // an interpreter and its libraries come from a cold disk [s]
+constexpr double waiting_deadline = 0.5;  // where nobody's clock runs [s]
+constexpr int late_too_often = 25;        // in a row
 constexpr std::size_t most_samples = 1'000'000;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
@@ -41,13 +44,11 @@ void put_text(char (&field)[N], std::string_view text) {
   std::memcpy(field, text.data(), std::min(text.size(), N - 1));
 }
 
-/// Where the package `skein` for Python is: beside an installed program, or in the sources it was built from.
+/// Python finds its package `skein` wherever Skein is.
 std::string python_path() {
-  std::error_code ignored;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  const auto installed = program.parent_path().parent_path() / "share/skein/python";
-  std::string path = std::filesystem::exists(installed, ignored) ? installed.string() : SKEIN_PYTHON_DIR;
-  if (const char* const given = std::getenv("PYTHONPATH"); given && *given) path += std::string(":") + given;
+  std::string path = resource_folder("python");
+  if (const char* const given = std::getenv("PYTHONPATH"); given && *given)
+    path += (path.empty() ? "" : ":") + std::string(given);
   return "PYTHONPATH=" + path;
 }
 
@@ -108,13 +109,12 @@ tl::expected<std::vector<std::string>, std::string> words_of(const std::string& 
   if (error == 0) words.assign(found.we_wordv, found.we_wordv + found.we_wordc);
   if (error == 0 || error == WRDE_NOSPACE) ::wordfree(&found);
   if (error == 0 && !words.empty()) return words;
-  return tl::unexpected(
-      fmt::format("controller.command: found \"{}\", allowed: a program and its arguments, quoted as for a shell, {}",
-                  command,
-                  error == WRDE_BADVAL   ? "with variables that are set"
-                  : error == WRDE_CMDSUB ? "without commands inside"
-                  : error == WRDE_SYNTAX ? "with every quote closed"
-                                         : "without | & ; < > ( ) { } outside quotes"));
+  return tl::unexpected(fmt::format(
+      "controller.command: found \"{}\", allowed: a program and its arguments, quoted as for a shell, {}", command,
+      error == WRDE_BADVAL   ? "with variables that are set"
+      : error == WRDE_CMDSUB ? "without commands inside"
+      : error == WRDE_SYNTAX ? "with every quote closed"
+                             : "without | & ; < > ( ) { } outside quotes"));
 }
 
 OwnController::OwnController(const Experiment& experiment, bool waits)
@@ -136,8 +136,7 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
   const LawSpec& law = experiment.controller.law;
   std::unique_ptr<OwnController> own(new OwnController(experiment, waits));
   if (auto opened = own->memory_->open(); !opened) return tl::unexpected(opened.error());
-  if (!own->pipes_->open())
-    return tl::unexpected(fmt::format("no pipes to the controller: {}", std::strerror(errno)));
+  if (!own->pipes_->open()) return tl::unexpected(fmt::format("no pipes to the controller: {}", std::strerror(errno)));
 
   skein_memory& memory = *own->memory_->at;
   memory.version = SKEIN_CONTROLLER_VERSION;
@@ -155,7 +154,8 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
 
   BoundedProcess::Setup setup;
   if (!law.library.empty()) {
-    const std::filesystem::path path = std::filesystem::absolute(std::filesystem::path(experiment.directory) / law.library);
+    const std::filesystem::path path =
+        std::filesystem::absolute(std::filesystem::path(experiment.directory) / law.library);
     setup.words = {program.empty() ? "/proc/self/exe" : program, "controller-host", path.string()};
   } else {
     auto words = words_of(law.command);
@@ -189,10 +189,9 @@ tl::expected<void, std::string> OwnController::become_ready(const LawSpec& law) 
     if (n == 0) {
       const std::string refusal = text_of(memory_->at->refusal);
       const std::string how = process_->how_it_ended(1.0);
-      return tl::unexpected(fmt::format("the controller did not get ready: {}",
-                                        !refusal.empty() ? refusal
-                                        : how.empty()    ? "it closed its line"
-                                                         : how));
+      return tl::unexpected(fmt::format("the controller did not get ready: {}", !refusal.empty() ? refusal
+                                                                                : how.empty()    ? "it closed its line"
+                                                                                                 : how));
     }
     if (seconds_now() > until)
       return tl::unexpected(fmt::format(
@@ -214,12 +213,11 @@ tl::expected<void, std::string> OwnController::take_declarations(const LawSpec& 
   std::string names;
   for (const skein_parameter& p : all) names += (names.empty() ? "" : ", ") + text_of(p.name);
   for (const auto& [name, value] : law.own_parameters) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&name = name](const skein_parameter& p) { return text_of(p.name) == name; });
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&name = name](const skein_parameter& p) { return text_of(p.name) == name; });
     if (found == all.end())
-      return tl::unexpected(
-          fmt::format("controller.parameters.{}: the controller knows no such parameter, allowed: {}", name,
-                      names.empty() ? "none" : names));
+      return tl::unexpected(fmt::format("controller.parameters.{}: the controller knows no such parameter, allowed: {}",
+                                        name, names.empty() ? "none" : names));
     if (declared && !(value >= found->low && value <= found->high))
       return tl::unexpected(fmt::format("controller.parameters.{}: found {}, allowed: {} to {} {}", name, value,
                                         found->low, found->high, text_of(found->unit)));

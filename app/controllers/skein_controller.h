@@ -1,7 +1,7 @@
 /* Your own controller for Skein, in C or in any language that C can be called from: docs/controllers.md.
  *
- * Version 1. This header stands alone: C99, no dependency but stdint.h; define SKEIN_CLIENT before it is included to get
- * the functions of a controller that is a program of its own (POSIX).
+ * Version 1. This header stands alone: C99, no dependency but stdint.h; define SKEIN_CLIENT before it is included to
+ * get the functions of a controller that is a program of its own (POSIX).
  *
  * Units: SI (m, s, rad). World frame: the floor, x right, y up, theta counter-clockwise from +x. Robots in the order of
  * the experiment file. The same memory is mapped by Skein and by the controller; numbers are the machine's own (64-bit
@@ -25,14 +25,14 @@ extern "C" {
 
 /* One robot, 240 bytes. */
 typedef struct skein_robot {
-  double x, y, theta;     /* where it is when the command acts; NaN: never seen */
-  double covariance[9];   /* of x, y, theta, row by row, when it was measured */
-  double v, omega;        /* how it drives now */
-  double nominal[5];      /* x, y, theta, v, omega of its place in the formation */
-  double reference[5];    /* the same after avoidance: what is to be tracked */
-  double error[3];        /* the reference seen from the robot: ahead, to its left, heading; 0 while it is out */
+  double x, y, theta;      /* where it is when the command acts; NaN: never seen */
+  double covariance[9];    /* of x, y, theta, row by row, when it was measured */
+  double v, omega;         /* how it drives now */
+  double nominal[5];       /* x, y, theta, v, omega of its place in the formation */
+  double reference[5];     /* the same after avoidance: what is to be tracked */
+  double error[3];         /* the reference seen from the robot: ahead, to its left, heading; 0 while it is out */
   double v_max, omega_max; /* limits that are applied after the controller */
-  double out;             /* 1: lost or held; it stands, whatever is asked of it */
+  double out;              /* 1: lost or held; it stands, whatever is asked of it */
 } skein_robot;
 
 typedef struct skein_obstacle {

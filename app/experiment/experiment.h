@@ -158,7 +158,7 @@ struct RobotSpec {
   std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
   /// How long after the last byte it stops by itself, as `robots test` has found; 0: never; empty: not known. [s]
   std::optional<double> watchdog;
-  core::DifferentialDrive drive;    ///< keys wheel_diameter, track; max_step_rate follows from `model`
+  core::DifferentialDrive drive;  ///< keys wheel_diameter, track; max_step_rate follows from `model`
 
   bool simulated() const noexcept { return link != Link::device; }
 };

@@ -107,7 +107,9 @@ constexpr std::size_t most_parameters = 64, most_logs = 16, longest_word = 31;  
 
 /// A name that can stand in a CSV's header and in any language: letters, digits, underscores.
 bool is_word(std::string_view text) {
-  const auto good = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
+  const auto good = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
   return !text.empty() && text.size() <= longest_word && std::all_of(text.begin(), text.end(), good);
 }
 

@@ -15,7 +15,7 @@ struct CsvWriter::Impl {
   std::ostream& out;
   bool pair_gains;
   std::string row = {};
-  bool links = false;  // some robot has one
+  bool links = false;                  // some robot has one
   std::vector<std::string> logs = {};  // by the law
 
   void number(double value) {

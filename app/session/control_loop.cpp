@@ -116,7 +116,8 @@ void ControlLoop::cycle(double now, int elapsed) {
   phase_.store(record.phase, std::memory_order_release);
 }
 
-/// The run's own controller has its turn between the two parts of the tick, and a deadline: the tick itself never waits.
+/// The run's own controller has its turn between the two parts of the tick, and a deadline: the tick itself never
+/// waits.
 void ControlLoop::ask_controller() noexcept {
   input_.law = {};
   input_.logged = {};

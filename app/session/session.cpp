@@ -47,8 +47,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     return tl::unexpected(plant.error());
   }
   i.plant = std::move(*plant);
-  i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
-                                         [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
+  i.loop = std::make_unique<ControlLoop>(
+      i.experiment, i.clock, *i.plant, [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
   if (i.clock.wall()) {
     i.recorder_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
     i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
@@ -126,7 +126,8 @@ std::vector<std::string> Session::alarms() {
   if (wiring_->net)
     for (std::string& sentence : wiring_->net->alarms()) all.push_back(std::move(sentence));
   if (wiring_->sleep)
-    if (std::string problem = wiring_->sleep->problem(); !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
+    if (std::string problem = wiring_->sleep->problem();
+        !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
       all.push_back("this machine may go to sleep while robots drive, and nothing stops them then: " + problem);
   return all;
 }

@@ -188,8 +188,9 @@ void TickState::measure_twist(std::size_t i) noexcept {
   if (!(seconds > 0.0 && seconds < longest)) return;
   const double turned = core::wrap_angle(newest.pose.theta - first.pose.theta);
   const double heading = first.pose.theta + 0.5 * turned;
-  const double v = ((newest.pose.x - first.pose.x) * std::cos(heading) +
-                    (newest.pose.y - first.pose.y) * std::sin(heading)) / seconds;
+  const double v =
+      ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
+      seconds;
   if (std::abs(v) < standing) return;
   adrift[i] = true;
   driving[i] = {v, turned / seconds};
@@ -426,7 +427,9 @@ bool may_raise_v(const Event& event) noexcept {
           [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
                           Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, FilmBroken, events::Controller, NoNumber> auto&) { return false; },
+                          DeadlineMissed, VRise, events::Link, FilmBroken, events::Controller, NoNumber> auto&) {
+            return false;
+          },
       },
       event);
 }
@@ -438,8 +441,7 @@ bool may_raise_v(const Event& event) noexcept {
 void TickState::watch_descent() noexcept {
   for (const Event& event : record.events)
     if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
-  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; }))
-    explained_until = record.now + settles;
+  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; })) explained_until = record.now + settles;
   if (!running() || record.now < explained_until || !law_of_the_paper()) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
   if (rise > 0.0) note(events::VRise{rise});

@@ -10,9 +10,9 @@
 #include "app/tick/tick_input.h"
 #include "core/avoidance/avoidance.h"
 #include "core/avoidance/near_robots.h"
+#include "core/control/descent_watch.h"
 #include "core/controllers/controller_types.h"
 #include "core/controllers/kostic.h"
-#include "core/control/descent_watch.h"
 #include "core/estimation/pose_filter.h"
 #include "core/planning/planner.h"
 #include "core/safety/progress_watch.h"
@@ -94,10 +94,10 @@ struct TickState {
   const std::unique_ptr<core::Planner> planner;  // where the file asks for planned routes
   core::Shield shield;
   core::NearRobots near;
-  core::KosticController staging_law;                 // drives to the starts, whatever the run's law is
-  const std::unique_ptr<core::Controller> controller;  // the law that is built in
-  std::vector<double> spare_log;                       // of that law where another one's values are recorded
-  std::vector<bool> no_number;                         // what the law asked of it was none at the tick before
+  core::KosticController staging_law;                            // drives to the starts, whatever the run's law is
+  const std::unique_ptr<core::Controller> controller;            // the law that is built in
+  std::vector<double> spare_log;                                 // of that law where another one's values are recorded
+  std::vector<bool> no_number;                                   // what the law asked of it was none at the tick before
   ControllerState controller_state = ControllerState::answered;  // of the run's own controller
   core::DescentWatch watch;
   core::ProgressWatch progress;
@@ -129,8 +129,8 @@ struct TickState {
   std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
   std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
   std::unique_ptr<bool[]> adrift;    // it is out, has a link, and rolls
-  std::vector<std::uint8_t> out;  // is_out of each, for the planner and the law
-  std::vector<double> doubt;      // how far off each pose may be [m]
+  std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
+  std::vector<double> doubt;         // how far off each pose may be [m]
   std::unique_ptr<bool[]> shield_touched;
   TickRecord record;
 };

@@ -93,7 +93,8 @@ std::string as_lines(const ControllerCheck& c) {
   fmt::format_to(out, "ticks: {}\n", c.ticks);
   if (c.own) {
     fmt::format_to(out, "deadline: {:.3g} ms\n", 1e3 * c.deadline);
-    fmt::format_to(out, "answer_p50: {:.3g} ms\nanswer_p99: {:.3g} ms\nanswer_p99.9: {:.3g} ms\nanswer_max: {:.3g} ms\n",
+    fmt::format_to(out,
+                   "answer_p50: {:.3g} ms\nanswer_p99: {:.3g} ms\nanswer_p99.9: {:.3g} ms\nanswer_max: {:.3g} ms\n",
                    1e3 * c.wait_p50, 1e3 * c.wait_p99, 1e3 * c.wait_p999, 1e3 * c.wait_max);
     fmt::format_to(out, "late: {}\n", share(c.late, c.ticks));
   }
@@ -106,9 +107,10 @@ std::string as_lines(const ControllerCheck& c) {
   fmt::format_to(out, "final_error: {:.4g} m\n", c.final_error);
   if (!c.failure.empty()) fmt::format_to(out, "failure: {}\n", c.failure);
   fmt::format_to(out, "verdict: {}\n",
-                 c.fit() ? "fit to drive: in time, numbers only, and with limits and shield behind it nobody collided or "
-                           "left the arena"
-                         : "NOT fit to drive real robots: see above");
+                 c.fit()
+                     ? "fit to drive: in time, numbers only, and with limits and shield behind it nobody collided or "
+                       "left the arena"
+                     : "NOT fit to drive real robots: see above");
   return text;
 }
 

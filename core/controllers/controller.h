@@ -27,17 +27,17 @@ struct ControllerInput {
   double t = 0.0;   ///< time of the experiment [s]
   double dt = 0.0;  ///< since the tick before [s]
   std::int64_t tick = 0;
-  std::span<const Pose> poses;                 ///< at the time at which the command acts; NaN: never seen
-  std::span<const Eigen::Matrix3d> covariance; ///< of x, y, theta, when measured; empty where nobody keeps it
-  std::span<const Twist> twists;               ///< how each drives now
-  std::span<const ReferencePoint> nominal;     ///< of the formation
-  std::span<const ReferencePoint> reference;   ///< after avoidance: what is to be tracked
-  std::span<const Twist> reference_twists;     ///< the twists of `reference` alone
-  std::span<const TrackingError> errors;       ///< (4), of `reference`; zero for a robot that is out
-  std::span<const std::uint8_t> out;           ///< 1: lost or held, it stands and counts for nobody
-  std::span<const Obstacle> obstacles;         ///< that stand on the floor now
-  const Gains* gains = nullptr;                ///< what [controller] says of (14) and (15), as it is now; never null
-  std::span<const double> parameters;          ///< in the order in which the kind declares them
+  std::span<const Pose> poses;                  ///< at the time at which the command acts; NaN: never seen
+  std::span<const Eigen::Matrix3d> covariance;  ///< of x, y, theta, when measured; empty where nobody keeps it
+  std::span<const Twist> twists;                ///< how each drives now
+  std::span<const ReferencePoint> nominal;      ///< of the formation
+  std::span<const ReferencePoint> reference;    ///< after avoidance: what is to be tracked
+  std::span<const Twist> reference_twists;      ///< the twists of `reference` alone
+  std::span<const TrackingError> errors;        ///< (4), of `reference`; zero for a robot that is out
+  std::span<const std::uint8_t> out;            ///< 1: lost or held, it stands and counts for nobody
+  std::span<const Obstacle> obstacles;          ///< that stand on the floor now
+  const Gains* gains = nullptr;                 ///< what [controller] says of (14) and (15), as it is now; never null
+  std::span<const double> parameters;           ///< in the order in which the kind declares them
 };
 
 /// What drives the group: asked once a tick, between the reference (after avoidance) and the limits. Limits, shield,

@@ -17,15 +17,18 @@ std::unique_ptr<Controller> make(std::size_t robots) {
 }
 
 const std::array types{
-    ControllerType{ControllerKind::kostic, "(15): saturated tracking with mutual coupling", {}, {},
-                   make<KosticController>},
-    ControllerType{ControllerKind::virtual_structure, "virtual structure with mutual coupling (van den Broek 2009)",
-                   VirtualStructureController::parameters, {}, make<VirtualStructureController>},
+    ControllerType{
+        ControllerKind::kostic, "(15): saturated tracking with mutual coupling", {}, {}, make<KosticController>},
+    ControllerType{ControllerKind::virtual_structure,
+                   "virtual structure with mutual coupling (van den Broek 2009)",
+                   VirtualStructureController::parameters,
+                   {},
+                   make<VirtualStructureController>},
     ControllerType{ControllerKind::leader_follower, "leader and followers by distance and bearing (Desai 2001)",
                    LeaderFollowerController::parameters, LeaderFollowerController::logs,
                    make<LeaderFollowerController>},
-    ControllerType{ControllerKind::independent, "every robot tracks its reference by itself", {}, {},
-                   make<IndependentController>},
+    ControllerType{
+        ControllerKind::independent, "every robot tracks its reference by itself", {}, {}, make<IndependentController>},
 };
 static_assert(std::tuple_size_v<decltype(types)> == all_of<ControllerKind>().size(), "one row a kind, in their order");
 

@@ -6,7 +6,8 @@
 
 namespace skein::core {
 
-/// The virtual structure with mutual coupling of van den Broek, van de Wouw and Nijmeijer (CDC 2009), in the errors (4):
+/// The virtual structure with mutual coupling of van den Broek, van de Wouw and Nijmeijer (CDC 2009), in the errors
+/// (4):
 ///   v_i     = v_ref,i + c_x x_i - c_y omega_ref,i y_i + sum_j c_xx (x_i - x_j) - sum_j c_yy omega_ref,i (y_i - y_j)
 ///   omega_i = omega_ref,i + c_theta theta_i + sum_j c_tt (theta_i - theta_j)
 /// the sums over all other robots that are in the group. Linear, without any bound: far from the formation the limits

@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "core/control/coordination_law.h"
 #include "core/controllers/controller_types.h"
 #include "core/controllers/independent.h"
 #include "core/controllers/leader_follower.h"
 #include "core/controllers/virtual_structure.h"
-#include "core/control/coordination_law.h"
 #include "core/kinematics/unicycle.h"
 #include "core/words.h"
 #include "draw.h"
@@ -85,8 +85,8 @@ std::vector<ReferencePoint> on_a_circle(std::size_t robots, double radius, doubl
   std::vector<ReferencePoint> points;
   for (std::size_t i = 0; i < robots; ++i) {
     const double at = -0.4 * static_cast<double>(i);
-    points.push_back({{radius * std::cos(at), radius * std::sin(at), core::wrap_angle(at + core::pi / 2)},
-                      {speed, speed / radius}});
+    points.push_back(
+        {{radius * std::cos(at), radius * std::sin(at), core::wrap_angle(at + core::pi / 2)}, {speed, speed / radius}});
   }
   return points;
 }
@@ -201,7 +201,8 @@ TEST(VirtualStructure, CouplesEverybodyInTheGroupAndNobodyWhoIsOut) {
   Loop at_home(ControllerKind::virtual_structure, points, poses);
   at_home.decide();
   poses[3].x += 0.1;
-  Loop one_off(ControllerKind::virtual_structure, points, poses), one_out(ControllerKind::virtual_structure, points, poses);
+  Loop one_off(ControllerKind::virtual_structure, points, poses),
+      one_out(ControllerKind::virtual_structure, points, poses);
   one_out.out[3] = 1;
   one_off.decide(), one_out.decide();
   for (std::size_t i = 0; i < 3; ++i) {

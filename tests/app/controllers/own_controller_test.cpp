@@ -117,9 +117,9 @@ TEST(OwnController, LayoutIsTheDocumentedOne) {
   EXPECT_EQ(sizeof(skein_robot), 240u);
   std::ifstream page(test::in_source("docs/controllers.md"));
   const std::string text{std::istreambuf_iterator<char>(page), {}};
-  for (const char* const row : {"| 48 | `question`", "| 80 | `answer`", "| 256 | `robot[64]`", "| 15616 | `obstacle[128]`",
-                                "| 18688 | `parameter[64]`", "| 30464 | `log_name[16]`", "| 30976 | `command[64]`",
-                                "| 32000 | `log[64][16]`", "40192 bytes"})
+  for (const char* const row : {"| 48 | `question`", "| 80 | `answer`", "| 256 | `robot[64]`",
+                                "| 15616 | `obstacle[128]`", "| 18688 | `parameter[64]`", "| 30464 | `log_name[16]`",
+                                "| 30976 | `command[64]`", "| 32000 | `log[64][16]`", "40192 bytes"})
     EXPECT_THAT(text, HasSubstr(row));
 }
 
@@ -127,8 +127,9 @@ TEST(OwnController, ALibraryDrivesAndItsValuesStandInTheCsv) {
   const Run run = app::run(experiment_of(with(kicked, {fmt::format("controller.library=\"{}.so\"", law_program()),
                                                        "controller.log=[\"robot\", \"distance\"]"})));
   expect_driven(run);
-  EXPECT_THAT(run.csv, HasSubstr("r2_limit,r2_link_rtt_p99,r2_link_bytes,r2_link_losses,r2_link_reconnects,r2_log_robot,"
-                                 "r2_log_distance,"));
+  EXPECT_THAT(run.csv,
+              HasSubstr("r2_limit,r2_link_rtt_p99,r2_link_bytes,r2_link_losses,r2_link_reconnects,r2_log_robot,"
+                        "r2_log_distance,"));
   const TickRecord& row = run.rows.rows[60];
   EXPECT_EQ(row.logged[2], 2.0);
   EXPECT_NEAR(row.logged[3], std::hypot(row.robots[1].error.x, row.robots[1].error.y), 1e-12);
@@ -193,8 +194,8 @@ TEST(OwnController, ARunIsRepeatedToTheBitWithoutIt) {
 
 TEST(OwnController, ARunWithGapsIsRepeatedToTheBitAsWell) {
   for (const char* const failure : {"hold", "built_in"}) {
-    const Run first = run(experiment_of({host("--adversary 6"), "controller.deadline=0.004",
-                                         fmt::format("controller.failure={}", failure)}));
+    const Run first = run(experiment_of(
+        {host("--adversary 6"), "controller.deadline=0.004", fmt::format("controller.failure={}", failure)}));
     ASSERT_EQ(first.error, "");
     EXPECT_GT(first.report.late, 0);
     EXPECT_LT(first.report.late, first.report.asked);
