@@ -24,6 +24,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <string_view>
 
@@ -172,6 +173,21 @@ std::string sentence_of(int status) {
 }  // namespace
 
 tl::expected<std::unique_ptr<BoundedProcess>, std::string> BoundedProcess::start(const Setup& setup) {
+  std::unique_ptr<BoundedProcess> made(new BoundedProcess);
+  const auto told = std::make_shared<std::promise<tl::expected<void, std::string>>>();
+  auto spawned = told->get_future();
+  made->drainer_ = std::jthread([&setup, told, self = made.get()](const std::stop_token& stop) {
+    auto result = self->spawn(setup);
+    const bool good = result.has_value();
+    told->set_value(std::move(result));
+    if (good) self->drain(stop);
+  });
+  if (auto result = spawned.get(); !result) return tl::unexpected(result.error());
+  return made;
+}
+
+/// On the thread that will drain it.
+tl::expected<void, std::string> BoundedProcess::spawn(const Setup& setup) {
   const auto failed = [&](int error) {
     return tl::unexpected(fmt::format("{}: cannot be started: {}", setup.words.front(), std::strerror(error)));
   };
@@ -199,6 +215,11 @@ tl::expected<std::unique_ptr<BoundedProcess>, std::string> BoundedProcess::start
   constexpr std::int64_t megabyte = 1 << 20;
   std::vector<sock_filter> code = filter(bounds.processes > 0);
   const std::int64_t tasks = bounds.processes > 0 ? tasks_of_user() + bounds.processes : 0;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  const rlimit memory{RLIM_INFINITY, RLIM_INFINITY};  // of sanitizers' shadows there is no end
+#else
+  const rlimit memory = both(bounds.memory * megabyte);
+#endif
   Child child{words.data(),
               environment.data(),
               setup.directory.c_str(),
@@ -207,7 +228,7 @@ tl::expected<std::unique_ptr<BoundedProcess>, std::string> BoundedProcess::start
               output[1],
               error[1],
               ::getpid(),
-              {{{RLIMIT_AS, both(bounds.memory * megabyte)},
+              {{{RLIMIT_AS, memory},
                 {RLIMIT_CPU, both(bounds.cpu_seconds)},
                 {RLIMIT_FSIZE, both(bounds.file * megabyte)},
                 {RLIMIT_NOFILE, both(256)},
@@ -235,19 +256,19 @@ tl::expected<std::unique_ptr<BoundedProcess>, std::string> BoundedProcess::start
     ::waitpid(process, nullptr, 0);
     return failed(told);
   }
-  return std::unique_ptr<BoundedProcess>(new BoundedProcess(process, output[0]));
-}
-
-BoundedProcess::BoundedProcess(pid_t process, int output) : process_(process), output_(output) {
-  drainer_ = std::jthread([this](const std::stop_token& stop) { drain(stop); });
+  process_ = process;
+  output_ = output[0];
+  return {};
 }
 
 BoundedProcess::~BoundedProcess() {
-  end();
-  reap(10.0);
+  if (process_ > 0) {
+    end();
+    reap(10.0);
+  }
   drainer_.request_stop();
   if (drainer_.joinable()) drainer_.join();
-  ::close(output_);
+  if (output_ >= 0) ::close(output_);
 }
 
 void BoundedProcess::end() noexcept {

@@ -44,18 +44,19 @@ class BoundedProcess {
   std::string how_it_ended(double patience);
 
  private:
-  BoundedProcess(pid_t process, int output);
+  BoundedProcess() = default;
+  tl::expected<void, std::string> spawn(const Setup& setup);
   void drain(const std::stop_token& stop);
   bool reap(double patience);
 
-  const pid_t process_;
-  const int output_;
+  pid_t process_ = -1;
+  int output_ = -1;
   std::mutex mutex_;
   std::string last_line_;  // guarded by mutex_
   bool reaped_ = false;    // the same, and the next
   int status_ = 0;
   std::atomic<bool> gone_{false};
-  std::jthread drainer_;
+  std::jthread drainer_;  // its parent, too: the kernel ends a process with the thread that started it
 };
 
 }  // namespace skein::app

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <sstream>
 
@@ -141,6 +142,17 @@ TEST(OwnController, AProgramInCDrivesWithTheFilesParameters) {
       kicked, {command("'" + law_program() + "'"), "controller.parameters.k_x=0", "controller.parameters.k_y=0"})));
   EXPECT_EQ(weak.failure, "");
   EXPECT_GT(weak.summary.final_error, 0.015);
+}
+
+TEST(OwnController, OutlivesTheThreadThatOpenedItsSession) {
+  const Experiment experiment = experiment_of({host("--honest")});
+  SessionOptions options;
+  auto session = std::async(std::launch::async, [&] {
+                   return Session::open(experiment, Session::Clock::virtual_, options);
+                 }).get();
+  ASSERT_TRUE(session) << session.error();
+  EXPECT_EQ((*session)->run(), Phase::finished);
+  EXPECT_EQ((*session)->failure().value_or(""), "");
 }
 
 TEST(OwnController, PythonDrives) {
