@@ -9,8 +9,8 @@ set(SKEIN_DOC share/doc)
 # --- skein: the program, its modules, what it comes with ---
 install(TARGETS skein RUNTIME DESTINATION bin COMPONENT skein)
 install(TARGETS skein_media skein_boards LIBRARY DESTINATION lib/skein COMPONENT skein)
-install(DIRECTORY resources/experiments resources/studies resources/cameras resources/figures DESTINATION share/skein
-  COMPONENT skein)
+install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures DESTINATION share/skein
+  COMPONENT skein PATTERN __pycache__ EXCLUDE)
 install(FILES resources/experiment.schema.json DESTINATION share/skein COMPONENT skein)
 install(FILES README.md CHANGELOG.md CONVENTIONS.md DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
 install(DIRECTORY docs DESTINATION ${SKEIN_DOC}/skein COMPONENT skein PATTERN examples EXCLUDE)
@@ -51,6 +51,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/skein-config-version.cmake 
 install(FILES ${CMAKE_BINARY_DIR}/skein-config.cmake ${CMAKE_BINARY_DIR}/skein-config-version.cmake
   DESTINATION ${SKEIN_LIB}/cmake/skein COMPONENT skein-dev)
 install(DIRECTORY core DESTINATION include/skein COMPONENT skein-dev FILES_MATCHING PATTERN "*.h")
+install(FILES app/controllers/skein_controller.h DESTINATION include COMPONENT skein-dev)
 install(DIRECTORY docs/examples/core-library DESTINATION ${SKEIN_DOC}/skein-dev/examples COMPONENT skein-dev)
 
 # --- python3-skein ---

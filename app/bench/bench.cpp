@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/bench/bench_control.h"
+#include "app/bench/bench_controllers.h"
 #include "app/bench/bench_links.h"
 #include "app/bench/bench_radio.h"
 #include "app/manual/manual.h"
@@ -39,12 +40,21 @@ int report_vision(double) {
   return vision::print_vision_targets() ? done : expectation_failed;
 }
 
+ControllersBench controllers;  // as the command line says
+
+int report_controllers(double seconds) {
+  controllers.seconds = std::min(seconds, 10.0);
+  return bench_controllers(controllers);
+}
+
 constexpr Bench table[] = {
     {"tick", "one control tick, and the law alone", [](double) { register_tick_benchmarks(); }},
     {"control", "law, avoidance and shield for 4 to 1,000 robots", [](double) { register_control_benchmarks(); }},
     {"run", "`skein run platoon.toml --csv`", [](double) { register_run_benchmark(); }},
     {"vision", "the tag tracker, AprilTag and ArUco", [](double) { vision::register_vision_benchmarks(); },
      report_vision},
+    {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", [](double) {},
+     report_controllers, /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios and faults", [](double) { register_radio_benchmarks(); }},
     {"loopback", "camera, tracker and protocol in real time (84 s)", [](double) { register_loopback_benchmark(); }},
@@ -64,11 +74,17 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
-  program.add_option("what", what, "one of those below; default: all but ui")->check(CLI::IsMember(names));
+  program.add_option("what", what, "one of those below; default: all but controllers and ui")
+      ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
       .add_option("--seconds", seconds, "how long each measurement takes, where it does not know by itself: links, ui")
       ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  program.add_option("--runs", controllers.runs, "controllers: runs under adversaries; 0: none")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
+      ->capture_default_str();
+  program.add_option("--seed", controllers.seed, "controllers: of the first of them; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");

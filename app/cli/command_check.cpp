@@ -3,11 +3,13 @@
 #include "app/cli/commands.h"
 #include "app/experiment/certificate.h"
 #include "app/run/exit_status.h"
+#include "app/run/output.h"
 #include "app/session/camera_rig.h"
+#include "app/tools/controller_check.h"
 
 namespace skein::app {
 
-int check(const ExperimentRequest& request) {
+int check(const ExperimentRequest& request, bool controller) {
   const auto experiment = load(request);
   if (!experiment) return wrong_input;
   if (experiment->camera.kind() != CameraKind::absent)
@@ -21,9 +23,19 @@ int check(const ExperimentRequest& request) {
     const RobotSpec& robot = experiment->robots[i];
     if (robot.link != RobotSpec::Link::device) continue;
     fmt::print("watchdog: {}: {}\n", robot_name(*experiment, i),
-               !robot.watchdog          ? "not known; `skein robots test --save` finds out"
-               : *robot.watchdog == 0.0 ? "none: it drives on when its link dies"
-                                        : fmt::format("stops by itself after {:g} s without a command", *robot.watchdog));
+               !robot.watchdog ? "not known; `skein robots test --save` finds out"
+               : *robot.watchdog == 0.0
+                   ? "none: it drives on when its link dies"
+                   : fmt::format("stops by itself after {:g} s without a command", *robot.watchdog));
+  }
+  if (controller) {
+    const auto law = check_controller(*experiment);
+    if (!law) {
+      complain(law.error());
+      return wrong_input;
+    }
+    fmt::print("{}", as_lines(*law));
+    if (!law->fit()) return expectation_failed;
   }
   return certificate.sound() ? done : wrong_input;
 }

@@ -16,6 +16,8 @@
 #include "app/cli/command_line_robots.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
+#include "app/controllers/adversary.h"
+#include "app/controllers/library_host.h"
 #include "app/experiment/experiment_schema.h"
 #include "app/experiment/fault_file.h"
 #include "app/guard/guard.h"
@@ -138,6 +140,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       "check", "Says everything that is wrong with an experiment file, and certifies its gains");
   ExperimentOptions check_experiment;
   check_experiment.add_to(check_command, true);
+  bool check_law = false;
+  check_command.add_flag("--controller", check_law,
+                         "also run it with simulated robots: does the law keep its deadline and its limits, how often "
+                         "does the shield step in");
   check_command.add_flag_callback(
       "--schema",
       [] {
@@ -157,6 +163,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   bool replay_repairs = false;
   replay_command.add_flag("--repair", replay_repairs,
                           "first leave only the whole rows of a file that a power cut has torn; it stays as FILE.torn");
+
+  bool replay_asks = false;
+  replay_command.add_flag("--controller", replay_asks,
+                          "also start the run's own controller, and say where it answers otherwise than then");
 
   CLI::App& sweep_command = *program.add_subcommand(
       "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
@@ -254,6 +264,17 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::string manual_folder;
   manual_command.group("")->add_option("folder", manual_folder)->required();
 
+  CLI::App& host_command = *program.add_subcommand(
+      "controller-host", "Started by a run whose controller is a library: loads it in a process of its own");
+  std::string library;
+  auto* const library_option = host_command.group("")->add_option("library", library, "the shared library");
+  std::optional<std::uint64_t> adversary;
+  host_command.add_option("--adversary", adversary, "instead, for studies: a controller that does its worst")
+      ->type_name("SEED")
+      ->excludes(library_option);
+  bool honest = false;
+  host_command.add_flag("--honest", honest, "instead, to measure with: one that tracks and answers at once");
+
   if (argc > 1 && std::string_view(argv[1]) == "complete") {  // a shell asks: resources/completion
     print_out(completions(program, {argv + 2, argv + argc}, candidates));
     return done;
@@ -276,6 +297,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     if (!read_faults(faults, emulate_options)) return wrong_input;
     return comms::emulate(emulate_options);
   }
+  if (host_command) return honest ? be_honest() : adversary ? be_adversary(*adversary) : host_library(library);
   if (guard_command) return guard(marker, STDIN_FILENO);
   if (stop_command) {
     std::signal(SIGPIPE, SIG_IGN);
@@ -289,8 +311,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     run_request.experiment = run_experiment.request();
     return run(run_request);
   }
-  if (check_command) return check(check_experiment.request());
-  if (replay_command) return replay(replay_file, replay_film, replay_repairs);
+  if (check_command) return check(check_experiment.request(), check_law);
+  if (replay_command) return replay(replay_file, replay_film, replay_repairs, replay_asks);
   if (sweep_command) return sweep(sweep_request);
   if (track_command) return track(track_request);
   if (const auto status = vision_commands.run()) return *status;

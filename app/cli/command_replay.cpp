@@ -10,7 +10,7 @@
 
 namespace skein::app {
 
-int replay(const std::string& csv, const std::string& film, bool repaired) {
+int replay(const std::string& csv, const std::string& film, bool repaired, bool controller) {
   if (const auto is_file = check_is_file(csv); !is_file) {
     complain(is_file.error());
     return wrong_input;
@@ -27,7 +27,7 @@ int replay(const std::string& csv, const std::string& film, bool repaired) {
     print_error(fmt::format("skein: {}: cannot be read\n", csv));
     return wrong_input;
   }
-  const auto result = replay(file, csv, film);
+  const auto result = replay(file, csv, film, controller);
   if (!result) {
     complain(result.error());
     return wrong_input;
@@ -38,8 +38,15 @@ int replay(const std::string& csv, const std::string& film, bool repaired) {
   if (result->filmed)
     fmt::print("frames: {}\nmissing_frames: {}\nposes: {}\nposes_different: {}\n", result->frames,
                result->missing_frames, result->poses, result->poses_different);
-  if (result->different == 0 && result->poses_different == 0) return done;
-  print_error(fmt::format("skein: {}: not bit for bit; first at {}\n", csv, result->first));
+  if (result->asked) {
+    fmt::print("answers: {}\nanswers_different: {}\nanswers_late: {}\n", result->answers, result->answers_different,
+               result->answers_late);
+    if (result->answers_different > 0)
+      print_error(
+          fmt::format("skein: {}: the controller answers otherwise now; first at {}\n", csv, result->first_answer));
+  }
+  if (result->answers_different == 0 && result->different == 0 && result->poses_different == 0) return done;
+  if (!result->first.empty()) print_error(fmt::format("skein: {}: not bit for bit; first at {}\n", csv, result->first));
   return expectation_failed;
 }
 

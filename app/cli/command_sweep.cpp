@@ -77,12 +77,24 @@ int sweep(const SweepRequest& request) {
   std::vector<RunOutcome> control;
   if (!study->control.empty() && !interrupted())
     control = sweep(*study, request.threads > 0 ? request.threads : cores, progress, true);
+  std::vector<std::pair<std::string, SweepSummary>> compared;
+  for (const auto& [name, sets] : study->compare) {
+    if (interrupted()) break;
+    Study other = *study;
+    other.sets.insert(other.sets.end(), sets.begin(), sets.end());
+    compared.emplace_back(name,
+                          summarise(other, sweep(other, request.threads > 0 ? request.threads : cores, progress)));
+  }
   if (shown) print_error("\r\033[K");
 
   if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
   const SweepSummary summary = summarise(*study, outcomes, control);
   if (request.only && !request.quiet && !request.json) fmt::print("command: {}\n", run_command(*study, *request.only));
-  if (!request.quiet) fmt::print("{}", request.json ? as_json(summary) + "\n" : as_lines(summary));
+  if (!request.quiet) fmt::print("{}", request.json ? as_json(summary, compared) + "\n" : as_lines(summary));
+  if (!compared.empty() && !request.quiet && !request.json) {
+    compared.emplace(compared.begin(), summary.name, summary);
+    fmt::print("{}", as_table(compared));
+  }
 
   std::vector<std::string> sentences = failed_expectations(study->expect, summary);
   if (summary.runs < study->runs)

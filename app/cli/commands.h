@@ -28,9 +28,10 @@ struct RunRequest {
 };
 int run(const RunRequest& request);
 
-int check(const ExperimentRequest& request);
+/// `controller`: what the law does over the whole experiment as well.
+int check(const ExperimentRequest& request, bool controller);
 /// `repaired`: first leaves only the whole rows of a file that ends in a torn one.
-int replay(const std::string& csv, const std::string& film, bool repaired);
+int replay(const std::string& csv, const std::string& film, bool repaired, bool controller);
 
 struct TrackRequest {
   std::string source, camera, csv, record;

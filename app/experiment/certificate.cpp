@@ -141,6 +141,11 @@ bool Certificate::holds() const noexcept {
   });
 }
 
+bool Certificate::reference_fits() const noexcept {
+  return std::all_of(robots.begin(), robots.end(),
+                     [](const Robot& r) { return r.v.value < 1.0 && r.omega.value < 1.0 && r.wheel.value <= 1.0; });
+}
+
 bool Certificate::keeps_tracking() const noexcept {
   constexpr double rounding = 1e-9;
   return std::all_of(robots.begin(), robots.end(), [&](const Robot& r) {
@@ -160,6 +165,8 @@ Certificate certify(const Experiment& experiment) {
   certificate.v_max = experiment.controller.v_max;
   certificate.omega_max = experiment.controller.omega_max;
   certificate.rate = experiment.rate;
+  if (const LawSpec& law = experiment.controller.law; law.own() || law.kind != core::ControllerKind::kostic)
+    certificate.other_law = law.own() ? law.command + law.library : std::string(word(law.kind));
   certificate.coupling = gains.coupling;
   Certificate::Robot start;
   start.k_x.value = start.k_theta.value = start.b.value = start.f.value = start.g.value = infinite;
@@ -251,6 +258,13 @@ std::string as_lines(const Certificate& certificate) {
   const auto out = std::back_inserter(text);
   for (std::size_t i = 0; i < certificate.robots.size(); ++i) {
     const Certificate::Robot& r = certificate.robots[i];
+    if (!certificate.other_law.empty()) {
+      fmt::format_to(
+          out,
+          "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
+          i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
+      continue;
+    }
     fmt::format_to(out, "robot_{}_smallest_k_x: {:.4g} m/s ({:.0f} % of v_max) at t = {:g} s\n", i + 1, r.k_x.value,
                    100.0 * r.k_x.value / r.v_max, r.k_x.t);
     fmt::format_to(out, "robot_{}_smallest_k_theta: {:.4g} rad/s ({:.0f} % of omega_max) at t = {:g} s\n", i + 1,
@@ -262,6 +276,14 @@ std::string as_lines(const Certificate& certificate) {
     fmt::format_to(
         out, "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
         i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
+  }
+  if (!certificate.other_law.empty()) {
+    fmt::format_to(
+        out,
+        "law: {}\ncertified: nothing but the reference, which {}: theorem 1, (18) and the delay margin speak "
+        "of (15) alone; `skein check --controller` tries this law\n",
+        certificate.other_law, certificate.reference_fits() ? "fits the robots" : "does NOT FIT the robots");
+    return text;
   }
   fmt::format_to(out, "theorem_1: {}\n", as_text(certificate.theorem));
   fmt::format_to(out,

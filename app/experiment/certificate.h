@@ -58,6 +58,9 @@ struct Certificate {
   double v_max = 0.0, omega_max = 0.0;
   bool fixed = false;  ///< the tracking gains are given
   double rate = 0.0;   ///< at which the loop is sampled [Hz]
+  /// Empty: (15) drives, and all of this speaks of it. Else the law that drives: of that nothing is known but what
+  /// the reference asks of the robots.
+  std::string other_law;
   core::Coupling coupling = core::Coupling::paper;
   bool coupled = false;  ///< some k_xx or k_tt is above 0
 
@@ -69,8 +72,12 @@ struct Certificate {
   /// Tracking keeps `core::tracking_share` of v_max and omega_max, everywhere: (18a) is content with less than a robot
   /// can be driven with.
   bool keeps_tracking() const noexcept;
-  /// All of these.
-  bool sound() const noexcept { return holds() && sampled_loop_stable() && keeps_tracking(); }
+  /// The reference is inside the actuators' limits, everywhere.
+  bool reference_fits() const noexcept;
+  /// All of these, as far as they speak of the law that drives.
+  bool sound() const noexcept {
+    return other_law.empty() ? holds() && sampled_loop_stable() && keeps_tracking() : reference_fits();
+  }
 };
 
 /// Goes through the whole reference at the experiment's rate.

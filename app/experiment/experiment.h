@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/experiment/controller_spec.h"
 #include "app/run/event.h"
 #include "comms/link_options.h"
 #include "core/avoidance/potential_field.h"
@@ -126,6 +127,7 @@ struct ControllerSpec {
   core::GainPolicy policy = core::GainPolicy::authority;
   double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed" [m/s, rad/s]
   core::CouplingGains gains;        ///< of all pairs; those of (36) unless the file says otherwise
+  LawSpec law;                      ///< what drives; all of the above is of (15), and v_max and omega_max of everybody
 };
 
 /// From time t on, the given parameters of the couplings move to new values at a constant rate within `ramp` seconds.

@@ -19,6 +19,7 @@ using Limits = const Experiment&;
 constexpr double longest = 100.0;      // [m]
 constexpr double longest_run = 86400;  // a day [s]
 constexpr std::size_t longest_name = 100;
+constexpr std::size_t longest_command = 4000;
 constexpr double in_flight = 62.0;  // measurements that a simulated robot can have on their way [ticks]
 
 /// A key with a word of an enumeration; `at` is a function without captures.
@@ -133,6 +134,45 @@ const std::vector<ExperimentKey>& all_keys() {
 }
 , [](Limits) { return above(0.0, 1e6, "1/m"); }
 }
+}
+,
+    {"controller", "kind", "the law that drives: the paper's, or another one that is built in",
+     choice < [](E& e) -> auto& {return e.controller.law.kind;
+}
+> ()
+}
+, {"controller", "command", "a program of your own that drives instead, as a shell's words",
+   TextKey{[](E & e) -> auto& {return e.controller.law.command;
+}
+, longest_command
+}
+}
+, {"controller", "library", "a shared library of your own that drives instead, relative to the file",
+   TextKey{[](E & e) -> auto& {return e.controller.law.library;
+}
+, longest_command
+}
+}
+, {"controller", "failure", "who drives while a controller of your own does not: nobody, or the law kind",
+   choice < [](E& e) -> auto& {return e.controller.law.failure;
+}
+> ()
+}
+, {"controller", "deadline", "it may take so long for a tick, on the wall clock",
+   OptionalNumberKey{[](E & e) -> auto& {return e.controller.law.deadline;
+}
+, [](Limits e) { return between(0.0001, 0.5 * e.period(), "s"); }
+}
+}
+, {"controller", "memory", "megabytes of address space that each of its processes may have",
+   whole < [](E& e) -> auto& {return e.controller.law.memory;
+}
+> (16, 1048576)
+}
+, {"controller", "processes", "processes and threads that it may start itself",
+   whole < [](E& e) -> auto& {return e.controller.law.processes;
+}
+> (0, 4096)
 }
 ,
 

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/experiment/experiment_events.h"
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_robots.h"
+#include "core/controllers/controller_types.h"
 #include "vision/sources/open_source.h"
 
 namespace skein::app {
@@ -101,9 +103,77 @@ void read_policy(TomlTable& t, ControllerSpec& c) {
   }
 }
 
+constexpr std::size_t most_parameters = 64, most_logs = 16, longest_word = 31;  // as in the memory that is shared
+
+/// A name that can stand in a CSV's header and in any language: letters, digits, underscores.
+bool is_word(std::string_view text) {
+  const auto good = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  return !text.empty() && text.size() <= longest_word && std::all_of(text.begin(), text.end(), good);
+}
+
+/// [controller.parameters]: what the kind declares, or anything for a controller of the user's own, which says itself
+/// what it takes when it is started.
+void read_parameters(TomlTable& t, LawSpec& law, Problems& problems) {
+  const auto& declared = core::controller_type(law.kind).parameters;
+  law.parameters.clear();
+  for (const core::ControllerParameter& p : declared) law.parameters.push_back(p.value);
+  if (!law.own()) {
+    TomlTable parameters = t.table("parameters");
+    for (std::size_t k = 0; k < declared.size(); ++k)
+      parameters.number(declared[k].name.data(), law.parameters[k],
+                        between(declared[k].low, declared[k].high, declared[k].unit.data()));
+    parameters.finish();
+    return;
+  }
+  const toml::node* const found = t.node("parameters");
+  if (!found) return;
+  const toml::table* const table = found->as_table();
+  if (!table) return t.refuse("parameters", *found, "a table of numbers");
+  for (const auto& [key, value] : *table) {
+    const std::string name = "parameters." + std::string(key.str());
+    const auto number = value.is_number() ? value.value<double>() : std::nullopt;
+    if (!number || !std::isfinite(*number) || !is_word(key.str()) || law.own_parameters.size() >= most_parameters)
+      problems.add(value.source(), fmt::format("{}: found {}, allowed: up to {} finite numbers with names of letters, "
+                                               "digits and underscores, {} at most",
+                                               t.full(name), shown(value), most_parameters, longest_word));
+    else
+      law.own_parameters.emplace_back(key.str(), *number);
+  }
+}
+
+void read_log(TomlTable& t, LawSpec& law) {
+  const toml::node* const found = t.node("log");
+  if (!found) return;
+  const toml::array* const names = found->as_array();
+  bool good = law.own() && names && names->size() <= most_logs;
+  for (std::size_t k = 0; good && k < names->size(); ++k) {
+    const std::string name = (*names)[k].value_exact<std::string>().value_or("");
+    good = is_word(name) && std::find(law.log.begin(), law.log.end(), name) == law.log.end();
+    law.log.push_back(name);
+  }
+  if (good) return;
+  law.log.clear();
+  t.refuse("log", *found,
+           fmt::format("with controller.command or controller.library, up to {} different names of what it logs, in "
+                       "letters, digits and underscores, {} at most",
+                       most_logs, longest_word));
+}
+
+void read_law(TomlTable& t, LawSpec& law, Problems& problems) {
+  if (!law.command.empty() && !law.library.empty())
+    t.refuse("library", *t.node("library"), "one of controller.command and controller.library");
+  for (const char* const key : {"failure", "deadline", "memory", "processes"})
+    if (t.has(key) && !law.own()) t.refuse(key, *t.node(key), "with controller.command or controller.library");
+  read_parameters(t, law, problems);
+  read_log(t, law);
+}
+
 void read_controller(TomlTable t, Experiment& e, Problems& problems) {
   ControllerSpec& c = e.controller;
   read_keys(t, "controller", e);
+  read_law(t, c.law, problems);
   read_policy(t, c);
   TomlTable gains = t.table("gains");
   for (const auto& [name, key, range] : pair_keys)

@@ -15,7 +15,8 @@ struct CsvWriter::Impl {
   std::ostream& out;
   bool pair_gains;
   std::string row = {};
-  bool links = false;  // some robot has one
+  bool links = false;                  // some robot has one
+  std::vector<std::string> logs = {};  // by the law
 
   void number(double value) {
     if (!std::isnan(value)) {
@@ -46,6 +47,10 @@ struct CsvWriter::Impl {
     for (const auto& column : link_input_columns)
       if (links) number(column.get(record));
   }
+  void logged(const TickRecord& record, std::size_t robot) {
+    for (std::size_t k = logs.size() * robot; k < logs.size() * (robot + 1); ++k)
+      number(k < record.logged.size() ? record.logged[k] : none);
+  }
 
   /// Empty where the pair has what the group's column says.
   void pairs(const TickRecord& record) {
@@ -58,6 +63,7 @@ struct CsvWriter::Impl {
   }
 
   void head(const Experiment& experiment) {
+    logs = log_names(experiment.controller.law);
     links = std::any_of(experiment.robots.begin(), experiment.robots.end(),
                         [](const RobotSpec& robot) { return robot.link != RobotSpec::Link::sim; });
     row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
@@ -86,6 +92,7 @@ struct CsvWriter::Impl {
       for (const auto& column : link_health_columns) row += fmt::format("r{}_{},", i, column.name);
       for (const auto& column : link_input_columns)
         if (links) row += fmt::format("r{}_{},", i, column.name);
+      for (const std::string& name : logs) row += fmt::format("r{}_log_{},", i, name);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     for (const core::GainName gain : core::gain_names)
@@ -141,7 +148,10 @@ void CsvWriter::record(const TickRecord& record) {
   for (const auto& column : group_columns) csv.number(column.get(record));
   if (!record.events.empty()) csv.row += describe(record.events);
   csv.row += ',';
-  for (const RobotRecord& robot : record.robots) csv.robot(robot);
+  for (std::size_t i = 0; i < record.robots.size(); ++i) {
+    csv.robot(record.robots[i]);
+    csv.logged(record, i);
+  }
   for (const auto& column : latency_columns) csv.number(column.get(record));
   if (csv.pair_gains) csv.pairs(record);
   csv.number(record.now);

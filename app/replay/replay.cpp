@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 
+#include "app/controllers/own_controller.h"
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/text_file.h"
 #include "app/record/csv_reader.h"
@@ -88,6 +89,23 @@ void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& 
   }
 }
 
+/// What a controller asks for now, against what it asked for then. Of a robot that is out nobody asks.
+void compare_answers(const TickRecord& recorded, const OwnController& again, ReplayResult& result) {
+  if (again.state() != ControllerState::answered) {
+    ++result.answers_late;
+    return;
+  }
+  for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
+    const core::Twist &a = recorded.robots[i].law, &b = again.law()[i];
+    const Value values[] = {{"v_law", a.v, b.v}, {"omega_law", a.omega, b.omega}};
+    ++result.answers;
+    ReplayResult one;
+    if ((std::isnan(a.v) && !std::isfinite(b.v + b.omega)) || same(values, recorded, i, one)) continue;
+    ++result.answers_different;
+    if (result.first_answer.empty()) result.first_answer = one.first;
+  }
+}
+
 /// What a row needs to be shown and no file has.
 void complete(TickRecord& row, const TickRecord& again) {
   row.phase = again.phase;
@@ -101,7 +119,7 @@ void complete(TickRecord& row, const TickRecord& again) {
 
 /// `run`, if there is one, gets experiment and rows.
 tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std::string& file, const std::string& film,
-                                                    RecordedRun* run) {
+                                                    bool controller, RecordedRun* run) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
   const auto experiment = parse_experiment(reader->head().source, file + " (experiment)");
@@ -124,6 +142,19 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     frames = std::move(*opened);
     result.filmed = true;
   }
+
+  const bool own = experiment->controller.law.own();
+  std::unique_ptr<OwnController> asked;
+  if (controller) {
+    if (!own) return tl::unexpected(file + ": --controller: the run had no controller of its own");
+    Experiment here = *experiment;
+    here.directory.clear();
+    auto started = OwnController::start(here, /*waits=*/true);
+    if (!started) return tl::unexpected(started.error());
+    asked = std::move(*started);
+    result.asked = true;
+  }
+  std::vector<core::Twist> laws(own ? experiment->robots.size() : 0);
 
   ControlTick tick(*experiment);
   std::vector<core::Measurement> measurements(experiment->robots.size());
@@ -160,7 +191,14 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     input.recorded = true;
     for (const Event& event : row.events)
       if (is<events::Perturb, events::Move>(event)) input.events.add(event);
-    const TickRecord& again = tick.step(input);
+    for (std::size_t i = 0; i < laws.size(); ++i) laws[i] = row.robots[i].law;
+    input.law = laws;
+    tick.see(input);
+    if (const core::ControllerInput* const question = tick.ask(); asked && question) {
+      asked->ask(*question);
+      compare_answers(row, *asked, result);
+    }
+    const TickRecord& again = tick.decide(input);
     compare(row, again, result);
     if (run) {
       run->rows.push_back(row);
@@ -182,8 +220,9 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
 
 }  // namespace
 
-tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film) {
-  return replay_into(csv, file, film, nullptr);
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film,
+                                               bool controller) {
+  return replay_into(csv, file, film, controller, nullptr);
 }
 
 tl::expected<void, std::string> repair(const std::string& file) {
@@ -227,7 +266,7 @@ tl::expected<RecordedRun, std::string> load_run(const std::string& file) {
   if (!in) return tl::unexpected(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
   RecordedRun run;
   run.file = file;
-  auto check = replay_into(in, file, {}, &run);
+  auto check = replay_into(in, file, {}, false, &run);
   if (!check) return tl::unexpected(check.error());
   run.check = std::move(*check);
   if (run.rows.empty()) return tl::unexpected(fmt::format("{}: it has no rows", file));

@@ -17,14 +17,19 @@ namespace skein::app {
 struct ReplayResult {
   std::string experiment;  ///< its name
   std::int64_t ticks = 0;
-  std::int64_t commands = 0;         ///< compared: one a robot and tick
-  std::int64_t different = 0;        ///< that did not come out bit for bit
-  bool filmed = false;               ///< the poses came from a film
-  std::int64_t frames = 0;           ///< of it that were worked off
-  std::int64_t missing_frames = 0;   ///< that its recorder had dropped
-  std::int64_t poses = 0;            ///< compared: one a robot and tick
-  std::int64_t poses_different = 0;  ///< that did not come out bit for bit
-  std::string first;                 ///< where the first difference is, and what it is; empty: there is none
+  std::int64_t commands = 0;           ///< compared: one a robot and tick
+  std::int64_t different = 0;          ///< that did not come out bit for bit
+  bool filmed = false;                 ///< the poses came from a film
+  std::int64_t frames = 0;             ///< of it that were worked off
+  std::int64_t missing_frames = 0;     ///< that its recorder had dropped
+  std::int64_t poses = 0;              ///< compared: one a robot and tick
+  std::int64_t poses_different = 0;    ///< that did not come out bit for bit
+  bool asked = false;                  ///< the run's own controller was started again, and asked the same questions
+  std::int64_t answers = 0;            ///< compared: one a robot and tick
+  std::int64_t answers_different = 0;  ///< from v_law, omega_law, bit for bit
+  std::int64_t answers_late = 0;       ///< ticks
+  std::string first_answer;            ///< where the first of them is, and what it is
+  std::string first;                   ///< where the first difference is, and what it is; empty: there is none
   std::vector<std::string> warnings;
 };
 
@@ -33,8 +38,10 @@ struct ReplayResult {
 /// file cannot be read.
 /// With the film of the run (`skein run --video`), the measurements come from it instead, through the same tracker, and
 /// are compared with the recorded ones too. Empty: none.
-tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file,
-                                               const std::string& film = {});
+/// What a controller of the run's own asked for is taken from the record. With `controller` that controller is started
+/// as well, in the current directory, asked again, and its answers are compared with the recorded ones.
+tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film = {},
+                                               bool controller = false);
 
 /// Leaves the whole rows of a run's CSV that ends in a torn one; the torn file stays as FILE.torn. The error: there is
 /// nothing to repair, or it cannot be done.

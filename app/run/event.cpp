@@ -19,7 +19,7 @@ using namespace events;
 
 void fields(auto&, one_of<Start, Pause, Resume, Stop, Stage, Staged, FilmBroken> auto&) {}
 
-void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoWay> auto& e) {
+void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoWay, NoNumber> auto& e) {
   io.number_of('r', e.robot);
 }
 
@@ -93,6 +93,10 @@ void fields(auto& io, one_of<Outside> auto& e) {
 
 void fields(auto& io, one_of<VRise> auto& e) {
   io.bare(e.rise);
+}
+
+void fields(auto& io, one_of<events::Controller> auto& e) {
+  io.word_of(e.state);
 }
 
 void fields(auto& io, one_of<events::Link> auto& e) {
@@ -232,7 +236,7 @@ bool is_action(const Event& event) noexcept {
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
                           Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
-                          events::Link, FilmBroken> auto&) { return false; },
+                          events::Link, FilmBroken, events::Controller, NoNumber> auto&) { return false; },
       },
       event);
 }

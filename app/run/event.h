@@ -56,6 +56,26 @@ constexpr std::string_view word(Hindrance hindrance) noexcept {
   return {};
 }
 
+/// How a run's own controller answered at a tick.
+enum class ControllerState : std::uint8_t {
+  answered,  ///< in time
+  late,      ///< not before its deadline
+  ended,     ///< its process is gone, or was ended because it had been late for too long
+};
+
+/// As a word for logs (core/words.h).
+constexpr std::string_view word(ControllerState state) noexcept {
+  switch (state) {
+    case ControllerState::answered:
+      return "answered";
+    case ControllerState::late:
+      return "late";
+    case ControllerState::ended:
+      return "ended";
+  }
+  return {};
+}
+
 /// What can happen at a tick: one small struct each, with its word in logs and in the CSV. Robots and obstacles count
 /// from 0 here, from 1 in words.
 namespace events {
@@ -201,6 +221,15 @@ struct Outside {  ///< its body is over the edge of the arena
   double over = 0.0;  ///< by so much [m]
 };
 
+struct Controller {  ///< the run's own controller is late, has ended, or answers in time again
+  static constexpr std::string_view word = "controller";
+  ControllerState state = ControllerState::answered;
+};
+struct NoNumber {  ///< the law asked for what is no number, or beyond any: the robot stands until it is one again
+  static constexpr std::string_view word = "no_number";
+  std::size_t robot = 0;
+};
+
 }  // namespace events
 
 /// Something that happened at a tick; `describe` makes the log's words of it.
@@ -209,7 +238,8 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
                            events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
                            events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
-                           events::FilmBroken, events::NoWay, events::NoProgress, events::Outside>;
+                           events::FilmBroken, events::NoWay, events::NoProgress, events::Outside, events::Controller,
+                           events::NoNumber>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -31,6 +31,12 @@ std::string find_resource(const std::string& folder, const std::string& name) {
   return name;
 }
 
+std::string resource_folder(const std::string& folder) {
+  std::error_code error;
+  const fs::path place = resources();
+  return !place.empty() && fs::is_directory(place / folder, error) ? (place / folder).string() : std::string();
+}
+
 std::vector<std::string> resource_names(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;

@@ -12,6 +12,9 @@ namespace skein::app {
 /// without ".toml": then the path of that.
 std::string find_resource(const std::string& folder, const std::string& name);
 
+/// The path of `folder` itself; empty: there is none.
+std::string resource_folder(const std::string& folder);
+
 /// The names of those in `folder`, sorted, without ".toml".
 std::vector<std::string> resource_names(const std::string& folder);
 

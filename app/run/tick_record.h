@@ -109,7 +109,7 @@ struct RobotRecord {
   core::ReferencePoint nominal;        ///< of the formation
   core::ReferencePoint reference;      ///< after avoidance
   core::TrackingError error{none, none, none};  ///< (4), from pose and reference; none while lost
-  core::Twist law;                              ///< what (15) gave, before any limit
+  core::Twist law;                              ///< what the law gave, before any limit; none where that was no number
   core::Twist command;                          ///< after limits and shield
   core::WheelSpeeds wheels;                     ///< what the tick commands; see LinkInput::sent [steps/s]
   double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
@@ -195,6 +195,7 @@ struct TickRecord {
   double compute_time = none;  ///< that the tick took [s]; none on the virtual clock, so that runs repeat to the bit
   Latency latency;             ///< wall clock only, as compute_time
   EventList events;
+  std::vector<double> logged;  ///< by the law, of each robot what log_names() says: all of robot 1 first
   std::vector<RobotRecord> robots;
 
   /// The largest of all pairs. `name` is one of core::gain_names.

@@ -19,11 +19,12 @@ constexpr double delay_share = 0.02;  // of a new delay in the mean: two seconds
 }  // namespace
 
 ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
-                         std::function<void(const TickRecord&)> report)
+                         std::function<void(const TickRecord&)> report, OwnController* controller)
     : experiment_(experiment),
       clock_(clock),
       plant_(plant),
       report_(std::move(report)),
+      controller_(controller),
       tick_(experiment),
       out_(tick_.record()),
       commands_(64 + EventList::room_for(experiment.robots.size())),
@@ -80,6 +81,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   const double began = clock_.now();
   tick_.see(input);
   const double estimated = clock_.now();
+  ask_controller();
   const TickRecord& record = tick_.decide(input);
   decided_at_ = clock_.now();
 
@@ -112,6 +114,19 @@ void ControlLoop::cycle(double now, int elapsed) {
               std::memory_order_release);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
+}
+
+/// The run's own controller has its turn between the two parts of the tick, and a deadline: the tick itself never
+/// waits.
+void ControlLoop::ask_controller() noexcept {
+  input_.law = {};
+  input_.logged = {};
+  const core::ControllerInput* const question = controller_ ? tick_.ask() : nullptr;
+  if (!question) return;
+  controller_->ask(*question);
+  input_.law = controller_->law();
+  input_.logged = controller_->logged();
+  input_.controller = controller_->state();
 }
 
 /// The tick before this one: by now its commands are written and answered, or late.

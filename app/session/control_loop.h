@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/controllers/own_controller.h"
 #include "app/run/session_clock.h"
 #include "app/session/plant.h"
 #include "app/session/tick_timer.h"
@@ -22,8 +23,9 @@ namespace skein::app {
 class ControlLoop {
  public:
   /// `report` gets every record on the control thread; it must neither wait nor allocate on the wall clock.
+  /// `controller`: the run's own, if it has one.
   ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
-              std::function<void(const TickRecord&)> report);
+              std::function<void(const TickRecord&)> report, OwnController* controller = nullptr);
 
   // --- any one controlling thread ---
   /// What a hand does to a simulated robot.
@@ -84,6 +86,7 @@ class ControlLoop {
   void pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
   bool asked() const noexcept;
   void cycle(double now, int elapsed);
+  void ask_controller() noexcept;
   void complete_latency() noexcept;
   void take_commands(const EventList& events);
   std::size_t room_for_events(const EventList& events) const noexcept;
@@ -96,6 +99,7 @@ class ControlLoop {
   SessionClock& clock_;
   Plant& plant_;
   std::function<void(const TickRecord&)> report_;
+  OwnController* const controller_;
   ControlTick tick_;
   TickRecord out_;
 

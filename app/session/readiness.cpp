@@ -83,6 +83,9 @@ Check batteries(std::span<const RobotStatus> robots) {
 
 Check gains(const Certificate* certificate) {
   if (!certificate) return {What::gains, State::waits, "being worked out", true};
+  if (!certificate->other_law.empty())
+    return {What::gains, State::holds,
+            fmt::format("not asked: (18) is about (15), and {} drives", certificate->other_law), true};
   double forward = 1.0, turning = 1.0;
   bool positive = true;
   for (const Certificate::Robot& r : certificate->robots) {
@@ -136,8 +139,13 @@ Check places(const Experiment& e, const TickRecord* record) {
 
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const std::string& camera_down) {
-  return {camera(experiment, camera_down), tags(experiment, record), links(experiment, robots), batteries(robots),
-          gains(certificate), reference(certificate), places(experiment, record)};
+  return {camera(experiment, camera_down),
+          tags(experiment, record),
+          links(experiment, robots),
+          batteries(robots),
+          gains(certificate),
+          reference(certificate),
+          places(experiment, record)};
 }
 
 bool may_start(std::span<const Check> checks) noexcept {

@@ -29,6 +29,11 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.gains = make_gains(experiment);
   i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
+  if (experiment.controller.law.own()) {
+    auto controller = OwnController::start(i.experiment, !i.clock.wall(), i.options.program);
+    if (!controller) return tl::unexpected(controller.error());
+    i.controller = std::move(*controller);
+  }
   if (i.options.guard && i.clock.wall()) {
     const auto robots = real_robots(i.experiment);
     if (!robots) return tl::unexpected(robots.error());
@@ -42,8 +47,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     return tl::unexpected(plant.error());
   }
   i.plant = std::move(*plant);
-  i.loop = std::make_unique<ControlLoop>(i.experiment, i.clock, *i.plant,
-                                         [&i](const TickRecord& record) { i.publish(record); });
+  i.loop = std::make_unique<ControlLoop>(
+      i.experiment, i.clock, *i.plant, [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
   if (i.clock.wall()) {
     i.recorder_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
     i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
@@ -104,6 +109,10 @@ VideoStatus Session::video() const {
   return camera ? camera->video() : VideoStatus{};
 }
 
+const OwnController* Session::controller() const noexcept {
+  return wiring_->controller.get();
+}
+
 std::optional<std::string> Session::unguarded() const {
   return wiring_->net ? std::nullopt : std::optional(wiring_->net.error());
 }
@@ -117,7 +126,8 @@ std::vector<std::string> Session::alarms() {
   if (wiring_->net)
     for (std::string& sentence : wiring_->net->alarms()) all.push_back(std::move(sentence));
   if (wiring_->sleep)
-    if (std::string problem = wiring_->sleep->problem(); !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
+    if (std::string problem = wiring_->sleep->problem();
+        !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
       all.push_back("this machine may go to sleep while robots drive, and nothing stops them then: " + problem);
   return all;
 }
@@ -199,6 +209,7 @@ void Session::close() {
   }
   i.loop->end_thread();
   i.plant->close();
+  if (i.controller) i.controller->close();
   if (i.net) i.net->done(stop_results(i.experiment, i.plant->robots()));
   i.sleep.reset();
   if (i.recorder_thread.joinable()) {

@@ -19,6 +19,8 @@
 
 namespace skein::app {
 
+class OwnController;
+
 struct SessionWiring;
 
 /// An experiment with everything that runs it: plant, camera, links, control thread, recorder. The facade that the
@@ -129,6 +131,8 @@ class Session {
   vision::SourceStatus camera() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
+  /// The run's own controller, null: it has none. After close() it says how it has done.
+  const OwnController* controller() const noexcept;
   /// Why there is no guard although one was asked for: should this program be killed, nothing stops the robots.
   std::optional<std::string> unguarded() const;
   /// Sentences that the operator must see, each once: about the guard, STOP from outside, a machine that may go to

@@ -24,7 +24,8 @@ struct SessionOptions {
   /// A camera that cannot be opened does not fail the session: it is tried again every second until it opens. No robot
   /// is seen meanwhile, so that nothing can be started.
   bool await_camera = false;
-  bool every_tag = false;              ///< look for all tags that there are, see CameraRig::newest
+  std::string program{};   ///< that hosts libraries of controllers, a `skein`; empty: this program
+  bool every_tag = false;  ///< look for all tags that there are, see CameraRig::newest
 };
 
 }  // namespace skein::app

@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "app/controllers/own_controller.h"
 #include "app/experiment/experiment.h"
 #include "app/guard/safety_net.h"
 #include "app/run/status.h"
@@ -146,9 +147,20 @@ struct SessionWiring {
     if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
+    watch_controller();
     const bool moves = phase == Phase::running || phase == Phase::staging;
     if (real_time && moves && clock.now() - last_look.load() > window_silence)
       fail(fmt::format("the window has not answered for {:g} s: nobody could see or stop the robots", window_silence));
+  }
+
+  /// A run whose controller has ended is over, unless the built-in law drives on.
+  void watch_controller() {
+    if (!controller || controller->state() != ControllerState::ended || told_of_controller) return;
+    told_of_controller = true;
+    const std::string why = controller->why_it_ended();
+    if (experiment.controller.law.failure == LawSpec::Failure::hold) return fail(why);
+    const std::lock_guard lock(failure_mutex);
+    alarms.push_back(why + "; the built-in law drives on");
   }
 
   /// Why a robot can be tested no more; empty: it can.
@@ -170,6 +182,7 @@ struct SessionWiring {
   tl::expected<SafetyNet, std::string> net;
   std::vector<std::string> alarms;  // guarded by failure_mutex: what no net can tell
   std::unique_ptr<Plant> plant;
+  std::unique_ptr<OwnController> controller;  // of a run that has one
   std::unique_ptr<ControlLoop> loop;
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
   std::jthread recorder_thread, supervisor_thread;
@@ -181,6 +194,7 @@ struct SessionWiring {
   bool started = false;                 // the sinks' thread's
   bool closed = false;
   bool told_of_sleep = false;
+  bool told_of_controller = false;
   mutable std::mutex failure_mutex;
   std::optional<std::string> failure;
 };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/tick/tick_state.h"
-#include "core/control/coordination_law.h"
 #include "core/control/formation.h"
 #include "core/control/lyapunov.h"
 #include "core/estimation/pose_filter.h"
@@ -71,7 +71,9 @@ TickState::TickState(const Experiment& e)
       planner(make_planner(e, *reference, obstacles.all().size())),
       shield(e.robots.size(), obstacles.all().size()),
       near(e.robots.size()),
-      pairs(e.robots.size()),
+      staging_law(e.robots.size()),
+      controller(core::controller_type(e.controller.law.kind).make(e.robots.size())),
+      no_number(e.robots.size()),
       watch(e.robots.size(), rise_tolerance(e)),
       progress(e.robots.size()),
       outside(e.robots.size()),
@@ -104,7 +106,20 @@ TickState::TickState(const Experiment& e)
   v_limits.resize(n);
   doubt.resize(n);
   out.resize(n);
+  covariance.resize(n);
+  spare_log.resize(n * core::controller_type(e.controller.law.kind).logs.size());
+  question.poses = poses;
+  question.covariance = covariance;
+  question.twists = driving;
+  question.nominal = nominal;
+  question.reference = followed;
+  question.reference_twists = followed_twists;
+  question.errors = errors;
+  question.out = out;
+  question.gains = &gains;
+  question.parameters = experiment.controller.law.parameters;
   record.robots.resize(n);
+  record.logged.resize(n * log_names(e.controller.law).size(), none);
   record.events.reserve(EventList::room_for(n));
   record.delta.resize(n > 0 ? n - 1 : 0);
   record.pair_gains = {gains.k_xx, gains.k_tt, gains.k_yy};
@@ -112,16 +127,23 @@ TickState::TickState(const Experiment& e)
 
 void ControlTick::see(const TickInput& input) noexcept {
   TickState& tick = *state_;
+  tick.asked = false;
   tick.begin(input);
   tick.hear_links(input);
   tick.estimate(input);
 }
 
+const core::ControllerInput* ControlTick::ask() noexcept {
+  TickState& tick = *state_;
+  if (!tick.experiment.controller.law.own() || !tick.running()) return nullptr;
+  tick.ask_law();
+  return &tick.question;
+}
+
 const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   TickState& tick = *state_;
-  tick.schedule_gains();
-  tick.follow_reference();
-  tick.apply_law();
+  tick.ask_law();
+  tick.apply_law(input);
   tick.watch_descent();
   tick.limit_and_shield();
   tick.drive_wheels();
@@ -175,8 +197,9 @@ void TickState::measure_twist(std::size_t i) noexcept {
   if (!(seconds > 0.0 && seconds < longest)) return;
   const double turned = core::wrap_angle(newest.pose.theta - first.pose.theta);
   const double heading = first.pose.theta + 0.5 * turned;
-  const double v = ((newest.pose.x - first.pose.x) * std::cos(heading) +
-                    (newest.pose.y - first.pose.y) * std::sin(heading)) / seconds;
+  const double v =
+      ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
+      seconds;
   if (std::abs(v) < standing) return;
   adrift[i] = true;
   driving[i] = {v, turned / seconds};
@@ -289,13 +312,55 @@ void TickState::follow_plan() noexcept {
   }
 }
 
-/// (4) and (15). The error of a robot that is lost or held counts as zero, which takes it out of the group: nobody is
-/// coupled to a guess, or waits for one that stands.
-void TickState::apply_law() noexcept {
+/// The gains, the reference and the errors (4) of this tick: all that a law is asked with, once a tick. The error of a
+/// robot that is lost or held counts as zero, which takes it out of the group: nobody is coupled to a guess, or waits
+/// for one that stands.
+void TickState::ask_law() noexcept {
+  if (std::exchange(asked, true)) return;
+  schedule_gains();
+  follow_reference();
   for (std::size_t i = 0; i < robots(); ++i) {
-    errors[i] = is_out(i) ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
+    out[i] = is_out(i);
+    errors[i] = out[i] ? core::TrackingError{} : core::tracking_error(followed[i].pose, poses[i]);
+    covariance[i] = filters[i].covariance();
   }
-  core::coordination_law(gains, errors, followed_twists, law, pairs);
+  question.t = record.t;
+  question.dt = dt;
+  question.tick = record.tick;
+  question.obstacles = obstacles.standing();
+}
+
+/// The law: (15), or what the experiment has instead. To its start everybody is driven by (15): other laws need not be
+/// able to drive to a place at which to stand. A robot of which the law asks what is no number stands.
+void TickState::apply_law(const TickInput& input) noexcept {
+  const LawSpec& spec = experiment.controller.law;
+  std::fill(record.logged.begin(), record.logged.end(), none);
+  const auto number = [](const core::Twist& twist) {
+    constexpr double most = 1e6;  // [m/s, rad/s]
+    return std::abs(twist.v) <= most && std::abs(twist.omega) <= most;
+  };
+  if (!running()) {
+    staging_law.step(question, law, {});
+  } else if (!spec.own()) {
+    controller->step(question, law, record.logged);
+  } else {
+    const bool helped = spec.failure == LawSpec::Failure::built_in;
+    if (helped) controller->step(question, law, spare_log);
+    for (std::size_t i = 0; i < robots(); ++i)
+      if (i < input.law.size() && (number(input.law[i]) || !helped))
+        law[i] = input.law[i];
+      else if (!helped)
+        law[i] = {none, none};
+    std::copy_n(input.logged.begin(), std::min(input.logged.size(), record.logged.size()), record.logged.begin());
+    if (input.controller != controller_state) note(events::Controller{input.controller});
+    controller_state = input.controller;
+  }
+  for (std::size_t i = 0; i < robots(); ++i) {
+    const bool bad = !number(law[i]);
+    if (bad) law[i] = {none, none};
+    if (bad && !no_number[i] && !is_out(i) && controller_state == ControllerState::answered) note(events::NoNumber{i});
+    no_number[i] = bad;
+  }
 }
 
 /// The law does not imply (14), and (14) not what the wheels can do; the shield has the last word.
@@ -303,7 +368,7 @@ void TickState::limit_and_shield() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     robot.limits = 0;
-    if (!moving() || is_out(i)) {
+    if (!moving() || is_out(i) || no_number[i]) {
       robot.mode |= stopped;
       if (trust[i] < 1.0) robot.mode |= late;
       commands[i] = {};
@@ -372,7 +437,9 @@ bool may_raise_v(const Event& event) noexcept {
           [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
                           Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, FilmBroken> auto&) { return false; },
+                          DeadlineMissed, VRise, events::Link, FilmBroken, events::Controller, NoNumber> auto&) {
+            return false;
+          },
       },
       event);
 }
@@ -384,9 +451,8 @@ bool may_raise_v(const Event& event) noexcept {
 void TickState::watch_descent() noexcept {
   for (const Event& event : record.events)
     if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
-  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; }))
-    explained_until = record.now + settles;
-  if (!running() || record.now < explained_until) watch.forget();
+  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; })) explained_until = record.now + settles;
+  if (!running() || record.now < explained_until || !law_of_the_paper()) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
   if (rise > 0.0) note(events::VRise{rise});
 }
@@ -433,7 +499,7 @@ void TickState::account(const TickInput& input) noexcept {
   record.pair_gains[1] = gains.k_tt;
   record.pair_gains[2] = gains.k_yy;
   record.V = core::lyapunov(gains, errors);
-  record.V_dot = core::lyapunov_rate(gains, errors);
+  record.V_dot = law_of_the_paper() ? core::lyapunov_rate(gains, errors) : none;
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     robot.truth = input.truth.empty() ? core::Pose{none, none, none} : input.truth[i];

@@ -5,6 +5,7 @@
 #include "app/experiment/experiment.h"
 #include "app/tick/couplings.h"
 #include "app/tick/tick_input.h"
+#include "core/controllers/controller.h"
 
 namespace skein::app {
 
@@ -25,6 +26,9 @@ class ControlTick {
   /// Its two parts, for whoever wants to know how long each takes: where the robots are, and what they shall do. Both
   /// with the same input.
   void see(const TickInput& input) noexcept;
+  /// Between the two, where the run has a controller of its own: what that is to be asked at this tick, valid until the
+  /// next call of `see`. Null where the tick does not need it. Its answer goes into the input of `decide`.
+  const core::ControllerInput* ask() noexcept;
   const TickRecord& decide(const TickInput& input) noexcept;
 
   /// The time of the experiment that the next tick will have, if `elapsed` ticks pass until then. [s]

@@ -14,11 +14,15 @@ struct TickInput {
   bool stop = false;  ///< STOP is latched
   std::span<const core::Measurement> measurements;  ///< the newest of each robot
   std::span<const core::Pose> truth;                ///< of each robot, NaN where unknown
-  std::span<const double> delays;  ///< from each robot's command to its wheels, as measured [s]; empty: none
+  std::span<const double> delays;    ///< from each robot's command to its wheels, as measured [s]; empty: none
   std::span<const LinkInput> links;  ///< of each robot; empty: nobody has one
   std::span<const OperatorCommand> commands;
   bool recorded = false;  ///< the commands are those of a recorded run: their values are held at their borders already
-  EventList events;       ///< what the world reports: perturbations, moves, links
+  /// What the run's own controller asks for, one a robot: none where it says nothing of use. Empty: it was not asked.
+  std::span<const core::Twist> law;
+  std::span<const double> logged;  ///< by it, as TickRecord::logged
+  ControllerState controller = ControllerState::answered;
+  EventList events;  ///< what the world reports: perturbations, moves, links
 };
 
 }  // namespace skein::app

@@ -10,8 +10,9 @@
 #include "app/tick/tick_input.h"
 #include "core/avoidance/avoidance.h"
 #include "core/avoidance/near_robots.h"
-#include "core/control/coordination_law.h"
 #include "core/control/descent_watch.h"
+#include "core/controllers/controller_types.h"
+#include "core/controllers/kostic.h"
 #include "core/estimation/pose_filter.h"
 #include "core/planning/planner.h"
 #include "core/safety/progress_watch.h"
@@ -37,7 +38,8 @@ struct TickState {
   void follow_reference() noexcept;
   void follow_field() noexcept;
   void follow_plan() noexcept;
-  void apply_law() noexcept;
+  void ask_law() noexcept;
+  void apply_law(const TickInput& input) noexcept;
   void limit_and_shield() noexcept;
   void drive_wheels() noexcept;
   void account(const TickInput& input) noexcept;
@@ -51,6 +53,11 @@ struct TickState {
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
   /// errors count for nobody.
+  /// The law that the gains of [controller] are made for, and of which (18) to (20) speak.
+  bool law_of_the_paper() const noexcept {
+    const LawSpec& spec = experiment.controller.law;
+    return !spec.own() && spec.kind == core::ControllerKind::kostic;
+  }
   bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i] || trust[i] == 0.0; }
   void hear_links(const TickInput& input) noexcept;
   void measure_twist(std::size_t i) noexcept;
@@ -90,7 +97,11 @@ struct TickState {
   const std::unique_ptr<core::Planner> planner;  // where the file asks for planned routes
   core::Shield shield;
   core::NearRobots near;
-  core::LawPairs pairs;  // workspace of the law
+  core::KosticController staging_law;                            // drives to the starts, whatever the run's law is
+  const std::unique_ptr<core::Controller> controller;            // the law that is built in
+  std::vector<double> spare_log;                                 // of that law where another one's values are recorded
+  std::vector<bool> no_number;                                   // what the law asked of it was none at the tick before
+  ControllerState controller_state = ControllerState::answered;  // of the run's own controller
   core::DescentWatch watch;
   core::ProgressWatch progress;
   std::vector<bool> outside;  // over the edge of the arena
@@ -110,6 +121,9 @@ struct TickState {
   std::vector<Sight> sights;
 
   // What lasts for one tick.
+  bool asked = false;              // ask_law is done
+  core::ControllerInput question;  // into what follows
+  std::vector<Eigen::Matrix3d> covariance;
   std::vector<core::Pose> poses, midway, stands;
   std::vector<core::ReferencePoint> nominal, followed;
   std::vector<core::Twist> followed_twists, law, commands;
@@ -118,8 +132,8 @@ struct TickState {
   std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
   std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
   std::unique_ptr<bool[]> adrift;    // it is out, has a link, and rolls
-  std::vector<std::uint8_t> out;  // is_out of each, for the planner
-  std::vector<double> doubt;      // how far off each pose may be [m]
+  std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
+  std::vector<double> doubt;         // how far off each pose may be [m]
   std::unique_ptr<bool[]> shield_touched;
   TickRecord record;
 };

@@ -106,6 +106,13 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     study.crowd = crowd;
   }
   read_texts(t, "control", study.control);
+  TomlTable compare = t.table("compare");
+  if (const toml::table* const names = document["compare"].as_table())
+    for (const auto& [name, sets] : *names) {
+      study.compare.emplace_back(name.str(), std::vector<std::string>{});
+      read_texts(compare, study.compare.back().first.c_str(), study.compare.back().second);
+    }
+  compare.finish();
   TomlTable expect = t.table("expect");
   expect.integer("collisions", study.expect.collisions, 0, 1'000'000'000);
   expect.flag("inside", study.expect.inside);

@@ -63,6 +63,8 @@ struct Study {
 
   /// What is changed in the control: the same runs once more, with these keys on top, beside the others in the summary.
   std::vector<std::string> control;
+  /// More controls, each with a name: one row of a table each.
+  std::vector<std::pair<std::string, std::vector<std::string>>> compare;
 
   double recovered_within = 0.005;    ///< a run recovered if in its last second no robot is farther from its place [m]
   double formation_first_over = 0.1;  ///< [m]: of smaller perturbations it is not asked

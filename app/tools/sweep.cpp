@@ -129,6 +129,7 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   if (!session) return failed(seed, session.error());
   (*session)->run();
   (*session)->close();
+  if (const auto failure = (*session)->failure()) return failed(seed, *failure);
 
   const Statistics::Summary summary = statistics.summary();
   RunOutcome outcome;
@@ -255,8 +256,22 @@ std::string as_lines(const SweepSummary& summary) {
   return lines;
 }
 
-std::string as_json(const SweepSummary& summary) {
-  return json(summary).dump(2, ' ', false, Json::error_handler_t::replace);
+std::string as_table(const std::vector<std::pair<std::string, SweepSummary>>& rows) {
+  std::string text =
+      fmt::format("{:<18} {:>5} {:>10} {:>9} {:>6} {:>6} {:>6} {:>6} {:>10} {:>9} {:>9}\n", "", "runs", "collisions",
+                  "recovered", "p50", "p90", "p99", "max", "formation", "relative", "error_p99");
+  for (const auto& [name, s] : rows)
+    text +=
+        fmt::format("{:<18} {:>5} {:>10} {:>9.3f} {:>6.1f} {:>6.1f} {:>6.1f} {:>6.1f} {:>10.3f} {:>9.3f} {:>9.4f}\n",
+                    name, s.runs, s.collisions, s.recovered_share(), s.recovery_p50, s.recovery_p90, s.recovery_p99,
+                    s.recovery_max, s.formation_first_share(), s.relative_first_share(), s.final_error_p99);
+  return text;
+}
+
+std::string as_json(const SweepSummary& summary, const std::vector<std::pair<std::string, SweepSummary>>& compared) {
+  Json all = json(summary);
+  for (const auto& [name, other] : compared) all["compare"][name] = json(other);
+  return all.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 std::vector<std::string> failed_expectations(const Study::Expect& expect, const SweepSummary& summary) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/tools/study.h"
@@ -62,7 +63,11 @@ struct SweepSummary {
 SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes,
                        const std::vector<RunOutcome>& control = {});
 std::string as_lines(const SweepSummary& summary);
-std::string as_json(const SweepSummary& summary);
+std::string as_json(const SweepSummary& summary,
+                    const std::vector<std::pair<std::string, SweepSummary>>& compared = {});
+
+/// The same runs under several conditions beside one another, as a table: a name and a summary a row.
+std::string as_table(const std::vector<std::pair<std::string, SweepSummary>>& rows);
 
 /// Which of the study's [expect] failed, each as a sentence.
 std::vector<std::string> failed_expectations(const Study::Expect& expect, const SweepSummary& summary);

@@ -39,6 +39,8 @@ class PoseFilter {
     const double sigma = sigma_xy();
     return std::sqrt(sigma * sigma + way * way * (covariance_(2, 2) + parameters.slip * parameters.slip));
   }
+  /// Of the state, of x, y, theta in the world frame [m, rad].
+  const Eigen::Matrix3d& covariance() const noexcept { return covariance_; }
   double sigma_theta() const noexcept { return std::sqrt(covariance_(2, 2)); }
 
   /// Somebody is known to have put the robot elsewhere at this time: the next jump, within half a second, is expected.

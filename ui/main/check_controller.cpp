@@ -32,7 +32,7 @@ const std::vector<app::Check>& CheckController::judge() {
 
 /// How much delay the loops bear, and how much there is: from a pose's capture to the moment the wheels obey.
 void CheckController::show_delay() {
-  if (!certificate_) return;
+  if (!certificate_ || !certificate_->other_law.empty()) return;
   const core::DelayMargin& margin = certificate_->delay.margin;
   double measured = 0.0;
   if (const app::TickRecord* record = live_.latest())
@@ -58,9 +58,8 @@ void CheckController::refresh() {
     judge();  // for the delay margin, also where nobody looks at the list
   else
     show_delay();
-  const bool something_to_mend = std::any_of(checks_.begin(), checks_.end(), [](const app::Check& check) {
-    return check.state == app::Check::State::fails;
-  });
+  const bool something_to_mend = std::any_of(
+      checks_.begin(), checks_.end(), [](const app::Check& check) { return check.state == app::Check::State::fails; });
   list_->setVisible(wanted_ || (before_start && something_to_mend));
   if (list_->isVisible()) list_->show_checks(checks_);
 }

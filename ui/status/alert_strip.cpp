@@ -71,6 +71,20 @@ QString words(const app::Event& event, double t) {
                 .arg(QString::fromUtf8(word(e.hindrance).data()));
           },
           [&](const Outside& e) { return tr("Robot %1 is over the edge of the arena").arg(e.robot + 1); },
+          [&](const Controller& e) {
+            switch (e.state) {
+              case app::ControllerState::answered:
+                return tr("The controller answers in time again");
+              case app::ControllerState::late:
+                return tr("The controller is late: what it drives stands, or the built-in law drives");
+              case app::ControllerState::ended:
+                break;
+            }
+            return tr("The controller has ended");
+          },
+          [&](const NoNumber& e) {
+            return tr("Robot %1 stands: what the law asks of it is no number").arg(e.robot + 1);
+          },
           // Said elsewhere in the window: the run bar, the sliders, the state of the strip.
           [](const one_of<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear,
                           app::events::Stage, Staged, Deadlock, VRise> auto&) { return QString(); },

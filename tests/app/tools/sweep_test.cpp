@@ -144,6 +144,31 @@ TEST(Sweep, SumsUp) {
   EXPECT_THAT(as_json(s), HasSubstr("\"bad_seeds\": ["));
 }
 
+TEST(Laws, AreComparedOnTheSameKicks) {
+  Study study = shipped("laws.toml");
+  ASSERT_EQ(study.compare.size(), 3u);
+  study.runs = 3;
+  std::vector<std::pair<std::string, SweepSummary>> rows;
+  for (const auto& [name, sets] : study.compare) {
+    Study other = study;
+    other.sets.insert(other.sets.end(), sets.begin(), sets.end());
+    const auto outcomes = sweep(other, 2, [](std::size_t) { return true; });
+    ASSERT_EQ(outcomes.size(), 3u);
+    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+      EXPECT_EQ(outcomes[k].failure, "");
+      EXPECT_EQ(outcomes[k].perturbation, run_one(study, outcomes[k].seed).perturbation) << "the same kick";
+    }
+    rows.emplace_back(name, summarise(other, outcomes));
+    EXPECT_EQ(rows.back().second.collisions, 0) << name;
+  }
+  EXPECT_THAT(as_table(rows), AllOf(HasSubstr("independent"), HasSubstr("leader_follower"), HasSubstr("virtual_struct")));
+  EXPECT_THAT(as_json(rows[0].second, rows), HasSubstr("\"compare\": {"));
+}
+
+TEST_F(StudyText, RefusesWhatCannotBeCompared) {
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\nb = \"x\"\n"), HasSubstr("compare.b: found"));
+}
+
 /// The first runs of a study that comes with Skein: no collision, and everybody recovers.
 class Short : public ::testing::TestWithParam<std::pair<const char*, int>> {};
 

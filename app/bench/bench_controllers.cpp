@@ -1,0 +1,140 @@
+#include "app/bench/bench_controllers.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "app/bench/adversary_study.h"
+#include "app/controllers/own_controller.h"
+#include "app/experiment/experiment_file.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/run/resources.h"
+#include "app/tick/control_tick.h"
+
+namespace skein::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? none : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// A tick of the paper's experiment and its controller, if it has one.
+struct Line {
+  Experiment experiment;
+  std::unique_ptr<ControlTick> tick;
+  std::unique_ptr<OwnController> own;
+  std::vector<double> times;
+};
+
+tl::expected<Line, std::string> line(const std::vector<std::string>& sets) {
+  auto experiment = parse_experiment(paper_experiment().source, "platoon.toml", sets);
+  if (!experiment) return tl::unexpected(experiment.error().front().message());
+  Line made{std::move(*experiment), nullptr, nullptr, {}};
+  made.tick = std::make_unique<ControlTick>(made.experiment);
+  if (made.experiment.controller.law.own()) {
+    auto own = OwnController::start(made.experiment, /*waits=*/true);
+    if (!own) return tl::unexpected(own.error());
+    made.own = std::move(*own);
+  }
+  return made;
+}
+
+/// One tick after the other at the tick's own rate, on poses along the reference, with and without the process in turn:
+/// whatever the machine does meanwhile, it does to both.
+void measure(std::vector<Line>& lines, double seconds) {
+  const Experiment& experiment = lines.front().experiment;
+  const auto reference = make_reference(experiment);
+  std::vector<core::Measurement> measurements(experiment.robots.size());
+  const OperatorCommand start = commands::Start{};
+  const auto ticks = static_cast<std::int64_t>(seconds * experiment.rate);
+  auto due = Clock::now();
+  for (std::int64_t k = 0; k < ticks && !interrupted(); ++k) {
+    std::this_thread::sleep_until(due += std::chrono::milliseconds(40));
+    const double now = static_cast<double>(k) / experiment.rate;
+    for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = {reference->at(i, now).pose, now};
+    for (Line& each : lines) {
+      TickInput input;
+      input.now = now;
+      input.measurements = measurements;
+      if (k == 0) input.commands = {&start, 1};
+      const auto began = Clock::now();
+      each.tick->see(input);
+      if (const core::ControllerInput* const question = each.tick->ask(); question && each.own) {
+        each.own->ask(*question);
+        input.law = each.own->law();
+        input.logged = each.own->logged();
+        input.controller = each.own->state();
+      }
+      each.tick->decide(input);
+      if (k > 0) each.times.push_back(std::chrono::duration<double>(Clock::now() - began).count());
+    }
+  }
+}
+
+}  // namespace
+
+int bench_controllers(const ControllersBench& bench) {
+  // What the control thread asks for as well; without it, a machine that is busy otherwise is measured, too.
+  sched_param priority{};
+  priority.sched_priority = 20;
+  const bool granted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
+  fmt::print("real_time_priority: {}\n", granted ? "granted" : "not granted");
+  struct Case {
+    const char* name;
+    std::vector<std::string> sets;
+  };
+  const std::string skein = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "skein").string();
+  // The honest one costs next to nothing: what is left is the way to another process and back.
+  const Case cases[] = {
+      {"built_in", {}},
+      {"process_c", {fmt::format("controller.command=\"'{}' controller-host --honest\"", skein)}},
+      {"process_python",
+       {fmt::format("controller.command=\"/usr/bin/python3 '{}'\"", resource_folder("experiments") + "/my_law.py")}},
+  };
+  std::vector<Line> lines;
+  std::vector<const char*> names;
+  for (const Case& each : cases) {
+    auto made = line(each.sets);
+    if (!made) {
+      fmt::print("{}: none: {}\n", each.name, made.error());
+      continue;
+    }
+    names.push_back(each.name);
+    lines.push_back(std::move(*made));
+  }
+  if (bench.seconds > 0.0) measure(lines, bench.seconds);
+  for (std::size_t k = 0; k < lines.size() && bench.seconds > 0.0; ++k) {
+    const auto p = [&](double share) { return 1e6 * percentile(lines[k].times, share); };
+    const auto base = [&](double share) { return 1e6 * percentile(lines[0].times, share); };
+    fmt::print("tick_{}: p50 {:.1f} us, p99 {:.1f} us; added p50 {:.1f} us, p99 {:.1f} us; p99 ratio {:.2f}; late {}\n",
+               names[k], p(0.5), p(0.99), p(0.5) - base(0.5), p(0.99) - base(0.99), p(0.99) / base(0.99),
+               lines[k].own ? lines[k].own->report().late : 0);
+  }
+  lines.clear();
+
+  std::vector<AdversaryOutcome> outcomes;
+  for (std::int64_t run = 0; run < bench.runs && !interrupted(); ++run)
+    outcomes.push_back(run_under_adversary(bench.seed + static_cast<std::uint64_t>(run), skein));
+  if (outcomes.empty()) return done;
+  fmt::print("{}", as_lines(outcomes, adversary_period));
+  const auto bad = std::find_if_not(outcomes.begin(), outcomes.end(),
+                                    [](const AdversaryOutcome& o) { return harmless(o, adversary_period); });
+  if (bad == outcomes.end()) return done;
+  fmt::print("first_that_did_harm: seed {} ({}): {} collisions, {:.4g} m outside, {:.1f} ms waited, {}\n", bad->seed,
+             word(bad->kind), bad->collisions, bad->outside, 1e3 * bad->longest_wait,
+             bad->stands ? "all stand" : "NOT all stand");
+  return expectation_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace skein::app {
+
+/// What a controller can do to a run.
+enum class Adversary : std::uint8_t {
+  no_number,    ///< asks for NaN, of some robots or of all
+  infinite,     ///< asks for what is beyond any speed
+  collide,      ///< full speed at the nearest other robot
+  walls,        ///< full speed at the nearest edge
+  obstacles,    ///< full speed at the nearest obstacle
+  erratic,      ///< full speed forward and backward, another way each tick
+  late,         ///< answers after the deadline, now and then or always
+  crash,        ///< a signal, abort or exit at some tick
+  hang,         ///< never answers again
+  stop_itself,  ///< SIGSTOP to itself
+  flood,        ///< writes to its pipe and prints as fast as it can
+  scribble,     ///< writes over the whole memory that it shares
+  allocate,     ///< takes all the memory that it gets
+  fork,         ///< starts processes that hold its pipes and do not end
+};
+
+/// As a word (core/words.h).
+constexpr std::string_view word(Adversary kind) noexcept {
+  switch (kind) {
+    case Adversary::no_number:
+      return "no_number";
+    case Adversary::infinite:
+      return "infinite";
+    case Adversary::collide:
+      return "collide";
+    case Adversary::walls:
+      return "walls";
+    case Adversary::obstacles:
+      return "obstacles";
+    case Adversary::erratic:
+      return "erratic";
+    case Adversary::late:
+      return "late";
+    case Adversary::crash:
+      return "crash";
+    case Adversary::hang:
+      return "hang";
+    case Adversary::stop_itself:
+      return "stop_itself";
+    case Adversary::flood:
+      return "flood";
+    case Adversary::scribble:
+      return "scribble";
+    case Adversary::allocate:
+      return "allocate";
+    case Adversary::fork:
+      return "fork";
+  }
+  return {};
+}
+
+/// Which one a seed stands for: they take turns.
+Adversary adversary_of(std::uint64_t seed) noexcept;
+
+/// `skein controller-host --adversary SEED`: a controller that does its worst, the same for the same seed. For studies.
+/// Returns an ExitStatus, if it returns.
+int be_adversary(std::uint64_t seed);
+
+/// `skein controller-host --honest`: tracks, and answers at once. To be measured with.
+int be_honest();
+
+}  // namespace skein::app

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/controllers/bounded_process.h"
+#include "app/controllers/skein_controller.h"
+#include "app/experiment/experiment.h"
+#include "app/run/event.h"
+#include "core/controllers/controller.h"
+
+namespace skein::app {
+
+/// How a controller has done so far.
+struct ControllerReport {
+  std::int64_t asked = 0;     ///< questions
+  std::int64_t late = 0;      ///< of them, not answered by the deadline, or never
+  std::vector<double> waits;  ///< from question to answer, of those answered in time, the first million [s]
+  double longest = 0.0;       ///< that the control thread has waited, answered or not [s]
+  double deadline = 0.0;      ///< [s]
+};
+
+/// A controller of the user's own: a process that shares memory with this one and is asked once a tick
+/// (skein_controller.h, docs/controllers.md). A library runs in a process as well: this program, which loads it there.
+/// Whatever the process does, `ask` is over by the deadline, and what it answered is looked at on a copy.
+class OwnController {
+ public:
+  /// Starts it and waits, at most 20 s, until it is ready. `waits`: nobody's clock runs meanwhile, so that it may take
+  /// its time. `program` hosts libraries; empty: this one. The error is a sentence.
+  static tl::expected<std::unique_ptr<OwnController>, std::string> start(const Experiment& experiment, bool waits,
+                                                                         const std::string& program = {});
+  ~OwnController();
+
+  /// Asks, and waits for the answer at most until the deadline. One that has been late 25 times in a row is ended. The
+  /// control thread's: no allocation, no lock; its only system calls are on its own pipes.
+  void ask(const core::ControllerInput& input) noexcept;
+  /// The answer to the last question: numbers that nobody has looked at, none where there is no answer.
+  std::span<const core::Twist> law() const noexcept { return law_; }
+  std::span<const double> logged() const noexcept { return logged_; }
+  ControllerState state() const noexcept { return state_.load(std::memory_order_acquire); }
+
+  /// Ends it, and waits for that. It is asked no more.
+  void close() noexcept;
+  /// A sentence once it has ended. Not the control thread's; waits for the process's end, up to a second.
+  std::string why_it_ended();
+  /// What it takes, with the values in force.
+  std::vector<skein_parameter> parameters() const;
+  /// Between two questions, or after the last.
+  const ControllerReport& report() const noexcept { return report_; }
+
+ private:
+  struct Memory;
+  struct Pipes;
+  OwnController(const Experiment& experiment, bool waits);
+  tl::expected<void, std::string> become_ready(const LawSpec& law);
+  tl::expected<void, std::string> take_declarations(const LawSpec& law);
+  bool wait_for(std::uint64_t answer, double seconds) noexcept;
+  void write_question(const core::ControllerInput& input) noexcept;
+  void end() noexcept;
+
+  std::unique_ptr<Memory> memory_;
+  std::unique_ptr<Pipes> pipes_;
+  std::unique_ptr<BoundedProcess> process_;
+  std::vector<core::Twist> law_;
+  std::vector<double> logged_;
+  std::vector<std::size_t> log_places_;  // in the memory, of each name that the file wants
+  std::vector<skein_parameter> parameters_;
+  std::uint64_t question_ = 0;
+  int late_in_a_row_ = 0;
+  std::atomic<ControllerState> state_{ControllerState::answered};
+  bool ended_by_us_ = false;
+  ControllerReport report_;
+};
+
+/// What a controller has of a tick on the wall clock unless the file says otherwise. [s]
+inline double default_deadline(const Experiment& experiment) noexcept {
+  return 0.25 * experiment.period();
+}
+
+/// The words of a command as a shell reads them, without commands inside. The error says what is wrong.
+tl::expected<std::vector<std::string>, std::string> words_of(const std::string& command);
+
+}  // namespace skein::app

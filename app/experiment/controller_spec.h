@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/controllers/controller_kind.h"
+
+namespace skein::app {
+
+/// What drives the group: a law that is built in, or a controller of the user's own (docs/controllers.md).
+struct LawSpec {
+  core::ControllerKind kind = core::ControllerKind::kostic;
+  std::vector<double> parameters;  ///< of the kind, in the order in which it declares them
+
+  /// A controller of the user's own, instead of the kind: a program, or a library that a process of Skein's loads.
+  /// At most one of the two; both empty: the kind drives.
+  std::string command;  ///< words as of a shell, without anything that only a shell can do
+  std::string library;  ///< path, relative to the experiment file
+  bool own() const noexcept { return !command.empty() || !library.empty(); }
+  std::vector<std::pair<std::string, double>> own_parameters;  ///< as the file has them
+  std::vector<std::string> log;                                ///< what of that which it logs stands in the CSV
+
+  /// Who drives a robot at a tick at which its own controller says nothing of use.
+  enum class Failure {
+    hold,      ///< nobody: it stands
+    built_in,  ///< the law `kind`
+  };
+  Failure failure = Failure::hold;
+  /// It may take so long from question to answer [s, wall clock]; empty: a quarter of a period, and half a second where
+  /// the experiment's clock waits for it.
+  std::optional<double> deadline;
+  std::int64_t memory = 2048;   ///< that its processes may each have [MB]
+  std::int64_t processes = 16;  ///< that it may start itself; 0: none
+
+  friend bool operator==(const LawSpec&, const LawSpec&) = default;
+};
+
+/// As files call it (core/words.h).
+constexpr std::string_view word(LawSpec::Failure failure) noexcept {
+  switch (failure) {
+    case LawSpec::Failure::hold:
+      return "hold";
+    case LawSpec::Failure::built_in:
+      return "built_in";
+  }
+  return {};
+}
+
+/// What the law in force logs of every robot, in the order of TickRecord::logged.
+std::vector<std::string> log_names(const LawSpec& law);
+
+}  // namespace skein::app
