@@ -13,6 +13,7 @@
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_controllers.h"
 #include "app/bench/bench_links.h"
+#include "app/bench/bench_publish.h"
 #include "app/bench/bench_radio.h"
 #include "app/manual/manual.h"
 #include "app/run/exit_status.h"
@@ -57,6 +58,8 @@ constexpr Bench table[] = {
      report_controllers, /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios and faults", [](double) { register_radio_benchmarks(); }},
+    {"publish", "`--publish` to a receiver that stalls, 30 robots in real time", register_publish_benchmark},
+    {"runs", "a search in 10,000 kept runs", [](double) { register_runs_benchmark(); }},
     {"loopback", "camera, tracker and protocol in real time (84 s)", [](double) { register_loopback_benchmark(); }},
 };
 constexpr const char* window = "ui";  // takes the process for itself: an application of Qt
@@ -78,7 +81,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
-      .add_option("--seconds", seconds, "how long each measurement takes, where it does not know by itself: links, ui")
+      .add_option("--seconds", seconds, "how long each measurement takes, where it does not know by itself: links, publish, ui")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
   program.add_option("--runs", controllers.runs, "controllers: runs under adversaries; 0: none")

@@ -14,6 +14,7 @@
 
 #include "app/cli/candidates.h"
 #include "app/cli/command_line_robots.h"
+#include "app/cli/command_line_runs.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
 #include "app/controllers/adversary.h"
@@ -127,6 +128,14 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       ->type_name("DIR");
   run_command.add_option("--video", run_request.video, "keep the camera's frames in this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
+  run_command.add_flag("--keep", run_request.keep,
+                       "keep the run with all that it came from in a folder of its own (docs/runs.md)");
+  add_runs_directory(run_command, run_request.runs_directory);
+  run_command
+      .add_option("--publish", run_request.publish,
+                  "send every tick as JSON datagrams, live, to PlotJuggler's UDP server or your own program; then the "
+                  "default is --speed realtime")
+      ->type_name("udp:HOST:PORT");
   run_command
       .add_option(
           "--speed", run_request.speed,
@@ -250,6 +259,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   RobotCommands robot_commands;
   robot_commands.add_to(program);
 
+  RunCommands run_commands;
+  run_commands.add_to(program);
+
   CLI::App& stop_command = *program.add_subcommand(
       "stop",
       "STOP to every run of this user, for a key, a foot switch or a script; exit status 3 when a robot does "
@@ -309,6 +321,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (run_command) {
     look_after_bad_ends();
     run_request.experiment = run_experiment.request();
+    run_request.words.assign(argv + 1, argv + argc);
     return run(run_request);
   }
   if (check_command) return check(check_experiment.request(), check_law);
@@ -317,6 +330,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (track_command) return track(track_request);
   if (const auto status = vision_commands.run()) return *status;
   if (const auto status = robot_commands.run()) return *status;
+  if (const auto status = run_commands.run()) return *status;
   if (list_command) return list_cameras(camera_device);
   if (!show_window) {
     complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");

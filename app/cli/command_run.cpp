@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "app/cli/commands.h"
+#include "app/exchange/publisher.h"
 #include "app/experiment/certificate.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_file.h"
@@ -15,6 +16,8 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/runs/kept_run.h"
+#include "app/runs/run_folder.h"
 #include "app/session/session.h"
 
 namespace skein::app {
@@ -80,7 +83,8 @@ int run(const RunRequest& request) {
     complain("--speed max: only a run in which nothing is real can go faster than real time; allowed here: realtime");
     return wrong_input;
   }
-  const auto clock = real || request.speed == "realtime" ? Session::Clock::wall : Session::Clock::virtual_;
+  const bool live = !request.publish.empty() && request.speed.empty();
+  const auto clock = real || request.speed == "realtime" || live ? Session::Clock::wall : Session::Clock::virtual_;
   if (!request.report.empty())
     if (auto possible = check_report(request.report); !possible) {
       complain(possible.error());
@@ -100,9 +104,21 @@ int run(const RunRequest& request) {
                          free_name(request.video)));
     return wrong_input;
   }
+  std::optional<KeptRun> kept;
+  if (request.keep) {
+    auto begun = KeptRun::begin({runs_directory(request.runs_directory), request.experiment.file,
+                                 request.experiment.sets, request.words, clock == Session::Clock::wall},
+                                *experiment);
+    if (!begun) {
+      complain(begun.error());
+      return wrong_input;
+    }
+    kept = std::move(*begun);
+  }
   try {
     for (const std::string& path :
-         {request.csv, request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()}) {
+         {request.csv, kept ? kept->csv() : "",
+          request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()}) {
       if (path.empty()) continue;
       if (same_file(path, request.experiment.file))
         throw std::runtime_error(path + ": is the experiment itself; allowed: another file");
@@ -114,9 +130,28 @@ int run(const RunRequest& request) {
     return wrong_input;
   }
 
+  std::unique_ptr<Publisher> publisher;
+  if (!request.publish.empty()) {
+    auto opened = Publisher::open(request.publish, *experiment);
+    if (!opened) {
+      complain(opened.error());
+      return wrong_input;
+    }
+    publisher = std::move(*opened);
+    options.sinks.push_back(publisher.get());
+  }
+
+  const auto keep = [&](const Statistics::Summary& summary, int status, std::vector<std::string> problems,
+                        const std::string& film) {
+    if (const auto ended = kept->end(summary, {status, std::move(problems), film}); !ended)
+      complain(fmt::format("{}: the run is kept, but not all of it: {}", kept->folder(), ended.error()));
+  };
   auto session = Session::open(*experiment, clock, options);
   if (!session) {
     complain(session.error());
+    Statistics::Summary nothing = statistics.summary();
+    nothing.failure = session.error();
+    if (kept) keep(nothing, device_failed, {session.error()}, "");
     return device_failed;
   }
   if (const auto why = (*session)->unguarded())
@@ -145,6 +180,10 @@ int run(const RunRequest& request) {
   summary.video_frames = video.frames;
   summary.video_dropped = video.dropped;
   summary.video_problem = video.problem;
+  if (publisher) {
+    const Publisher::Counts counts = publisher->finish();
+    summary.published = {counts.sent, counts.dropped};
+  }
   summary.dropped_rows = static_cast<std::int64_t>((*session)->dropped_rows());
   for (const auto& file : files) {
     try {
@@ -164,22 +203,34 @@ int run(const RunRequest& request) {
       complain(written.error());
       return wrong_input;
     }
+  if (kept) summary.kept = kept->folder();
   constexpr double reader_patience = 60.0;  // the robots stand: whoever reads may take its time [s]
   if (!request.quiet) print_out(request.json ? as_json(summary) + "\n" : as_lines(summary), reader_patience);
 
+  std::vector<std::string> problems;
+  const auto tell = [&](std::string sentence) {
+    complain(sentence);
+    problems.push_back(std::move(sentence));
+  };
   for (const int robot : summary.not_stopped)
-    complain(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",
-                         robot + 1));
-  if (!summary.failure.empty()) complain(summary.failure);
+    tell(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",
+                     robot + 1));
+  if (!summary.failure.empty()) tell(summary.failure);
   if (summary.dropped_rows > 0)
-    complain(fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
-  if (!video.problem.empty()) complain("the film of the run is not complete: " + video.problem);
-  if (!summary.failure.empty() || !video.problem.empty() || !summary.not_stopped.empty()) return device_failed;
-  std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
-  if (summary.stopped)
-    failed.insert(failed.begin(), fmt::format("stopped at {:g} s of {:g} s", summary.duration, experiment->duration));
-  for (const std::string& sentence : failed) complain(sentence);
-  return failed.empty() ? done : expectation_failed;
+    tell(fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
+  if (!video.problem.empty()) tell("the film of the run is not complete: " + video.problem);
+  int status = done;
+  if (!summary.failure.empty() || !video.problem.empty() || !summary.not_stopped.empty()) {
+    status = device_failed;
+  } else {
+    std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
+    if (summary.stopped)
+      failed.insert(failed.begin(), fmt::format("stopped at {:g} s of {:g} s", summary.duration, experiment->duration));
+    if (!failed.empty()) status = expectation_failed;
+    for (std::string& sentence : failed) tell(std::move(sentence));
+  }
+  if (kept) keep(summary, status, std::move(problems), request.video);  // last: everybody knows how the run went
+  return status;
 }
 
 }  // namespace skein::app

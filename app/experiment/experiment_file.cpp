@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include "app/embedded/embedded.h"
 #include "app/experiment/experiment_checks.h"
@@ -15,17 +14,11 @@
 #include "app/experiment/known_robots.h"
 #include "app/experiment/sample_file.h"
 #include "app/experiment/text_file.h"
+#include "app/experiment/toml_rewrite.h"
 #include "app/experiment/toml_table.h"
 
 namespace skein::app {
 namespace {
-
-/// The document as TOML text that gives the same document again.
-std::string written(const toml::table& document) {
-  std::ostringstream text;
-  text << document << '\n';
-  return text.str();
-}
 
 template <typename Timed>
 void sort_by_time(std::vector<Timed>& list) {
@@ -57,7 +50,7 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   sort_by_time(experiment.gain_changes);  // only now: places in the file are found by number
   sort_by_time(experiment.perturbations);
   sort_by_time(experiment.actions);
-  experiment.source = sets.empty() && !embedded ? std::string(text) : written(document);
+  experiment.source = sets.empty() && !embedded ? std::string(text) : with_document(text, document);
   if (!experiment.source.empty() && !experiment.source.ends_with('\n')) experiment.source += '\n';
   experiment.directory = directory;
   return experiment;

@@ -1,21 +1,14 @@
 #include "app/experiment/toml_edit.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <charconv>
 #include <vector>
 
+#include "app/experiment/toml_places.h"
+
 namespace skein::app {
 namespace {
-
-std::optional<toml::table> parsed(std::string_view text) {
-  try {
-    return toml::parse(text);
-  } catch (const toml::parse_error&) {
-    return std::nullopt;
-  }
-}
 
 std::vector<std::string> parts_of(std::string_view key) {
   std::vector<std::string> parts;
@@ -25,17 +18,6 @@ std::vector<std::string> parts_of(std::string_view key) {
     if (dot == std::string_view::npos) return parts;
     key.remove_prefix(dot + 1);
   }
-}
-
-/// Where a place of a parser is in the text: columns count characters, not bytes.
-std::size_t offset_of(std::string_view text, const toml::source_position& place) {
-  std::size_t at = 0;
-  for (toml::source_index line = 1; line < place.line; ++line) at = std::min(text.find('\n', at), text.size() - 1) + 1;
-  for (toml::source_index column = 1; column < place.column && at < text.size(); ++column) {
-    ++at;
-    while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U) ++at;
-  }
-  return at;
 }
 
 /// What is called so in a table, or which element of an array it is, counted from 1; null: there is none.
@@ -56,19 +38,6 @@ const toml::node* find(const toml::table& table, const std::vector<std::string>&
   return node;
 }
 
-/// The line after the last value of the root, or of a table that has a header of its own.
-std::size_t end_of_table(std::string_view text, const toml::table& table, bool root) {
-  toml::source_index last = root ? 0 : table.source().begin.line;
-  for (auto&& [key, value] : table)
-    if (!value.is_table() && !value.is_array_of_tables()) last = std::max(last, value.source().end.line);
-  std::size_t at = 0;
-  for (toml::source_index line = 0; line < last && at < text.size(); ++line) {
-    const std::size_t end = text.find('\n', at);
-    at = end == std::string_view::npos ? text.size() : end + 1;
-  }
-  return at;
-}
-
 std::string inserted(std::string_view text, std::size_t at, const std::string& line) {
   std::string result(text.substr(0, at));
   if (!result.empty() && result.back() != '\n') result += '\n';
@@ -78,7 +47,7 @@ std::string inserted(std::string_view text, std::size_t at, const std::string& l
 }  // namespace
 
 std::optional<std::string> toml_value(std::string_view text, std::string_view key) {
-  const auto table = parsed(text);
+  const auto table = parsed_toml(text);
   const toml::node* const node = table ? find(*table, parts_of(key)) : nullptr;
   if (!node || node->is_table()) return std::nullopt;
   const std::size_t begin = offset_of(text, node->source().begin);
@@ -87,7 +56,7 @@ std::optional<std::string> toml_value(std::string_view text, std::string_view ke
 
 tl::expected<std::string, std::string> with_toml_value(std::string_view text, std::string_view key,
                                                        std::string_view value) {
-  const auto table = parsed(text);
+  const auto table = parsed_toml(text);
   if (!table) return tl::unexpected(std::string("the text is not TOML yet: mend it first"));
   std::vector<std::string> parts = parts_of(key);
   std::string result;

@@ -119,6 +119,14 @@ inline std::string pair_column(core::GainName gain, std::size_t i, std::size_t j
   return std::string(word(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);
 }
 
+/// Whether a column holds words rather than a number: `event`, and of each robot mode, how, link and limit.
+constexpr bool holds_words(std::string_view column) noexcept {
+  if (column == "event") return true;
+  if (!column.starts_with('r') || column.find('_') == std::string_view::npos) return false;
+  const std::string_view name = column.substr(column.find('_') + 1);
+  return name == "mode" || name == "how" || name == "link" || name == "limit";
+}
+
 /// The lines before the header row.
 inline constexpr std::string_view version_line = "# skein ";
 inline constexpr std::string_view experiment_line = "# experiment: ";

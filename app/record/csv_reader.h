@@ -46,6 +46,8 @@ class CsvReader {
   /// Where the first byte behind the last whole row is.
   std::uint64_t whole_bytes() const noexcept { return whole_bytes_; }
 
+  /// The cells of the row that `next` read, as they are written, in the order of `columns`.
+  const std::vector<std::string_view>& cells() const noexcept { return cells_; }
   /// A cell of the row that `next` read, by column name; empty where there is no such column.
   std::string_view cell(std::string_view column) const;
 

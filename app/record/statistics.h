@@ -61,6 +61,11 @@ class Statistics final : public RecordSink {
     std::int64_t dropped_rows = 0;    ///< that the recorder was too slow to take: they are in no file and in no figure
     std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
     std::int64_t camera_damaged = 0;  ///< frames of it that could not be used
+    struct Published {
+      std::int64_t sent = 0, dropped = 0;  ///< rows
+    };
+    std::optional<Published> published;  ///< with `skein run --publish`
+    std::string kept;                    ///< the folder of a run that is kept
     std::int64_t video_frames = 0;    ///< kept in the film of the run, where there is one
     std::int64_t video_dropped = 0;
     std::string video_problem;                             ///< why the film ends early

@@ -103,6 +103,8 @@ Json json(const Statistics::Summary& s) {
               {"links", Json::array()},
               {"perturbations", Json::array()},
               {"events", Json::array()}};
+  if (!s.kept.empty()) result["kept"] = s.kept;
+  if (s.published) result["published_rows"] = s.published->sent, result["published_dropped"] = s.published->dropped;
   for (const auto& [robot, link] : s.links) result["links"].push_back(json(robot, link));
   for (const PerturbationResult& p : s.perturbations) result["perturbations"].push_back(json(p));
   for (const auto& [t, what] : s.events) result["events"].push_back({{"t", json(t)}, {"what", what}});

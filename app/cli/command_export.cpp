@@ -1,0 +1,36 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "app/cli/command_line_runs.h"
+#include "app/run/exit_status.h"
+#include "app/run/output.h"
+#include "app/runs/run_folder.h"
+
+namespace skein::app {
+
+int export_file(const ExportRequest& request) {
+  const auto record = record_of(request.run, request.directory);
+  if (!record) {
+    complain(record.error());
+    return wrong_input;
+  }
+  std::ifstream csv(record->csv, std::ios::binary);
+  if (!csv) {
+    complain(fmt::format("{}: cannot be opened: {}", record->csv, std::strerror(errno)));
+    return wrong_input;
+  }
+  const std::string out = request.out.empty() ? export_name(record->name, request.options.format) : request.out;
+  const auto exported = export_run(csv, record->csv, out, request.options);
+  if (!exported) {
+    complain(exported.error());
+    return wrong_input;
+  }
+  if (exported->torn) complain(*exported->torn);
+  print_out(fmt::format("file: {}\nrows: {}\n", out, exported->rows));
+  return done;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,102 @@
+#include "app/cli/command_line_runs.h"
+
+#include "core/words.h"
+
+namespace skein::app {
+
+void add_runs_directory(CLI::App& command, std::string& directory) {
+  command
+      .add_option("--runs-dir", directory,
+                  "where runs are kept; default: $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else "
+                  "~/.local/share/skein/runs")
+      ->type_name("DIR");
+}
+
+void RunCommands::add_export(CLI::App& to) {
+  to.add_option("run", export_request_.run, "a CSV of a run, or a run that was kept: its name, its folder, or last")
+      ->required();
+  to.add_option("--to", format_,
+                "csv: without the lines before the header row; mcap: for Foxglove and PlotJuggler; mat: for MATLAB "
+                "and Octave")
+      ->required()
+      ->check(CLI::IsMember({"csv", "mcap", "mat"}));
+  to.add_option("--out", export_request_.out,
+                "default: beside a CSV, as RUN.plain.csv, RUN.mcap or RUN.mat; of a kept run, here")
+      ->type_name("FILE");
+  to.add_option("--compression", compression_, "of MCAP")
+      ->check(CLI::IsMember({"zstd", "none"}))
+      ->capture_default_str();
+  to.add_flag("--force", export_request_.options.rules.force, "overwrite a file that is there");
+}
+
+void RunCommands::add_to(CLI::App& program) {
+  export_ = program.add_subcommand("export", "Turns a recorded run into a file for other programs (docs/tools.md)");
+  add_export(*export_);
+  add_runs_directory(*export_, export_request_.directory);
+
+  report_ =
+      program.add_subcommand("report", "Turns a recorded run into one page that needs nothing else, to be mailed");
+  report_->add_option("run", page_request_.run, "a CSV of a run, or a run that was kept: its name, its folder, or last")
+      ->required();
+  report_->add_flag("--html", html_, "as a page for a browser, which is the only way so far");
+  report_->add_option("--out", page_request_.out, "default: RUN.html, beside a CSV; of a kept run, here")
+      ->type_name("FILE");
+  report_->add_flag("--force", page_request_.force, "overwrite a file that is there");
+  add_runs_directory(*report_, page_request_.directory);
+
+  CLI::App& runs =
+      *program.add_subcommand("runs", "Looks after runs that were kept (`skein run --keep`, docs/runs.md)");
+  runs.require_subcommand(1);
+  const auto add = [&](const char* name, const char* what) {
+    CLI::App* const command = runs.add_subcommand(name, what);
+    add_runs_directory(*command, runs_request_.directory);
+    return command;
+  };
+  constexpr const char* which = "its name or the beginning of it, its folder, or last";
+  const auto table = [&](CLI::App* command) {
+    command->add_option("--show", runs_request_.show, "keys to be shown of each run, e.g. k_xx")
+        ->delimiter(',')
+        ->type_name("KEY,...");
+    command->add_option("--newest", runs_request_.newest, "so many at most")->type_name("N");
+    command->add_flag("--json", runs_request_.json, "print them as JSON");
+  };
+  list_ = add("list", "All runs, the newest last");
+  table(list_);
+  show_ = add("show", "All that is known of a run");
+  show_->add_option("run", runs_request_.run, which)->required();
+  show_->add_flag("--json", runs_request_.json, "print its run.json");
+  find_ = add("find", "Runs for which something holds, e.g. 'k_xx > 0.01 and collisions = 0'");
+  CLI::Option* const query = find_->add_option(
+      "query", runs_request_.query,
+      "comparisons (= != < <= > >=, ~ for contains) of keys with numbers or texts, joined by and, or, not, brackets");
+  find_->add_flag("--keys", runs_request_.keys, "list the keys that can be asked for instead")->excludes(query);
+  table(find_);
+  compare_ = add("compare", "What two runs do not have in common");
+  compare_->add_option("run", runs_request_.run, which)->required();
+  compare_->add_option("other", runs_request_.other, which)->required();
+  compare_->add_flag("--json", runs_request_.json, "print it as JSON");
+  verify_ =
+      add("verify",
+          "Whether the record of a run follows from its inputs, bit for bit: hashes, replay, and the run once more");
+  verify_->add_option("run", runs_request_.run, which)->required();
+  export_kept_ = runs.add_subcommand("export", "Turns a kept run into a file for other programs, as `skein export`");
+  add_export(*export_kept_);
+  add_runs_directory(*export_kept_, export_request_.directory);
+}
+
+std::optional<int> RunCommands::run() {
+  if (*export_ || *export_kept_) {
+    export_request_.options.format = core::from_word<ExportFormat>(format_).value();
+    export_request_.options.compressed = compression_ == "zstd";
+    return export_file(export_request_);
+  }
+  if (*report_) return write_page(page_request_);
+  if (*list_) return list_runs(runs_request_);
+  if (*show_) return show_run(runs_request_);
+  if (*find_) return find_runs(runs_request_);
+  if (*compare_) return compare_runs(runs_request_);
+  if (*verify_) return verify_runs(runs_request_);
+  return {};
+}
+
+}  // namespace skein::app

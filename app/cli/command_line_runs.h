@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "app/cli/command_runs.h"
+#include "app/exchange/export.h"
+
+namespace skein::app {
+
+struct ExportRequest {
+  std::string run, out;   ///< a CSV, or a kept run; out: empty: beside the CSV
+  std::string directory;  ///< of kept runs; empty: runs_directory() says which
+  ExportOptions options;
+};
+/// Turns a run's CSV into a file for other programs.
+int export_file(const ExportRequest& request);
+
+/// --runs-dir of a command.
+void add_runs_directory(CLI::App& command, std::string& directory);
+
+/// The words of `skein export` and `skein runs` on the command line.
+class RunCommands {
+ public:
+  void add_to(CLI::App& program);
+  /// Does what was asked for and returns its ExitStatus; none: another command was.
+  std::optional<int> run();
+
+ private:
+  void add_export(CLI::App& to);
+
+  CLI::App *export_ = nullptr, *export_kept_ = nullptr;
+  CLI::App* report_ = nullptr;
+  PageRequest page_request_;
+  bool html_ = false;
+  CLI::App *list_ = nullptr, *show_ = nullptr, *find_ = nullptr, *compare_ = nullptr, *verify_ = nullptr;
+  RunsRequest runs_request_;
+  ExportRequest export_request_;
+  std::string format_, compression_ = "zstd";
+};
+
+}  // namespace skein::app

@@ -1,0 +1,195 @@
+#include "app/cli/command_runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "app/run/event.h"
+#include "app/run/exit_status.h"
+#include "app/run/output.h"
+#include "app/runs/kept_run.h"
+#include "app/runs/run_folder.h"
+#include "app/runs/run_index.h"
+#include "app/runs/verify.h"
+
+namespace skein::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Facts = std::map<std::string, RunIndex::Value>;
+
+constexpr double reader_patience = 60.0;  // [s] nothing drives meanwhile
+
+int refused(const std::string& sentence) {
+  complain(sentence);
+  return wrong_input;
+}
+
+std::string text(const RunIndex::Value& value) {
+  return std::visit(Overloaded{[](double number) { return fmt::format("{}", number); },
+                               [](const std::string& words) { return words; }},
+                    value);
+}
+
+Json json(const RunIndex::Value& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+std::string text(const Facts& facts, const std::string& key) {
+  const auto found = facts.find(key);
+  return found == facts.end() ? "" : text(found->second);
+}
+
+/// Runs as a table, a line each.
+void print_table(const std::vector<RunIndex::Run>& runs, const std::vector<std::string>& keys, bool as_json) {
+  if (as_json) {
+    Json all = Json::array();
+    for (const RunIndex::Run& run : runs) {
+      Json one{{"id", run.id}};
+      for (const auto& [key, value] : run.facts) one[key] = json(value);
+      all.push_back(std::move(one));
+    }
+    print_out(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", reader_patience);
+    return;
+  }
+  std::vector<std::vector<std::string>> rows{{"run"}};
+  rows[0].insert(rows[0].end(), keys.begin(), keys.end());
+  for (const RunIndex::Run& run : runs) {
+    std::vector<std::string>& row = rows.emplace_back(1, run.id);
+    for (const std::string& key : keys) row.push_back(text(run.facts, key));
+  }
+  std::vector<std::size_t> widths(rows[0].size());
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string out;
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i)
+      out += i + 1 < row.size() ? fmt::format("{:<{}}  ", row[i], widths[i]) : row[i];
+    out += '\n';
+  }
+  print_out(out, reader_patience);
+}
+
+const std::vector<std::string> usual_keys{"state", "experiment.seed", "collisions", "min_distance", "final_error"};
+
+tl::expected<RunIndex, std::string> open_index(const RunsRequest& request) {
+  auto index = RunIndex::open(runs_directory(request.directory));
+  if (index)
+    for (const std::string& problem : index->problems()) complain(problem);
+  return index;
+}
+
+tl::expected<std::string, std::string> folder_of(const std::string& run, const RunsRequest& request) {
+  return find_run(run, runs_directory(request.directory));
+}
+
+/// All that a run's story says, flat, without its files.
+tl::expected<Facts, std::string> facts_of(const std::string& run, const RunsRequest& request) {
+  const auto folder = folder_of(run, request);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto story = read_story(*folder);
+  if (!story) return tl::unexpected(story.error());
+  return run_facts(*story);
+}
+
+void keep_newest(std::vector<RunIndex::Run>& runs, std::size_t newest) {
+  if (newest > 0 && runs.size() > newest) runs.erase(runs.begin(), runs.end() - static_cast<std::ptrdiff_t>(newest));
+}
+
+}  // namespace
+
+int list_runs(const RunsRequest& request) {
+  auto index = open_index(request);
+  if (!index) return refused(index.error());
+  const std::vector<std::string>& keys = request.show.empty() ? usual_keys : request.show;
+  std::vector<RunIndex::Run> runs = index->all(keys);
+  keep_newest(runs, request.newest);
+  print_table(runs, keys, request.json);
+  return done;
+}
+
+int find_runs(const RunsRequest& request) {
+  auto index = open_index(request);
+  if (!index) return refused(index.error());
+  if (request.keys) {
+    std::string names;
+    for (const std::string& key : index->keys()) names += key + "\n";
+    print_out(names, reader_patience);
+    return done;
+  }
+  const auto query = parse_query(request.query);
+  if (!query) return refused(query.error());
+  const std::vector<std::string>& keys = request.show.empty() ? usual_keys : request.show;
+  auto runs = index->find(*query, keys);
+  if (!runs) return refused(runs.error());
+  keep_newest(*runs, request.newest);
+  print_table(*runs, keys, request.json);
+  return runs->empty() ? expectation_failed : done;
+}
+
+int show_run(const RunsRequest& request) {
+  const auto folder = folder_of(request.run, request);
+  if (!folder) return refused(folder.error());
+  const auto story = read_story(*folder);
+  if (!story) return refused(story.error());
+  if (request.json) {
+    print_out(story->dump(2, ' ', false, Json::error_handler_t::replace) + "\n", reader_patience);
+    return done;
+  }
+  std::string out = fmt::format("folder: {}\n", *folder);
+  for (const auto& [key, value] : run_facts(*story)) out += fmt::format("{}: {}\n", key, text(value));
+  for (const std::string& name : files_of_run(*folder)) out += fmt::format("file: {}\n", name);
+  print_out(out, reader_patience);
+  return done;
+}
+
+int compare_runs(const RunsRequest& request) {
+  const auto a = facts_of(request.run, request), b = facts_of(request.other, request);
+  if (!a || !b) return refused(!a ? a.error() : b.error());
+  std::set<std::string> keys;
+  for (const Facts* const facts : {&*a, &*b})
+    for (const auto& [key, value] : *facts) keys.insert(key);
+  std::vector<std::array<std::string, 3>> rows{{"", text(*a, "id"), text(*b, "id")}};
+  Json all = Json::object();
+  std::size_t same = 0;
+  for (const std::string& key : keys) {
+    const std::string left = text(*a, key), right = text(*b, key);
+    if (key == "id") continue;
+    if (left == right) {
+      ++same;
+      continue;
+    }
+    rows.push_back({key, left, right});
+    all[key] = {a->contains(key) ? json(a->at(key)) : Json(), b->contains(key) ? json(b->at(key)) : Json()};
+  }
+  if (request.json) {
+    print_out(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", reader_patience);
+    return done;
+  }
+  std::array<std::size_t, 2> widths{};
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string out;
+  for (const auto& row : rows) out += fmt::format("{:<{}}  {:<{}}  {}\n", row[0], widths[0], row[1], widths[1], row[2]);
+  print_out(out + fmt::format("{} other values are the same\n", same), reader_patience);
+  return done;
+}
+
+int verify_runs(const RunsRequest& request) {
+  const auto folder = folder_of(request.run, request);
+  if (!folder) return refused(folder.error());
+  const auto found = verify_run(*folder);
+  if (!found) return refused(found.error());
+  std::string out;
+  for (const Verification::Step& step : found->steps)
+    out += fmt::format("{}: {}, {}\n", step.what, step.holds ? "holds" : "DOES NOT HOLD", step.finding);
+  print_out(out, reader_patience);
+  for (const std::string& note : found->notes) complain(note);
+  return found->holds() ? done : expectation_failed;
+}
+
+}  // namespace skein::app

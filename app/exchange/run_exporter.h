@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "app/exchange/export.h"
+#include "app/record/csv_reader.h"
+
+namespace skein::app {
+
+/// One format: is told every row, hands over what the file gets. The reader outlives it.
+class RunExporter {
+ public:
+  virtual ~RunExporter() = default;
+  virtual void row(const TickRecord& record) = 0;  ///< that the reader has just read
+  virtual void finish() = 0;
+  virtual std::string take() = 0;  ///< what has come together since the last call
+};
+
+std::unique_ptr<RunExporter> mcap_exporter(const CsvReader& reader, const ExportOptions& options);
+std::unique_ptr<RunExporter> mat_exporter(const CsvReader& reader);
+
+}  // namespace skein::app

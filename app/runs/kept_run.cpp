@@ -1,0 +1,233 @@
+#include "app/runs/kept_run.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <toml++/toml.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "app/embedded/embedded.h"
+#include "app/experiment/experiment_keys.h"
+#include "app/experiment/text_file.h"
+#include "app/record/report.h"
+#include "app/run/version.h"
+#include "app/runs/machine.h"
+#include "app/runs/run_folder.h"
+#include "app/runs/sha256.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Done = tl::expected<void, std::string>;
+
+/// Letters, digits, - and _ of a name, for that of a folder.
+std::string slug(const std::string& name) {
+  constexpr std::size_t longest = 40;
+  std::string result;
+  for (const char c : name.substr(0, longest)) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
+    if (plain || !result.ends_with('-')) result += plain ? c : '-';
+  }
+  return result.empty() ? "run" : result;
+}
+
+/// The file has its name when it is whole.
+Done write_file(const fs::path& path, std::string_view text) {
+  const fs::path draft = path.string() + ".new";
+  errno = 0;
+  std::ofstream out(draft, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (out && std::rename(draft.c_str(), path.c_str()) == 0) return {};
+  return tl::unexpected(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+}
+
+Done keep_copy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_directories(to.parent_path(), error);
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (!error) return {};
+  return tl::unexpected(fmt::format("{}: cannot be copied to {}: {}", from.string(), to.string(), error.message()));
+}
+
+/// A number as one, true and false as such, all else as a text.
+Json value_of(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  if (text == "none") return nullptr;
+  double number = 0.0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc{} && stop == text.data() + text.size() && !text.empty()) return number;
+  return text;
+}
+
+Json json(const Machine& machine) {
+  return {{"host", machine.host},
+          {"kernel", machine.kernel},
+          {"architecture", machine.architecture},
+          {"cpu", machine.cpu},
+          {"cores", machine.cores},
+          {"governor", machine.governor},
+          {"realtime_kernel", machine.realtime_kernel},
+          {"realtime_priority", machine.realtime_priority}};
+}
+
+/// The summary's lines, "key: value", as an object.
+Json summary_object(const Statistics::Summary& summary) {
+  Json result = Json::object();
+  const std::string lines = as_lines(summary);
+  for (std::size_t at = 0; at < lines.size();) {
+    const std::size_t end = lines.find('\n', at), colon = lines.find(": ", at);
+    if (colon < end) result[lines.substr(at, colon - at)] = value_of(lines.substr(colon + 2, end - colon - 2));
+    at = end + 1;
+  }
+  return result;
+}
+
+/// A folder that nobody else has.
+tl::expected<std::string, std::string> new_folder(const std::string& directory, const std::string& name) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) return tl::unexpected(fmt::format("{}: cannot be made: {}", directory, error.message()));
+  for (int number = 1;; ++number) {
+    const std::string folder =
+        (fs::path(directory) / (number == 1 ? name : fmt::format("{}-{}", name, number))).string();
+    if (::mkdir(folder.c_str(), 0777) == 0) return folder;
+    if (errno != EEXIST) return tl::unexpected(fmt::format("{}: cannot be made: {}", folder, std::strerror(errno)));
+  }
+}
+
+/// The name that the experiment has for a file, so that it is found in the folder as it was beside the experiment;
+/// where that leads elsewhere, `otherwise`.
+std::string name_in_folder(const std::string& name, const char* otherwise) {
+  const fs::path path = fs::path(name).lexically_normal();
+  return path.is_absolute() || path.empty() || *path.begin() == ".." ? otherwise : path.string();
+}
+
+/// Files that the experiment file names: where they are, and their names in the run's folder.
+std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, const Experiment& experiment) {
+  std::vector<std::pair<fs::path, std::string>> files;
+  const auto take = [&](const std::string& name, std::string as) {
+    if (!name.empty()) files.emplace_back(fs::path(experiment.directory) / name, std::move(as));
+  };
+  take(experiment.camera.calibration, name_in_folder(experiment.camera.calibration, "calibration.toml"));
+  try {
+    const toml::table document = toml::parse(text);
+    take(document["robots_file"].value_or<std::string>(""), "robots.toml");
+    if (const toml::array* const robots = document["robot"].as_array())
+      for (std::size_t i = 0; i < robots->size(); ++i)
+        if (const toml::table* const robot = robots->get(i)->as_table())
+          take((*robot)["trajectory"]["csv"].value_or<std::string>(""), fmt::format("trajectory-{}.csv", i + 1));
+  } catch (const toml::parse_error&) {
+    // it has been read before: a file that has changed meanwhile is kept as it is
+  }
+  return files;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> experiment_facts(const Experiment& experiment) {
+  std::map<std::string, std::string> facts;
+  for (const ExperimentKey& key : experiment_keys())
+    if (std::string value = shown_value(key, experiment); !value.empty())
+      facts[*key.table ? key.name() : "experiment." + key.name()] = std::move(value);
+  for (const core::GainName gain : core::gain_names)
+    facts[fmt::format("controller.gains.{}", word(gain))] =
+        fmt::format("{}", core::table(experiment.controller.gains, gain).largest());
+  facts["experiment.robots"] = fmt::format("{}", experiment.robots.size());
+  facts["experiment.obstacles"] = fmt::format("{}", experiment.obstacles.size());
+  return facts;
+}
+
+tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, const Experiment& experiment) {
+  const auto now = std::chrono::system_clock::now();
+  std::string text(embedded::platoon_toml);
+  if (!request.experiment.empty()) {
+    auto read = read_text(request.experiment);
+    if (!read) return tl::unexpected(read.error().front().message());
+    text = std::move(*read);
+  }
+  const auto made = new_folder(request.directory, time_for_name(now) + '_' + slug(experiment.name));
+  if (!made) return tl::unexpected(made.error());
+  const fs::path folder = *made;
+
+  Json inputs_used = Json::object();
+  Done written = write_file(folder / run_files::as_written, text);
+  if (written) written = write_file(folder / run_files::as_run, experiment.source);
+  for (const auto& [from, as] : inputs(text, experiment)) {
+    if (written) written = keep_copy(from, folder / as);
+    inputs_used[as] = from.lexically_normal().string();
+  }
+
+  Json facts = Json::object();
+  for (const auto& [key, value] : experiment_facts(experiment)) facts[key] = value_of(value);
+  const Json head{{"format", 1},
+                  {"id", folder.filename().string()},
+                  {"name", experiment.name},
+                  {"state", "begun"},
+                  {"began", local_time(now)},
+                  {"program", {{"version", SKEIN_VERSION}, {"commit", commit()}, {"words", request.words}}},
+                  {"machine", json(this_machine())},
+                  {"clock", request.real_time ? "wall" : "virtual"},
+                  {"sets", request.sets},
+                  {"inputs", inputs_used},
+                  {"experiment", facts}};
+  std::string begun = head.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  if (written) written = write_file(folder / run_files::story, begun);
+  if (!written) return tl::unexpected(written.error());
+  return KeptRun(folder.string(), experiment, std::move(begun));
+}
+
+Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
+  const fs::path folder(folder_);
+  Done complete;
+  const auto note = [&](Done done) {
+    if (!done && complete) complete = std::move(done);
+  };
+  Done possible = check_report(folder_);
+  std::error_code none_yet;
+  const bool recorded = fs::exists(folder / run_files::record, none_yet);  // a run that never began has no figures
+  if (possible && recorded)
+    note(write_report(folder_, experiment_, summary));
+  else {
+    note(write_file(folder / run_files::summary, as_json(summary) + '\n'));
+    note(std::move(possible));
+  }
+  if (std::error_code error; !how.film.empty()) {
+    fs::create_hard_link(how.film, folder / run_files::film,
+                         error);  // another name of the same bytes, where that can be
+    if (error) note(keep_copy(how.film, folder / run_files::film));
+  }
+
+  Json story = Json::parse(head_);
+  story["state"] = !summary.failure.empty() ? "failed" : summary.stopped ? "stopped" : "finished";
+  story["ended"] = local_time(std::chrono::system_clock::now());
+  story["exit_status"] = how.exit_status;
+  story["problems"] = how.problems;
+  story["summary"] = summary_object(summary);
+  Json files = Json::object();
+  for (const std::string& name : files_of_run(folder_)) {
+    if (name == run_files::story) continue;
+    const auto hash = sha256_of_file((folder / name).string());
+    if (!hash) {
+      note(tl::unexpected(hash.error()));
+      continue;
+    }
+    files[name] = {{"bytes", fs::file_size(folder / name)}, {"sha256", *hash}};
+  }
+  story["files"] = files;
+  note(write_file(folder / run_files::story, story.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'));
+  return complete;
+}
+
+}  // namespace skein::app

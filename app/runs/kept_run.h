@@ -1,0 +1,56 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "app/record/statistics.h"
+
+namespace skein::app {
+
+/// What a run was asked to be.
+struct KeepRequest {
+  std::string directory;           ///< of all runs
+  std::string experiment;          ///< the file; empty: the paper's experiment, which is built in
+  std::vector<std::string> sets;   ///< --set
+  std::vector<std::string> words;  ///< the command line
+  bool real_time = false;
+};
+
+/// A folder of a run's own, with all that it came from and all that it gave (docs/runs.md lists the files). Its
+/// run.json is written at the beginning, and once more at the end with what came of it and the hash of every file: a
+/// run that was killed in between is there, and says so. One thread.
+class KeptRun {
+ public:
+  /// Makes the folder and copies what the run comes from. The error says what cannot be written or read.
+  static tl::expected<KeptRun, std::string> begin(const KeepRequest& request, const Experiment& experiment);
+
+  const std::string& folder() const noexcept { return folder_; }
+  std::string csv() const { return folder_ + "/run.csv"; }
+
+  struct End {
+    int exit_status = 0;
+    std::vector<std::string> problems;  ///< sentences: expectations that failed, what broke
+    std::string film;                   ///< of the run, to be put into the folder; empty: none
+  };
+  /// Figures, film, summary and hashes. The error says what is missing; the rest is there all the same.
+  tl::expected<void, std::string> end(const Statistics::Summary& summary, const End& how);
+
+ private:
+  KeptRun(std::string folder, const Experiment& experiment, std::string head)
+      : folder_(std::move(folder)), experiment_(experiment), head_(std::move(head)) {}
+  std::string folder_;
+  Experiment experiment_;
+  std::string head_;  // run.json as it was written at the beginning
+};
+
+/// The experiment's keys as `skein runs find` knows them: "controller.v_max" and the like with the value of this
+/// experiment, the coupling gains (the largest of all pairs), the number of robots. Values are as a file would write
+/// them; keys at the top of the file stand below "experiment.".
+std::map<std::string, std::string> experiment_facts(const Experiment& experiment);
+
+}  // namespace skein::app

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace skein::app {
+
+/// What a run was made on.
+struct Machine {
+  std::string host, kernel, architecture, cpu;
+  std::int64_t cores = 0;
+  std::string governor;          ///< of the first core; empty: the kernel does not say
+  bool realtime_kernel = false;  ///< PREEMPT_RT
+  std::int64_t realtime_priority =
+      0;  ///< that this process may ask for; 0: none, so that its threads share the machine
+};
+Machine this_machine();
+
+/// "2026-11-20T20:15:01.123+01:00": local time with its distance from UTC.
+std::string local_time(std::chrono::system_clock::time_point time);
+
+/// "2026-11-20_201501", the same for a file's name.
+std::string time_for_name(std::chrono::system_clock::time_point time);
+
+}  // namespace skein::app

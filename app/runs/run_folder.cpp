@@ -1,0 +1,107 @@
+#include "app/runs/run_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "app/experiment/text_file.h"
+
+namespace skein::app {
+
+namespace fs = std::filesystem;
+
+std::string runs_directory(const std::string& asked) {
+  if (!asked.empty()) return asked;
+  if (const char* const runs = std::getenv("SKEIN_RUNS"); runs && *runs) return runs;
+  if (const char* const data = std::getenv("XDG_DATA_HOME"); data && *data == '/')
+    return (fs::path(data) / "skein/runs").string();
+  const char* const home = std::getenv("HOME");
+  return (fs::path(home && *home ? home : "/") / ".local/share/skein/runs").string();
+}
+
+std::vector<std::string> files_of_run(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::recursive_directory_iterator file(folder, error), end; !error && file != end; file.increment(error))
+    if (file->is_regular_file(error)) names.push_back(file->path().lexically_relative(folder).string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder) {
+  const std::string path = (fs::path(folder) / run_files::story).string();
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  auto story = nlohmann::ordered_json::parse(file, nullptr, false);
+  if (!story.is_object()) return tl::unexpected(path + ": is no JSON object, allowed: what `skein run --keep` wrote");
+  return story;
+}
+
+std::map<std::string, std::variant<double, std::string>> run_facts(const nlohmann::ordered_json& story) {
+  std::map<std::string, std::variant<double, std::string>> facts;
+  const auto add = [&](const std::string& key, const nlohmann::ordered_json& value) {
+    if (value.is_number())
+      facts[key] = value.get<double>();
+    else if (value.is_boolean())
+      facts[key] = std::string(value.get<bool>() ? "true" : "false");
+    else if (value.is_string())
+      facts[key] = value.get<std::string>();
+  };
+  for (const auto& [key, value] : story.items()) {
+    const bool flat = key == "experiment" || key == "summary";  // their keys stand for themselves
+    if (value.is_object() && key != "files" && key != "inputs")
+      for (const auto& [inner, part] : value.items()) add(flat ? inner : key + '.' + inner, part);
+    else
+      add(key, value);
+  }
+  return facts;
+}
+
+tl::expected<std::string, std::string> find_run(const std::string& word, const std::string& directory) {
+  const auto is_run = [](const fs::path& folder) {
+    std::error_code ignored;
+    return fs::is_regular_file(folder / run_files::story, ignored);
+  };
+  if (is_run(word)) return word;
+  if (word.find('/') == std::string::npos && !word.empty() && is_run(fs::path(directory) / word))
+    return (fs::path(directory) / word).string();
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator one(directory, error), end; !error && one != end; one.increment(error))
+    if (is_run(one->path())) names.push_back(one->path().filename().string());
+  std::sort(names.begin(), names.end());
+  if (names.empty()) return tl::unexpected(fmt::format("{}: there is no run; {} has none", word, directory));
+  if (word == "last") return (fs::path(directory) / names.back()).string();
+  std::vector<std::string> fitting;
+  for (const std::string& name : names)
+    if (name.starts_with(word)) fitting.push_back(name);
+  if (fitting.size() == 1) return (fs::path(directory) / fitting.front()).string();
+  if (fitting.empty())
+    return tl::unexpected(
+        fmt::format("{}: there is no such run in {}, allowed: the name of a run (`skein runs list`), "
+                    "its folder, or last",
+                    word, directory));
+  return tl::unexpected(fmt::format("{}: that could be {} runs, from {} to {}, allowed: more of the name", word,
+                                    fitting.size(), fitting.front(), fitting.back()));
+}
+
+tl::expected<RunRecord, std::string> record_of(const std::string& word, const std::string& asked_directory) {
+  std::error_code ignored;
+  const bool names_a_file = word.ends_with(".csv") || fs::is_regular_file(word, ignored);
+  if (!names_a_file) {
+    const auto folder = find_run(word, runs_directory(asked_directory));
+    if (!folder) return tl::unexpected(folder.error());
+    const fs::path path = fs::absolute(*folder, ignored).lexically_normal();
+    const fs::path name = path.has_filename() ? path.filename() : path.parent_path().filename();
+    return RunRecord{(path / run_files::record).string(), path.string(), name.string() + ".csv"};
+  }
+  if (auto is_file = check_is_file(word); !is_file) return tl::unexpected(is_file.error());
+  return RunRecord{word, {}, word};
+}
+
+}  // namespace skein::app

@@ -1,0 +1,364 @@
+#include "app/runs/run_index.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+
+#include "app/runs/run_folder.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int schema_version = 1;
+constexpr const char* schema =
+    "CREATE TABLE run(number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, changed INTEGER NOT NULL, size INTEGER NOT "
+    "NULL);"
+    "CREATE TABLE key(number INTEGER PRIMARY KEY, name TEXT UNIQUE NOT NULL);"
+    "CREATE TABLE fact(key INTEGER NOT NULL, run INTEGER NOT NULL, value, PRIMARY KEY(key, run)) WITHOUT ROWID;"
+    "CREATE INDEX fact_of_run ON fact(run);";
+
+/// Throws what SQLite says.
+void check(sqlite3* database, int status) {
+  if (status != SQLITE_OK && status != SQLITE_DONE && status != SQLITE_ROW)
+    throw std::runtime_error(sqlite3_errmsg(database));
+}
+
+class Statement {
+ public:
+  Statement(sqlite3* database, const std::string& sql) : database_(database) {
+    check(database, sqlite3_prepare_v2(database, sql.c_str(), -1, &statement_, nullptr));
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  Statement& bind(int place, std::int64_t value) {
+    check(database_, sqlite3_bind_int64(statement_, place, value));
+    return *this;
+  }
+  Statement& bind(int place, const std::string& value) {
+    check(database_,
+          sqlite3_bind_text(statement_, place, value.c_str(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
+    return *this;
+  }
+  Statement& bind(int place, const RunIndex::Value& value) {
+    if (const double* const number = std::get_if<double>(&value))
+      check(database_, sqlite3_bind_double(statement_, place, *number));
+    else
+      bind(place, std::get<std::string>(value));
+    return *this;
+  }
+  /// The next row; false: there is none.
+  bool row() {
+    const int status = sqlite3_step(statement_);
+    check(database_, status);
+    return status == SQLITE_ROW;
+  }
+  void run() {
+    while (row()) {
+    }
+    sqlite3_reset(statement_);
+  }
+  std::int64_t whole(int column) { return sqlite3_column_int64(statement_, column); }
+  std::string text(int column) {
+    const auto* const bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    return bytes ? bytes : "";
+  }
+  RunIndex::Value value(int column) {
+    const int type = sqlite3_column_type(statement_, column);
+    if (type == SQLITE_FLOAT || type == SQLITE_INTEGER) return sqlite3_column_double(statement_, column);
+    return text(column);
+  }
+
+ private:
+  sqlite3* database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+struct Stamp {
+  std::int64_t changed, size;
+  bool operator==(const Stamp&) const = default;
+};
+
+}  // namespace
+
+struct RunIndex::State {
+  std::string directory;
+  sqlite3* database = nullptr;
+  std::vector<std::string> problems;
+  std::map<std::string, std::int64_t> key_numbers;
+
+  ~State() { sqlite3_close(database); }
+  void execute(const char* sql) { check(database, sqlite3_exec(database, sql, nullptr, nullptr, nullptr)); }
+
+  /// Opens the file, or memory; what is no index of this version begins anew.
+  void open(const std::string& file) {
+    constexpr int patience_ms = 10'000;  // another program may be making the index
+    check(database, sqlite3_open(file.c_str(), &database));
+    sqlite3_busy_timeout(database, patience_ms);
+    execute("PRAGMA journal_mode = MEMORY; PRAGMA synchronous = OFF;");  // it may be thrown away
+    execute("BEGIN IMMEDIATE");
+    Statement version(database, "PRAGMA user_version");
+    version.row();
+    if (const auto found = version.whole(0); found != schema_version) {
+      if (found != 0) throw std::runtime_error("an index of another version");
+      execute(schema);
+      execute(fmt::format("PRAGMA user_version = {}", schema_version).c_str());
+    }
+  }
+
+  void close() {
+    sqlite3_close(database);
+    database = nullptr;
+    key_numbers.clear();
+    problems.clear();
+  }
+
+  std::int64_t key_number(const std::string& name) {
+    const auto [known, is_new] = key_numbers.emplace(name, 0);
+    if (!is_new) return known->second;
+    Statement(database, "INSERT OR IGNORE INTO key(name) VALUES(?)").bind(1, name).run();
+    Statement number(database, "SELECT number FROM key WHERE name = ?");
+    number.bind(1, name).row();
+    return known->second = number.whole(0);
+  }
+
+  /// The folders as they are now.
+  std::unordered_map<std::string, Stamp> folders() const {
+    std::unordered_map<std::string, Stamp> found;
+    std::error_code error;
+    fs::directory_iterator one(directory, error);
+    if (error) throw std::runtime_error(fmt::format("{}: cannot be read: {}", directory, error.message()));
+    for (const fs::directory_iterator end; one != end; one.increment(error)) {
+      if (error) throw std::runtime_error(fmt::format("{}: cannot be read: {}", directory, error.message()));
+      struct stat status {};
+      if (::stat((one->path() / run_files::story).c_str(), &status) != 0) continue;
+      found[one->path().filename().string()] = {
+          std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec, status.st_size};
+    }
+    return found;
+  }
+
+  /// Reads what has changed since it was read last. Within a transaction, which it ends.
+  void refresh() {
+    auto found = folders();
+    std::vector<std::pair<std::int64_t, std::string>> gone;
+    {
+      Statement known(database, "SELECT number, id, changed, size FROM run");
+      while (known.row()) {
+        const auto there = found.find(known.text(1));
+        if (there != found.end() && there->second == Stamp{known.whole(2), known.whole(3)})
+          found.erase(there);
+        else
+          gone.emplace_back(known.whole(0), known.text(1));
+      }
+    }
+    Statement forget_facts(database, "DELETE FROM fact WHERE run = ?"),
+        forget(database, "DELETE FROM run WHERE number = ?");
+    for (const auto& [number, id] : gone) {
+      forget_facts.bind(1, number).run();
+      forget.bind(1, number).run();
+    }
+    Statement add_run(database, "INSERT INTO run(id, changed, size) VALUES(?, ?, ?)"),
+        add_fact(database, "INSERT INTO fact(key, run, value) VALUES(?, ?, ?)");
+    for (const auto& [id, stamp] : found) {
+      const auto story = read_story((fs::path(directory) / id).string());
+      if (!story) {
+        problems.push_back(story.error());
+        continue;
+      }
+      add_run.bind(1, id).bind(2, stamp.changed).bind(3, stamp.size).run();
+      const std::int64_t run = sqlite3_last_insert_rowid(database);
+      auto facts = run_facts(*story);
+      facts["id"] = id;  // a folder may have been given another name
+      for (const auto& [key, value] : facts) add_fact.bind(1, key_number(key)).bind(2, run).bind(3, value).run();
+    }
+    execute("COMMIT");
+  }
+
+  /// The keys that a word stands for: the one with this name; else those that end in it behind a dot, numbered ones
+  /// (of single robots, say) only where there are no others.
+  tl::expected<std::int64_t, std::string> resolve(const std::string& word) {
+    std::vector<std::pair<std::string, std::int64_t>> plain, similar;
+    Statement keys(database, "SELECT name, number FROM key ORDER BY name");
+    while (keys.row()) {
+      const std::string name = keys.text(0);
+      if (name == word) return keys.whole(1);
+      if (name.ends_with('.' + word)) plain.emplace_back(name, keys.whole(1));
+      if (name.find(word) != std::string::npos) similar.emplace_back(name, 0);
+    }
+    if (plain.size() == 1) return plain.front().second;
+    std::string names;
+    for (const auto& [name, number] : plain.empty() ? similar : plain) names += (names.empty() ? "" : ", ") + name;
+    if (!plain.empty()) return tl::unexpected(fmt::format("{}: could be {}, allowed: one of them", word, names));
+    return tl::unexpected(fmt::format(
+        "{}: no run has such a key; {}", word,
+        names.empty() ? "`skein runs find --keys` lists those that there are" : "similar ones are " + names));
+  }
+
+  /// The query as a condition on run.number, with what is to be bound.
+  tl::expected<std::string, std::string> condition(const RunQuery& query, std::vector<Value>& bound) {
+    switch (query.kind) {
+      case RunQuery::Kind::comparison:
+        return condition(query.comparison, bound);
+      case RunQuery::Kind::negation: {
+        auto of = condition(query.of.front(), bound);
+        if (of) *of = "NOT " + *of;
+        return of;
+      }
+      case RunQuery::Kind::all:
+        return joined(query.of, " AND ", bound);
+      case RunQuery::Kind::any:
+        return joined(query.of, " OR ", bound);
+    }
+    return tl::unexpected(std::string("no such question"));
+  }
+  tl::expected<std::string, std::string> joined(const std::vector<RunQuery>& parts, const char* joint,
+                                                std::vector<Value>& bound) {
+    std::string sql;
+    for (const RunQuery& part : parts) {
+      const auto one = condition(part, bound);
+      if (!one) return one;
+      sql += (sql.empty() ? "(" : joint) + *one;
+    }
+    return sql + ")";
+  }
+  tl::expected<std::string, std::string> condition(const RunQuery::Comparison& c, std::vector<Value>& bound) {
+    const auto key = resolve(c.key);
+    if (!key) return tl::unexpected(key.error());
+    const char* sign = "=";
+    switch (c.relation) {
+      case RunQuery::Relation::equal:
+        sign = "=";
+        break;
+      case RunQuery::Relation::unequal:
+        sign = "<>";
+        break;
+      case RunQuery::Relation::less:
+        sign = "<";
+        break;
+      case RunQuery::Relation::at_most:
+        sign = "<=";
+        break;
+      case RunQuery::Relation::greater:
+        sign = ">";
+        break;
+      case RunQuery::Relation::at_least:
+        sign = ">=";
+        break;
+      case RunQuery::Relation::contains:
+        bound.push_back(c.value);
+        return fmt::format("(number IN (SELECT run FROM fact WHERE key = {} AND instr(value, ?) > 0))", *key);
+    }
+    bound.push_back(c.value);
+    // A text is no smaller or larger number: SQLite sorts all texts behind all numbers.
+    const char* const type = std::holds_alternative<double>(c.value) ? "IN ('real', 'integer')" : "= 'text'";
+    return fmt::format("(number IN (SELECT run FROM fact WHERE key = {} AND typeof(value) {} AND value {} ?))", *key,
+                       type, sign);
+  }
+
+  std::vector<Run> select(const std::string& where, const std::vector<Value>& bound,
+                          const std::vector<std::string>& keys) {
+    std::vector<Run> runs;
+    Statement found(database, "SELECT number, id FROM run WHERE " + where + " ORDER BY id");
+    for (std::size_t i = 0; i < bound.size(); ++i) found.bind(static_cast<int>(i) + 1, bound[i]);
+    std::vector<std::pair<std::string, std::int64_t>> asked;  // by the words that they were asked for with
+    for (const std::string& key : keys)
+      if (const auto number = resolve(key)) asked.emplace_back(key, *number);
+    Statement fact(database, "SELECT value FROM fact WHERE key = ? AND run = ?");
+    while (found.row()) {
+      Run run{found.text(1), {}};
+      for (const auto& [key, number] : asked) {
+        Statement& value = fact.bind(1, number).bind(2, found.whole(0));
+        if (value.row()) run.facts[key] = value.value(0);
+        value.run();
+      }
+      runs.push_back(std::move(run));
+    }
+    return runs;
+  }
+};
+
+RunIndex::RunIndex(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RunIndex::RunIndex(RunIndex&&) noexcept = default;
+RunIndex& RunIndex::operator=(RunIndex&&) noexcept = default;
+RunIndex::~RunIndex() = default;
+
+tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory) {
+  auto state = std::make_unique<State>();
+  state->directory = directory;
+  std::error_code error;
+  if (!fs::is_directory(directory, error))
+    return tl::unexpected(fmt::format("{}: there is no such directory: no run has been kept there", directory));
+  const std::string file = (fs::path(directory) / ".index.sqlite").string();
+  try {
+    state->open(file);
+    state->refresh();
+    return RunIndex(std::move(state));
+  } catch (const std::exception&) {  // damaged, of another version, or on a disk that takes nothing
+    state->close();
+    fs::remove(file, error);
+  }
+  for (const std::string& place : {file, std::string(":memory:")}) {
+    try {
+      state->open(place);
+      state->refresh();
+      return RunIndex(std::move(state));
+    } catch (const std::exception& why) {
+      if (place == ":memory:") return tl::unexpected(std::string(why.what()));
+      state->close();
+    }
+  }
+  return tl::unexpected(directory + ": no index can be made");
+}
+
+std::vector<RunIndex::Run> RunIndex::all(const std::vector<std::string>& keys) {
+  return state_->select("1", {}, keys);
+}
+
+tl::expected<std::vector<RunIndex::Run>, std::string> RunIndex::find(const RunQuery& query,
+                                                                     const std::vector<std::string>& keys) {
+  std::vector<Value> bound;
+  const auto where = state_->condition(query, bound);
+  if (!where) return tl::unexpected(where.error());
+  return state_->select(*where, bound, keys);
+}
+
+std::map<std::string, RunIndex::Value> RunIndex::facts(const std::string& id) {
+  std::map<std::string, Value> facts;
+  Statement found(state_->database,
+                  "SELECT key.name, value FROM fact JOIN key ON key.number = fact.key JOIN run ON run.number = "
+                  "fact.run WHERE run.id = ?");
+  found.bind(1, id);
+  while (found.row()) facts[found.text(0)] = found.value(1);
+  return facts;
+}
+
+std::vector<std::string> RunIndex::keys() {
+  std::vector<std::string> names;
+  Statement found(state_->database, "SELECT name FROM key ORDER BY name");
+  while (found.row()) names.push_back(found.text(0));
+  return names;
+}
+
+std::size_t RunIndex::size() {
+  Statement count(state_->database, "SELECT count(*) FROM run");
+  count.row();
+  return static_cast<std::size_t>(count.whole(0));
+}
+
+const std::vector<std::string>& RunIndex::problems() const noexcept {
+  return state_->problems;
+}
+
+}  // namespace skein::app

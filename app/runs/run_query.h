@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace skein::app {
+
+/// What `skein runs find` asks for, such as
+///
+///     k_xx > 0.01 and collisions = 0 and not (host = "lab2" or began < 2026-11-01)
+///
+/// A comparison is a key, one of = != < <= > >= ~ (contains), and a number, a word or a text between quotes. A run that
+/// has no such key does not hold, whatever the comparison. `not` binds closest, then `and`, then `or`.
+struct RunQuery {
+  enum class Relation { equal, unequal, less, at_most, greater, at_least, contains };
+  struct Comparison {
+    std::string key;
+    Relation relation = Relation::equal;
+    std::variant<double, std::string> value;
+  };
+  enum class Kind { comparison, negation, all, any };
+  Kind kind = Kind::comparison;
+  Comparison comparison{};     ///< where it is one
+  std::vector<RunQuery> of{};  ///< else: one for a negation, two and more for all and any
+};
+
+/// The error names the place, counted from 1, what was found there, and what is allowed.
+tl::expected<RunQuery, std::string> parse_query(std::string_view text);
+
+}  // namespace skein::app

@@ -1,0 +1,29 @@
+#include "app/runs/sha256.h"
+
+#include <fmt/format.h>
+#include <nettle/sha2.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace skein::app {
+
+tl::expected<std::string, std::string> sha256_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  sha256_ctx context;
+  sha256_init(&context);
+  std::array<char, 1 << 16> block;
+  while (file.read(block.data(), block.size()), file.gcount() > 0)
+    sha256_update(&context, static_cast<std::size_t>(file.gcount()), reinterpret_cast<const uint8_t*>(block.data()));
+  if (file.bad()) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  std::array<uint8_t, SHA256_DIGEST_SIZE> digest;
+  sha256_digest(&context, digest.size(), digest.data());
+  std::string text;
+  for (const uint8_t byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,171 @@
+#include "app/runs/verify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/text_file.h"
+#include "app/record/csv_columns.h"
+#include "app/record/csv_reader.h"
+#include "app/record/csv_writer.h"
+#include "app/replay/replay.h"
+#include "app/runs/run_folder.h"
+#include "app/runs/sha256.h"
+#include "app/session/session.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Step = Verification::Step;
+
+Step check_files(const std::string& folder, const Json& story) {
+  Step step{"files", true, {}};
+  const auto fail = [&](const std::string& sentence) {
+    if (step.holds) step.finding = sentence;
+    step.holds = false;
+  };
+  if (!story.contains("files") || !story["files"].is_object()) {
+    fail("run.json names no files: the run did not come to its end");
+    return step;
+  }
+  std::set<std::string> known{run_files::story};
+  for (const auto& [name, file] : story["files"].items()) {
+    known.insert(name);
+    if (fs::path(name).is_absolute() || name.find("..") != std::string::npos) {
+      fail(fmt::format("{}: is no name of a file in the folder", name));
+      continue;
+    }
+    const auto hash = sha256_of_file((fs::path(folder) / name).string());
+    if (!hash)
+      fail(hash.error());
+    else if (!file.is_object() || file.value("sha256", std::string()) != *hash)
+      fail(fmt::format("{}: has been changed since: its SHA-256 is {}", name, *hash));
+  }
+  for (const std::string& name : files_of_run(folder))
+    if (!known.contains(name)) fail(fmt::format("{}: does not belong to the run", name));
+  if (step.holds) step.finding = fmt::format("{} files have the hashes that run.json says", known.size() - 1);
+  return step;
+}
+
+Step check_experiment(const std::string& folder, const std::string& csv) {
+  std::ifstream in(csv, std::ios::binary);
+  const auto reader = CsvReader::open(in, csv);
+  if (!reader) return {"experiment", false, reader.error()};
+  const auto text = read_text((fs::path(folder) / run_files::as_run).string());
+  if (!text) return {"experiment", false, text.error().front().message()};
+  if (!reader->head().intact)
+    return {"experiment", false, "the experiment within run.csv has been changed since it was recorded"};
+  if (reader->head().source != *text)
+    return {"experiment", false, "experiment.toml is not the experiment within run.csv"};
+  return {"experiment", true, "run.csv embeds experiment.toml"};
+}
+
+Step check_commands(const std::string& folder, const std::string& csv, std::vector<std::string>& notes) {
+  std::ifstream in(csv, std::ios::binary);
+  const fs::path film = fs::path(folder) / run_files::film;
+  std::error_code ignored;
+  const auto result = replay(in, csv, fs::exists(film, ignored) ? film.string() : "");
+  if (!result) return {"commands", false, result.error()};
+  notes.insert(notes.end(), result->warnings.begin(), result->warnings.end());
+  if (result->different > 0 || result->poses_different > 0)
+    return {"commands", false,
+            fmt::format("{} of {} commands and {} of {} poses differ, first at {}", result->different, result->commands,
+                        result->poses_different, result->poses, result->first)};
+  return {"commands", true,
+          fmt::format("{} commands of {} ticks come out bit for bit{}", result->commands, result->ticks,
+                      result->filmed ? fmt::format(", from the {} frames of the film", result->frames) : "")};
+}
+
+/// Compares what a run writes with a file, line by line. The first line, which names the program, may differ.
+class Comparison final : public RecordSink {
+ public:
+  Comparison(std::istream& recorded, const Experiment& experiment, bool pair_gains)
+      : recorded_(recorded), writer_(text_, experiment, pair_gains) {
+    compare();
+  }
+  void record(const TickRecord& record) override {
+    if (difference_) return;
+    writer_.record(record);
+    compare();
+  }
+  /// The number of the first line that differs; none: not one.
+  std::optional<std::int64_t> difference() {
+    if (std::string line; !difference_ && std::getline(recorded_, line)) difference_ = lines_ + 1;
+    return difference_;
+  }
+  std::int64_t lines() const noexcept { return lines_; }
+
+ private:
+  void compare() {
+    std::istringstream again(text_.str());
+    text_.str({});
+    for (std::string line, recorded; !difference_ && std::getline(again, line); ++lines_) {
+      const bool there = static_cast<bool>(std::getline(recorded_, recorded));
+      if (!there || (line != recorded && !line.starts_with(version_line))) difference_ = lines_ + 1;
+    }
+  }
+  std::istream& recorded_;
+  std::ostringstream text_;
+  CsvWriter writer_;
+  std::int64_t lines_ = 0;
+  std::optional<std::int64_t> difference_;
+};
+
+Step run_again(const std::string& folder, const std::string& csv) {
+  const auto experiment = load_experiment((fs::path(folder) / run_files::as_run).string());
+  if (!experiment) return {"run_again", false, experiment.error().front().message()};
+  Experiment here = *experiment;
+  // A calibration from elsewhere is in the folder under a name of its own.
+  if (std::error_code ignored;
+      !here.camera.calibration.empty() && !fs::exists(fs::path(folder) / here.camera.calibration, ignored))
+    here.camera.calibration = "calibration.toml";
+  std::ifstream in(csv, std::ios::binary);
+  const bool pair_gains = [&] {
+    std::ifstream head(csv, std::ios::binary);
+    const auto reader = CsvReader::open(head, csv);
+    return reader &&
+           std::find(reader->columns().begin(), reader->columns().end(), "k_xx_1_2") != reader->columns().end();
+  }();
+  Comparison comparison(in, here, pair_gains);
+  auto session = Session::open(here, Session::Clock::virtual_, {.sinks = {&comparison}});
+  if (!session) return {"run_again", false, session.error()};
+  (*session)->run();
+  (*session)->close();
+  if (const auto line = comparison.difference())
+    return {"run_again", false, fmt::format("run again, line {} of run.csv comes out otherwise", *line)};
+  return {"run_again", true, fmt::format("run again, {} lines of run.csv come out bit for bit", comparison.lines())};
+}
+
+}  // namespace
+
+bool Verification::holds() const noexcept {
+  return std::all_of(steps.begin(), steps.end(), [](const Step& step) { return step.holds; });
+}
+
+tl::expected<Verification, std::string> verify_run(const std::string& folder) {
+  const auto story = read_story(folder);
+  if (!story) return tl::unexpected(story.error());
+  const std::string csv = (fs::path(folder) / run_files::record).string();
+  Verification result;
+  result.steps.push_back(check_files(folder, *story));
+  result.steps.push_back(check_experiment(folder, csv));
+  result.steps.push_back(check_commands(folder, csv, result.notes));
+  const bool repeats =
+      story->value("clock", std::string()) == "virtual" && story->value("state", std::string()) == "finished";
+  if (repeats)
+    result.steps.push_back(run_again(folder, csv));
+  else
+    result.notes.emplace_back(
+        "the run lived in real time, or was stopped by hand: it follows from what was measured and done");
+  return result;
+}
+
+}  // namespace skein::app

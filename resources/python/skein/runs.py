@@ -1,0 +1,235 @@
+"""Runs, their records and sweeps: see the package's own words."""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import weakref
+
+_CONVERTED = {True: "true", False: "false"}
+
+
+class Error(Exception):
+    """What the program says of an experiment, a study or a record that it refuses, or of a device that failed."""
+
+
+def program():
+    """The program: $SKEIN, else that of the tree that this package stands in, else `skein` on the path."""
+    asked = os.environ.get("SKEIN")
+    if asked:
+        return asked
+    tree = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+    for build in ("release", "dev", "headless"):
+        built = os.path.join(tree, "build", build, "bin", "skein")
+        if os.access(built, os.X_OK):
+            return built
+    found = shutil.which("skein")
+    if not found:
+        raise Error("there is no program skein: install it, build it, or name it in $SKEIN")
+    return found
+
+
+def _toml(value):
+    """A value as `--set` takes it. Texts are passed as they are."""
+    if isinstance(value, bool):
+        return _CONVERTED[value]
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(json.dumps(v) if isinstance(v, str) else _toml(v) for v in value) + "]"
+    if isinstance(value, str):
+        return value
+    if hasattr(value, "item"):  # a number of numpy's
+        return _toml(value.item())
+    return repr(value)
+
+
+def _sets(set):
+    words = []
+    for key, value in (set or {}).items():
+        words += ["--set", f"{key}={_toml(value)}"]
+    return words
+
+
+def _start(words, folder):
+    """Runs the program. Returns its summary and what it complained of; exit status 1 is no error: an expectation failed.
+    `folder`: for the moment; gone where the program refuses."""
+    try:
+        done = subprocess.run([program(), *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    except BaseException:
+        shutil.rmtree(folder or "", True)
+        raise
+    problems = [line.removeprefix("skein: ") for line in done.stderr.splitlines() if line]
+    if done.returncode not in (0, 1):
+        shutil.rmtree(folder or "", True)
+        raise Error("\n".join(problems) or f"skein ended with status {done.returncode}")
+    return json.loads(done.stdout), done.returncode == 0, problems
+
+
+class _Table:
+    """A CSV file, read when it is first looked at."""
+
+    def __init__(self, file, folder=None):
+        self.file = os.fspath(file)
+        self._remove = weakref.finalize(self, shutil.rmtree, folder, True) if folder else None  # a folder for the moment
+        self._data = None
+
+    def _head_lines(self):
+        with open(self.file, encoding="utf-8") as lines:
+            count = 0
+            for line in lines:
+                if not line.startswith("#"):
+                    return count, line.rstrip("\r\n").split(",")
+                count += 1
+        raise Error(f"{self.file}: ends before a header row")
+
+    @property
+    def columns(self):
+        """Names of the columns, in their order."""
+        return self._head_lines()[1]
+
+    @property
+    def data(self):
+        """All of it as a pandas.DataFrame, to the bit."""
+        if self._data is None:
+            try:
+                import pandas
+            except ImportError as missing:
+                raise Error("reading a table needs pandas: install python3-pandas") from missing
+            lines, names = self._head_lines()
+            words = {n: str for n in names if n == "event" or n.split("_", 1)[-1] in ("mode", "how", "link", "limit")}
+            self._data = pandas.read_csv(
+                self.file, skiprows=lines, dtype=words, keep_default_na=False, na_values=[""], float_precision="round_trip"
+            )
+        return self._data
+
+    def __getitem__(self, column):
+        """A column as a numpy array."""
+        return self.data[column].to_numpy()
+
+
+class Run(_Table):
+    """A run: `summary` (a dict; None of a record that was read), `ok` (whether the file's [expect] held), `problems`
+    (sentences), and its record: `file`, `columns`, `data`, `run["r1_x"]`, `experiment`, `robots`, `events`, `plot()`."""
+
+    def __init__(self, file, summary=None, ok=None, problems=(), folder=None):
+        super().__init__(file, folder)
+        self.summary = summary
+        self.ok = ok
+        self.problems = list(problems)
+
+    def __repr__(self):
+        return f"<skein.Run {self.file}{'' if self.ok is None else ', ok' if self.ok else ', not ok'}>"
+
+    @property
+    def experiment(self):
+        """The text of the experiment that the record embeds."""
+        with open(self.file, encoding="utf-8") as lines:
+            text = []
+            for line in lines:
+                if not line.startswith("#"):
+                    break
+                if line.startswith("#| "):
+                    text.append(line[3:])
+        return "".join(text)
+
+    @property
+    def robots(self):
+        """How many there are."""
+        names = set(self.columns)
+        count = 0
+        while f"r{count + 1}_x" in names:
+            count += 1
+        return count
+
+    @property
+    def events(self):
+        """(t, what) of everything that happened."""
+        rows = self.data[["t", "event"]].dropna()
+        return [(t, what) for t, cell in rows.itertuples(index=False) for what in cell.split("; ")]
+
+    def save(self, file):
+        """Keeps the record, which is gone with this object where `run` was not given a csv=."""
+        shutil.copyfile(self.file, file)
+        self.file = os.fspath(file)
+        if self._remove:
+            self._remove()
+
+    def plot(self, figure=None):
+        """Paths, tracking errors and errors of the formation. Returns the matplotlib figure."""
+        try:
+            import matplotlib.pyplot as plt
+        except ImportError as missing:
+            raise Error("plotting needs matplotlib: install python3-matplotlib") from missing
+        data = self.data
+        data = data[~data["r1_mode"].fillna("").str.contains("staging")]  # on the way to the starts t stands still
+        figure = figure or plt.figure(figsize=(11, 5), constrained_layout=True)
+        grid = figure.add_gridspec(2, 2)
+        floor, tracking, formation = (figure.add_subplot(part) for part in (grid[:, 0], grid[0, 1], grid[1, 1]))
+        for i in range(1, self.robots + 1):
+            (line,) = floor.plot(data[f"r{i}_x"], data[f"r{i}_y"], label=f"robot {i}")
+            floor.plot(data[f"r{i}_x_nom"], data[f"r{i}_y_nom"], color=line.get_color(), linestyle=":", linewidth=1)
+            error = (data[f"r{i}_x_e"] ** 2 + data[f"r{i}_y_e"] ** 2) ** 0.5
+            tracking.plot(data["t"], 1e3 * error, color=line.get_color())
+        for name in data.columns:
+            if name.startswith("delta_"):
+                formation.plot(data["t"], 1e3 * data[name], label=name)
+        floor.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+        tracking.set(ylabel="tracking error [mm]")
+        formation.set(xlabel="t [s]", ylabel="formation error (37) [mm]")
+        floor.legend(fontsize="small")
+        return figure
+
+
+class Sweep(_Table):
+    """A study's runs: `summary` (a dict), `ok`, `problems`, and a row a run: `data`, `sweep["min_distance"]`."""
+
+    def __init__(self, file, summary, ok, problems, folder):
+        super().__init__(file, folder)
+        self.summary = summary
+        self.ok = ok
+        self.problems = list(problems)
+
+
+def _place(csv, name):
+    if csv is not None:
+        return os.fspath(csv), None
+    folder = tempfile.mkdtemp(prefix="skein-")
+    return os.path.join(folder, name), folder
+
+
+def run(experiment, set=None, *, duration=None, seed=None, csv=None, options=()):
+    """Runs an experiment file and returns the Run. `set`: keys of the file and their values, as `--set`. `csv`: where the
+    record is kept; without it, it is gone with the Run. `options`: further words of `skein run`, such as
+    ["--keep"]. Raises Error where the experiment is refused or a device fails; an expectation of the file that
+    fails is `run.ok == False`, with sentences in `run.problems`."""
+    file, folder = _place(csv, "run.csv")
+    words = ["run", os.fspath(experiment), "--json", "--csv", file, *_sets(set), *options]
+    if duration is not None:
+        words += ["--duration", repr(duration)]
+    if seed is not None:
+        words += ["--seed", str(seed)]
+    summary, ok, problems = _start(words, folder)
+    return Run(file, summary, ok, problems, folder)
+
+
+def read(file):
+    """A record that was made before: a CSV of `skein run --csv` or of the window, or the folder of a run that was kept."""
+    file = os.fspath(file)
+    if os.path.isdir(file):
+        with open(os.path.join(file, "run.json"), encoding="utf-8") as story:
+            kept = json.load(story)
+        return Run(os.path.join(file, "run.csv"), kept.get("summary"), kept.get("exit_status") == 0, kept.get("problems", ()))
+    if not os.path.isfile(file):
+        raise Error(f"{file}: there is no such file")
+    return Run(file)
+
+
+def sweep(study, set=None, *, runs=None, seed=None, threads=None, csv=None):
+    """Runs a study file (docs/studies.md) and returns the Sweep, a row of `data` each run."""
+    file, folder = _place(csv, "sweep.csv")
+    words = ["sweep", os.fspath(study), "--json", "--csv", file, *_sets(set)]
+    for option, value in (("--runs", runs), ("--seed", seed), ("--threads", threads)):
+        if value is not None:
+            words += [option, str(value)]
+    summary, ok, problems = _start(words, folder)
+    return Sweep(file, summary, ok, problems, folder)

@@ -1,0 +1,126 @@
+#include "app/runs/run_index.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "app/runs/run_folder.h"
+#include "tests/app/folder.h"
+
+namespace skein::app {
+namespace {
+
+using test::Folder;
+
+void keep(const Folder& runs, const std::string& id, const std::string& story) {
+  std::filesystem::create_directories(runs / id);
+  std::ofstream(runs / (id + "/" + run_files::story)) << story;
+}
+
+void keep(const Folder& runs, int number, double k_xx, int collisions) {
+  const std::string id = "2026-11-0" + std::to_string(number) + "_120000_platoon";
+  keep(runs, id,
+       R"({"id":")" + id + R"(","state":"finished","began":"2026-11-0)" + std::to_string(number) +
+           R"(T12:00:00.000+01:00","machine":{"host":"lab)" + std::to_string(number % 2) +
+           R"("},"experiment":{"controller.gains.k_xx":)" + std::to_string(k_xx) +
+           R"(,"robot.1.v_max":1,"controller.v_max":0.1,"controller.saturation":"tanh"},"summary":{"collisions":)" +
+           std::to_string(collisions) + R"(,"arrived":null,"stopped":false}})");
+}
+
+std::vector<std::string> found(RunIndex& index, const std::string& text) {
+  const auto query = parse_query(text);
+  EXPECT_TRUE(query) << query.error();
+  const auto runs = index.find(*query, {});
+  EXPECT_TRUE(runs) << runs.error();
+  std::vector<std::string> days;
+  if (runs)
+    for (const RunIndex::Run& run : *runs) days.push_back(run.id.substr(9, 1));
+  return days;
+}
+
+using Days = std::vector<std::string>;
+
+struct FourRuns {
+  Folder runs;
+  FourRuns() {
+    keep(runs, 1, 0.005, 0);
+    keep(runs, 2, 0.02, 0);
+    keep(runs, 3, 0.03, 2);
+    keep(runs, 4, 0.01, 0);
+  }
+};
+
+TEST(RunIndex, FindsRunsByWhatTheyWereAndWhatCameOfThem) {
+  FourRuns four;
+  auto index = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(index.size(), 4u);
+  EXPECT_EQ(found(index, "k_xx > 0.008 and collisions = 0"), (Days{"2", "4"}));
+  EXPECT_EQ(found(index, "controller.gains.k_xx >= 0.02 or began < 2026-11-02"), (Days{"1", "2", "3"}));
+  EXPECT_EQ(found(index, "not collisions = 0"), (Days{"3"}));
+  EXPECT_EQ(found(index, "machine.host = lab1 and not (k_xx = 0.03)"), (Days{"1"}));
+  EXPECT_EQ(found(index, "host ~ 'ab0'"), (Days{"2", "4"}));
+  EXPECT_EQ(found(index, "stopped = false and saturation = tanh and collisions != 0"), (Days{"3"}));
+  EXPECT_EQ(found(index, "saturation > 5"), Days{}) << "a text is not larger than a number";
+  EXPECT_EQ(found(index, "v_max = 0.1").size(), 4u) << "keys of single robots stand behind that of the group";
+}
+
+TEST(RunIndex, ShowsWhatIsAskedForByItsShortName) {
+  FourRuns four;
+  auto index = RunIndex::open(four.runs.path).value();
+  const auto runs = index.all({"k_xx", "nonsense"});
+  ASSERT_EQ(runs.size(), 4u);
+  EXPECT_EQ(std::get<double>(runs[2].facts.at("k_xx")), 0.03);
+  EXPECT_FALSE(runs[2].facts.contains("nonsense"));
+}
+
+TEST(RunIndex, AKeyThatIsNotThereIsRefusedWithSimilarOnes) {
+  FourRuns four;
+  auto index = RunIndex::open(four.runs.path).value();
+  const auto runs = index.find(parse_query("collision = 0").value(), {});
+  ASSERT_FALSE(runs);
+  EXPECT_NE(runs.error().find("collisions"), std::string::npos) << runs.error();
+}
+
+TEST(RunIndex, FollowsTheFoldersAndMayBeThrownAway) {
+  FourRuns four;
+  { const auto index = RunIndex::open(four.runs.path).value(); }
+  std::filesystem::remove_all(four.runs / "2026-11-02_120000_platoon");
+  keep(four.runs, 5, 0.5, 0);
+  keep(four.runs, 4, 0.4, 7);  // has come to its end meanwhile
+  const auto look = [&] {
+    auto index = RunIndex::open(four.runs.path).value();
+    EXPECT_EQ(found(index, "k_xx > 0.008"), (Days{"3", "4", "5"}));
+    EXPECT_EQ(found(index, "collisions = 7"), (Days{"4"}));
+    EXPECT_EQ(std::get<double>(index.facts("2026-11-05_120000_platoon").at("controller.gains.k_xx")), 0.5);
+  };
+  look();
+  std::filesystem::remove(four.runs / ".index.sqlite");
+  look();
+  std::ofstream(four.runs / ".index.sqlite") << "no database, " << std::string(10'000, 'x');
+  look();
+  EXPECT_GT(std::filesystem::file_size(four.runs / ".index.sqlite"), 0u);
+}
+
+TEST(RunIndex, ARunThatCannotBeReadIsNamedAndHidesNoOther) {
+  FourRuns four;
+  keep(four.runs, "2026-11-06_120000_torn", "{\"id\":");
+  auto index = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(index.size(), 4u);
+  ASSERT_EQ(index.problems().size(), 1u);
+  EXPECT_NE(index.problems().front().find("torn/run.json"), std::string::npos);
+}
+
+TEST(RunFolder, IsFoundByNameBeginningPathAndLast) {
+  FourRuns four;
+  const std::string second = four.runs / "2026-11-02_120000_platoon";
+  EXPECT_EQ(find_run("2026-11-02_120000_platoon", four.runs.path).value(), second);
+  EXPECT_EQ(find_run("2026-11-02", four.runs.path).value(), second);
+  EXPECT_EQ(find_run(second, "/nowhere").value(), second);
+  EXPECT_EQ(find_run("last", four.runs.path).value(), four.runs / "2026-11-04_120000_platoon");
+  EXPECT_NE(find_run("2026", four.runs.path).error().find("4 runs"), std::string::npos);
+  EXPECT_FALSE(find_run("2027", four.runs.path));
+  EXPECT_FALSE(find_run("../x", four.runs.path));
+}
+
+}  // namespace
+}  // namespace skein::app
