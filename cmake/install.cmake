@@ -9,7 +9,7 @@ set(SKEIN_DOC share/doc)
 # --- skein: the program, its modules, what it comes with ---
 install(TARGETS skein RUNTIME DESTINATION bin COMPONENT skein)
 install(TARGETS skein_media skein_boards LIBRARY DESTINATION lib/skein COMPONENT skein)
-install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures DESTINATION share/skein
+install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures resources/slurm DESTINATION share/skein
   COMPONENT skein PATTERN __pycache__ EXCLUDE)
 install(FILES resources/experiment.schema.json DESTINATION share/skein COMPONENT skein)
 install(FILES README.md CHANGELOG.md CONVENTIONS.md DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)

@@ -15,6 +15,7 @@
 #include "app/cli/candidates.h"
 #include "app/cli/command_line_robots.h"
 #include "app/cli/command_line_runs.h"
+#include "app/cli/command_line_studies.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
 #include "app/controllers/adversary.h"
@@ -177,32 +178,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   replay_command.add_flag("--controller", replay_asks,
                           "also start the run's own controller, and say where it answers otherwise than then");
 
-  CLI::App& sweep_command = *program.add_subcommand(
-      "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
-  SweepRequest sweep_request;
-  sweep_command
-      .add_option("study", sweep_request.file,
-                  "study file (TOML), see docs/studies.md, or the name of one that Skein comes with")
-      ->required()
-      ->transform([](const std::string& name) { return find_resource("studies", name); });
-  sweep_command.add_option("--runs", sweep_request.runs, "how many runs, instead of the file's")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
-      ->type_name("N");
-  sweep_command.add_option("--seed", sweep_request.seed, "seed of the first run; the next ones count on")
-      ->type_name("N");
-  sweep_command
-      .add_option("--only", sweep_request.only, "the one run with this seed, and the `skein run` that repeats it")
-      ->type_name("SEED");
-  sweep_command.add_option("--set", sweep_request.sets, "key=value: any key of the experiment; repeatable")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  sweep_command.add_option("--threads", sweep_request.threads, "default: one a core")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
-  sweep_command.add_option("--csv", sweep_request.csv, "one row a run")->type_name("FILE");
-  sweep_command.add_flag("--json", sweep_request.json, "print the summary as one JSON object");
-  sweep_command.add_flag("--quiet", sweep_request.quiet, "no progress, no summary");
+  StudyCommands study_commands;
+  study_commands.add_to(program);
 
   CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
   TrackRequest track_request;
@@ -326,7 +303,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   }
   if (check_command) return check(check_experiment.request(), check_law);
   if (replay_command) return replay(replay_file, replay_film, replay_repairs, replay_asks);
-  if (sweep_command) return sweep(sweep_request);
+  if (const auto status = study_commands.run()) return *status;
   if (track_command) return track(track_request);
   if (const auto status = vision_commands.run()) return *status;
   if (const auto status = robot_commands.run()) return *status;

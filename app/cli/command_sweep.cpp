@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,34 +8,32 @@
 #include <fstream>
 #include <thread>
 
-#include "app/cli/commands.h"
+#include "app/cli/command_line_studies.h"
 #include "app/run/exit_status.h"
+#include "app/record/report.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
-#include "app/run/tick_record.h"
-#include "app/tools/sweep.h"
+#include "app/tools/outcome_file.h"
+#include "app/tools/sweep_report.h"
 
 namespace skein::app {
 namespace {
 
-std::string cell(double value) {
-  return std::isnan(value) ? "" : fmt::format("{}", value);
-}
-
-bool write_csv(const std::string& path, const std::vector<RunOutcome>& outcomes) {
+bool write_csv(const std::string& path, const Outcomes& outcomes) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << "seed,perturbation,collisions,min_distance,obstacle_gap,final_error,recovery,formation_first,failure\n";
-  for (const RunOutcome& o : outcomes) {
-    std::string failure = o.failure;
-    std::replace(failure.begin(), failure.end(), ',', ';');
-    file << fmt::format("{},{},{},{},{},{},{},{},{}\n", o.seed, cell(o.perturbation), o.collisions,
-                        cell(o.min_distance), cell(o.obstacle_gap), cell(o.final_error),
-                        cell(o.recovery.value_or(none)),
-                        o.formation_first ? (*o.formation_first ? "true" : "false") : "", failure);
-  }
-  file.flush();
+  write_outcomes(file, outcomes);
+  file.close();
   if (!file) print_error(fmt::format("skein: {}: cannot be written: {}\n", path, std::strerror(errno)));
   return static_cast<bool>(file);
+}
+
+/// How many threads can work at once: a job scheduler may have given this process fewer cores than the machine has.
+unsigned usable_cores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0 && CPU_COUNT(&cores) > 0)
+    return static_cast<unsigned>(CPU_COUNT(&cores));
+  return std::max(1U, std::thread::hardware_concurrency());
 }
 
 /// A word as a shell takes it.
@@ -66,29 +65,72 @@ int sweep(const SweepRequest& request) {
   if (request.seed) study->seed = *request.seed;
   if (request.only) study->seed = *request.only, study->runs = 1;
 
+  if (!request.report.empty())
+    if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
+  if (!study->compare.empty() && (!request.part.empty() || !request.merge.empty()))
+    return complain(request.file + ": a study with [compare] runs in one piece: no --part, no --merge"), wrong_input;
+  Part part;
+  if (!request.part.empty()) {
+    const auto parsed = parse_part(request.part);
+    if (!parsed) return complain(parsed.error()), wrong_input;
+    part = *parsed;
+    const std::string file = part_file(request.into, part);
+    if (load_part(request.into, *study, part)) {
+      if (!request.quiet) fmt::print("part: {} of {}\nkept: {} (it was there already)\n", part.index, part.of, file);
+      return done;
+    }
+  }
+
   const bool shown = !request.quiet && isatty(STDERR_FILENO) != 0;
+  const std::int64_t runs = (study->runs - part.index + part.of) / part.of;
   std::size_t told = 0;
-  const auto progress = [&](std::size_t runs) {
-    if (shown && runs != told) print_error(fmt::format("\r\033[K{} of {} runs", told = runs, study->runs));
+  const auto progress = [&](std::size_t made) {
+    if (shown && made != told) print_error(fmt::format("\r\033[K{} of {} runs", told = made, runs));
     return !interrupted();
   };
-  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  const std::vector<RunOutcome> outcomes = sweep(*study, request.threads > 0 ? request.threads : cores, progress);
-  std::vector<RunOutcome> control;
-  if (!study->control.empty() && !interrupted())
-    control = sweep(*study, request.threads > 0 ? request.threads : cores, progress, true);
+  const unsigned threads = request.threads > 0 ? request.threads : usable_cores();
+  Outcomes outcomes;
+  if (!request.merge.empty()) {
+    auto merged = merge_parts(request.merge, *study);
+    if (!merged) return complain(merged.error()), wrong_input;
+    for (const auto& [missing, why] : merged->missing)
+      print_error(fmt::format("skein: part {} of {}: {}: skein sweep {} --part {}/{} --into {}\n", missing.index,
+                              missing.of, why, quoted(request.file), missing.index, missing.of, quoted(request.merge)));
+    if (!merged->missing.empty()) {
+      complain(fmt::format("{} of {} parts are missing: make them, with the same further words, and merge again",
+                           merged->missing.size(), merged->parts));
+      return expectation_failed;
+    }
+    outcomes = std::move(merged->outcomes);
+  } else {
+    outcomes.study = sweep(*study, threads, progress, false, part);
+    if (!study->control.empty() && !interrupted()) outcomes.control = sweep(*study, threads, progress, true, part);
+  }
   std::vector<std::pair<std::string, SweepSummary>> compared;
   for (const auto& [name, sets] : study->compare) {
     if (interrupted()) break;
     Study other = *study;
     other.sets.insert(other.sets.end(), sets.begin(), sets.end());
-    compared.emplace_back(name,
-                          summarise(other, sweep(other, request.threads > 0 ? request.threads : cores, progress)));
+    compared.emplace_back(name, summarise(other, sweep(other, threads, progress)));
   }
   if (shown) print_error("\r\033[K");
 
+  if (!request.part.empty()) {
+    if (interrupted())
+      return complain(fmt::format("part {} of {} was stopped: nothing of it is kept", part.index, part.of)),
+             expectation_failed;
+    if (const auto saved = save_part(request.into, *study, part, outcomes); !saved)
+      return complain(saved.error()), wrong_input;
+    if (!request.quiet)
+      fmt::print("part: {} of {}\nruns: {}\nkept: {}\n", part.index, part.of, outcomes.study.size(),
+                 part_file(request.into, part));
+    return done;
+  }
+  if (!request.report.empty())
+    if (const auto report = write_sweep_report(request.report, *study, outcomes); !report)
+      return complain(report.error()), wrong_input;
   if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
-  const SweepSummary summary = summarise(*study, outcomes, control);
+  const SweepSummary summary = summarise(*study, outcomes.study, outcomes.control);
   if (request.only && !request.quiet && !request.json) fmt::print("command: {}\n", run_command(*study, *request.only));
   if (!request.quiet) fmt::print("{}", request.json ? as_json(summary, compared) + "\n" : as_lines(summary));
   if (!compared.empty() && !request.quiet && !request.json) {
@@ -100,7 +142,8 @@ int sweep(const SweepRequest& request) {
   if (summary.runs < study->runs)
     sentences.insert(sentences.begin(), fmt::format("stopped after {} of {} runs", summary.runs, study->runs));
   if (summary.failed_runs > 0) {
-    const auto first = std::find_if(outcomes.begin(), outcomes.end(), [](const auto& o) { return !o.failure.empty(); });
+    const auto first =
+        std::find_if(outcomes.study.begin(), outcomes.study.end(), [](const auto& o) { return !o.failure.empty(); });
     sentences.push_back(
         fmt::format("{} runs could not be made; seed {}: {}", summary.failed_runs, first->seed, first->failure));
   }

@@ -45,16 +45,6 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
-struct SweepRequest {
-  std::string file, csv;
-  std::vector<std::string> sets;
-  std::optional<std::int64_t> runs;
-  std::optional<std::uint64_t> seed, only;  ///< only: the one run with this seed
-  unsigned threads = 0;                     ///< 0: as many as there are cores
-  bool quiet = false, json = false;
-};
-int sweep(const SweepRequest& request);
-
 /// What a camera can do and how it is set; without a device, which there are.
 int list_cameras(const std::string& device);
 

@@ -11,4 +11,7 @@ extern const std::string_view figure3_gp;    ///< resources/figures/figure3.gp
 extern const std::string_view figure4_gp;    ///< resources/figures/figure4.gp
 extern const std::string_view page_html;     ///< resources/report/page.html
 
+// Figures of a study: resources/figures/distributions.gp, shares.gp and worst.gp.
+extern const std::string_view distributions_gp, shares_gp, worst_gp;
+
 }  // namespace skein::app::embedded

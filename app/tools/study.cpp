@@ -263,6 +263,7 @@ tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   auto document = parse_toml(*text, path);
   if (!document) return tl::unexpected(document.error());
   Study study;
+  study.definition = *text;
   study.name = std::filesystem::path(path).stem().string();
   Problems problems(*document, path);
   read_study(*document, study, problems);

@@ -75,7 +75,8 @@ struct Study {
     std::optional<double> recovered, formation_first;  ///< at least this share of the runs
   } expect;
 
-  std::string text;  ///< of the experiment file
+  std::string text;        ///< of the experiment file
+  std::string definition;  ///< the study file's own text
 };
 
 /// Reads a study (TOML) and the experiment it names; every problem of both.

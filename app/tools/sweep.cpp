@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 /// How far the robots really are from their places, and since when they have been near enough.
 class Distance final : public RecordSink {
  public:
-  explicit Distance(double near_enough) : near_enough_(near_enough) {}
+  Distance(const Experiment& experiment, double near_enough) : experiment_(experiment), near_enough_(near_enough) {}
 
   void record(const TickRecord& record) override {
     if (record.phase == Phase::staging || record.phase == Phase::ready) return;
@@ -36,7 +36,13 @@ class Distance final : public RecordSink {
       }
     if (error > near_enough_) last_far_ = record.t;
     rows_.push_back({record.t, error});
+    watch_wheels(record);
   }
+
+  double limited_share() const noexcept {
+    return driven_ > 0 ? static_cast<double>(limited_) / static_cast<double>(driven_) : 0.0;
+  }
+  double effort() const noexcept { return changes_ > 0 ? std::sqrt(squares_ / static_cast<double>(changes_)) : 0.0; }
 
   double perturbation() const noexcept { return farthest_; }
   double final_error() const noexcept {  // of the last second
@@ -55,6 +61,24 @@ class Distance final : public RecordSink {
   struct Row {
     double t, error;
   };
+  void watch_wheels(const TickRecord& record) {
+    before_.resize(record.robots.size());
+    for (std::size_t i = 0; i < record.robots.size(); ++i) {
+      const RobotRecord& robot = record.robots[i];
+      limited_ += robot.limits != 0;
+      ++driven_;
+      const double metres = experiment_.robots[i].drive.metres_per_step() * experiment_.rate;
+      if (rows_.size() > 1)
+        for (const double change : {robot.wheels.left - before_[i].left, robot.wheels.right - before_[i].right})
+          squares_ += std::pow(metres * change, 2), ++changes_;
+      before_[i] = robot.wheels;
+    }
+  }
+
+  const Experiment& experiment_;
+  std::vector<core::WheelSpeeds> before_;
+  std::int64_t driven_ = 0, limited_ = 0, changes_ = 0;
+  double squares_ = 0.0;  // of commanded wheel accelerations
   double near_enough_;
   std::vector<Row> rows_;
   std::optional<double> since_, last_far_;
@@ -115,16 +139,22 @@ double share(std::int64_t part, std::int64_t whole) noexcept {
 
 }  // namespace
 
-RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
+tl::expected<Experiment, std::string> experiment_of(const Study& study, std::uint64_t seed, bool control) {
   auto sets = variation(study, seed);
-  if (!sets) return failed(seed, sets.error());
+  if (!sets) return tl::unexpected(sets.error());
   sets->insert(sets->begin(), study.sets.begin(), study.sets.end());
   if (control) sets->insert(sets->end(), study.control.begin(), study.control.end());
-  const auto experiment = parse_experiment(study.text, study.experiment, *sets);
-  if (!experiment) return failed(seed, experiment.error().front().message());
+  return parse_experiment(study.text, study.experiment, *sets).map_error([](const std::vector<Problem>& problems) {
+    return problems.front().message();
+  });
+}
+
+RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
+  const auto experiment = experiment_of(study, seed, control);
+  if (!experiment) return failed(seed, experiment.error());
 
   Statistics statistics(*experiment);
-  Distance distance(study.recovered_within);
+  Distance distance(*experiment, study.recovered_within);
   auto session = Session::open(*experiment, Session::Clock::virtual_, {false, {&statistics, &distance}});
   if (!session) return failed(seed, session.error());
   (*session)->run();
@@ -148,6 +178,16 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
     return std::all_of(summary.perturbations.begin(), summary.perturbations.end(),
                        [&](const PerturbationResult& p) { return (p.*first)(); });
   };
+  for (const auto& [slowest, settled] : {std::pair(&RunOutcome::formation_settled, &Settling::formation_1cm),
+                                         {&RunOutcome::relative_settled, &Settling::relative_1cm},
+                                         {&RunOutcome::tracking_settled, &Settling::tracking_1cm}})
+    for (const PerturbationResult& p : summary.perturbations) {
+      const std::optional<double>& here = p.settling.*settled;
+      outcome.*slowest = here ? std::max(outcome.*slowest, here) : std::nullopt;
+      if (!here) break;
+    }
+  outcome.limited_share = distance.limited_share();
+  outcome.effort = distance.effort();
   if (outcome.perturbation > study.formation_first_over)
     outcome.relative_first = all(&PerturbationResult::relative_first);
   if (outcome.perturbation > study.formation_first_over)
@@ -156,8 +196,9 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
 }
 
 std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress,
-                              bool control) {
-  std::vector<std::optional<RunOutcome>> outcomes(static_cast<std::size_t>(study.runs));
+                              bool control, Part part) {
+  const std::int64_t runs = (study.runs - part.index + part.of) / part.of;
+  std::vector<std::optional<RunOutcome>> outcomes(static_cast<std::size_t>(runs));
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> ended{false};
   {
@@ -165,7 +206,7 @@ std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::f
     for (unsigned k = 0; k < threads; ++k)
       workers.emplace_back([&] {
         for (std::size_t run = next++; run < outcomes.size() && !ended; run = next++) {
-          const std::uint64_t seed = study.seed + run;
+          const std::uint64_t seed = study.seed + run * static_cast<std::uint64_t>(part.of) + part.index - 1;
           try {
             outcomes[run] = run_one(study, seed, control);
           } catch (const std::exception& error) {

@@ -24,18 +24,32 @@ struct RunOutcome {
   std::optional<bool> formation_first;  ///< where a perturbation was large enough to ask
   std::optional<bool> relative_first;   ///< the same of the neighbours' relative positions
   double outside = 0.0;                 ///< farthest that a body was over the arena's edge [m]
-  std::string failure;                  ///< why there is no run, where there is none
+  /// Until all perturbations had settled to 1 cm, the slowest of them: formation, relative positions, tracking; see
+  /// Settling. Empty: one did not, or there was none. [s]
+  std::optional<double> formation_settled, relative_settled, tracking_settled;
+  double limited_share = 0.0;  ///< of robots and ticks in which a limit took something from the law's command
+  double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]
+  std::string failure;         ///< why there is no run, where there is none
 
   bool collided() const noexcept { return collisions > 0; }
 };
 
+/// The experiment of one run of a study, or of its control; the error says why there is none.
+tl::expected<Experiment, std::string> experiment_of(const Study& study, std::uint64_t seed, bool control = false);
+
 /// One run of a study, or of its control, on the virtual clock.
 RunOutcome run_one(const Study& study, std::uint64_t seed, bool control = false);
 
-/// All runs of a study over `threads` threads; `progress` is told now and then, on the calling thread, how many are
-/// done, and says no to end it. Outcomes in the order of their seeds; those of runs that were not made are left out.
+/// One of `of` parts of a study, from 1: every of-th run, so that parts take about the same time.
+struct Part {
+  std::int64_t index = 1, of = 1;
+};
+
+/// The runs of a study, or of a part of it, over `threads` threads; `progress` is told now and then, on the calling
+/// thread, how many are done, and says no to end it. Outcomes in the order of their seeds; those of runs that were not
+/// made are left out.
 std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress,
-                              bool control = false);
+                              bool control = false, Part part = {});
 
 /// The smallest value of which a share of all are not larger; NaN of nothing.
 double quantile(std::vector<double> values, double share);

@@ -3,13 +3,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
 #include "app/experiment/experiment_file.h"
+#include "app/record/report.h"
 #include "app/run/tick_record.h"
+#include "app/tools/sweep_report.h"
 #include "tests/places.h"
 
 namespace skein::app {
@@ -167,6 +171,59 @@ TEST(Laws, AreComparedOnTheSameKicks) {
 
 TEST_F(StudyText, RefusesWhatCannotBeCompared) {
   EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\nb = \"x\"\n"), HasSubstr("compare.b: found"));
+}
+
+TEST(SweepReport, IntervalsAreThoseOfTheTextbook) {
+  // Wilson 1927: 8 of 10 is 49.0 to 94.3 %; 0 of 10 is 0 to 27.8 %.
+  EXPECT_NEAR(share_of(8, 10).low, 0.4901625, 1e-6);
+  EXPECT_NEAR(share_of(8, 10).high, 0.9433178, 1e-6);
+  EXPECT_EQ(share_of(0, 10).low, 0.0);
+  EXPECT_NEAR(share_of(0, 10).high, 0.2775328, 1e-6);
+  EXPECT_EQ(share_of(10, 10).high, 1.0);
+  EXPECT_TRUE(std::isnan(share_of(0, 0).value));
+  // The sign test's interval of a median: of 10 values the 2nd to the 9th, of 20 the 6th to the 15th, of 5 none.
+  const auto of = [](int n) {
+    std::vector<double> values;
+    for (int i = n; i >= 1; --i) values.push_back(i);
+    return paired_difference(std::move(values));
+  };
+  EXPECT_EQ(of(10).median, 5.5);
+  EXPECT_EQ(of(10).low, 2.0);
+  EXPECT_EQ(of(10).high, 9.0);
+  EXPECT_EQ(of(20).low, 6.0);
+  EXPECT_EQ(of(20).high, 15.0);
+  EXPECT_EQ(of(5).median, 3.0);
+  EXPECT_TRUE(std::isinf(of(5).low) && std::isinf(of(5).high));
+  EXPECT_EQ(of(10000).low, 4902.0);
+}
+
+TEST(SweepReport, TheWorstRunsComeFirst) {
+  std::vector<RunOutcome> runs(5);
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].seed = i + 1, runs[i].recovery = static_cast<double>(i);
+  runs[1].collisions = 1;
+  runs[2].recovery.reset();
+  runs[2].final_error = 0.1;
+  runs[3].failure = "no room";
+  EXPECT_EQ(worst_seeds(runs, 3), (std::vector<std::uint64_t>{2, 3, 5}));
+}
+
+TEST(SweepReport, DrawsWhatTheStudyCounted) {
+  const auto folder = std::filesystem::temp_directory_path() / ("skein-report-" + std::to_string(::getpid()));
+  ASSERT_TRUE(check_report(folder.string())) << "gnuplot is there";
+  Study study = shipped("kicks.toml");
+  study.runs = 3;
+  study.sets.emplace_back("duration=12");
+  const auto yes = [](std::size_t) { return true; };
+  const Outcomes outcomes{sweep(study, 2, yes), sweep(study, 2, yes, true)};
+  const auto done = write_sweep_report(folder.string(), study, outcomes);
+  EXPECT_TRUE(done) << done.error();
+  for (const char* figure : {"times", "distances", "shares", "worst"})
+    for (const char* kind : {".pdf", ".svg", ".png"})
+      EXPECT_GT(std::filesystem::file_size(folder / (std::string(figure) + kind)), 3000U) << figure << kind;
+  std::ifstream table(folder / "intervals.csv");
+  const std::string text{std::istreambuf_iterator<char>(table), {}};
+  EXPECT_THAT(text, AllOf(HasSubstr("\nrecovered,control,3,"), HasSubstr("final_error_median,study minus control,3,")));
+  std::filesystem::remove_all(folder);
 }
 
 /// The first runs of a study that comes with Skein: no collision, and everybody recovers.

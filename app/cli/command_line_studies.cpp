@@ -1,0 +1,62 @@
+#include "app/cli/command_line_studies.h"
+
+#include <CLI/CLI.hpp>
+
+#include "app/run/resources.h"
+
+namespace skein::app {
+
+void StudyCommands::add_to(CLI::App& program) {
+  sweep_ = program.add_subcommand(
+      "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
+  SweepRequest& request = sweep_request_;
+  sweep_
+      ->add_option("study", request.file,
+                   "study file (TOML), see docs/studies.md, or the name of one that Skein comes with")
+      ->required()
+      ->transform([](const std::string& name) { return find_resource("studies", name); });
+  sweep_->add_option("--runs", request.runs, "how many runs, instead of the file's")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->type_name("N");
+  sweep_->add_option("--seed", request.seed, "seed of the first run; the next ones count on")->type_name("N");
+  CLI::Option* const only =
+      sweep_->add_option("--only", request.only, "the one run with this seed, and the `skein run` that repeats it")
+          ->type_name("SEED");
+  sweep_->add_option("--set", request.sets, "key=value: any key of the experiment; repeatable")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sweep_->add_option("--threads", request.threads, "default: one for each core that the program may use")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  CLI::Option* const csv = sweep_->add_option("--csv", request.csv, "one row a run")->type_name("FILE");
+  CLI::Option* const report =
+      sweep_->add_option("--report", request.report, "distributions and the worst runs as figures, there")
+          ->type_name("DIR");
+  CLI::Option* const part =
+      sweep_
+          ->add_option("--part", request.part,
+                       "i/n: only the i-th of n parts, for --merge; auto: as the Slurm array or MPI job says")
+          ->type_name("i/n")
+          ->excludes(only)
+          ->excludes(csv)
+          ->excludes(report);
+  CLI::Option* const into =
+      sweep_->add_option("--into", request.into, "the folder that keeps the parts")->type_name("DIR")->needs(part);
+  part->needs(into);
+  sweep_
+      ->add_option("--merge", request.merge,
+                   "sum up the parts in this folder, as if one machine had made them all; names those that are missing")
+      ->type_name("DIR")
+      ->excludes(part)
+      ->excludes(only);
+  sweep_->add_flag("--json", request.json, "print the summary as one JSON object");
+  sweep_->add_flag("--quiet", request.quiet, "no progress, no summary");
+}
+
+std::optional<int> StudyCommands::run() const {
+  if (*sweep_) return sweep(sweep_request_);
+  return {};
+}
+
+}  // namespace skein::app

@@ -1,0 +1,73 @@
+#include "app/record/gnuplot.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+extern char** environ;  // NOLINT: POSIX declares it nowhere
+
+namespace skein::app {
+namespace {
+
+using Done = tl::expected<void, std::string>;
+
+constexpr const char* missing_gnuplot =
+    "gnuplot, which draws the figures, cannot be run ({}): install the package gnuplot-nox";
+
+}  // namespace
+
+Done gnuplot(const std::string& directory, const char* argument) {
+  std::array<int, 2> errors{};
+  if (pipe2(errors.data(), O_CLOEXEC) != 0) return tl::unexpected(fmt::format("no pipe: {}", std::strerror(errno)));
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, errors[1], STDERR_FILENO);
+  std::string program = "gnuplot", script = argument;
+  std::array<char*, 3> arguments{program.data(), script.data(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(errors[1]);
+
+  std::string said;
+  std::array<char, 4096> buffer{};
+  for (ssize_t size = 0; failed == 0; said.append(buffer.data(), static_cast<std::size_t>(size))) {
+    do size = read(errors[0], buffer.data(), buffer.size());
+    while (size < 0 && errno == EINTR);
+    if (size <= 0) break;
+  }
+  close(errors[0]);
+  if (failed != 0) return tl::unexpected(fmt::format(missing_gnuplot, std::strerror(failed)));
+
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  said.erase(0, std::min(said.find_first_not_of(" \n"), said.size()));
+  said.erase(said.find_last_not_of(" \n") + 1);
+  const std::string end = WIFEXITED(status) ? fmt::format("ended with status {}", WEXITSTATUS(status))
+                                            : fmt::format("was killed by signal {}", WTERMSIG(status));
+  return tl::unexpected(fmt::format("gnuplot {}{}{}", end, said.empty() ? "" : ": ", said));
+}
+
+Done write_file(const std::string& path, std::string_view text) {
+  errno = 0;
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (out) return {};
+  return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+}
+
+}  // namespace skein::app

@@ -1,0 +1,316 @@
+#include "app/tools/outcome_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string_view>
+
+#include "app/experiment/text_file.h"
+#include "app/record/csv_columns.h"
+#include "app/run/version.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t most_parts = 1'000'000;
+
+// One cell: a number that may be missing, and what a yes or no looks like.
+std::string cell(double value) {
+  return std::isnan(value) ? "" : fmt::format("{}", value);
+}
+std::string cell(std::int64_t value) {
+  return fmt::format("{}", value);
+}
+std::string cell(std::uint64_t value) {
+  return fmt::format("{}", value);
+}
+std::string cell(const std::optional<double>& value) {
+  return cell(value.value_or(none));
+}
+std::string cell(const std::optional<bool>& value) {
+  return value ? *value ? "true" : "false" : "";
+}
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
+template <typename Number>
+bool read_number(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+bool read(std::string_view text, double& value) {
+  if (text.empty()) return value = none, true;
+  return read_number(text, value);
+}
+bool read(std::string_view text, std::int64_t& value) {
+  return read_number(text, value);
+}
+bool read(std::string_view text, std::uint64_t& value) {
+  return read_number(text, value);
+}
+bool read(std::string_view text, std::optional<double>& value) {
+  if (text.empty()) return value.reset(), true;
+  return read_number(text, value.emplace());
+}
+bool read(std::string_view text, std::optional<bool>& value) {
+  value.reset();
+  if (!text.empty()) value = text == "true";
+  return text.empty() || text == "true" || text == "false";
+}
+bool read(std::string_view text, std::string& value) {
+  value.clear();
+  if (!text.starts_with('"')) return value = text, true;
+  if (text.size() < 2 || !text.ends_with('"')) return false;
+  text = text.substr(1, text.size() - 2);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    value += text[i];
+    if (text[i] == '"') ++i;  // doubled
+  }
+  return true;
+}
+
+/// use(name, value) for every column of a run, in their order.
+template <typename Outcome, typename Use>
+void for_columns(Outcome& o, Use&& use) {
+  use("seed", o.seed);
+  use("perturbation", o.perturbation);
+  use("collisions", o.collisions);
+  use("min_distance", o.min_distance);
+  use("obstacle_gap", o.obstacle_gap);
+  use("final_error", o.final_error);
+  use("recovery", o.recovery);
+  use("formation_first", o.formation_first);
+  use("relative_first", o.relative_first);
+  use("outside", o.outside);
+  use("formation_settled", o.formation_settled);
+  use("relative_settled", o.relative_settled);
+  use("tracking_settled", o.tracking_settled);
+  use("limited_share", o.limited_share);
+  use("effort", o.effort);
+  use("failure", o.failure);
+}
+
+constexpr std::array variants{"study", "control"};
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
+  bool quoted = false;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') quoted = !quoted;
+    if (i < line.size() && (quoted || line[i] != ',')) continue;
+    cells.push_back(line.substr(begin, i - begin));
+    begin = i + 1;
+  }
+  return cells;
+}
+
+std::string header() {
+  std::string text = "variant";
+  RunOutcome any;
+  for_columns(any, [&](const char* name, const auto&) { text += fmt::format(",{}", name); });
+  return text;
+}
+
+tl::expected<Outcomes, std::string> read_rows(std::istream& in) {
+  Outcomes outcomes;
+  std::string line;
+  if (!std::getline(in, line) || line != header()) return tl::unexpected(std::string("its columns are others"));
+  for (std::size_t row = 1; std::getline(in, line); ++row) {
+    const std::vector<std::string_view> cells = cells_of(line);
+    const bool whole = !in.eof();
+    const bool control = !cells.empty() && cells[0] == variants[1];
+    RunOutcome outcome;
+    bool good = whole && (control || cells[0] == variants[0]);
+    std::size_t k = 1;
+    for_columns(outcome, [&](const char*, auto& value) {
+      good = good && k < cells.size() && read(cells[k], value);
+      ++k;
+    });
+    if (!good || k != cells.size()) return tl::unexpected(fmt::format("its row {} is torn", row));
+    (control ? outcomes.control : outcomes.study).push_back(std::move(outcome));
+  }
+  return outcomes;
+}
+
+/// Everything that decides what comes of a study's runs.
+std::string fingerprint(const Study& study) {
+  std::string all =
+      fmt::format("{}\n{}\n{}\n{}\n{}\n", version_and_commit(), study.runs, study.seed, study.definition, study.text);
+  for (const auto* sets : {&study.sets, &study.control}) {
+    for (const std::string& set : *sets) all += set + '\n';
+    all += '\n';
+  }
+  return fmt::format("{:016x}", fnv1a(all));
+}
+
+std::string head(const Study& study, const Part& part) {
+  return fmt::format("# skein {}\n# study: {}\n# fingerprint: {}\n# part {} of {}\n", version_and_commit(), study.name,
+                     fingerprint(study), part.index, part.of);
+}
+
+std::optional<std::int64_t> environment_number(const char* name) {
+  const char* const text = std::getenv(name);
+  std::int64_t value = 0;
+  if (!text || !read_number(std::string_view(text), value)) return {};
+  return value;
+}
+
+tl::expected<Part, std::string> part_of_job() {
+  std::int64_t array = 0, arrays = 1, rank = 0, ranks = 1;
+  bool found = false;
+  if (const auto id = environment_number("SLURM_ARRAY_TASK_ID")) {
+    const auto first = environment_number("SLURM_ARRAY_TASK_MIN"), last = environment_number("SLURM_ARRAY_TASK_MAX"),
+               count = environment_number("SLURM_ARRAY_TASK_COUNT");
+    if (!first || !last || !count || (*first != 0 && *first != 1) || *last - *first + 1 != *count)
+      return tl::unexpected(std::string(
+          "--part auto: this Slurm array is no whole one (such as --array=1-16), so that it does not say into "
+          "how many parts the study was cut; allowed here: i/n"));
+    array = *id - *first, arrays = *count;
+    found = true;
+  }
+  for (const auto& [rank_name, size_name] : {std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
+                                             {"PMI_RANK", "PMI_SIZE"},
+                                             {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}})
+    if (const auto k = environment_number(rank_name), n = environment_number(size_name); k && n) {
+      rank = *k, ranks = *n;
+      found = true;
+      break;
+    }
+  const Part part{array * ranks + rank + 1, arrays * ranks};
+  if (!found)
+    return tl::unexpected(
+        std::string("--part auto: this is no task of a Slurm array, of a Slurm step or of an MPI job; allowed here: "
+                    "i/n, as in 3/16"));
+  if (array < 0 || rank < 0 || rank >= ranks || array >= arrays)
+    return tl::unexpected(fmt::format("--part auto: the job says that this is part {} of {}", part.index, part.of));
+  return part;
+}
+
+}  // namespace
+
+void write_outcomes(std::ostream& out, const Outcomes& outcomes) {
+  out << header() << '\n';
+  for (const auto& [variant, rows] : {std::pair(variants[0], &outcomes.study), {variants[1], &outcomes.control}})
+    for (const RunOutcome& outcome : *rows) {
+      out << variant;
+      for_columns(outcome, [&](const char*, const auto& value) { out << ',' << cell(value); });
+      out << '\n';
+    }
+}
+
+tl::expected<Part, std::string> parse_part(const std::string& text) {
+  if (text == "auto") return part_of_job();
+  const std::size_t slash = text.find('/');
+  Part part;
+  const std::string_view all(text);
+  if (slash == std::string::npos || !read_number(all.substr(0, slash), part.index) ||
+      !read_number(all.substr(slash + 1), part.of) || part.of < 1 || part.of > most_parts || part.index < 1 ||
+      part.index > part.of)
+    return tl::unexpected(
+        fmt::format("--part: found \"{}\", allowed: auto, or i/n with i from 1 to n and n up to {}", text, most_parts));
+  return part;
+}
+
+std::string part_file(const std::string& directory, const Part& part) {
+  return (fs::path(directory) / fmt::format("part-{}-of-{}.csv", part.index, part.of)).string();
+}
+
+tl::expected<void, std::string> save_part(const std::string& directory, const Study& study, const Part& part,
+                                          const Outcomes& outcomes) {
+  const std::string path = part_file(directory, part);
+  // Of its own for each process: the same part may be made twice at once.
+  const std::string draft = fmt::format("{}.{}.draft", path, ::getpid());
+  const auto failed = [&] {
+    const std::string why = std::strerror(errno);
+    std::remove(draft.c_str());
+    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, why));
+  };
+  std::error_code error;
+  fs::create_directories(directory, error);
+  std::ofstream file(draft, std::ios::binary | std::ios::trunc);
+  file << head(study, part);
+  write_outcomes(file, outcomes);
+  file.close();
+  if (!file || std::rename(draft.c_str(), path.c_str()) != 0) return failed();
+  return {};
+}
+
+tl::expected<Outcomes, std::string> load_part(const std::string& directory, const Study& study, const Part& part) {
+  const std::string path = part_file(directory, part);
+  const auto text = read_text(path);
+  if (!text) return tl::unexpected(fs::exists(path) ? text.error().front().message() : std::string("it is not there"));
+  const std::string expected = head(study, part);
+  if (!text->starts_with(expected))
+    return tl::unexpected(fmt::format("{}: it is of another study, other runs, other --set or another program", path));
+  std::istringstream in(text->substr(expected.size()));
+  auto outcomes = read_rows(in);
+  if (!outcomes) return tl::unexpected(fmt::format("{}: {}", path, outcomes.error()));
+  const auto whole = [&](const std::vector<RunOutcome>& rows) {
+    std::size_t k = 0;
+    for (std::int64_t run = part.index - 1; run < study.runs; run += part.of, ++k)
+      if (k >= rows.size() || rows[k].seed != study.seed + static_cast<std::uint64_t>(run)) return false;
+    return k == rows.size();
+  };
+  if (!whole(outcomes->study) || !(study.control.empty() ? outcomes->control.empty() : whole(outcomes->control)))
+    return tl::unexpected(fmt::format("{}: it has not all of its runs", path));
+  return outcomes;
+}
+
+tl::expected<Merged, std::string> merge_parts(const std::string& directory, const Study& study) {
+  std::set<std::int64_t> cuts;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    Part part;
+    const std::string name = entry.path().filename().string();
+    if (std::sscanf(name.c_str(), "part-%ld-of-%ld.csv", &part.index, &part.of) == 2 && part.of >= 1 &&
+        part.of <= most_parts && fs::path(part_file("", part)).filename() == name)
+      cuts.insert(part.of);
+  }
+  if (error) return tl::unexpected(fmt::format("{}: cannot be read: {}", directory, error.message()));
+  if (cuts.empty())
+    return tl::unexpected(fmt::format("{}: there are no parts of a study (part-1-of-16.csv, ...)", directory));
+  if (cuts.size() > 1)
+    return tl::unexpected(fmt::format("{}: there are parts of studies that were cut into {} and into {}: a folder each",
+                                      directory, *cuts.begin(), *cuts.rbegin()));
+  Merged merged;
+  merged.parts = *cuts.begin();
+  for (std::int64_t i = 1; i <= merged.parts; ++i) {
+    auto part = load_part(directory, study, {i, merged.parts});
+    if (!part) {
+      merged.missing.push_back({{i, merged.parts}, part.error()});
+      continue;
+    }
+    for (auto rows : {&Outcomes::study, &Outcomes::control}) {
+      auto& all = merged.outcomes.*rows;
+      std::move(((*part).*rows).begin(), ((*part).*rows).end(), std::back_inserter(all));
+    }
+  }
+  for (auto* rows : {&merged.outcomes.study, &merged.outcomes.control})
+    std::sort(rows->begin(), rows->end(), [](const auto& a, const auto& b) { return a.seed < b.seed; });
+  return merged;
+}
+
+}  // namespace skein::app

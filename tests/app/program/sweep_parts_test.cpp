@@ -1,0 +1,115 @@
+// A study in parts, each a process of its own, as a cluster runs it: merged, it is the study of one machine, bit for
+// bit.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "tests/places.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Parts : public ::testing::Test {
+ protected:
+  Parts() {
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "study.toml")
+        << "name = \"parts\"\nexperiment = \"" << skein::test::in_source("resources/experiments/platoon.toml") << "\"\n"
+        << "runs = 13\nset = [\"duration=5\", \"perturb=[]\"]\ncontrol = [\"controller.gains.k_xx=0\"]\n"
+        << "[vary]\n\"reference.start\" = [0.0, 4.196]\n[hand]\nt = 1.0\nrobots = 2\n";
+  }
+  ~Parts() override { std::filesystem::remove_all(folder_); }
+
+  std::string read(const std::string& name) const {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  /// Lines of a shell in the test's folder, `$skein` being the sweep of the study; their exit status.
+  int shell(const std::string& lines) const {
+    const std::string all =
+        "cd '" + folder_.string() + "' && skein='" + skein::test::program() +
+        " sweep study.toml'\nunset SLURM_ARRAY_TASK_ID SLURM_PROCID PMI_RANK OMPI_COMM_WORLD_RANK\n" + lines;
+    const int status = std::system(all.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("skein-parts-" + std::to_string(::getpid()));
+};
+
+TEST_F(Parts, MergedAreTheStudyOfOneMachineBitForBit) {
+  EXPECT_EQ(shell("$skein --csv whole.csv --json > whole.json"), 0) << read("whole.json");
+  EXPECT_EQ(shell("for i in 1 2 3 4; do $skein --part $i/4 --into parts --threads 1 > part$i.txt & done; wait"), 0);
+  EXPECT_THAT(read("part2.txt"), HasSubstr("part: 2 of 4\nruns: 3\nkept: parts/part-2-of-4.csv\n"));
+  EXPECT_EQ(shell("$skein --merge parts --csv merged.csv --json > merged.json"), 0);
+  EXPECT_EQ(read("whole.csv"), read("merged.csv"));
+  EXPECT_EQ(read("whole.json"), read("merged.json"));
+  EXPECT_THAT(read("merged.json"), HasSubstr("\"runs\": 13"));
+  EXPECT_THAT(read("merged.csv"), HasSubstr("\ncontrol,13,"));
+}
+
+TEST_F(Parts, ThoseThatWereKilledAreNamedAndMadeAgain) {
+  // The shell kills the third by itself, so that the number is surely its child's.
+  EXPECT_EQ(shell("for i in 1 3; do $skein --part $i/3 --into parts --quiet || exit 9; done\n"
+                  "timeout -s KILL 0.05 $skein --runs 10000000 --part 2/3 --into parts --quiet; :"),
+            0);
+  EXPECT_EQ(shell("$skein --merge parts > merged.txt 2> said.txt"), 1);
+  EXPECT_THAT(read("said.txt"),
+              HasSubstr("part 2 of 3: it is not there: skein sweep 'study.toml' --part 2/3 --into 'parts'"));
+  EXPECT_THAT(read("said.txt"), HasSubstr("1 of 3 parts are missing"));
+  EXPECT_EQ(read("merged.txt"), "");
+
+  // Torn by a full disk or a copy that broke off: no part either.
+  EXPECT_EQ(shell("$skein --part 2/3 --into parts --quiet && cp parts/part-2-of-3.csv kept && "
+                  "head -c -20 kept > parts/part-2-of-3.csv"),
+            0);
+  EXPECT_EQ(shell("$skein --merge parts > merged.txt 2> said.txt"), 1);
+  EXPECT_THAT(read("said.txt"), HasSubstr("torn"));
+  EXPECT_EQ(shell("$skein --part 2/3 --into parts > again.txt && cmp kept parts/part-2-of-3.csv"), 0);
+  EXPECT_THAT(read("again.txt"), Not(HasSubstr("already")));
+  EXPECT_EQ(shell("$skein --part 2/3 --into parts > again.txt"), 0);
+  EXPECT_THAT(read("again.txt"), HasSubstr("it was there already"));
+  EXPECT_EQ(shell("$skein --merge parts > merged.txt && $skein > whole.txt && cmp merged.txt whole.txt"), 0);
+}
+
+TEST_F(Parts, OfAnotherStudyAreRefused) {
+  EXPECT_EQ(shell("for i in 1 2; do $skein --runs 2 --part $i/2 --into parts --quiet || exit 9; done"), 0);
+  EXPECT_EQ(shell("$skein --runs 2 --set controller.k_y=9 --merge parts 2> said.txt"), 1);
+  EXPECT_THAT(read("said.txt"), HasSubstr("of another study, other runs, other --set or another program"));
+  EXPECT_EQ(shell("$skein --runs 2 --merge parts --quiet 2> said.txt"), 0) << read("said.txt");
+  EXPECT_EQ(shell("$skein --runs 2 --part 1/3 --into parts --quiet && $skein --runs 2 --merge parts 2> said.txt"), 2);
+  EXPECT_THAT(read("said.txt"), HasSubstr("a folder each"));
+  EXPECT_EQ(shell("$skein --merge nowhere 2> said.txt"), 2);
+  EXPECT_THAT(read("said.txt"), HasSubstr("nowhere: cannot be read"));
+}
+
+TEST_F(Parts, JobsSayThemselvesWhichPartIsTheirs) {
+  EXPECT_EQ(shell("SLURM_ARRAY_TASK_ID=2 SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_MAX=3 SLURM_ARRAY_TASK_COUNT=3 "
+                  "$skein --runs 3 --part auto --into parts > said.txt"),
+            0);
+  EXPECT_THAT(read("said.txt"), HasSubstr("part: 2 of 3"));
+  EXPECT_EQ(shell("OMPI_COMM_WORLD_RANK=0 OMPI_COMM_WORLD_SIZE=2 $skein --runs 3 --part auto --into mpi > said.txt"),
+            0);
+  EXPECT_THAT(read("said.txt"), HasSubstr("part: 1 of 2"));
+  EXPECT_EQ(shell("SLURM_ARRAY_TASK_ID=7 SLURM_ARRAY_TASK_MIN=3 SLURM_ARRAY_TASK_MAX=7 SLURM_ARRAY_TASK_COUNT=2 "
+                  "$skein --runs 3 --part auto --into parts 2> said.txt"),
+            2);
+  EXPECT_THAT(read("said.txt"), HasSubstr("no whole one"));
+  EXPECT_EQ(shell("$skein --part auto --into parts 2> said.txt"), 2);
+  EXPECT_THAT(read("said.txt"), HasSubstr("allowed here: i/n"));
+  for (const char* part : {"0/3", "4/3", "1", "1/0", "a/b", "1/3x"})
+    EXPECT_EQ(shell(std::string("$skein --part ") + part + " --into parts 2> said.txt"), 2) << part;
+  EXPECT_THAT(read("said.txt"), HasSubstr("found \"1/3x\""));
+}
+
+}  // namespace
