@@ -102,11 +102,14 @@ class Film {
     for (const core::Obstacle& o : experiment.obstacles)
       obstacles += fmt::format("{}[{},{},{}]", obstacles.empty() ? "" : ",", thousandths(o.x), thousandths(o.y),
                                thousandths(o.radius));
+    std::string radii;
+    for (const RobotSpec& robot : experiment.robots)
+      radii += fmt::format("{}{}", radii.empty() ? "" : ",", thousandths(robot.radius));
     std::string frames;
     for (const std::string& frame : frames_) frames += (frames.empty() ? "" : ",\n") + frame;
     return fmt::format(
-        R"({{"robots":{},"radius":{},"grid":{},"arena":[{},{}],"view":[{},{},{},{}],"step":{},"obstacles":[{}],"frames":[{}]}})",
-        experiment.robots.size(), thousandths(core::robot_radius), thousandths(grid()),
+        R"({{"robots":{},"radii":[{}],"grid":{},"arena":[{},{}],"view":[{},{},{},{}],"step":{},"obstacles":[{}],"frames":[{}]}})",
+        experiment.robots.size(), radii, thousandths(grid()),
         thousandths(experiment.arena_width), thousandths(experiment.arena_height), thousandths(left_ - margin),
         thousandths(-top_ - margin), thousandths(right_ - left_ + 2 * margin), thousandths(top_ - bottom_ + 2 * margin),
         step_, obstacles, frames);
