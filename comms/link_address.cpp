@@ -37,7 +37,7 @@ std::string_view usual(LinkKind kind) noexcept {
 /// The protocol in front of an address, and the rest.
 std::pair<std::string_view, std::string_view> split_protocol(std::string_view text) {
   const std::size_t plus = text.find('+'), colon = text.find(':');
-  if (plus == std::string_view::npos || colon < plus) return {{}, text};
+  if (plus == std::string_view::npos || plus == 0 || colon < plus) return {{}, text};
   return {text.substr(0, plus), text.substr(plus + 1)};
 }
 

@@ -213,7 +213,7 @@ tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view t
       return refuse(fmt::format("\"{}\" is no IPv4 address of this machine", address->device));
     return ListenAddress{address->kind, address->device, address->channel};
   }
-  if (!text.starts_with(rfcomm)) return refuse("begins with none of \"rfcomm:\", \"tcp:\", \"udp:\"");
+  if (!text.starts_with(rfcomm)) return refuse("begins with neither \"rfcomm:\" nor \"tcp:\" nor \"udp:\"");
   const std::size_t slash = text.rfind('/');
   if (slash == std::string_view::npos) return refuse("has no channel");
   ListenAddress address{LinkKind::rfcomm, std::string(text.substr(rfcomm.size(), slash - rfcomm.size())), 0};
