@@ -41,7 +41,7 @@ class Rows final : public RecordSink {
   std::vector<TickRecord> rows;
 };
 
-struct Run {
+struct Outcome {
   std::string error, failure, csv;
   Rows rows;
   Statistics::Summary summary;
@@ -67,8 +67,8 @@ std::string host(const std::string& words) {
   return command(fmt::format("'{}' controller-host {}", test::program(), words));
 }
 
-Run run(const Experiment& experiment) {
-  Run run;
+Outcome outcome_of(const Experiment& experiment) {
+  Outcome run;
   std::ostringstream csv;
   CsvWriter writer(csv, experiment);
   Statistics statistics(experiment);
@@ -96,7 +96,7 @@ std::vector<std::string> with(std::vector<std::string> sets, std::initializer_li
 }
 
 /// The experiment was driven well: nobody was late, and a kick was made good.
-void expect_driven(const Run& run) {
+void expect_driven(const Outcome& run) {
   EXPECT_EQ(run.error, "");
   EXPECT_EQ(run.failure, "");
   EXPECT_EQ(run.end, Phase::finished);
@@ -125,7 +125,7 @@ TEST(OwnController, LayoutIsTheDocumentedOne) {
 }
 
 TEST(OwnController, ALibraryDrivesAndItsValuesStandInTheCsv) {
-  const Run run = app::run(experiment_of(with(kicked, {fmt::format("controller.library=\"{}.so\"", law_program()),
+  const Outcome run = outcome_of(experiment_of(with(kicked, {fmt::format("controller.library=\"{}.so\"", law_program()),
                                                        "controller.log=[\"robot\", \"distance\"]"})));
   expect_driven(run);
   EXPECT_THAT(run.csv,
@@ -137,8 +137,8 @@ TEST(OwnController, ALibraryDrivesAndItsValuesStandInTheCsv) {
 }
 
 TEST(OwnController, AProgramInCDrivesWithTheFilesParameters) {
-  expect_driven(run(experiment_of(with(kicked, {command("'" + law_program() + "'")}))));
-  const Run weak = run(experiment_of(with(
+  expect_driven(outcome_of(experiment_of(with(kicked, {command("'" + law_program() + "'")}))));
+  const Outcome weak = outcome_of(experiment_of(with(
       kicked, {command("'" + law_program() + "'"), "controller.parameters.k_x=0", "controller.parameters.k_y=0"})));
   EXPECT_EQ(weak.failure, "");
   EXPECT_GT(weak.summary.final_error, 0.015);
@@ -160,7 +160,7 @@ TEST(OwnController, PythonDrives) {
   auto experiment = load_experiment(test::in_source("resources/experiments/python_law.toml"),
                                     {"duration=10", "controller.command=\"/usr/bin/python3 my_law.py\""});
   ASSERT_TRUE(experiment) << experiment.error().front().message();
-  expect_driven(run(*experiment));
+  expect_driven(outcome_of(*experiment));
 }
 
 TEST(OwnController, PythonDrivesWithoutNumpy) {
@@ -174,11 +174,11 @@ TEST(OwnController, PythonDrivesWithoutNumpy) {
                          "        tick.v[i] = tick.reference[i][3] + 2.0 * x\n"
                          "        tick.omega[i] = tick.reference[i][4] + 3.0 * theta + 8.0 * y\n"
                          "skein.controller.run(step)\n";
-  expect_driven(run(experiment_of(with(kicked, {command("python3 '" + path + "'")}))));
+  expect_driven(outcome_of(experiment_of(with(kicked, {command("python3 '" + path + "'")}))));
 }
 
 TEST(OwnController, ARunIsRepeatedToTheBitWithoutIt) {
-  const Run first = run(experiment_of(with(kicked, {host("--honest")})));
+  const Outcome first = outcome_of(experiment_of(with(kicked, {host("--honest")})));
   expect_driven(first);
   std::istringstream csv(first.csv);
   const auto again = replay(csv, "run.csv");
@@ -206,7 +206,7 @@ TEST(OwnController, ARunIsRepeatedToTheBitWithoutIt) {
 
 TEST(OwnController, ARunWithGapsIsRepeatedToTheBitAsWell) {
   for (const char* const failure : {"hold", "built_in"}) {
-    const Run first = run(experiment_of(
+    const Outcome first = outcome_of(experiment_of(
         {host("--adversary 6"), "controller.deadline=0.004", fmt::format("controller.failure={}", failure)}));
     ASSERT_EQ(first.error, "");
     EXPECT_GT(first.report.late, 0);
@@ -222,7 +222,7 @@ TEST(OwnController, ARunWithGapsIsRepeatedToTheBitAsWell) {
 
 TEST(OwnController, WhatIsNoNumberMakesItsRobotStandAndIsSaid) {
   ASSERT_EQ(adversary_of(0), Adversary::no_number);
-  const Run run = app::run(experiment_of({host("--adversary 0")}));
+  const Outcome run = outcome_of(experiment_of({host("--adversary 0")}));
   EXPECT_EQ(run.failure, "");
   EXPECT_TRUE(run.rows.told("no_number r1"));
   int stood = 0;
@@ -239,13 +239,13 @@ TEST(OwnController, WhatIsNoNumberMakesItsRobotStandAndIsSaid) {
 
 TEST(OwnController, OneThatCrashesEndsTheRunOrLeavesItToTheBuiltInLaw) {
   ASSERT_EQ(adversary_of(7), Adversary::crash);
-  const Run held = run(experiment_of({host("--adversary 7")}));
+  const Outcome held = outcome_of(experiment_of({host("--adversary 7")}));
   EXPECT_EQ(held.end, Phase::stopped);
   EXPECT_THAT(held.failure, HasSubstr("the controller is gone: it "));
   EXPECT_TRUE(held.rows.told("controller ended"));
   EXPECT_EQ(held.rows.rows.back().robots[0].command, core::Twist{});
 
-  const Run helped = run(experiment_of(with(kicked, {host("--adversary 7"), "controller.failure=built_in"})));
+  const Outcome helped = outcome_of(experiment_of(with(kicked, {host("--adversary 7"), "controller.failure=built_in"})));
   EXPECT_EQ(helped.failure, "");
   EXPECT_EQ(helped.end, Phase::finished);
   EXPECT_LT(helped.summary.final_error, 0.01);
@@ -253,7 +253,7 @@ TEST(OwnController, OneThatCrashesEndsTheRunOrLeavesItToTheBuiltInLaw) {
 
 TEST(OwnController, OneThatHangsIsEndedAndCostsTheTickItsDeadlineAlone) {
   for (const std::uint64_t seed : {8, 9}) {  // hangs; stops itself
-    const Run run = app::run(experiment_of({host(fmt::format("--adversary {}", seed)), "controller.deadline=0.004"}));
+    const Outcome run = outcome_of(experiment_of({host(fmt::format("--adversary {}", seed)), "controller.deadline=0.004"}));
     EXPECT_EQ(run.end, Phase::stopped);
     EXPECT_THAT(run.failure, HasSubstr("was late 25 times in a row")) << word(adversary_of(seed));
     EXPECT_EQ(run.report.late, 25);
@@ -262,7 +262,7 @@ TEST(OwnController, OneThatHangsIsEndedAndCostsTheTickItsDeadlineAlone) {
 
 TEST(OwnController, NothingThatItStartsOutlivesTheRun) {
   ASSERT_EQ(adversary_of(13), Adversary::fork);
-  const Run run = app::run(experiment_of({host("--adversary 13"), "controller.processes=100", "duration=4"}));
+  const Outcome run = outcome_of(experiment_of({host("--adversary 13"), "controller.processes=100", "duration=4"}));
   EXPECT_GT(run.report.asked, 50);
   for (const auto& entry : fs::directory_iterator("/proc")) {
     std::ifstream file(entry.path() / "cmdline");
@@ -274,7 +274,7 @@ TEST(OwnController, NothingThatItStartsOutlivesTheRun) {
 }
 
 TEST(OwnController, ThatCannotDriveIsRefusedBeforeTheRunWithTheReason) {
-  const auto error = [](std::initializer_list<std::string> sets) { return run(experiment_of(sets)).error; };
+  const auto error = [](std::initializer_list<std::string> sets) { return outcome_of(experiment_of(sets)).error; };
   EXPECT_THAT(error({command("/no/such/program")}), HasSubstr("/no/such/program: cannot be started: No such file"));
   EXPECT_THAT(error({command("sh -c 'echo it is broken; exit 3'")}),
               HasSubstr("did not get ready: it ended with exit status 3: it is broken"));
