@@ -134,6 +134,7 @@ int run(const RunRequest& request) {
   Statistics::Summary summary = statistics.summary();
   summary.stopped = end != Phase::finished;
   summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
+  summary.timing = (*session)->timing();
   summary.failure = (*session)->failure().value_or("");
   const vision::SourceStatus camera = (*session)->camera();
   for (const std::string& notice : camera.notices) complain(notice);

@@ -28,6 +28,14 @@ struct RunRequest {
 };
 int run(const RunRequest& request);
 
+struct DoctorRequest {
+  std::vector<ExperimentRequest> experiments;  ///< that are to run on this machine
+  double seconds = 10.0;
+  bool fix = false;
+  bool window = false;  ///< the program has one
+};
+int doctor(const DoctorRequest& request);
+
 int check(const ExperimentRequest& request);
 /// `repaired`: first leaves only the whole rows of a file that ends in a torn one.
 int replay(const std::string& csv, const std::string& film, bool repaired);
