@@ -162,6 +162,19 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       },
       "prints a JSON schema of experiment files instead, for editors that complete and check TOML");
 
+  CLI::App& doctor_command = *program.add_subcommand(
+      "doctor", "Says what stands between this machine and a good run, a line each, and what to do; exit status 1 where "
+                "something is ill");
+  DoctorRequest doctor_request;
+  std::vector<std::string> doctor_files;
+  doctor_command.add_option("experiment", doctor_files, "experiment files that are to run here: their robots and cameras")
+      ->transform([](const std::string& name) { return find_resource("experiments", name); });
+  doctor_command
+      .add_option("--seconds", doctor_request.seconds, "how long the test of keeping time takes; 0: without it")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  doctor_command.add_flag("--fix", doctor_request.fix, "do what can be done, as root or with sudo, and say it");
+
   CLI::App& replay_command = *program.add_subcommand(
       "replay", "Runs a recorded CSV through the same tick and says whether every command comes out bit for bit");
   std::string replay_file;
@@ -302,6 +315,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     return run(run_request);
   }
   if (check_command) return check(check_experiment.request(), check_law);
+  if (doctor_command) {
+    for (const std::string& file : doctor_files) doctor_request.experiments.push_back({file, {}});
+    doctor_request.window = bool(show_window);
+    return doctor(doctor_request);
+  }
   if (replay_command) return replay(replay_file, replay_film, replay_repairs, replay_asks);
   if (const auto status = study_commands.run()) return *status;
   if (track_command) return track(track_request);

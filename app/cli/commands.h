@@ -32,6 +32,14 @@ struct RunRequest {
 };
 int run(const RunRequest& request);
 
+struct DoctorRequest {
+  std::vector<ExperimentRequest> experiments;  ///< that are to run on this machine
+  double seconds = 10.0;
+  bool fix = false;
+  bool window = false;  ///< the program has one
+};
+int doctor(const DoctorRequest& request);
+
 /// `controller`: what the law does over the whole experiment as well.
 int check(const ExperimentRequest& request, bool controller);
 /// `repaired`: first leaves only the whole rows of a file that ends in a torn one.

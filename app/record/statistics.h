@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
-#include "app/record/histogram.h"
+#include "app/run/histogram.h"
 #include "app/run/status.h"
 #include "app/run/tick_record.h"
+#include "app/run/timing.h"
 
 namespace skein::app {
 
@@ -76,6 +77,7 @@ class Statistics final : public RecordSink {
     double loop_delay = none, delay_margin = none;
     std::array<Histogram, stages> latency;           ///< of each stage; empty on the virtual clock
     Histogram latency_total;                         ///< a frame's arrival to its command written
+    std::optional<Timing> timing;                    ///< wall-clock runs only
     bool stopped = false;                            ///< by the operator or a failure
     std::string failure;                             ///< why it was stopped, where a camera or a robot failed
     std::vector<std::pair<int, RobotStatus>> links;  ///< of the robots that have one, from 0, at the end

@@ -56,6 +56,24 @@ Json latency(const Statistics::Summary& s) {
   return result;
 }
 
+Json lateness(const Histogram& late) {
+  return {{"p50", json(late.quantile(0.5))},
+          {"p99", json(late.quantile(0.99))},
+          {"p999", json(late.quantile(0.999))},
+          {"largest", json(late.largest())}};
+}
+
+/// The timing certificate: how late ticks began, beside a thread that did nothing else.
+Json timing(const std::optional<Timing>& timing) {
+  Json result = Json::object();
+  if (!timing || timing->tick.total() == 0) return result;
+  result["tick"] = lateness(timing->tick);
+  result["bare_thread"] = lateness(timing->bare);
+  result["real_time_priority"] = timing->priority > 0 ? Json(timing->priority) : Json();
+  if (timing->priority == 0) result["no_priority"] = timing->no_priority;
+  return result;
+}
+
 Json json(int robot, const RobotStatus& link) {
   return {{"robot", robot + 1},
           {"link", word(link.link)},
@@ -95,6 +113,7 @@ Json json(const Statistics::Summary& s) {
               {"median_compute", json(s.median_compute)},
               {"largest_compute", json(s.largest_compute)},
               {"latency", latency(s)},
+              {"timing", timing(s.timing)},
               {"loop_delay", json(s.loop_delay)},
               {"delay_margin", json(s.delay_margin)},
               {"stopped", s.stopped},
@@ -135,6 +154,15 @@ std::string as_lines(const Statistics::Summary& summary) {
       for (const auto& [stage, part] : value.items())
         for (const auto& [what, seconds] : part.items())
           lines += fmt::format("latency_{}_{}: {}\n", stage, what, text(seconds));
+    } else if (key == "timing") {
+      for (const auto& [what, part] : value.items()) {
+        if (!part.is_object()) {
+          lines += fmt::format("timing_{}: {}\n", what, text(part));
+          continue;
+        }
+        for (const auto& [share, seconds] : part.items())
+          lines += fmt::format("timing_{}_late_{}: {}\n", what, share, text(seconds));
+      }
     } else if (key == "links") {
       for (const auto& link : value)
         for (const auto& [name, part] : link.items())

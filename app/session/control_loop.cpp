@@ -1,7 +1,6 @@
 #include "app/session/control_loop.h"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <chrono>
@@ -261,6 +260,8 @@ void ControlLoop::cycle_virtual() {
 }
 
 void ControlLoop::start_thread() {
+  constexpr double longest = 0.1;  // so that the end of a slow run does not wait for it [s]
+  bare_ = std::make_unique<BareThread>(std::min(experiment_.period(), longest), control_priority);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     try {
       thread(stop);
@@ -275,13 +276,13 @@ void ControlLoop::start_thread() {
 void ControlLoop::end_thread() {
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
+  if (bare_) timing_.bare = bare_->end();
 }
 
 void ControlLoop::thread(const std::stop_token& stop) {
   // Real-time priority where the system grants it; without it the deadlines are kept as well as an ordinary thread can.
-  sched_param priority{};
-  priority.sched_priority = 20;
-  pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+  timing_.no_priority = ask_for_priority(control_priority);
+  timing_.priority = timing_.no_priority.empty() ? control_priority : 0;
 
   const double period = experiment_.period();
   const double patience = std::max(experiment_.command_silence(), 3.0 * period);
@@ -307,6 +308,7 @@ void ControlLoop::thread(const std::stop_token& stop) {
     const TickTimer::Window window = timer.window();
     std::this_thread::sleep_until(clock_.at(window.earliest));
     if (window.latest > window.earliest) plant_.wait_for_frame(window.since, window.latest);
+    const double woke = clock_.now();
     heart.beat();
     const double gap = clock_.now() - cycled_at - period;
     cycled_at += gap + period;
@@ -316,6 +318,8 @@ void ControlLoop::thread(const std::stop_token& stop) {
       plant_.stop();
     }
     cycle(clock_.now(), elapsed);
+    const double due = new_frame_ ? std::clamp(frame_.ready_at, window.earliest, window.latest) : window.latest;
+    timing_.tick.add(std::max(0.0, woke - due));
     if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
     // Deadlines that have passed by now are missed, and the next tick says how many.
     elapsed = timer.ticked(clock_.now());

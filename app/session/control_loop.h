@@ -12,6 +12,8 @@
 
 #include "app/controllers/own_controller.h"
 #include "app/run/session_clock.h"
+#include "app/run/timing.h"
+#include "app/session/bare_thread.h"
 #include "app/session/plant.h"
 #include "app/session/tick_timer.h"
 #include "app/tick/control_tick.h"
@@ -73,6 +75,8 @@ class ControlLoop {
   /// Set when the control thread died; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
+  /// How well the thread kept time, at real-time speed; after end_thread().
+  const Timing& timing() const noexcept { return timing_; }
   const TickRecord& prototype() const noexcept { return tick_.record(); }
 
  private:
@@ -128,6 +132,8 @@ class ControlLoop {
   std::atomic<int> unseen_{0};
   std::unique_ptr<PairState[]> pairs_;
   std::string reason_;
+  Timing timing_;
+  std::unique_ptr<BareThread> bare_;
   std::jthread thread_;
 };
 

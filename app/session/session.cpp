@@ -70,6 +70,10 @@ std::size_t Session::drain(const std::function<void(const TickRecord&)>& take) {
   return wiring_->window_channel->drain(take);
 }
 
+std::optional<Timing> Session::timing() const {
+  return wiring_->clock.wall() && wiring_->closed ? std::optional(wiring_->loop->timing()) : std::nullopt;
+}
+
 std::uint64_t Session::dropped_rows() const noexcept {
   return wiring_->recorder_channel ? wiring_->recorder_channel->dropped() : 0;
 }

@@ -14,6 +14,7 @@
 #include "app/experiment/experiment.h"
 #include "app/run/status.h"
 #include "app/run/tick_record.h"
+#include "app/run/timing.h"
 #include "app/session/session_options.h"
 #include "vision/frames/frame_source.h"
 
@@ -109,6 +110,9 @@ class Session {
   /// Hands over every record since the last call (ready and paused ones too), oldest first. For one thread: the
   /// window's.
   std::size_t drain(const std::function<void(const TickRecord&)>& take);
+
+  /// How well the run kept time, after close(); empty on the virtual clock.
+  std::optional<Timing> timing() const;
 
   /// Rows of the run that its sinks never got, because they were too slow for 20 s; 0 on the virtual clock.
   std::uint64_t dropped_rows() const noexcept;

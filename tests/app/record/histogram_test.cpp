@@ -1,4 +1,4 @@
-#include "app/record/histogram.h"
+#include "app/run/histogram.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -248,6 +248,23 @@ TEST(Summary, ReadsAsLinesAndAsJson) {
   EXPECT_EQ(json["events"][1]["what"], "perturb r2");
 }
 
+TEST(Summary, HasTheTimingCertificateOfARunInRealTime) {
+  Statistics::Summary s;
+  s.timing.emplace();
+  EXPECT_EQ(as_lines(s).find("timing_"), std::string::npos) << "no tick ran at real-time speed";
+  for (int k = 0; k < 1000; ++k) s.timing->tick.add(1e-4), s.timing->bare.add(5e-5);
+  s.timing->tick.add(0.002);
+  s.timing->no_priority = "not permitted";
+  const std::string lines = as_lines(s);
+  EXPECT_NE(lines.find("timing_tick_late_largest: 0.002\n"), std::string::npos) << lines;
+  EXPECT_NE(lines.find("timing_bare_thread_late_p999: "), std::string::npos) << lines;
+  EXPECT_NE(lines.find("timing_real_time_priority: none\ntiming_no_priority: not permitted\n"), std::string::npos) << lines;
+  EXPECT_NEAR(nlohmann::json::parse(as_json(s))["timing"]["tick"]["p99"].get<double>(), 1e-4, 5e-6);
+  s.timing->priority = 20;
+  EXPECT_NE(as_lines(s).find("timing_real_time_priority: 20\n"), std::string::npos);
+  EXPECT_EQ(as_lines(s).find("no_priority"), std::string::npos);
+}
+
 TEST(Statistics, CountCollisionsWithWhatTheOperatorPutsDown) {
   History h;
   h.add(5, 0.0, 0.0);

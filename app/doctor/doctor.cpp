@@ -1,0 +1,432 @@
+#include "app/doctor/doctor.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "comms/link_address.h"
+#include "vision/calibration/calibration.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using State = Finding::State;
+using Findings = std::vector<Finding>;
+
+constexpr int needed_priority = 22;            // the guard's, the highest that is asked for
+constexpr std::size_t robots_per_adapter = 7;  // of Bluetooth
+constexpr double megabyte = 1e6;
+
+/// A small file of the kernel, without its line end; empty: there is none.
+std::string read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+fs::path below(const Machine& machine, const std::string& path) {
+  return machine.root + path;
+}
+
+/// The entries of a folder whose names begin with `beginning`, sorted.
+std::vector<fs::path> entries(const fs::path& folder, const std::string& beginning) {
+  std::vector<fs::path> result;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().filename().string().starts_with(beginning)) result.push_back(it->path());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+Finding well(std::string what, std::string found) {
+  return {State::well, std::move(what), std::move(found), {}};
+}
+
+// --- what a user may do ---
+
+Finding group(const Machine& machine, const char* name, const char* what) {
+  const std::string subject = fmt::format("group {}", name);
+  if (machine.superuser || std::find(machine.groups.begin(), machine.groups.end(), name) != machine.groups.end())
+    return well(subject, machine.superuser ? "root needs none" : "you are in it");
+  return {State::ill,
+          subject,
+          fmt::format("{} is not in it: {} cannot be opened", machine.user, what),
+          fmt::format("as root: adduser {} {}; then log in anew", machine.user, name),
+          {{"adduser", machine.user, name}}};
+}
+
+Finding priority(const Machine& machine) {
+  const char* const subject = "real-time priority";
+  if (machine.superuser || machine.rtprio < 0) return well(subject, "granted without limit");
+  if (machine.rtprio >= needed_priority) return well(subject, fmt::format("granted up to {}", machine.rtprio));
+  return {State::ill,
+          subject,
+          fmt::format("not granted (limit {}, asked for {}): a busy machine makes ticks and stops late", machine.rtprio,
+                      needed_priority),
+          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in anew", machine.user),
+          {{"addgroup", "--quiet", "--system", "skein"},
+           {"sh", "-c", "echo '@skein - rtprio 25' > /etc/security/limits.d/60-skein.conf"},
+           {"adduser", machine.user, "skein"}}};
+}
+
+Finding throttling(const Machine& machine) {
+  const char* const subject = "real-time share";
+  const std::string runtime = read(below(machine, "/proc/sys/kernel/sched_rt_runtime_us"));
+  if (runtime != "0") return well(subject, "threads with real-time priority may run");
+  return {State::ill,
+          subject,
+          "kernel.sched_rt_runtime_us is 0: no thread with real-time priority may run",
+          "as root: sysctl kernel.sched_rt_runtime_us=950000",
+          {{"sysctl", "kernel.sched_rt_runtime_us=950000"}}};
+}
+
+// --- how well it computes ---
+
+Finding governor(const Machine& machine) {
+  const char* const subject = "CPU frequency";
+  std::set<std::string> slow;
+  for (const fs::path& policy : entries(below(machine, "/sys/devices/system/cpu/cpufreq"), "policy")) {
+    const std::string governor = read(policy / "scaling_governor"), driver = read(policy / "scaling_driver");
+    // The drivers of newer processors choose the frequency themselves: their "powersave" is what others call automatic.
+    const bool automatic = governor == "powersave" && (driver == "intel_pstate" || driver == "amd-pstate-epp");
+    if (!governor.empty() && governor != "performance" && !automatic) slow.insert(governor);
+  }
+  if (slow.empty()) return well(subject, "no governor slows the processor down");
+  return {slow.contains("powersave") ? State::ill : State::note,
+          subject,
+          fmt::format("governor {}: the processor wakes slow", fmt::join(slow, ", ")),
+          "as root: for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done",
+          {{"sh", "-c",
+            "for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done"}}};
+}
+
+Finding load(const Machine& machine) {
+  const char* const subject = "load";
+  std::istringstream text(read(below(machine, "/proc/loadavg")));
+  double last_minute = 0.0;
+  text >> last_minute;
+  const auto folders = entries(below(machine, "/sys/devices/system/cpu"), "cpu");
+  const auto cores = std::max<std::ptrdiff_t>(
+      1, std::count_if(folders.begin(), folders.end(), [](const fs::path& folder) {
+        return std::isdigit(static_cast<unsigned char>(folder.filename().string().back())) != 0;
+      }));
+  const std::string found = fmt::format("{:.1f} threads at work on {} cores", last_minute, cores);
+  if (last_minute <= 0.75 * static_cast<double>(cores)) return well(subject, found);
+  return {State::ill, subject, found, "close other programs; top says which"};
+}
+
+Finding memory(const Machine& machine) {
+  const char* const subject = "memory";
+  std::istringstream text(read(below(machine, "/proc/meminfo")));
+  double available = -1.0;  // [kB]
+  for (std::string line; std::getline(text, line);)
+    if (line.starts_with("MemAvailable:")) available = std::stod(line.substr(13));
+  if (available < 0.0) return well(subject, "not known");
+  const std::string found = fmt::format("{:.0f} MB available", available / 1024.0);
+  if (available >= 300.0 * 1024.0) return well(subject, found);
+  return {State::ill, subject, found + ": what is swapped out comes back late", "close other programs"};
+}
+
+Finding clock_source(const Machine& machine) {
+  const char* const subject = "clock";
+  const std::string source = read(below(machine, "/sys/devices/system/clocksource/clocksource0/current_clocksource"));
+  const bool slow = source == "hpet" || source == "acpi_pm" || source == "jiffies" || source.starts_with("refined");
+  if (!slow) return well(subject, source.empty() ? "not known" : source);
+  return {State::note, subject, fmt::format("{}: asking for the time is slow", source),
+          "boot with tsc=reliable if the processor's counter can be relied on"};
+}
+
+std::string milliseconds(double seconds) {
+  return fmt::format("{:.2f}", 1e3 * seconds);
+}
+
+Finding timing(const Machine& machine, double seconds) {
+  const char* const subject = "keeping time";
+  const Timing timing = machine.keep_time(seconds);
+  constexpr double most = 2e-3;  // a twentieth of a period of 40 ms [s]
+  const auto words = [](const Histogram& late) {
+    return fmt::format("{} / {} / {} / {} ms", milliseconds(late.quantile(0.5)), milliseconds(late.quantile(0.99)),
+                       milliseconds(late.quantile(0.999)), milliseconds(late.largest()));
+  };
+  std::string found = fmt::format("bare threads late by (p50 / p99 / p99.9 / worst): ordinary {}", words(timing.bare));
+  if (timing.priority > 0) found += fmt::format(", at real-time priority {}", words(timing.tick));
+  const Histogram& best = timing.priority > 0 ? timing.tick : timing.bare;
+  if (best.quantile(0.99) <= most && best.largest() <= 10.0 * most) return well(subject, found);
+  return {State::ill, subject, found,
+          "a tick has 40 ms: mend what stands above; a virtual machine or a power-saving firmware may be the cause"};
+}
+
+Findings disk(const Machine& machine) {
+  Findings result;
+  const double free = machine.disk_free();
+  if (const std::string found = fmt::format("{:.1f} GB free here", free / 1e9); free >= 1e9)
+    result.push_back(well("disk space", found));
+  else
+    result.push_back({State::ill, "disk space", found + ": a film takes 1 GB a minute, a CSV 2 MB", "make room"});
+  const auto speed = machine.disk_speed();
+  if (!speed)
+    result.push_back({State::ill, "disk", speed.error(), "start where you may write"});
+  else if (const std::string found = fmt::format("writes {:.0f} MB/s here", *speed / megabyte); *speed >= 20 * megabyte)
+    result.push_back(well("disk", found));
+  else
+    result.push_back({*speed < 2 * megabyte ? State::ill : State::note, "disk", found + ": too slow for films",
+                      "record on another disk; a CSV needs 0.1 MB/s"});
+  return result;
+}
+
+// --- robots ---
+
+Findings bluetooth(const Machine& machine, const Examination& examination) {
+  Findings result;
+  std::map<std::string, std::size_t> wanted;  // robots by adapter
+  std::size_t robots = 0;
+  for (const auto& [file, experiment] : examination.experiments) {
+    std::map<std::string, std::size_t> here;
+    std::size_t all = 0;
+    for (const RobotSpec& robot : experiment.robots)
+      if (robot.link == RobotSpec::Link::device && robot.address.starts_with("rfcomm:")) ++here[robot.adapter], ++all;
+    for (const auto& [adapter, count] : here) wanted[adapter] = std::max(wanted[adapter], count);
+    robots = std::max(robots, all);
+  }
+  const State missing = robots > 0 ? State::ill : State::note;
+
+  for (const fs::path& kill : entries(below(machine, "/sys/class/rfkill"), "rfkill"))
+    if (read(kill / "type") == "bluetooth" && (read(kill / "soft") == "1" || read(kill / "hard") == "1"))
+      result.push_back({missing,
+                        "Bluetooth switch",
+                        fmt::format("{} is blocked by {}", read(kill / "name"),
+                                    read(kill / "hard") == "1" ? "a switch of the machine" : "software"),
+                        "rfkill unblock bluetooth, or the machine's own switch",
+                        {{"rfkill", "unblock", "bluetooth"}}});
+  if (entries(below(machine, "/sys/class/bluetooth"), "hci").empty()) {
+    result.push_back(
+        {missing, "Bluetooth", "no adapter: robots by WiFi and cable only", "plug one in; each takes 7 robots"});
+    return result;
+  }
+  const auto adapters = machine.adapters();
+  if (!adapters) {
+    result.push_back({missing,
+                      "Bluetooth daemon",
+                      adapters.error(),
+                      "as root: systemctl enable --now bluetooth",
+                      {{"systemctl", "enable", "--now", "bluetooth"}}});
+    return result;
+  }
+  std::size_t on = 0;
+  for (const BluetoothAdapter& adapter : *adapters) {
+    if (adapter.powered) {
+      ++on;
+      continue;
+    }
+    result.push_back({missing,
+                      fmt::format("Bluetooth {}", adapter.name),
+                      "is switched off",
+                      fmt::format("bluetoothctl select {} ; bluetoothctl power on", adapter.address),
+                      {{"bluetoothctl", "power", "on"}}});
+  }
+  const std::size_t room = on * robots_per_adapter;
+  const std::string found = fmt::format("{} adapter{} on: {} robots at most{}", on, on == 1 ? "" : "s", room,
+                                        robots > 0 ? fmt::format(", {} wanted", robots) : "");
+  if (robots > room)
+    result.push_back({State::ill, "Bluetooth", found, "plug in another adapter and name it with each robot"});
+  else if (on > 0)
+    result.push_back(well("Bluetooth", found));
+  for (const auto& [adapter, count] : wanted) {
+    const bool known = adapter.empty() || std::any_of(adapters->begin(), adapters->end(), [&](const auto& a) {
+                         return a.name == adapter || a.address == adapter;
+                       });
+    if (!known)
+      result.push_back({State::ill, fmt::format("Bluetooth {}", adapter), "an experiment names it, and it is not there",
+                        "plug it in, or name another"});
+    else if (count > robots_per_adapter && robots <= room)
+      result.push_back({State::ill, fmt::format("Bluetooth {}", adapter.empty() ? "adapter" : adapter),
+                        fmt::format("{} robots on it, 7 fit", count), "spread them: adapter = \"hci1\""});
+  }
+  return result;
+}
+
+Findings serial(const Machine& machine, const Examination& examination) {
+  Findings result;
+  for (const fs::path& process : entries(below(machine, "/proc"), ""))
+    if (read(process / "comm") == "ModemManager" &&
+        !fs::exists(below(machine, "/usr/lib/udev/rules.d/60-skein.rules"))) {
+      result.push_back({State::note, "ModemManager", "writes to new serial lines, robots on USB among them",
+                        "install skein-permissions, which keeps it away from e-pucks"});
+      break;
+    }
+  for (const auto& [file, experiment] : examination.experiments)
+    for (const RobotSpec& robot : experiment.robots) {
+      if (robot.link != RobotSpec::Link::device) continue;
+      const auto address = comms::parse_link_address(robot.address);
+      if (!address || address->kind != comms::LinkKind::serial) continue;
+      std::error_code error;
+      if (!fs::exists(below(machine, address->device), error))
+        result.push_back({State::ill, address->device, fmt::format("is not there; {} drives a robot on it", file),
+                          "plug it in, or mend its link in the file"});
+      else if (!machine.usable(address->device))
+        result.push_back({State::ill, address->device, "may not be opened by you", "see the group dialout above"});
+    }
+  return result;
+}
+
+// --- what robots are seen with ---
+
+Findings cameras(const Machine& machine, const Examination& examination) {
+  Findings result;
+  const auto devices = entries(below(machine, "/sys/class/video4linux"), "video");
+  std::vector<std::string> names;
+  for (const fs::path& device : devices) {
+    const std::string path = "/dev/" + device.filename().string();
+    names.push_back(fmt::format("{} ({})", path, read(device / "name")));
+    if (!machine.usable(path))
+      result.push_back({State::ill, path, "may not be opened by you", "see the group video above"});
+  }
+  bool wanted = false;
+  for (const auto& [file, experiment] : examination.experiments) {
+    if (experiment.camera.kind() != CameraKind::live) continue;
+    wanted = true;
+    const std::string device = experiment.camera.source.substr(experiment.camera.source.find(':') + 1);
+    std::error_code error;
+    if (!devices.empty() && !fs::exists(below(machine, device), error))
+      result.push_back({State::ill, device, fmt::format("is not there; {} sees its robots with it", file),
+                        "plug it in, or name another: skein camera list"});
+  }
+  if (devices.empty())
+    result.push_back({wanted ? State::ill : State::note, "camera", "none", "plug one in; skein camera list shows it"});
+  else if (result.empty())
+    result.push_back(well("camera", fmt::format("{}", fmt::join(names, ", "))));
+  return result;
+}
+
+/// The calibrations of the experiments, and whether they agree about the tags that robots carry.
+Findings calibrations(const Examination& examination) {
+  Findings result;
+  std::map<std::string, double> sizes;  // [m]
+  for (const auto& [file, experiment] : examination.experiments) {
+    if (experiment.camera.calibration.empty()) {
+      if (experiment.camera.kind() == CameraKind::live)
+        result.push_back({State::ill, "calibration", fmt::format("{} names none", file),
+                          "skein calibrate, see docs/calibration.md"});
+      continue;
+    }
+    const fs::path path = fs::path(file).parent_path() / experiment.camera.calibration;
+    const auto calibration = vision::load_calibration(path);
+    if (!calibration) {
+      result.push_back({State::ill, "calibration", calibration.error(), "skein calibrate, see docs/calibration.md"});
+      continue;
+    }
+    if (!calibration->world_from_camera)
+      result.push_back({State::ill, "calibration", fmt::format("{} does not say where the camera hangs", path.string()),
+                        "skein calibrate floor"});
+    sizes[path.string()] = calibration->tag_size;
+  }
+  if (sizes.empty()) return result;
+  std::vector<std::string> words;
+  std::set<double> different;
+  for (const auto& [path, size] : sizes) {
+    words.push_back(fmt::format("{:g} mm in {}", 1e3 * size, path));
+    different.insert(size);
+  }
+  if (different.size() > 1)
+    result.push_back({State::ill, "tag size", fmt::format("{}", fmt::join(words, ", ")),
+                      "measure the black edge of a robot's tag; skein calibrate floor --tag-size"});
+  else
+    result.push_back(
+        well("tag size", fmt::format("{}: measure the black edge of a robot's tag", fmt::join(words, ", "))));
+  return result;
+}
+
+// --- the program's own parts ---
+
+Findings parts(const Machine& machine) {
+  Findings result;
+  if (const auto guard = machine.guard(); guard)
+    result.push_back(well("guard", "can be started"));
+  else
+    result.push_back({State::ill, "guard", guard.error(),
+                      "without it nothing stops the robots when the program is killed: make the folder writable"});
+  for (const std::string& run : machine.bad_ends())
+    result.push_back({State::ill, "an earlier run", fmt::format("{} ended badly, its robots may still drive", run),
+                      "skein robots stop"});
+  if (const auto modules = machine.modules(); modules)
+    result.push_back(well("modules", "films and calibration boards"));
+  else
+    result.push_back({State::ill, "modules", modules.error(), "install skein anew"});
+  if (machine.has_program("gnuplot"))
+    result.push_back(well("gnuplot", "draws the figures of reports"));
+  else
+    result.push_back({State::note,
+                      "gnuplot",
+                      "is missing: no figures with --report",
+                      "as root: apt-get install gnuplot-nox",
+                      {{"apt-get", "install", "-y", "gnuplot-nox"}}});
+  return result;
+}
+
+Finding display(const Machine& machine) {
+  const char* const subject = "display";
+  if (!machine.window) return {State::note, subject, "this program was built without a window", "skein run works"};
+  if (machine.display.empty())
+    return {State::note, subject, "none: no window here", "skein run works without; or ssh -X"};
+  std::error_code error;
+  if (machine.display.starts_with(":")) {
+    const std::string number = machine.display.substr(1, machine.display.find('.') - 1);
+    if (!fs::exists(below(machine, "/tmp/.X11-unix/X" + number), error))
+      return {State::ill, subject, fmt::format("DISPLAY is {}, and nothing answers there", machine.display),
+              "log in at the machine, or unset DISPLAY"};
+  }
+  return well(subject, machine.display);
+}
+
+}  // namespace
+
+std::vector<Finding> examine(const Machine& machine, const Examination& examination) {
+  Findings all;
+  const auto add = [&](Findings more) { std::move(more.begin(), more.end(), std::back_inserter(all)); };
+  all.push_back(group(machine, "dialout", "robots on serial lines"));
+  all.push_back(group(machine, "video", "cameras"));
+  all.push_back(priority(machine));
+  all.push_back(throttling(machine));
+  all.push_back(governor(machine));
+  all.push_back(clock_source(machine));
+  all.push_back(load(machine));
+  all.push_back(memory(machine));
+  add(disk(machine));
+  add(bluetooth(machine, examination));
+  add(serial(machine, examination));
+  add(cameras(machine, examination));
+  add(calibrations(examination));
+  add(parts(machine));
+  all.push_back(display(machine));
+  if (examination.seconds > 0.0) all.push_back(timing(machine, examination.seconds));
+  return all;
+}
+
+std::string as_line(const Finding& finding) {
+  const char* word = "well";
+  switch (finding.state) {
+    case State::well:
+      break;
+    case State::note:
+      word = "note";
+      break;
+    case State::ill:
+      word = "ILL ";
+      break;
+  }
+  return fmt::format("{}  {}: {}{}{}\n", word, finding.what, finding.found, finding.remedy.empty() ? "" : " -> ",
+                     finding.remedy);
+}
+
+}  // namespace skein::app

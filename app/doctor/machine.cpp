@@ -1,0 +1,165 @@
+#include "app/doctor/machine.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <grp.h>
+#include <pwd.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/statvfs.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+
+#include "app/guard/run_marker.h"
+#include "app/session/bare_thread.h"
+#include "comms/bluez_bus.h"
+#include "vision/sources/modules_present.h"
+
+extern char** environ;  // NOLINT: POSIX declares it nowhere
+
+namespace skein::app {
+namespace {
+
+std::string variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+std::vector<std::string> groups_of_this_process() {
+  std::vector<gid_t> ids(static_cast<std::size_t>(std::max(0, ::getgroups(0, nullptr))));
+  const int count = ::getgroups(static_cast<int>(ids.size()), ids.data());
+  ids.resize(static_cast<std::size_t>(std::max(0, count)));
+  ids.push_back(::getegid());
+  std::vector<std::string> names;
+  for (const gid_t id : ids)
+    if (const group* const entry = ::getgrgid(id); entry != nullptr) names.emplace_back(entry->gr_name);
+  return names;
+}
+
+long real_time_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_RTPRIO, &limit) != 0) return 0;
+  return limit.rlim_cur == RLIM_INFINITY ? -1 : static_cast<long>(limit.rlim_cur);
+}
+
+tl::expected<std::vector<BluetoothAdapter>, std::string> ask_the_daemon() {
+  auto bus = comms::BluezBus::open();
+  if (!bus) return tl::unexpected(bus.error());
+  const auto objects = bus->objects();
+  if (!objects) return tl::unexpected(objects.error());
+  std::vector<BluetoothAdapter> adapters;
+  for (const comms::BluezAdapter& adapter : objects->adapters)
+    adapters.push_back({adapter.name(), adapter.address, adapter.powered});
+  return adapters;
+}
+
+/// Four megabytes, as fast as they are on the disk for good.
+tl::expected<double, std::string> write_here() {
+  constexpr std::size_t block = 1 << 18, blocks = 16;
+  std::string name = ".skein-doctor-XXXXXX";
+  const int file = ::mkostemp(name.data(), O_CLOEXEC);
+  const auto failed = [&] {
+    return tl::unexpected(fmt::format("nothing can be written here ({}): {}", std::filesystem::current_path().string(),
+                                      std::strerror(errno)));
+  };
+  if (file < 0) return failed();
+  ::unlink(name.c_str());
+  const std::vector<char> bytes(block, 'x');
+  const auto began = std::chrono::steady_clock::now();
+  bool well = true;
+  for (std::size_t k = 0; k < blocks && well; ++k)
+    well = ::write(file, bytes.data(), block) == static_cast<ssize_t>(block);
+  well = well && ::fdatasync(file) == 0;
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  if (!well) {
+    auto error = failed();
+    ::close(file);
+    return error;
+  }
+  ::close(file);
+  return static_cast<double>(block * blocks) / std::max(1e-6, took.count());
+}
+
+double free_here() {
+  struct statvfs disk {};
+  return ::statvfs(".", &disk) == 0 ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize) : 0.0;
+}
+
+Timing two_bare_threads(double seconds) {
+  constexpr double period = 0.04;
+  BareThread ordinary(period, 0), real_time(period, control_priority);
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  Timing timing;
+  timing.priority = real_time.priority();
+  timing.no_priority = real_time.no_priority();
+  timing.tick = real_time.end();
+  timing.bare = ordinary.end();
+  return timing;
+}
+
+tl::expected<void, std::string> try_the_guard() {
+  const std::string folder = state_directory();
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    return tl::unexpected(fmt::format("{}: {}", folder, std::strerror(errno)));
+  if (::access("/proc/self/exe", X_OK) != 0) return tl::unexpected(std::string("/proc is not there: the guard cannot be started"));
+  return {};
+}
+
+bool on_the_path(const std::string& program) {
+  std::istringstream folders(variable("PATH"));
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (::access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+int execute(const std::vector<std::string>& command) {
+  std::vector<std::string> words = command;
+  if (::geteuid() != 0) words.insert(words.begin(), "sudo");
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (::posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return 127;
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+}  // namespace
+
+Machine this_machine() {
+  Machine machine;
+  const passwd* const entry = ::getpwuid(::getuid());
+  machine.user = entry != nullptr ? entry->pw_name : std::to_string(::getuid());
+  machine.superuser = ::geteuid() == 0;
+  machine.groups = groups_of_this_process();
+  machine.rtprio = real_time_limit();
+  machine.display = variable("DISPLAY").empty() ? variable("WAYLAND_DISPLAY") : variable("DISPLAY");
+  machine.usable = [](const std::string& path) { return ::access(path.c_str(), R_OK | W_OK) == 0; };
+  machine.adapters = ask_the_daemon;
+  machine.keep_time = two_bare_threads;
+  machine.disk_speed = write_here;
+  machine.disk_free = free_here;
+  machine.guard = try_the_guard;
+  machine.bad_ends = [] {
+    std::vector<std::string> names;
+    for (const RunMarker& marker : bad_ends()) names.push_back(marker.experiment);
+    return names;
+  };
+  machine.modules = vision::modules_present;
+  machine.has_program = on_the_path;
+  machine.execute = execute;
+  return machine;
+}
+
+}  // namespace skein::app

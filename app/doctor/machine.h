@@ -1,0 +1,55 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/run/timing.h"
+
+namespace skein::app {
+
+/// One of the PC's Bluetooth adapters, as the Bluetooth daemon knows it.
+struct BluetoothAdapter {
+  std::string name;  ///< "hci0"
+  std::string address;
+  bool powered = false;
+};
+
+/// All that `skein doctor` asks of a machine, so that a test can plant what is wrong with one.
+struct Machine {
+  std::string root;        ///< what stands before every path: empty, or a folder with a /proc, /sys, /dev of its own
+  std::string user;        ///< who runs the program
+  bool superuser = false;  ///< may do everything
+  std::vector<std::string> groups;  ///< of this process, by name
+  long rtprio = 0;                  ///< soft limit of real-time priorities; -1: none
+  std::string display;              ///< what DISPLAY or WAYLAND_DISPLAY says; empty: neither is set
+  bool window = true;               ///< the program was built with one
+
+  /// Whether this process may read and write a device.
+  std::function<bool(const std::string& path)> usable;
+  /// Asks the Bluetooth daemon; the error is its reason.
+  std::function<tl::expected<std::vector<BluetoothAdapter>, std::string>()> adapters;
+  /// Two threads that only wait for their next tick at 25 Hz, one at real-time priority and one without, for so many
+  /// seconds: `tick` is the one at real-time priority, `bare` the ordinary one.
+  std::function<Timing(double seconds)> keep_time;
+  /// Writes and syncs a few megabytes in the working directory. [bytes/s]
+  std::function<tl::expected<double, std::string>()> disk_speed;
+  std::function<double()> disk_free;  ///< [bytes], for this user in the working directory
+  /// Whether markers of runs can be kept and a guard be started; the error is why not.
+  std::function<tl::expected<void, std::string>()> guard;
+  std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h
+  /// Whether what is loaded late can be: films, boards.
+  std::function<tl::expected<void, std::string>()> modules;
+  std::function<bool(const std::string& program)> has_program;          ///< on the PATH
+  std::function<int(const std::vector<std::string>& command)> execute;  ///< for --fix; its exit status
+};
+
+/// The one that this program runs on.
+Machine this_machine();
+
+}  // namespace skein::app

@@ -1,0 +1,262 @@
+// Faults are planted in a machine that is well otherwise, one at a time: each is named, and nothing else.
+#include "app/doctor/doctor.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "app/experiment/experiment_file.h"
+#include "vision/calibration/calibration.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using State = Finding::State;
+
+/// A machine on which every run goes well, with a /proc, /sys and /dev in a folder of its own.
+class Patient {
+ public:
+  Patient() {
+    static int count = 0;
+    folder = fs::temp_directory_path() / ("skein-doctor-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
+    machine.root = folder.string();
+    write("/proc/loadavg", "0.31 0.20 0.10 1/200 4711\n");
+    write("/proc/meminfo", "MemTotal: 8000000 kB\nMemAvailable:    4000000 kB\n");
+    write("/proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+    write("/proc/4711/comm", "bash\n");
+    for (const char* cpu : {"cpu0", "cpu1"}) write(std::string("/sys/devices/system/cpu/") + cpu + "/online", "1\n");
+    write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "performance\n");
+    write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "tsc\n");
+    write("/sys/class/bluetooth/hci0/address", "\n");
+    write("/sys/class/rfkill/rfkill0/type", "bluetooth\n");
+    write("/sys/class/rfkill/rfkill0/name", "hci0\n");
+    write("/sys/class/rfkill/rfkill0/soft", "0\n");
+    write("/sys/class/rfkill/rfkill0/hard", "0\n");
+    write("/sys/class/video4linux/video0/name", "HD Camera\n");
+    write("/dev/video0", "");
+    write("/dev/ttyACM0", "");
+    write("/tmp/.X11-unix/X0", "");
+    machine.user = "anna";
+    machine.groups = {"anna", "dialout", "video"};
+    machine.rtprio = 25;
+    machine.display = ":0";
+    machine.usable = [](const std::string&) { return true; };
+    machine.adapters = [] { return std::vector<BluetoothAdapter>{{"hci0", "00:1A:7D:DA:71:13", true}}; };
+    machine.keep_time = [](double) { return late(60e-6); };
+    machine.disk_speed = [] { return 120e6; };
+    machine.disk_free = [] { return 50e9; };
+    machine.guard = [] { return tl::expected<void, std::string>(); };
+    machine.bad_ends = [] { return std::vector<std::string>(); };
+    machine.modules = [] { return tl::expected<void, std::string>(); };
+    machine.has_program = [](const std::string&) { return true; };
+
+    vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
+    EXPECT_TRUE(vision::save_calibration(calibration, folder / "cal.toml"));
+    Experiment lab = paper_experiment();
+    lab.camera.source = "v4l2:/dev/video0";
+    lab.camera.calibration = "cal.toml";
+    for (std::size_t i = 0; i < lab.robots.size(); ++i) {
+      lab.robots[i].link = RobotSpec::Link::device;
+      lab.robots[i].address = "rfcomm:10:00:E8:AA:BB:0" + std::to_string(i) + "/1";
+    }
+    lab.robots[0].address = "serial:/dev/ttyACM0";
+    examination.experiments.emplace_back((folder / "lab.toml").string(), lab);
+  }
+  ~Patient() { fs::remove_all(folder); }
+  Patient(const Patient&) = delete;
+  Patient& operator=(const Patient&) = delete;
+
+  void write(const std::string& path, const std::string& text) const {
+    const fs::path file = folder / path.substr(1);
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << text;
+  }
+  void remove(const std::string& path) const { fs::remove_all(folder / path.substr(1)); }
+  Experiment& lab() { return examination.experiments[0].second; }
+
+  static Timing late(double seconds) {
+    Timing timing;
+    timing.priority = 20;
+    for (int k = 0; k < 250; ++k) timing.tick.add(seconds), timing.bare.add(seconds);
+    return timing;
+  }
+  /// The lines that are not well.
+  std::vector<std::string> complaints() const {
+    std::vector<std::string> lines;
+    for (const Finding& finding : examine(machine, examination))
+      if (finding.state != State::well) lines.push_back(as_line(finding));
+    return lines;
+  }
+
+  fs::path folder;
+  Machine machine;
+  Examination examination;
+};
+
+struct Fault {
+  const char* name;
+  State state;
+  const char* says;  // part of the line
+  void (*plant)(Patient&);
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << fault.name;
+}
+
+class Planted : public testing::TestWithParam<Fault> {};
+
+TEST(Doctor, AHealthyMachineIsWell) {
+  const Patient patient;
+  EXPECT_EQ(patient.complaints(), std::vector<std::string>());
+}
+
+TEST_P(Planted, IsNamedAndNothingElse) {
+  Patient patient;
+  GetParam().plant(patient);
+  const std::vector<std::string> lines = patient.complaints();
+  ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);
+  EXPECT_NE(lines[0].find(GetParam().says), std::string::npos) << lines[0];
+  EXPECT_TRUE(lines[0].starts_with(GetParam().state == State::ill ? "ILL " : "note")) << lines[0];
+  EXPECT_NE(lines[0].find(" -> "), std::string::npos) << "says what to do: " << lines[0];
+}
+
+const Fault faults[] = {
+    {"GroupDialout", State::ill, "group dialout", [](Patient& p) { p.machine.groups = {"video"}; }},
+    {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
+    {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
+    {"PriorityBelowTheGuards", State::ill, "limit 21, asked for 22", [](Patient& p) { p.machine.rtprio = 21; }},
+    {"NoShareForRealTime", State::ill, "sched_rt_runtime_us is 0",
+     [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_runtime_us", "0\n"); }},
+    {"Governor", State::ill, "CPU frequency: governor powersave",
+     [](Patient& p) { p.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "powersave\n"); }},
+    {"GovernorOnDemand", State::note, "governor ondemand",
+     [](Patient& p) { p.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "ondemand\n"); }},
+    {"ClockSource", State::note, "clock: hpet",
+     [](Patient& p) { p.write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n"); }},
+    {"Load", State::ill, "load: 3.1 threads at work on 2 cores",
+     [](Patient& p) { p.write("/proc/loadavg", "3.10 2.0 1.0 4/200 1\n"); }},
+    {"Memory", State::ill, "memory: 98 MB available",
+     [](Patient& p) { p.write("/proc/meminfo", "MemAvailable: 100000 kB\n"); }},
+    {"KeepingTime", State::ill, "keeping time: bare threads late by",
+     [](Patient& p) { p.machine.keep_time = [](double) { return Patient::late(5e-3); }; }},
+    {"OneLongStandstill", State::ill, "keeping time",
+     [](Patient& p) {
+       p.machine.keep_time = [](double) {
+         Timing timing = Patient::late(60e-6);
+         timing.tick.add(0.1);
+         return timing;
+       };
+     }},
+    {"DiskFull", State::ill, "disk space: 0.2 GB", [](Patient& p) { p.machine.disk_free = [] { return 0.2e9; }; }},
+    {"DiskSlow", State::ill, "disk: writes 1 MB/s", [](Patient& p) { p.machine.disk_speed = [] { return 1e6; }; }},
+    {"DiskReadOnly", State::ill, "disk: nothing can be written",
+     [](Patient& p) {
+       p.machine.disk_speed = []() -> tl::expected<double, std::string> {
+         return tl::unexpected(std::string("nothing can be written here"));
+       };
+     }},
+    {"NoAdapter", State::ill, "Bluetooth: no adapter", [](Patient& p) { p.remove("/sys/class/bluetooth"); }},
+    {"RadioSwitch", State::ill, "hci0 is blocked by software",
+     [](Patient& p) { p.write("/sys/class/rfkill/rfkill0/soft", "1\n"); }},
+    {"NoDaemon", State::ill, "Bluetooth daemon: it does not run",
+     [](Patient& p) {
+       p.machine.adapters = []() -> tl::expected<std::vector<BluetoothAdapter>, std::string> {
+         return tl::unexpected(std::string("it does not run"));
+       };
+     }},
+    {"AdapterOff", State::ill, "Bluetooth hci1: is switched off",
+     [](Patient& p) {
+       p.machine.adapters = [] { return std::vector<BluetoothAdapter>{{"hci0", "A", true}, {"hci1", "B", false}}; };
+     }},
+    {"TooManyRobots", State::ill, "1 adapter on: 7 robots at most, 8 wanted",
+     [](Patient& p) { p.lab().robots.resize(9, p.lab().robots[1]); }},
+    {"AdapterUnknown", State::ill, "Bluetooth hci3: an experiment names it",
+     [](Patient& p) { p.lab().robots[1].adapter = "hci3"; }},
+    {"ModemManager", State::note, "ModemManager", [](Patient& p) { p.write("/proc/800/comm", "ModemManager\n"); }},
+    {"CableGone", State::ill, "/dev/ttyACM0: is not there", [](Patient& p) { p.remove("/dev/ttyACM0"); }},
+    {"CameraForbidden", State::ill, "/dev/video0: may not be opened",
+     [](Patient& p) { p.machine.usable = [](const std::string& path) { return path != "/dev/video0"; }; }},
+    {"NoCamera", State::ill, "camera: none", [](Patient& p) { p.remove("/sys/class/video4linux"); }},
+    {"OtherCamera", State::ill, "/dev/video2: is not there",
+     [](Patient& p) { p.lab().camera.source = "v4l2:/dev/video2"; }},
+    {"NoCalibration", State::ill, "calibration: ", [](Patient& p) { p.remove("/cal.toml"); }},
+    {"CalibrationTorn", State::ill, "calibration: ", [](Patient& p) { p.write("/cal.toml", "width = 1280\nhei"); }},
+    {"NoFloor", State::ill, "does not say where the camera hangs",
+     [](Patient& p) {
+       vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
+       calibration.world_from_camera.reset();
+       EXPECT_TRUE(vision::save_calibration(calibration, p.folder / "cal.toml"));
+     }},
+    {"TagSizes", State::ill, "tag size: ",
+     [](Patient& p) {
+       vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
+       calibration.tag_size = 0.06;
+       EXPECT_TRUE(vision::save_calibration(calibration, p.folder / "other.toml"));
+       p.examination.experiments.push_back(p.examination.experiments[0]);
+       p.examination.experiments[1].second.camera.calibration = "other.toml";
+     }},
+    {"NoGuard", State::ill, "guard: the folder is not writable",
+     [](Patient& p) {
+       p.machine.guard = []() -> tl::expected<void, std::string> {
+         return tl::unexpected(std::string("the folder is not writable"));
+       };
+     }},
+    {"LeftBehind", State::ill, "an earlier run: yesterday ended badly",
+     [](Patient& p) { p.machine.bad_ends = [] { return std::vector<std::string>{"yesterday"}; }; }},
+    {"NoModules", State::ill, "modules: films",
+     [](Patient& p) {
+       p.machine.modules = []() -> tl::expected<void, std::string> { return tl::unexpected(std::string("films")); };
+     }},
+    {"NoGnuplot", State::note, "gnuplot: is missing",
+     [](Patient& p) { p.machine.has_program = [](const std::string& name) { return name != "gnuplot"; }; }},
+    {"NoDisplay", State::note, "display: none", [](Patient& p) { p.machine.display = ""; }},
+    {"DeadDisplay", State::ill, "DISPLAY is :7.0, and nothing answers", [](Patient& p) { p.machine.display = ":7.0"; }},
+};
+static_assert(std::size(faults) >= 20);
+
+INSTANTIATE_TEST_SUITE_P(Fault, Planted, testing::ValuesIn(faults),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST(Doctor, ASimulationNeedsNoRobotsAndNoCamera) {
+  Patient patient;
+  patient.examination.experiments[0].second = paper_experiment();
+  patient.remove("/sys/class/bluetooth");
+  patient.remove("/sys/class/video4linux");
+  for (const Finding& finding : examine(patient.machine, patient.examination))
+    EXPECT_NE(finding.state, State::ill) << as_line(finding);
+}
+
+TEST(Doctor, AProcessorThatChoosesItsFrequencyItselfIsWell) {
+  Patient patient;
+  patient.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "powersave\n");
+  patient.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_driver", "intel_pstate\n");
+  EXPECT_EQ(patient.complaints(), std::vector<std::string>());
+}
+
+TEST(Doctor, WhatCanBeFixedIsACommand) {
+  Patient patient;
+  patient.machine.groups = {"video"};
+  patient.machine.rtprio = 0;
+  std::vector<std::vector<std::string>> commands;
+  for (const Finding& finding : examine(patient.machine, patient.examination))
+    commands.insert(commands.end(), finding.fix.begin(), finding.fix.end());
+  const auto named = [&](const std::vector<std::string>& command) {
+    return std::find(commands.begin(), commands.end(), command) != commands.end();
+  };
+  EXPECT_TRUE(named({"adduser", "anna", "dialout"}));
+  EXPECT_TRUE(named({"adduser", "anna", "skein"}));
+}
+
+TEST(Doctor, LooksAtTheMachineItRunsOn) {
+  const std::vector<Finding> findings = examine(this_machine(), {0.2, {}});
+  EXPECT_GE(findings.size(), 12u);
+  EXPECT_EQ(findings.back().what, "keeping time");
+}
+
+}  // namespace
+}  // namespace skein::app
