@@ -7,34 +7,9 @@
 
 #include <tl/expected.hpp>
 
-#include "app/record/disk_writer.h"
+#include "app/exchange/export_options.h"
 
 namespace skein::app {
-
-/// What a run's CSV can be turned into for other programs. docs/tools.md says what each file holds.
-enum class ExportFormat {
-  csv,   ///< without the lines before the header row
-  mcap,  ///< for Foxglove and PlotJuggler
-  mat,   ///< for MATLAB and Octave (level 5)
-};
-constexpr std::string_view word(ExportFormat format) noexcept {
-  switch (format) {
-    case ExportFormat::csv:
-      return "csv";
-    case ExportFormat::mcap:
-      return "mcap";
-    case ExportFormat::mat:
-      return "mat";
-  }
-  return {};
-}
-
-struct ExportOptions {
-  ExportFormat format = ExportFormat::csv;
-  bool compressed = true;  ///< the chunks of MCAP, by zstd
-  double epoch = 0.0;      ///< of MCAP: when the session's clock stood at 0 [s since 1970]
-  WriteRules rules{};
-};
 
 struct Exported {
   std::int64_t rows = 0;

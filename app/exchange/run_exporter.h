@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "app/exchange/export.h"
+#include "app/exchange/export_options.h"
 #include "app/record/csv_reader.h"
 
 namespace skein::app {

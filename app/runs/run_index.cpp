@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <set>
 #include <stdexcept>
@@ -197,6 +198,12 @@ struct RunIndex::State {
       if (name.ends_with('.' + word)) plain.emplace_back(name, keys.whole(1));
       if (name.find(word) != std::string::npos) similar.emplace_back(name, 0);
     }
+    const auto numbered = [](const auto& key) {
+      for (std::size_t dot = key.first.find('.'); dot != std::string::npos; dot = key.first.find('.', dot + 1))
+        if (std::isdigit(static_cast<unsigned char>(key.first[dot + 1])) != 0) return true;
+      return false;
+    };
+    if (!std::all_of(plain.begin(), plain.end(), numbered)) std::erase_if(plain, numbered);
     if (plain.size() == 1) return plain.front().second;
     std::string names;
     for (const auto& [name, number] : plain.empty() ? similar : plain) names += (names.empty() ? "" : ", ") + name;

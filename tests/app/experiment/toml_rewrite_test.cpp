@@ -87,7 +87,7 @@ TEST(TomlRewrite, ASetChangesOneLineOfTheExperimentThatARunEmbeds) {
 TEST(TomlRewrite, EveryExperimentOfTheRepositoryWithSets) {
   for (const auto& file : std::filesystem::directory_iterator(skein::test::in_source("resources/experiments"))) {
     if (file.path().extension() != ".toml") continue;
-    const std::vector<std::string> sets{"duration=3.5",         "seed=17",         "controller.gains.k_xx=0.001",
+    const std::vector<std::string> sets{"duration=3.5",         "seed=17",         "controller.gains.k_xx=0.0003",
                                         "shield.gamma=0.7",     "robot.1.tag=30",  "expect.final_error=0.1",
                                         "simulation.slip=0.01", "name=a \"name\"", "arena.width=9"};
     const auto set = load_experiment(file.path().string(), sets);
@@ -97,7 +97,7 @@ TEST(TomlRewrite, EveryExperimentOfTheRepositoryWithSets) {
     EXPECT_EQ(again->source, set->source);
     EXPECT_EQ(again->name, "a \"name\"");
     EXPECT_EQ(again->robots.at(0).tag, 30);
-    EXPECT_EQ(again->controller.gains.k_xx.largest(), 0.001);
+    EXPECT_EQ(again->controller.gains.k_xx.largest(), 0.0003);
     std::ifstream in(file.path());
     int comments = 0, kept = 0;
     for (std::string line; std::getline(in, line);)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <regex>
@@ -48,9 +49,13 @@ TEST(ReportPage, TextsOfTheExperimentAreNoMarkup) {
   EXPECT_NE(page.html.find("a &lt; b"), std::string::npos);
 }
 
-TEST(ReportPage, ALongRunDoesNotMakeALargePage) {
+TEST(ReportPage, ALongRunHasFewerFramesASecondNotMoreOfThem) {
   const Page page = page_of(Recorded({"duration=200"}).csv);
-  EXPECT_LT(page.html.size(), std::size_t{2} << 20);
+  const std::size_t begin = page.html.find("\"frames\":");
+  const std::string frames = page.html.substr(begin, page.html.find("</script>", begin) - begin);
+  EXPECT_GT(std::count(frames.begin(), frames.end(), '\n'), 700);
+  EXPECT_LT(std::count(frames.begin(), frames.end(), '\n'), 1500);
+  EXPECT_NE(frames.find("[199."), std::string::npos) << "up to the end";
 }
 
 TEST(ReportPage, WhatIsNoRunIsRefused) {
