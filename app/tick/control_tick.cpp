@@ -38,7 +38,8 @@ std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Ref
   if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
   return std::make_unique<core::Planner>(
       core::Planner::Setup{
-          e.robots.size(), obstacles, {0.5 * e.arena_width, 0.5 * e.arena_height}, e.shield.distance, e.duration},
+          e.robots.size(), obstacles, {0.5 * e.arena_width, 0.5 * e.arena_height}, e.shield.distance, e.shield.gamma,
+          e.duration},
       reference);
 }
 
