@@ -23,6 +23,8 @@ constexpr double goes_straight = 0.12;  // who drives goes on as it does while i
 constexpr double rounding = 1e-4;       // [m]
 constexpr double reach = 0.06;          // beyond what is to be kept nobody closes in too fast [m]
 constexpr std::size_t most_work = 6000; // of one search [nodes]
+constexpr std::array<double, 4> lane{0.1, -0.1, 0.16, -0.16};  // beside the place [m]
+constexpr std::array<double, 3> lane_back{0.0, 0.06, 0.12};    // [m]
 constexpr std::array<double, 2> radii{0.13, 0.3};  // of the rings round the robot that a way round goes by [m]
 
 double turned_to(double sign, double angle) noexcept {  // in [0, 2 pi)
@@ -93,17 +95,15 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
     const double limit = std::min(query_.pace.v, query_.pace.omega / (query_.k_y + std::abs(curvature)));
     course.pieces[course.count++] = {curvature, length, limit};
   };
-  add(0.0, start.straight);
-  if (!start.stands) course.pieces[0].limit = query_.v;
+  for (std::size_t k = 0; k < start.count; ++k) course.pieces[course.count++] = start.pieces[k];
   if (first != 0.0) add(first, std::abs(r_1) * turned_to(std::copysign(1.0, r_1), heading - start.at.theta));
   add(0.0, straight);
   if (last != 0.0) add(last, std::abs(r_2) * turned_to(std::copysign(1.0, r_2), end.theta - heading));
-  // A start that drives cannot turn on the spot, nor can the curve after a point to the side.
-  return first != 0.0 || (start.stands && start.straight == 0.0);
+  return first != 0.0 || start.count == 0;  // whoever drives does not turn on the spot
 }
 
 /// The speeds between the pieces, with bounded acceleration. False where the first or last cannot be met.
-bool Merge::speeds(const Course& course, double v_1, std::array<double, 5>& u) const noexcept {
+bool Merge::speeds(const Course& course, double v_1, Speeds& u) const noexcept {
   const double a = query_.pace.acceleration;
   const std::size_t n = course.count;
   u[0] = course.start->stands ? 0.0 : query_.v;
@@ -122,7 +122,7 @@ bool Merge::speeds(const Course& course, double v_1, std::array<double, 5>& u) c
 
 double Merge::duration(const Course& course, const ReferencePoint& to) const noexcept {
   const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
-  std::array<double, 5> u{};
+  Speeds u{};
   if (!speeds(course, course.turns_last ? 0.0 : v_1, u)) return never;
   double t = course.start->stands ? stops_ : 0.0;
   t += query_.pace.turn_time(course.start->turn) + query_.pace.turn_time(course.turn) +
@@ -140,7 +140,7 @@ double Merge::duration(const Course& course, const ReferencePoint& to) const noe
 
 bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Route& route) const noexcept {
   const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
-  std::array<double, 5> u{};
+  Speeds u{};
   if (!speeds(course, course.turns_last ? 0.0 : v_1, u)) return false;
   if (course.start->stands)
     route.brake(query_.from, query_.v, query_.pace);
@@ -251,15 +251,46 @@ bool Merge::search(std::size_t first, std::size_t last, double step, bool few, W
 }
 
 /// Starts by points of rings round the robot, where the way there is free of obstacles.
-void Merge::stand_aside() noexcept {
+void Merge::go_aside() noexcept {
   const std::size_t directions = ring / radii.size();
   for (const double radius : radii)
     for (std::size_t k = 0; k < directions; ++k) {
       const double heading = 2.0 * pi * static_cast<double>(k) / static_cast<double>(directions);
       const Pose to{stop_.x + radius * std::cos(heading), stop_.y + radius * std::sin(heading), wrap_angle(heading)};
       if (!lattice_->free(to.x, to.y) || !lattice_->free({stop_.x, stop_.y}, {to.x, to.y})) continue;
-      starts_[start_count_++] = {true, wrap_angle(heading - stop_.theta), radius, to};
+      Start& start = starts_[start_count_++] = {true, wrap_angle(heading - stop_.theta), {}, 1, to};
+      start.pieces[0] = {0.0, radius, query_.pace.v};
     }
+}
+
+/// Starts that end beside the place, as soon as may be.
+void Merge::go_abreast(std::size_t direct) noexcept {
+  Course course, soonest;
+  for (const double aside : lane)
+    for (const double back : lane_back)
+      for (std::size_t s = 0; s < direct; ++s) {
+        bool found = false;
+        for (double t = time_step; t < std::min(look_ahead, query_.before) && !found; t += time_step) {
+          const ReferencePoint on = place(t);
+          const double c = std::cos(on.pose.theta), n = std::sin(on.pose.theta);
+          const ReferencePoint beside{{on.pose.x - back * c - aside * n, on.pose.y - back * n + aside * c, on.pose.theta},
+                                      {query_.pace.v, 0.0}};
+          if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + rounding) continue;
+          if (!lattice_->free(beside.pose.x, beside.pose.y)) continue;
+          double least = t;
+          for (std::size_t kind = 0; kind < kinds; ++kind) {
+            if (kind % bends == 0 || !plan(starts_[s], kind, beside, course)) continue;
+            if (const double takes = duration(course, beside); takes < least) {
+              least = takes;
+              soonest = course;
+              found = true;
+            }
+          }
+          if (!found || soonest.count > 4) continue;
+          Start& start = starts_[start_count_++] = {starts_[s].stands, soonest.turn, {}, soonest.count, beside.pose};
+          std::copy_n(soonest.pieces.begin(), soonest.count, start.pieces.begin());
+        }
+      }
 }
 
 Merge::Way Merge::find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic,
@@ -276,17 +307,21 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   stop_ = Route::stop(query.from, query.v, query.pace);
   stops_ = Route::stop_time(query.v, query.pace);
   start_count_ = 0;
-  starts_[start_count_++] = {true, 0.0, 0.0, stop_};
+  starts_[start_count_++] = {true, 0.0, {}, 0, stop_};
   if (query.v > drives && query.v < query.pace.v) {
     const double way = goes_straight * query.v;
-    starts_[start_count_++] = {false, 0.0, way, advance(query.from, {way, 0.0}, 1.0)};
+    Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0)};
+    start.pieces[0] = {0.0, way, query.v};
   }
   Way best;
   const std::size_t direct = start_count_;
   search(0, direct, time_step, false, best, route);
-  if (best.found && best.joins < query.enough) return best;
-  stand_aside();
-  if (query.crowded) search(direct, start_count_, 2.0 * time_step, true, best, route);
+  if (!query.crowded || (best.found && best.joins < query.enough)) return best;
+  go_abreast(direct);
+  const std::size_t abreast = start_count_;
+  search(direct, abreast, time_step, false, best, route);
+  go_aside();
+  search(abreast, start_count_, 2.0 * time_step, true, best, route);
   return best;
 }
 

@@ -22,8 +22,8 @@ Twist homing(const ReferencePoint& place, const ReferencePoint& from, const Refe
 /// Ways of one robot back to a place that drives on: turn on the spot or drive an arc, go straight, turn or drive an
 /// arc, so that it is where its place is, with its heading and its speed, at the soonest moment that there is (Dubins'
 /// paths with turns on the spot, against a clock). Each is driven in thought against the others' traffic, under the
-/// shield's own condition; where nobody can be met, the first is the soonest of its kind. Round somebody it goes by a
-/// point to the side. Allocates in its constructor only.
+/// shield's own condition; where nobody can be met, the first is the soonest of its kind. Past others it goes by a
+/// point to the side, or beside them until it is abreast of its place. Allocates in its constructor only.
 class Merge {
  public:
   static constexpr double never = std::numeric_limits<double>::infinity();
@@ -64,16 +64,18 @@ class Merge {
   struct Piece {
     double curvature, length, limit;  // [1/m], [m], [m/s]
   };
-  /// How a way begins: braked or not; then perhaps by a point to the side.
+  /// How a way begins: braked or not; then perhaps by a point to the side, or by one abreast of the place.
   struct Start {
     bool stands = true;
-    double turn = 0.0, straight = 0.0;  // before the curve [rad], [m]
-    Pose at;                            // where the curve begins
+    double turn = 0.0;  // on the spot, at first [rad]
+    std::array<Piece, 4> pieces{};
+    std::size_t count = 0;
+    Pose at;  // where the curve to the place begins
   };
   struct Course {
     const Start* start = nullptr;
     double turn = 0.0, last_turn = 0.0;  // on the spot [rad]
-    std::array<Piece, 4> pieces;
+    std::array<Piece, 7> pieces;
     std::size_t count = 0;
     bool turns_last = false;
     double share = 1.0;  // of the speeds that could be driven
@@ -87,18 +89,20 @@ class Merge {
   };
   static constexpr std::size_t bends = 5;  // none, two arcs to each side
   static constexpr std::size_t kinds = bends * bends;
-  static constexpr std::size_t ring = 16, most_starts = 2 + ring;
+  static constexpr std::size_t ring = 16, lanes = 24, most_starts = 2 + ring + lanes;
+  using Speeds = std::array<double, 8>;
 
   ReferencePoint place(double t) const noexcept;
   bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, Course& course) noexcept;
   double duration(const Course& course, const ReferencePoint& place) const noexcept;
-  bool speeds(const Course& course, double v_1, std::array<double, 5>& u) const noexcept;
+  bool speeds(const Course& course, double v_1, Speeds& u) const noexcept;
   bool lay(const Course& course, const ReferencePoint& place, double wait, Route& route) const noexcept;
   bool clear(const Route& route, double joins) noexcept;
   bool clear(std::size_t k, const Pose& before, const Pose& here) const noexcept;
   bool search(std::size_t first, std::size_t last, double step, bool few, Way& best, Route& route) noexcept;
   bool try_at(const Trial& trial, Way& best, Route& route) noexcept;
-  void stand_aside() noexcept;
+  void go_aside() noexcept;
+  void go_abreast(std::size_t direct) noexcept;
 
   Query query_;
   const Reference* reference_ = nullptr;
