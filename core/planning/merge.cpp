@@ -22,9 +22,11 @@ constexpr double slow_arc = 0.5;        // of the top speed: a tight arc is driv
 constexpr double goes_straight = 0.12;  // who drives goes on as it does while its couplings are released [s]
 constexpr double rounding = 1e-4;       // [m]
 constexpr double reach = 0.06;          // beyond what is to be kept nobody closes in too fast [m]
-constexpr std::size_t most_work = 6000; // of one search [nodes]
-constexpr std::array<double, 4> lane{0.1, -0.1, 0.16, -0.16};  // beside the place [m]
-constexpr std::array<double, 3> lane_back{0.0, 0.06, 0.12};    // [m]
+constexpr std::array<double, 2> lane{0.11, -0.11};            // beside the place [m]
+constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};  // [m]
+constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};     // before a way by another point [s]
+// One that is blocked is tried again so much later. [s]
+constexpr std::array<double, 8> later{0.5, 0.5, 1.0, 1.0, 2.0, 3.0, 4.0, 8.0};
 constexpr std::array<double, 2> radii{0.13, 0.3};  // of the rings round the robot that a way round goes by [m]
 
 double turned_to(double sign, double angle) noexcept {  // in [0, 2 pi)
@@ -124,7 +126,7 @@ double Merge::duration(const Course& course, const ReferencePoint& to) const noe
   const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
   Speeds u{};
   if (!speeds(course, course.turns_last ? 0.0 : v_1, u)) return never;
-  double t = course.start->stands ? stops_ : 0.0;
+  double t = course.start->wait + (course.start->stands ? stops_ : 0.0);
   t += query_.pace.turn_time(course.start->turn) + query_.pace.turn_time(course.turn) +
        query_.pace.turn_time(course.last_turn);
   if (course.turns_last) t += v_1 / a;
@@ -146,7 +148,7 @@ bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Rou
     route.brake(query_.from, query_.v, query_.pace);
   else
     route.stand(query_.from);
-  bool fits = route.wait(wait) && route.turn(course.start->turn, query_.pace) && route.turn(course.turn, query_.pace);
+  bool fits = route.wait(course.start->wait + wait) && route.turn(course.start->turn, query_.pace) && route.turn(course.turn, query_.pace);
   for (std::size_t k = 0; k < course.count; ++k) {
     const Piece& piece = course.pieces[k];
     const double peak = std::min(std::max({course.share * piece.limit, u[k], u[k + 1]}),
@@ -177,16 +179,15 @@ bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noe
   return true;
 }
 
-bool Merge::clear(const Route& route, double joins) noexcept {
-  const double until = std::max(joins, query_.watched);
+bool Merge::clear(const Route& route, double joins, double until) noexcept {
   Pose before = query_.from;
   for (std::size_t k = 1; k < Traffic::steps; ++k) {
     const double t = Traffic::step * static_cast<double>(k);
+    if (t > until) break;
     const Pose here = t < joins ? route.at(t).pose : place(t).pose;
     ++samples_;
     if (query_.crowded && t >= query_.grace && !clear(k, before, here)) return false;
     if (t < joins && !lattice_->free({before.x, before.y}, {here.x, here.y})) return false;
-    if (t >= until) break;
     before = here;
   }
   return true;
@@ -211,36 +212,41 @@ bool Merge::try_at(const Trial& trial, Way& best, Route& route) noexcept {
     if (!(left >= -1e-6) || left > 0.05) return false;
     left = 0.0;
   }
-  if (!lay(course, to, std::max(0.0, left), laid_) || !clear(laid_, trial.joins)) return false;
+  if (!lay(course, to, std::max(0.0, left), laid_) ||
+      !clear(laid_, trial.joins, std::max(trial.joins, query_.watched)))
+    return false;
   best = {true, trial.joins};
   route = laid_;
   return true;
 }
 
 /// The soonest of the ways from some starts, tried for ever later times.
-bool Merge::search(std::size_t first, std::size_t last, double step, bool few, Way& best, Route& route) noexcept {
-  std::fill(reached_.begin(), reached_.end(), false);
+bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best,
+                   Route& route) noexcept {
+  std::fill(next_.begin(), next_.end(), 0.0);
+  std::fill(tries_.begin(), tries_.end(), 0);
   Course course;
   const double end = std::min({look_ahead, best.joins, query_.before});
-  for (double t = step; t < end && work() < most_work; t += step) {
+  for (double t = time_step; t < end && work() < most; t += time_step) {
     const ReferencePoint to = place(t);
     if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + rounding) continue;
     trials_.clear();
     for (std::size_t s = first; s < last; ++s)
       for (std::size_t kind = 0; kind < kinds; ++kind) {
-        if (few && (kind / bends > 2 || kind % bends > 2)) continue;
+        const std::size_t both = s * kinds + kind;
+        if (t < next_[both] || (few && (kind / bends > 2 || kind % bends > 2))) continue;
         if (!plan(starts_[s], kind, to, course) || duration(course, to) > t) continue;
-        bool& reached = reached_[s * kinds + kind];
         double joins = t;
-        if (!reached) {  // since when?
-          double low = t - step;
+        if (tries_[both] == 0) {  // since when?
+          double low = t - time_step;
           for (int k = 0; k < 8; ++k) {
             const double middle = 0.5 * (low + joins);
             const ReferencePoint there = place(middle);
             (plan(starts_[s], kind, there, course) && duration(course, there) <= middle ? joins : low) = middle;
           }
         }
-        reached = true;
+        next_[both] = tries_[both] < later.size() ? t + later[tries_[both]] : never;
+        ++tries_[both];
         trials_.push_back({joins, s, kind});
       }
     std::sort(trials_.begin(), trials_.end());
@@ -250,7 +256,20 @@ bool Merge::search(std::size_t first, std::size_t last, double step, bool few, W
   return false;
 }
 
-/// Starts by points of rings round the robot, where the way there is free of obstacles.
+/// Whether what a start begins with can be driven at once.
+bool Merge::begins_clear(const Start& start) noexcept {
+  Course course;
+  course.start = &start;
+  course.pieces = {};
+  std::copy_n(start.pieces.begin(), start.count, course.pieces.begin());
+  course.count = start.count;
+  const ReferencePoint to{start.at, {start.pieces[start.count - 1].limit, 0.0}};
+  if (!lay(course, to, 0.0, laid_)) return false;
+  const double ends = laid_.duration() - goes_on;
+  return clear(laid_, never, ends);
+}
+
+/// Starts by points of rings round the robot, where the way there is free.
 void Merge::go_aside() noexcept {
   const std::size_t directions = ring / radii.size();
   for (const double radius : radii)
@@ -258,39 +277,56 @@ void Merge::go_aside() noexcept {
       const double heading = 2.0 * pi * static_cast<double>(k) / static_cast<double>(directions);
       const Pose to{stop_.x + radius * std::cos(heading), stop_.y + radius * std::sin(heading), wrap_angle(heading)};
       if (!lattice_->free(to.x, to.y) || !lattice_->free({stop_.x, stop_.y}, {to.x, to.y})) continue;
-      Start& start = starts_[start_count_++] = {true, wrap_angle(heading - stop_.theta), {}, 1, to};
+      Start& start = starts_[start_count_];
+      start = {true, wrap_angle(heading - stop_.theta), {}, 1, to, 0.0};
       start.pieces[0] = {0.0, radius, query_.pace.v};
+      for (const double wait : waits) {
+        start.wait = wait;
+        if (!begins_clear(start)) continue;
+        ++start_count_;
+        break;
+      }
     }
 }
 
-/// Starts that end beside the place, as soon as may be.
-void Merge::go_abreast(std::size_t direct) noexcept {
+/// The soonest way to a point beside the place, with its heading and top speed.
+bool Merge::come_beside(const Start& from, double back, double aside, Start& start) noexcept {
   Course course, soonest;
+  for (double t = from.wait + time_step; t < std::min(look_ahead, query_.before); t += time_step) {
+    const Pose on = place(t).pose;
+    const double c = std::cos(on.theta), n = std::sin(on.theta);
+    const ReferencePoint beside{{on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta},
+                                {query_.pace.v, 0.0}};
+    if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + rounding) continue;
+    if (!lattice_->free(beside.pose.x, beside.pose.y)) continue;
+    double least = t;
+    for (std::size_t kind = 0; kind < kinds; ++kind) {
+      if (kind % bends == 0 || !plan(from, kind, beside, course)) continue;
+      if (const double takes = duration(course, beside); takes < least) least = takes, soonest = course;
+    }
+    if (least == t) continue;
+    if (soonest.count > start.pieces.size()) return false;
+    start = {from.stands, soonest.turn, {}, soonest.count, beside.pose, from.wait};
+    std::copy_n(soonest.pieces.begin(), soonest.count, start.pieces.begin());
+    return begins_clear(start);
+  }
+  return false;
+}
+
+/// Starts that end beside the place.
+void Merge::go_abreast(std::size_t direct, std::size_t most) noexcept {
   for (const double aside : lane)
     for (const double back : lane_back)
-      for (std::size_t s = 0; s < direct; ++s) {
-        bool found = false;
-        for (double t = time_step; t < std::min(look_ahead, query_.before) && !found; t += time_step) {
-          const ReferencePoint on = place(t);
-          const double c = std::cos(on.pose.theta), n = std::sin(on.pose.theta);
-          const ReferencePoint beside{{on.pose.x - back * c - aside * n, on.pose.y - back * n + aside * c, on.pose.theta},
-                                      {query_.pace.v, 0.0}};
-          if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + rounding) continue;
-          if (!lattice_->free(beside.pose.x, beside.pose.y)) continue;
-          double least = t;
-          for (std::size_t kind = 0; kind < kinds; ++kind) {
-            if (kind % bends == 0 || !plan(starts_[s], kind, beside, course)) continue;
-            if (const double takes = duration(course, beside); takes < least) {
-              least = takes;
-              soonest = course;
-              found = true;
-            }
-          }
-          if (!found || soonest.count > 4) continue;
-          Start& start = starts_[start_count_++] = {starts_[s].stands, soonest.turn, {}, soonest.count, beside.pose};
-          std::copy_n(soonest.pieces.begin(), soonest.count, start.pieces.begin());
+      for (std::size_t s = 0; s < direct; ++s)
+        for (const double wait : waits) {
+          if (start_count_ == direct + lanes || work() >= most || (wait > 0.0 && !starts_[s].stands)) break;
+          starts_[s].wait = wait;
+          const bool found = come_beside(starts_[s], back, aside, starts_[start_count_]);
+          starts_[s].wait = 0.0;
+          if (!found) continue;
+          ++start_count_;
+          break;
         }
-      }
 }
 
 Merge::Way Merge::find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic,
@@ -307,21 +343,22 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   stop_ = Route::stop(query.from, query.v, query.pace);
   stops_ = Route::stop_time(query.v, query.pace);
   start_count_ = 0;
-  starts_[start_count_++] = {true, 0.0, {}, 0, stop_};
+  starts_[start_count_++] = {true, 0.0, {}, 0, stop_, 0.0};
   if (query.v > drives && query.v < query.pace.v) {
     const double way = goes_straight * query.v;
-    Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0)};
+    Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0), 0.0};
     start.pieces[0] = {0.0, way, query.v};
   }
   Way best;
   const std::size_t direct = start_count_;
-  search(0, direct, time_step, false, best, route);
+  search(0, direct, false, query.most_work / 2, best, route);
   if (!query.crowded || (best.found && best.joins < query.enough)) return best;
-  go_abreast(direct);
+  go_abreast(direct, 3 * query.most_work / 4);
   const std::size_t abreast = start_count_;
-  search(direct, abreast, time_step, false, best, route);
+  search(direct, abreast, true, query.most_work, best, route);
+  if (work() >= query.most_work) return best;
   go_aside();
-  search(abreast, start_count_, 2.0 * time_step, true, best, route);
+  search(abreast, start_count_, true, query.most_work, best, route);
   return best;
 }
 

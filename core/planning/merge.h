@@ -44,6 +44,7 @@ class Merge {
     bool crowded = true;    ///< there are others at all
     double watched = 0.0;   ///< it looks at others so long, even if it is at its place sooner [s]
     double before = never;  ///< no way that joins later than that [s]
+    std::size_t most_work = 2000;
     double enough = 0.0;    ///< no way round by a point to the side where a straight one joins sooner than that [s]
   };
   struct Way {
@@ -70,7 +71,8 @@ class Merge {
     double turn = 0.0;  // on the spot, at first [rad]
     std::array<Piece, 4> pieces{};
     std::size_t count = 0;
-    Pose at;  // where the curve to the place begins
+    Pose at;            // where the curve to the place begins
+    double wait = 0.0;  // at first [s]
   };
   struct Course {
     const Start* start = nullptr;
@@ -89,7 +91,7 @@ class Merge {
   };
   static constexpr std::size_t bends = 5;  // none, two arcs to each side
   static constexpr std::size_t kinds = bends * bends;
-  static constexpr std::size_t ring = 16, lanes = 24, most_starts = 2 + ring + lanes;
+  static constexpr std::size_t ring = 16, lanes = 12, most_starts = 2 + ring + lanes;
   using Speeds = std::array<double, 8>;
 
   ReferencePoint place(double t) const noexcept;
@@ -97,12 +99,14 @@ class Merge {
   double duration(const Course& course, const ReferencePoint& place) const noexcept;
   bool speeds(const Course& course, double v_1, Speeds& u) const noexcept;
   bool lay(const Course& course, const ReferencePoint& place, double wait, Route& route) const noexcept;
-  bool clear(const Route& route, double joins) noexcept;
+  bool clear(const Route& route, double joins, double until) noexcept;
+  bool begins_clear(const Start& start) noexcept;
+  bool come_beside(const Start& from, double back, double aside, Start& start) noexcept;
   bool clear(std::size_t k, const Pose& before, const Pose& here) const noexcept;
-  bool search(std::size_t first, std::size_t last, double step, bool few, Way& best, Route& route) noexcept;
+  bool search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best, Route& route) noexcept;
   bool try_at(const Trial& trial, Way& best, Route& route) noexcept;
   void go_aside() noexcept;
-  void go_abreast(std::size_t direct) noexcept;
+  void go_abreast(std::size_t direct, std::size_t most) noexcept;
 
   Query query_;
   const Reference* reference_ = nullptr;
@@ -113,7 +117,8 @@ class Merge {
   std::array<double, bends> curvatures_{};
   std::array<Start, most_starts> starts_;
   std::size_t start_count_ = 0;
-  std::array<bool, most_starts * kinds> reached_{};
+  std::array<double, most_starts * kinds> next_{};  // when each kind is tried again [s]
+  std::array<std::size_t, most_starts * kinds> tries_{};
   std::vector<Trial> trials_;
   Route laid_;
   std::size_t courses_ = 0, samples_ = 0;

@@ -62,7 +62,6 @@ Planner::Planner(const Setup& setup, const Reference& reference)
   group_.routes.resize(setup.robots);
   group_.best.resize(setup.robots);
   merging_.yields.resize(setup.robots);
-  merging_.best_yields.resize(setup.robots);
   merging_.last_yields.resize(setup.robots);
   reset();
 }
@@ -71,6 +70,7 @@ void Planner::reset() noexcept {
   for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robots_.size();
   std::fill(shift_.begin(), shift_.end(), 0.0);
   group_.active = false;
+  merging_.searched = 0;
   begun_ = false;
 }
 
@@ -127,10 +127,12 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     if (j == i || other.state != State::driving) continue;
     const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
     const double until = std::min(planned - theirs, other.route.duration());
-    if (other.clock >= until) continue;
+    // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
+    const double runs_to = other.clock + (robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0);
+    if (runs_to >= until - 0.02) continue;
     const double d_now = distance(other.route.at(other.clock).pose, robot.route.at(robot.clock).pose);
     const double keep = std::min(std::min(robot.keeps, other.keeps) - less, d_now - 2e-3);
-    for (double t = other.clock; t < until + step; t += step)
+    for (double t = runs_to; t < until + step; t += step)
       if (distance(other.route.at(std::min(t, until)).pose, there) < keep) {
         robot.waits_for = j;
         return true;

@@ -96,6 +96,27 @@ class Planner {
     bool no_way = false, needs_plan = false, was_out = false;
   };
 
+  /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
+  /// that yield or not. What is tried comes in a fixed order, over as many ticks as it takes, always from where
+  /// everybody is by then; the best is tried once more when its time has come.
+  struct Merging {
+    static constexpr std::size_t most = 2;
+    struct Trial {
+      std::size_t care = 0, hold = 0, first = 0;  // hold 0: nobody yields; else those with robot `first`
+      bool backwards = false;
+    };
+    std::array<std::size_t, most> robots{};
+    std::size_t count = 0, searched = 0;  // searched: those of a search that goes on, or 0
+    Trial next, best;
+    double began = 0.0, best_ends = 0.0;  // [s]
+    std::array<Pose, most> from;
+    std::array<double, most> v{}, soonest{};
+    std::array<Route, most> routes;
+    std::array<double, most> joins{};
+    std::vector<std::uint8_t> yields, last_yields;
+    Delay delay;
+  };
+
   void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   void watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   Start begin_route(std::size_t i, const Scene& scene) noexcept;
@@ -106,8 +127,8 @@ class Planner {
   void end_group(const Scene& scene) noexcept;
   void expect(std::size_t j, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   void plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
-  void merge_all(const Scene& scene, const Merge::Query& like) noexcept;
-  void merge_in_order(bool backwards, const Scene& scene, const Merge::Query& like) noexcept;
+  double merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept;
+  bool advance_trial(const Scene& scene, std::span<const ReferencePoint> nominal, bool may_yield) noexcept;
   void who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept;
   void follow_yielding(std::size_t i, double t) noexcept;
   void set_off(std::size_t i, double due) noexcept;
@@ -154,18 +175,7 @@ class Planner {
   } group_;
 
   Delay yield_;  // of all that yield
-  struct Merging {
-    static constexpr std::size_t most = 2;  // at once
-    std::array<std::size_t, most> robots{};
-    std::size_t count = 0;
-    std::array<Pose, most> from;
-    std::array<double, most> v{}, soonest{};
-    std::array<Route, most> tried, best;
-    std::array<double, most> tried_joins{}, best_joins{};
-    double best_total = 0.0;
-    Delay delay, best_delay;                      // of those that yield, tried now
-    std::vector<std::uint8_t> yields, best_yields, last_yields;
-  } merging_;
+  Merging merging_;
 };
 
 }  // namespace skein::core

@@ -250,6 +250,7 @@ void Planner::end_group(const Scene& scene) noexcept {
   for (const std::size_t i : g.order) {
     robots_[i].route = g.best[i];
     robots_[i].keeps = keep_;
+    robots_[i].joins = 0.0;
     // A member that is still braking is taken from where it will stand.
     set_off(i, due);
   }
@@ -261,6 +262,7 @@ void Planner::end_group(const Scene& scene) noexcept {
 void Planner::plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
   if (group_.active) return go_on_with_group(scene, nominal);
   bool group = false, everybody = false;
+  const std::array<std::size_t, Merging::most> before = merging_.robots;
   merging_.count = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
@@ -272,6 +274,7 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
       everybody = everybody || robot.no_way;
     }
   }
+  if (merging_.robots != before) merging_.searched = 0;
   if (merging_.count > 0) plan_merges(scene, gains, nominal);
   if (!group) return;
   begin_group(scene, nominal, everybody);
