@@ -24,7 +24,7 @@ constexpr double rounding = 1e-4;       // [m]
 constexpr double reach = 0.06;          // beyond what is to be kept nobody closes in too fast [m]
 constexpr std::array<double, 2> lane{0.11, -0.11};            // beside the place [m]
 constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};  // [m]
-constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};     // before a way by another point [s]
+constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};    // before a way by another point [s]
 // One that is blocked is tried again so much later. [s]
 constexpr std::array<double, 8> later{0.5, 0.5, 1.0, 1.0, 2.0, 3.0, 4.0, 8.0};
 constexpr std::array<double, 2> radii{0.13, 0.3};  // of the rings round the robot that a way round goes by [m]
@@ -85,7 +85,8 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
   if (squared < 0.0) return false;
   const double straight = std::sqrt(squared);
   const bool nowhere = dx * dx + dy * dy < 1e-12;
-  const double heading = nowhere ? (first == 0.0 ? start.at.theta : end.theta) : std::atan2(dy, dx) - std::atan2(h, straight);
+  const double heading =
+      nowhere ? (first == 0.0 ? start.at.theta : end.theta) : std::atan2(dy, dx) - std::atan2(h, straight);
   course.start = &start;
   course.share = 1.0;
   course.count = 0;
@@ -148,7 +149,8 @@ bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Rou
     route.brake(query_.from, query_.v, query_.pace);
   else
     route.stand(query_.from);
-  bool fits = route.wait(course.start->wait + wait) && route.turn(course.start->turn, query_.pace) && route.turn(course.turn, query_.pace);
+  bool fits = route.wait(course.start->wait + wait) && route.turn(course.start->turn, query_.pace) &&
+              route.turn(course.turn, query_.pace);
   for (std::size_t k = 0; k < course.count; ++k) {
     const Piece& piece = course.pieces[k];
     const double peak = std::min(std::max({course.share * piece.limit, u[k], u[k + 1]}),
@@ -212,8 +214,7 @@ bool Merge::try_at(const Trial& trial, Way& best, Route& route) noexcept {
     if (!(left >= -1e-6) || left > 0.05) return false;
     left = 0.0;
   }
-  if (!lay(course, to, std::max(0.0, left), laid_) ||
-      !clear(laid_, trial.joins, std::max(trial.joins, query_.watched)))
+  if (!lay(course, to, std::max(0.0, left), laid_) || !clear(laid_, trial.joins, std::max(trial.joins, query_.watched)))
     return false;
   best = {true, trial.joins};
   route = laid_;
@@ -221,8 +222,7 @@ bool Merge::try_at(const Trial& trial, Way& best, Route& route) noexcept {
 }
 
 /// The soonest of the ways from some starts, tried for ever later times.
-bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best,
-                   Route& route) noexcept {
+bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best, Route& route) noexcept {
   std::fill(next_.begin(), next_.end(), 0.0);
   std::fill(tries_.begin(), tries_.end(), 0);
   Course course;

@@ -45,7 +45,7 @@ class Merge {
     double watched = 0.0;   ///< it looks at others so long, even if it is at its place sooner [s]
     double before = never;  ///< no way that joins later than that [s]
     std::size_t most_work = 2000;
-    double enough = 0.0;    ///< no way round by a point to the side where a straight one joins sooner than that [s]
+    double enough = 0.0;  ///< no way round by a point to the side where a straight one joins sooner than that [s]
   };
   struct Way {
     bool found = false;
@@ -86,7 +86,9 @@ class Merge {
     double joins;
     std::size_t start, kind;
     bool operator<(const Trial& other) const noexcept {
-      return joins != other.joins ? joins < other.joins : start != other.start ? start < other.start : kind < other.kind;
+      return joins != other.joins   ? joins < other.joins
+             : start != other.start ? start < other.start
+                                    : kind < other.kind;
     }
   };
   static constexpr std::size_t bends = 5;  // none, two arcs to each side

@@ -17,7 +17,7 @@ constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
 constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
 constexpr double near = 0.6;            // who is farther away is not asked to yield [m]
 constexpr double longest_search = 0.5;  // where there is a way at all [s]
-constexpr std::size_t work_each_tick = 1500, work_each = 1500;  // [nodes]
+constexpr std::size_t work_each_tick = 1500, work_each = 4000;  // [nodes]
 
 /// How much room is kept beyond the shield's distance [m], and for how long at first others may come nearer [s]: with
 /// room to spare, then as near as the shield allows, then whatever the shield makes of it.
@@ -143,7 +143,8 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     expected_.copy(j, traffic_);
     if (robot.state == State::driving && !rests(j, scene))
       like.watched = std::max(like.watched, robot.joins - robot.clock);
-    if (robot.state == State::yielding) somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
+    if (robot.state == State::yielding)
+      somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
   }
 
   if (m.searched != m.count) {  // a search begins

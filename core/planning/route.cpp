@@ -153,8 +153,8 @@ Route::State Route::at(const Segment& segment, double t) noexcept {
     }
     case Segment::Kind::roll: {  // speed changes evenly: the mean of both ends' makes the whole way
       const double share = segment.duration > 0.0 ? t / segment.duration : 1.0;
-      const double way = segment.v * segment.duration * share +
-                         (segment.amount - segment.v * segment.duration) * share * share;
+      const double way =
+          segment.v * segment.duration * share + (segment.amount - segment.v * segment.duration) * share * share;
       state.driven += way;
       state.turned += segment.curvature * way;
       state.pose = advance(state.pose, {way, segment.curvature * way}, 1.0);

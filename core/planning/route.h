@@ -29,8 +29,8 @@ struct Leg {
 };
 
 /// A way that a unicycle can drive exactly: brake, then turns on the spot, waits and straight lines, each from rest to
-/// rest with bounded acceleration; or lines and arcs that are driven without a stop between them. A value of fixed size:
-/// it never allocates.
+/// rest with bounded acceleration; or lines and arcs that are driven without a stop between them. A value of fixed
+/// size: it never allocates.
 class Route {
  public:
   static constexpr std::size_t most_legs = 48;
