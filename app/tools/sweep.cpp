@@ -18,6 +18,9 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
+constexpr double v_jump = 0.03;   // a larger change of v from tick to tick is a jump [m/s]
+constexpr double drives = 0.005;  // whoever is slower has no direction [m/s]
+
 /// How far the robots really are from their places, and since when they have been near enough.
 class Distance final : public RecordSink {
  public:
@@ -37,6 +40,7 @@ class Distance final : public RecordSink {
     if (error > near_enough_) last_far_ = record.t;
     rows_.push_back({record.t, error});
     watch_wheels(record);
+    count_jumps(record);
   }
 
   double limited_share() const noexcept {
@@ -45,6 +49,8 @@ class Distance final : public RecordSink {
   double effort() const noexcept { return changes_ > 0 ? std::sqrt(squares_ / static_cast<double>(changes_)) : 0.0; }
 
   double perturbation() const noexcept { return farthest_; }
+  std::int64_t v_jumps() const noexcept { return v_jumps_; }
+  std::int64_t reversals() const noexcept { return reversals_; }
   double final_error() const noexcept {  // of the last second
     double error = 0.0;
     for (auto row = rows_.rbegin(); row != rows_.rend() && row->t > rows_.back().t - 1.0; ++row)
@@ -79,8 +85,27 @@ class Distance final : public RecordSink {
   std::vector<core::WheelSpeeds> before_;
   std::int64_t driven_ = 0, limited_ = 0, changes_ = 0;
   double squares_ = 0.0;  // of commanded wheel accelerations
+  void count_jumps(const TickRecord& record) {
+    in_motion_.resize(record.robots.size());
+    for (std::size_t i = 0; i < in_motion_.size(); ++i) {
+      const double v = record.robots[i].command.v;
+      Driven& before = in_motion_[i];
+      if (before.v && std::abs(v - *before.v) > v_jump) ++v_jumps_;
+      before.v = v;
+      if (std::abs(v) < drives) continue;
+      if (before.forwards && *before.forwards != (v > 0.0)) ++reversals_;
+      before.forwards = v > 0.0;
+    }
+  }
+
+  struct Driven {
+    std::optional<double> v;  // in the tick before [m/s]
+    std::optional<bool> forwards;
+  };
   double near_enough_;
   std::vector<Row> rows_;
+  std::vector<Driven> in_motion_;
+  std::int64_t v_jumps_ = 0, reversals_ = 0;
   std::optional<double> since_, last_far_;
   double farthest_ = 0.0;
 };
@@ -121,6 +146,10 @@ Json json(const SweepSummary& s) {
               {"formation_first_asked", s.formation_first_asked},
               {"formation_first_share", json(s.formation_first_share())},
               {"relative_first_share", json(s.relative_first_share())},
+              {"v_jumps_max", s.v_jumps_max},
+              {"v_jumps_share", json(s.v_jumps_share())},
+              {"reversals_max", s.reversals_max},
+              {"reversals_share", json(s.reversals_share())},
               {"bad_seeds", s.bad_seeds}};
   for (const SweepSummary& control : s.control)
     result.update({{"control_collisions", control.collisions},
@@ -174,6 +203,8 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   if (outcome.recovery && outcome.perturbation == 0.0 && !std::isnan(summary.arrived))
     outcome.recovery = summary.arrived;
   outcome.outside = summary.outside;
+  outcome.v_jumps = distance.v_jumps();
+  outcome.reversals = distance.reversals();
   const auto all = [&](bool (PerturbationResult::*first)() const noexcept) {
     return std::all_of(summary.perturbations.begin(), summary.perturbations.end(),
                        [&](const PerturbationResult& p) { return (p.*first)(); });
@@ -236,6 +267,12 @@ double quantile(std::vector<double> values, double share_of_all) {
 double SweepSummary::recovered_share() const noexcept {
   return share(recovered, runs);
 }
+double SweepSummary::v_jumps_share() const noexcept {
+  return share(with_v_jumps, runs - failed_runs);
+}
+double SweepSummary::reversals_share() const noexcept {
+  return share(with_reversals, runs - failed_runs);
+}
 double SweepSummary::relative_first_share() const noexcept {
   return share(relative_first, formation_first_asked);
 }
@@ -267,6 +304,10 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     s.formation_first += o.formation_first.value_or(false);
     s.relative_first += o.relative_first.value_or(false);
     s.outside = std::fmax(s.outside, o.outside);
+    s.v_jumps_max = std::max(s.v_jumps_max, o.v_jumps);
+    s.reversals_max = std::max(s.reversals_max, o.reversals);
+    s.with_v_jumps += o.v_jumps > 0;
+    s.with_reversals += o.reversals > 1;
   }
   s.recovered = static_cast<std::int64_t>(recoveries.size());
   s.recovery_p50 = quantile(recoveries, 0.5);

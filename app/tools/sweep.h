@@ -29,7 +29,9 @@ struct RunOutcome {
   std::optional<double> formation_settled, relative_settled, tracking_settled;
   double limited_share = 0.0;  ///< of robots and ticks in which a limit took something from the law's command
   double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]
-  std::string failure;         ///< why there is no run, where there is none
+  std::int64_t v_jumps = 0;             ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
+  std::int64_t reversals = 0;           ///< times that a robot went over from forwards to backwards or back
+  std::string failure;                  ///< why there is no run, where there is none
 
   bool collided() const noexcept { return collisions > 0; }
 };
@@ -69,7 +71,12 @@ struct SweepSummary {
   double outside = 0.0;                  ///< farthest of all runs [m]
   std::vector<std::uint64_t> bad_seeds;  ///< of runs that collided, did not recover or failed
 
+  std::int64_t v_jumps_max = 0, reversals_max = 0;    ///< of one run
+  std::int64_t with_v_jumps = 0, with_reversals = 0;  ///< runs with a jump of v, with more than one reversal
+
   double recovered_share() const noexcept;
+  double v_jumps_share() const noexcept;
+  double reversals_share() const noexcept;
   double formation_first_share() const noexcept;
   double relative_first_share() const noexcept;
   std::vector<SweepSummary> control;  ///< of the same seeds, where the study has one

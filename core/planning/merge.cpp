@@ -10,17 +10,29 @@
 namespace skein::core {
 namespace {
 
-constexpr double forever = std::numeric_limits<double>::infinity();
-constexpr double there = 0.004;        // [m]
-constexpr double looks_there = 0.1;    // [rad]
-constexpr double longest_home = 15.0;  // [s]
-constexpr double look_ahead = 40.0;    // [s]
-constexpr double time_step = 0.25;     // [s]
 constexpr double acceleration = 0.55;  // [m/s^2]
 constexpr double sight = 0.06;         // how far ahead a reference looks that comes home [m]
 constexpr double turn_gain = 4.0;      // [1/s]
-constexpr double soon = 5.0;           // no need to look for a better way [s]
 constexpr double catch_up = 2.0;       // [1/s]
+
+constexpr double look_ahead = 40.0;     // [s]
+constexpr double time_step = 0.25;      // [s]
+constexpr double drives = 0.005;        // whoever is slower stands [m/s]
+constexpr double slow_arc = 0.5;        // of the top speed: a tight arc is driven so fast
+constexpr double goes_straight = 0.12;  // who drives goes on as it does while its couplings are released [s]
+constexpr double rounding = 1e-4;       // [m]
+constexpr double reach = 0.06;          // beyond what is to be kept nobody closes in too fast [m]
+constexpr std::array<double, 2> lane{0.11, -0.11};            // beside the place [m]
+constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};  // [m]
+constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};    // before a way by another point [s]
+// One that is blocked is tried again so much later. [s]
+constexpr std::array<double, 8> later{0.5, 0.5, 1.0, 1.0, 2.0, 3.0, 4.0, 8.0};
+constexpr std::array<double, 2> radii{0.13, 0.3};  // of the rings round the robot that a way round goes by [m]
+
+double turned_to(double sign, double angle) noexcept {  // in [0, 2 pi)
+  const double a = std::remainder(sign * angle, 2.0 * pi);
+  return a < -1e-9 ? a + 2.0 * pi : std::max(a, 0.0);
+}
 
 }  // namespace
 
@@ -42,135 +54,311 @@ Twist homing(const ReferencePoint& place, const ReferencePoint& from, const Refe
           omega};
 }
 
-bool Merge::clear(double x, double y, double t) const noexcept {
-  const double at = std::clamp(t / Traffic::step, 0.0, static_cast<double>(Traffic::steps - 1));
-  const auto k = static_cast<std::size_t>(at);
-  const std::size_t next = std::min(k + 1, Traffic::steps - 1);
-  const double share = at - static_cast<double>(k);
+Merge::Merge() {
+  trials_.reserve(most_starts * kinds);
+}
+
+/// Its place so long after the traffic's beginning.
+ReferencePoint Merge::place(double t) const noexcept {
+  const double at = query_.t + t;
+  ReferencePoint point = reference_->at(query_.robot, at - query_.delay.at(at));
+  const double rate = query_.delay.rate(at);
+  point.twist = {rate * point.twist.v, rate * point.twist.omega};
+  return point;
+}
+
+/// The curve from the end of a start to the place. The bend of its beginning and of its end are in `kind`: on the spot,
+/// or an arc.
+bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to, Course& course) noexcept {
+  ++courses_;
+  const double first = curvatures_[kind / bends], last = curvatures_[kind % bends];
+  const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
+  Pose end = to.pose;
+  if (last == 0.0) {  // it turns on the spot a little behind, and runs up
+    const double way = 0.5 * v_1 * v_1 / a, turn = v_1 > drives ? to.twist.omega / v_1 : 0.0;
+    end = advance(end, {-way, -turn * way}, 1.0);
+  }
+  const double r_1 = first == 0.0 ? 0.0 : 1.0 / first, r_2 = last == 0.0 ? 0.0 : 1.0 / last;
+  const double dx = end.x - r_2 * std::sin(end.theta) - start.at.x + r_1 * std::sin(start.at.theta);
+  const double dy = end.y + r_2 * std::cos(end.theta) - start.at.y - r_1 * std::cos(start.at.theta);
+  const double h = r_2 - r_1, squared = dx * dx + dy * dy - h * h;
+  if (squared < 0.0) return false;
+  const double straight = std::sqrt(squared);
+  const bool nowhere = dx * dx + dy * dy < 1e-12;
+  const double heading =
+      nowhere ? (first == 0.0 ? start.at.theta : end.theta) : std::atan2(dy, dx) - std::atan2(h, straight);
+  course.start = &start;
+  course.share = 1.0;
+  course.count = 0;
+  course.turns_last = last == 0.0;
+  course.turn = first == 0.0 ? wrap_angle(heading - start.at.theta) : 0.0;
+  course.last_turn = last == 0.0 ? wrap_angle(end.theta - heading) : 0.0;
+  const auto add = [&](double curvature, double length) {
+    if (length < 1e-6) return;
+    const double limit = std::min(query_.pace.v, query_.pace.omega / (query_.k_y + std::abs(curvature)));
+    course.pieces[course.count++] = {curvature, length, limit};
+  };
+  for (std::size_t k = 0; k < start.count; ++k) course.pieces[course.count++] = start.pieces[k];
+  if (first != 0.0) add(first, std::abs(r_1) * turned_to(std::copysign(1.0, r_1), heading - start.at.theta));
+  add(0.0, straight);
+  if (last != 0.0) add(last, std::abs(r_2) * turned_to(std::copysign(1.0, r_2), end.theta - heading));
+  return first != 0.0 || start.count == 0;  // whoever drives does not turn on the spot
+}
+
+/// The speeds between the pieces, with bounded acceleration. False where the first or last cannot be met.
+bool Merge::speeds(const Course& course, double v_1, Speeds& u) const noexcept {
+  const double a = query_.pace.acceleration;
+  const std::size_t n = course.count;
+  u[0] = course.start->stands ? 0.0 : query_.v;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Piece& piece = course.pieces[k];
+    const double next = k + 1 < n ? course.share * std::min(piece.limit, course.pieces[k + 1].limit) : v_1;
+    if (u[k] > piece.limit + 1e-9) return false;
+    u[k + 1] = std::min(next, std::sqrt(u[k] * u[k] + 2.0 * a * piece.length));
+  }
+  if (u[n] < v_1 - 1e-6) return false;
+  const double begins = u[0];
+  for (std::size_t k = n; k-- > 0;)
+    u[k] = std::min(u[k], std::sqrt(u[k + 1] * u[k + 1] + 2.0 * a * course.pieces[k].length));
+  return n == 0 || u[0] > begins - 1e-6;
+}
+
+double Merge::duration(const Course& course, const ReferencePoint& to) const noexcept {
+  const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
+  Speeds u{};
+  if (!speeds(course, course.turns_last ? 0.0 : v_1, u)) return never;
+  double t = course.start->wait + (course.start->stands ? stops_ : 0.0);
+  t += query_.pace.turn_time(course.start->turn) + query_.pace.turn_time(course.turn) +
+       query_.pace.turn_time(course.last_turn);
+  if (course.turns_last) t += v_1 / a;
+  for (std::size_t k = 0; k < course.count; ++k) {
+    const Piece& piece = course.pieces[k];
+    const double peak = std::min(std::max({course.share * piece.limit, u[k], u[k + 1]}),
+                                 std::sqrt(piece.length * a + 0.5 * (u[k] * u[k] + u[k + 1] * u[k + 1])));
+    const double ramps = (2.0 * peak * peak - u[k] * u[k] - u[k + 1] * u[k + 1]) / (2.0 * a);
+    t += (2.0 * peak - u[k] - u[k + 1]) / a + std::max(0.0, piece.length - ramps) / peak;
+  }
+  return t;
+}
+
+bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Route& route) const noexcept {
+  const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
+  Speeds u{};
+  if (!speeds(course, course.turns_last ? 0.0 : v_1, u)) return false;
+  if (course.start->stands)
+    route.brake(query_.from, query_.v, query_.pace);
+  else
+    route.stand(query_.from);
+  bool fits = route.wait(course.start->wait + wait) && route.turn(course.start->turn, query_.pace) &&
+              route.turn(course.turn, query_.pace);
+  for (std::size_t k = 0; k < course.count; ++k) {
+    const Piece& piece = course.pieces[k];
+    const double peak = std::min(std::max({course.share * piece.limit, u[k], u[k + 1]}),
+                                 std::sqrt(piece.length * a + 0.5 * (u[k] * u[k] + u[k + 1] * u[k + 1])));
+    const double up = (peak * peak - u[k] * u[k]) / (2.0 * a), down = (peak * peak - u[k + 1] * u[k + 1]) / (2.0 * a);
+    fits = fits && route.roll(up, piece.curvature, u[k], peak) &&
+           route.roll(piece.length - up - down, piece.curvature, peak, peak) &&
+           route.roll(down, piece.curvature, peak, u[k + 1]);
+  }
+  fits = fits && route.turn(course.last_turn, query_.pace);
+  const double bend = v_1 > drives ? to.twist.omega / v_1 : 0.0;
+  if (course.turns_last) fits = fits && route.roll(0.5 * v_1 * v_1 / a, bend, 0.0, v_1);
+  return fits && (v_1 > drives ? route.roll(v_1 * goes_on, bend, v_1, v_1) : route.wait(goes_on));
+}
+
+/// Whether the shield would leave it alone between the samples k - 1 and k of the traffic: what is left over what is to
+/// be kept shrinks no faster than it allows, and where there is nothing left, the distance does not shrink.
+bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noexcept {
+  const double near = query_.keep + reach, shrinks = std::exp(-0.95 * query_.gamma * Traffic::step);
   for (std::size_t j = 0; j < traffic_->robots(); ++j) {
-    const double r = radius_[j];
-    if (r <= 0.0) continue;
-    const double o_x = traffic_->x(j, k), o_y = traffic_->y(j, k);
-    const double dx = o_x + share * (traffic_->x(j, next) - o_x) - x,
-                 dy = o_y + share * (traffic_->y(j, next) - o_y) - y;
-    if (dx * dx + dy * dy < r * r) return false;
+    if (j == query_.robot || !traffic_->present(j)) continue;
+    const double dx = traffic_->x(j, k) - here.x, dy = traffic_->y(j, k) - here.y, squared = dx * dx + dy * dy;
+    if (squared > near * near) continue;
+    const double left = std::sqrt(squared) - query_.keep;
+    const double was = std::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - query_.keep;
+    if (left < (was > 0.0 ? shrinks * was : was) - rounding) return false;
   }
   return true;
 }
 
-bool Merge::clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves,
-                       double arrives) const noexcept {
-  const auto samples = static_cast<int>(std::ceil((arrives - leaves) / (1.5 * Traffic::step))) + 1;
-  for (int k = 0; k <= samples; ++k) {
-    const double share = static_cast<double>(k) / samples;
-    if (!clear(from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), leaves + share * (arrives - leaves)))
-      return false;
+bool Merge::clear(const Route& route, double joins, double until) noexcept {
+  Pose before = query_.from;
+  for (std::size_t k = 1; k < Traffic::steps; ++k) {
+    const double t = Traffic::step * static_cast<double>(k);
+    if (t > until) break;
+    const Pose here = t < joins ? route.at(t).pose : place(t).pose;
+    ++samples_;
+    if (query_.crowded && t >= query_.grace && !clear(k, before, here)) return false;
+    if (t < joins && !lattice_->free({before.x, before.y}, {here.x, here.y})) return false;
+    before = here;
   }
   return true;
 }
 
-/// When a robot that homes in from there, standing, is at its place; infinity: not before `most`, or not without
-/// meeting somebody.
-double Merge::home(Pose from, double t, double most) noexcept {
-  ++trials_;
-  constexpr double dt = 0.1;
-  ReferencePoint point{from, {}};
-  for (const double begun = t; t < most && t < begun + longest_home; t += dt) {
-    const ReferencePoint place = reference_->at(query_.robot, query_.t + t);
-    if (distance(place.pose, point.pose) < there &&
-        std::abs(wrap_angle(place.pose.theta - point.pose.theta)) < looks_there)
-      return t;
-    point.twist = homing(place, point, query_.bounds, dt);
-    point.pose = advance(point.pose, point.twist, dt);
-    if (!clear(point.pose.x, point.pose.y, t + dt) || !lattice_->free(point.pose.x, point.pose.y)) return forever;
+/// One way that is at its place at that time. What it would be there too soon, it waits at first, or drives slower.
+bool Merge::try_at(const Trial& trial, Way& best, Route& route) noexcept {
+  const Start& start = starts_[trial.start];
+  const ReferencePoint to = place(trial.joins);
+  Course course;
+  if (!plan(start, trial.kind, to, course)) return false;
+  double left = trial.joins - duration(course, to);
+  if (!(left >= -1e-6)) return false;
+  if (!start.stands && left > 1e-3) {
+    double low = 0.2, high = 1.0;  // share of the speeds
+    for (int k = 0; k < 12; ++k) {
+      course.share = 0.5 * (low + high);
+      (duration(course, to) <= trial.joins ? high : low) = course.share;
+    }
+    course.share = high;
+    left = trial.joins - duration(course, to);
+    if (!(left >= -1e-6) || left > 0.05) return false;
+    left = 0.0;
   }
-  return forever;
+  if (!lay(course, to, std::max(0.0, left), laid_) || !clear(laid_, trial.joins, std::max(trial.joins, query_.watched)))
+    return false;
+  best = {true, trial.joins};
+  route = laid_;
+  return true;
 }
 
-void Merge::try_point(const Stand& stand, const Leg* before, double back, double aside, double wait,
-                      Way& best) noexcept {
-  const Pace& pace = query_.pace;
-  const double sets_off = stand.t + wait;
-  for (double t = sets_off; t < std::min(sets_off + look_ahead, best.done); t += time_step) {
-    const Pose place = reference_->at(query_.robot, query_.t + t).pose;
-    const double c = std::cos(place.theta), s = std::sin(place.theta);
-    const Lattice::Place to{place.x - back * c - aside * s, place.y - back * s + aside * c};
-    const double dx = to.x - stand.pose.x, dy = to.y - stand.pose.y, way = std::hypot(dx, dy);
-    if (way > pace.v * (t - sets_off)) continue;
-    const double heading = way > 1e-3 ? std::atan2(dy, dx) : stand.pose.theta;
-    const double leaves = sets_off + pace.turn_time(wrap_angle(heading - stand.pose.theta));
-    const double arrives = leaves + (way > 1e-3 ? pace.drive_time(way) : 0.0);
-    if (arrives > t) continue;
-    const Lattice::Place from{stand.pose.x, stand.pose.y};
-    if (way > 1e-3 && !lattice_->free(from, to)) return;
-    if (!clear_line(from, from, stand.t, leaves) || !clear_line(from, to, leaves, arrives)) return;
-    const double done = home({to.x, to.y, heading}, arrives, best.done);
-    if (done >= best.done) return;
-    best.done = done;
-    best.found = true;
-    best.heading = heading;
-    best.count = 0;
-    if (before) best.legs[best.count++] = *before;
-    if (way > 1e-3) best.legs[best.count++] = {to.x, to.y, leaves, arrives};
-    return;
+/// The soonest of the ways from some starts, tried for ever later times.
+bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best, Route& route) noexcept {
+  std::fill(next_.begin(), next_.end(), 0.0);
+  std::fill(tries_.begin(), tries_.end(), 0);
+  Course course;
+  const double end = std::min({look_ahead, best.joins, query_.before});
+  for (double t = time_step; t < end && work() < most; t += time_step) {
+    const ReferencePoint to = place(t);
+    if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + rounding) continue;
+    trials_.clear();
+    for (std::size_t s = first; s < last; ++s)
+      for (std::size_t kind = 0; kind < kinds; ++kind) {
+        const std::size_t both = s * kinds + kind;
+        if (t < next_[both] || (few && (kind / bends > 2 || kind % bends > 2))) continue;
+        if (!plan(starts_[s], kind, to, course) || duration(course, to) > t) continue;
+        double joins = t;
+        if (tries_[both] == 0) {  // since when?
+          double low = t - time_step;
+          for (int k = 0; k < 8; ++k) {
+            const double middle = 0.5 * (low + joins);
+            const ReferencePoint there = place(middle);
+            (plan(starts_[s], kind, there, course) && duration(course, there) <= middle ? joins : low) = middle;
+          }
+        }
+        next_[both] = tries_[both] < later.size() ? t + later[tries_[both]] : never;
+        ++tries_[both];
+        trials_.push_back({joins, s, kind});
+      }
+    std::sort(trials_.begin(), trials_.end());
+    for (const Trial& trial : trials_)
+      if (trial.joins < end && try_at(trial, best, route)) return true;
   }
+  return false;
 }
 
-void Merge::try_from(const Stand& stand, const Leg* before, Way& best) noexcept {
-  if (const double done = home(stand.pose, stand.t, best.done); done < best.done) {
-    best.done = done;
-    best.found = true;
-    best.heading = stand.pose.theta;
-    best.count = 0;
-    if (before) best.legs[best.count++] = *before;
-  }
-  if (before) {
-    for (const double back : {0.0, 0.05})
-      for (const double aside : {0.0, 0.1, -0.1}) try_point(stand, before, back, aside, 0.0, best);
-    return;
-  }
-  for (const double wait : {0.0, 0.7, 1.5, 3.0, 5.0})
-    for (const double back : {0.0, 0.03, 0.08})
-      for (const double aside : {0.0, 0.03, -0.03, 0.1, -0.1}) try_point(stand, before, back, aside, wait, best);
+/// Whether what a start begins with can be driven at once.
+bool Merge::begins_clear(const Start& start) noexcept {
+  Course course;
+  course.start = &start;
+  course.pieces = {};
+  std::copy_n(start.pieces.begin(), start.count, course.pieces.begin());
+  course.count = start.count;
+  const ReferencePoint to{start.at, {start.pieces[start.count - 1].limit, 0.0}};
+  if (!lay(course, to, 0.0, laid_)) return false;
+  const double ends = laid_.duration() - goes_on;
+  return clear(laid_, never, ends);
 }
 
-Merge::Way Merge::find(const Query& query, const Reference& reference, const Lattice& lattice,
-                       const Traffic& traffic) noexcept {
+/// Starts by points of rings round the robot, where the way there is free.
+void Merge::go_aside() noexcept {
+  const std::size_t directions = ring / radii.size();
+  for (const double radius : radii)
+    for (std::size_t k = 0; k < directions; ++k) {
+      const double heading = 2.0 * pi * static_cast<double>(k) / static_cast<double>(directions);
+      const Pose to{stop_.x + radius * std::cos(heading), stop_.y + radius * std::sin(heading), wrap_angle(heading)};
+      if (!lattice_->free(to.x, to.y) || !lattice_->free({stop_.x, stop_.y}, {to.x, to.y})) continue;
+      Start& start = starts_[start_count_];
+      start = {true, wrap_angle(heading - stop_.theta), {}, 1, to, 0.0};
+      start.pieces[0] = {0.0, radius, query_.pace.v};
+      for (const double wait : waits) {
+        start.wait = wait;
+        if (!begins_clear(start)) continue;
+        ++start_count_;
+        break;
+      }
+    }
+}
+
+/// The soonest way to a point beside the place, with its heading and top speed.
+bool Merge::come_beside(const Start& from, double back, double aside, Start& start) noexcept {
+  Course course, soonest;
+  for (double t = from.wait + time_step; t < std::min(look_ahead, query_.before); t += time_step) {
+    const Pose on = place(t).pose;
+    const double c = std::cos(on.theta), n = std::sin(on.theta);
+    const ReferencePoint beside{{on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta},
+                                {query_.pace.v, 0.0}};
+    if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + rounding) continue;
+    if (!lattice_->free(beside.pose.x, beside.pose.y)) continue;
+    double least = t;
+    for (std::size_t kind = 0; kind < kinds; ++kind) {
+      if (kind % bends == 0 || !plan(from, kind, beside, course)) continue;
+      if (const double takes = duration(course, beside); takes < least) least = takes, soonest = course;
+    }
+    if (least == t) continue;
+    if (soonest.count > start.pieces.size()) return false;
+    start = {from.stands, soonest.turn, {}, soonest.count, beside.pose, from.wait};
+    std::copy_n(soonest.pieces.begin(), soonest.count, start.pieces.begin());
+    return begins_clear(start);
+  }
+  return false;
+}
+
+/// Starts that end beside the place.
+void Merge::go_abreast(std::size_t direct, std::size_t most) noexcept {
+  for (const double aside : lane)
+    for (const double back : lane_back)
+      for (std::size_t s = 0; s < direct; ++s)
+        for (const double wait : waits) {
+          if (start_count_ == direct + lanes || work() >= most || (wait > 0.0 && !starts_[s].stands)) break;
+          starts_[s].wait = wait;
+          const bool found = come_beside(starts_[s], back, aside, starts_[start_count_]);
+          starts_[s].wait = 0.0;
+          if (!found) continue;
+          ++start_count_;
+          break;
+        }
+}
+
+Merge::Way Merge::find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic,
+                       Route& route) noexcept {
   query_ = query;
   reference_ = &reference;
   lattice_ = &lattice;
   traffic_ = &traffic;
-  trials_ = 0;
-  const auto k0 = std::min(Traffic::steps - 1, static_cast<std::size_t>(query.begins / Traffic::step));
-  for (std::size_t j = 0; j < traffic.robots(); ++j) {
-    radius_[j] = 0.0;
-    if (j == query.robot || !traffic.present(j)) continue;
-    // Who comes near while the robot still stands and turns is held up by the shield for a moment.
-    const auto k1 = std::min(Traffic::steps - 1, k0 + static_cast<std::size_t>(query.grace / Traffic::step));
-    double d = query.keep + 1.0;
-    for (std::size_t k = k0; k <= k1; ++k)
-      d = std::min(d, std::hypot(traffic.x(j, k) - query.from.x, traffic.y(j, k) - query.from.y));
-    radius_[j] = std::min(query.keep, std::max(d - 1e-3, 0.0));
+  courses_ = samples_ = 0;
+  const double slow = slow_arc * query.pace.v;
+  const double tight = std::max(0.0, query.pace.omega / slow - query.k_y);
+  const double wide = std::max(0.0, query.pace.omega / query.pace.v - query.k_y);
+  curvatures_ = {0.0, tight, -tight, wide, -wide};
+  stop_ = Route::stop(query.from, query.v, query.pace);
+  stops_ = Route::stop_time(query.v, query.pace);
+  start_count_ = 0;
+  starts_[start_count_++] = {true, 0.0, {}, 0, stop_, 0.0};
+  if (query.v > drives && query.v < query.pace.v) {
+    const double way = goes_straight * query.v;
+    Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0), 0.0};
+    start.pieces[0] = {0.0, way, query.v};
   }
   Way best;
-  best.done = query.begins + look_ahead + longest_home;
-  try_from({query.from, query.begins}, nullptr, best);
-  if (best.found && best.done - query.begins < soon) return best;
-  // Round somebody or something: by a point of a ring.
-  constexpr int directions = 12;
-  const Lattice::Place from{query.from.x, query.from.y};
-  for (const double radius : {0.12, 0.25, 0.45}) {
-    for (int k = 0; k < directions; ++k) {
-      const double heading = 2.0 * pi * k / directions;
-      const Lattice::Place to{from.x + radius * std::cos(heading), from.y + radius * std::sin(heading)};
-      if (!lattice.free(to.x, to.y) || !lattice.free(from, to)) continue;
-      const double leaves = query.begins + query.pace.turn_time(wrap_angle(heading - query.from.theta));
-      const double arrives = leaves + query.pace.drive_time(radius);
-      if (!clear_line(from, from, query.begins, leaves) || !clear_line(from, to, leaves, arrives)) continue;
-      const Leg leg{to.x, to.y, leaves, arrives};
-      try_from({{to.x, to.y, heading}, arrives}, &leg, best);
-    }
-  }
+  const std::size_t direct = start_count_;
+  search(0, direct, false, query.most_work / 2, best, route);
+  if (!query.crowded || (best.found && best.joins < query.enough)) return best;
+  go_abreast(direct, 3 * query.most_work / 4);
+  const std::size_t abreast = start_count_;
+  search(direct, abreast, true, query.most_work, best, route);
+  if (work() >= query.most_work) return best;
+  go_aside();
+  search(abreast, start_count_, true, query.most_work, best, route);
   return best;
 }
 

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "core/avoidance/steering.h"
+#include "core/planning/delay.h"
 #include "core/planning/lattice.h"
 #include "core/planning/route.h"
 #include "core/planning/traffic.h"
@@ -17,51 +19,111 @@ namespace skein::core {
 Twist homing(const ReferencePoint& place, const ReferencePoint& from, const ReferenceBounds& bounds,
              double dt) noexcept;
 
-/// Ways of one robot back to a place that drives on: wait, one or two straight lines to a point near where the place
-/// will be, and from there as `homing` drives. Each is simulated to its end against the others' traffic; the soonest
-/// wins.
+/// Ways of one robot back to a place that drives on: turn on the spot or drive an arc, go straight, turn or drive an
+/// arc, so that it is where its place is, with its heading and its speed, at the soonest moment that there is (Dubins'
+/// paths with turns on the spot, against a clock). Each is driven in thought against the others' traffic, under the
+/// shield's own condition; where nobody can be met, the first is the soonest of its kind. Past others it goes by a
+/// point to the side, or beside them until it is abreast of its place. Allocates in its constructor only.
 class Merge {
  public:
-  explicit Merge(std::size_t robots) : radius_(robots) {}
+  static constexpr double never = std::numeric_limits<double>::infinity();
+
+  Merge();
 
   struct Query {
     std::size_t robot = 0;
-    Pose from;                          ///< at rest
-    double begins = 0.0;                ///< [s] after the traffic's beginning
-    double t = 0.0;                     ///< of the experiment, at the traffic's beginning [s]
-    double keep = 0.1, least = 0.0785;  ///< between two midpoints; and where it is nearer at first [m]
-    double grace = 0.0;                 ///< so long others may come nearer than that to where it stands [s]
-    Pace pace;
-    ReferenceBounds bounds;  ///< of the reference, without couplings
+    Pose from;              ///< now
+    double v = 0.0;         ///< now [m/s]
+    double t = 0.0;         ///< of the experiment, at the traffic's beginning [s]
+    double k_y = 11.0;      ///< of (18g) [rad/m]
+    Pace pace;              ///< v, and omega + k_y v: the most that (18f, g) leave without couplings
+    Delay delay;            ///< of the place's clock
+    double keep = 0.08;     ///< between two midpoints [m]
+    double gamma = 4.0;     ///< how fast what is left of that may shrink [1/s]
+    double grace = 0.0;     ///< so long others may come nearer than that [s]
+    bool crowded = true;    ///< there are others at all
+    double watched = 0.0;   ///< it looks at others so long, even if it is at its place sooner [s]
+    double before = never;  ///< no way that joins later than that [s]
+    std::size_t most_work = 2000;
+    double enough = 0.0;  ///< no way round by a point to the side where a straight one joins sooner than that [s]
   };
-  /// The legs of the soonest way, or none. `done`: when it ends [s].
   struct Way {
-    std::array<Leg, 2> legs;
-    std::size_t count = 0;
-    double heading = 0.0;
-    double done = 0.0;
     bool found = false;
+    double joins = never;  ///< when it is at its place, on the route's clock [s]
   };
-  Way find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic) noexcept;
-  std::size_t trials() const noexcept { return trials_; }
+  /// The soonest way, as a route from now on that goes on with its place for a little while. `route` is touched only
+  /// where one was found.
+  Way find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic,
+           Route& route) noexcept;
+
+  /// Work of the latest search, in nodes: about a microsecond each.
+  std::size_t work() const noexcept { return courses_ / 5 + samples_ / 8; }
+
+  static constexpr double goes_on = 0.4;  ///< so long a route goes on with its place [s]
 
  private:
-  struct Stand {
-    Pose pose;
-    double t;  // [s]
+  struct Piece {
+    double curvature, length, limit;  // [1/m], [m], [m/s]
   };
-  void try_from(const Stand& stand, const Leg* before, Way& best) noexcept;
-  void try_point(const Stand& stand, const Leg* before, double back, double aside, double wait, Way& best) noexcept;
-  double home(Pose from, double t, double most) noexcept;
-  bool clear(double x, double y, double t) const noexcept;
-  bool clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) const noexcept;
+  /// How a way begins: braked or not; then perhaps by a point to the side, or by one abreast of the place.
+  struct Start {
+    bool stands = true;
+    double turn = 0.0;  // on the spot, at first [rad]
+    std::array<Piece, 4> pieces{};
+    std::size_t count = 0;
+    Pose at;            // where the curve to the place begins
+    double wait = 0.0;  // at first [s]
+  };
+  struct Course {
+    const Start* start = nullptr;
+    double turn = 0.0, last_turn = 0.0;  // on the spot [rad]
+    std::array<Piece, 7> pieces;
+    std::size_t count = 0;
+    bool turns_last = false;
+    double share = 1.0;  // of the speeds that could be driven
+  };
+  struct Trial {
+    double joins;
+    std::size_t start, kind;
+    bool operator<(const Trial& other) const noexcept {
+      return joins != other.joins   ? joins < other.joins
+             : start != other.start ? start < other.start
+                                    : kind < other.kind;
+    }
+  };
+  static constexpr std::size_t bends = 5;  // none, two arcs to each side
+  static constexpr std::size_t kinds = bends * bends;
+  static constexpr std::size_t ring = 16, lanes = 12, most_starts = 2 + ring + lanes;
+  using Speeds = std::array<double, 8>;
+
+  ReferencePoint place(double t) const noexcept;
+  bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, Course& course) noexcept;
+  double duration(const Course& course, const ReferencePoint& place) const noexcept;
+  bool speeds(const Course& course, double v_1, Speeds& u) const noexcept;
+  bool lay(const Course& course, const ReferencePoint& place, double wait, Route& route) const noexcept;
+  bool clear(const Route& route, double joins, double until) noexcept;
+  bool begins_clear(const Start& start) noexcept;
+  bool come_beside(const Start& from, double back, double aside, Start& start) noexcept;
+  bool clear(std::size_t k, const Pose& before, const Pose& here) const noexcept;
+  bool search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best, Route& route) noexcept;
+  bool try_at(const Trial& trial, Way& best, Route& route) noexcept;
+  void go_aside() noexcept;
+  void go_abreast(std::size_t direct, std::size_t most) noexcept;
 
   Query query_;
   const Reference* reference_ = nullptr;
   const Lattice* lattice_ = nullptr;
   const Traffic* traffic_ = nullptr;
-  std::vector<double> radius_;  // to keep from each robot [m]
-  std::size_t trials_ = 0;
+  Pose stop_;
+  double stops_ = 0.0;  // [s]
+  std::array<double, bends> curvatures_{};
+  std::array<Start, most_starts> starts_;
+  std::size_t start_count_ = 0;
+  std::array<double, most_starts * kinds> next_{};  // when each kind is tried again [s]
+  std::array<std::size_t, most_starts * kinds> tries_{};
+  std::vector<Trial> trials_;
+  Route laid_;
+  std::size_t courses_ = 0, samples_ = 0;
 };
 
 }  // namespace skein::core

@@ -18,13 +18,18 @@ constexpr double too_late = 0.4;        // [s]
 constexpr double put_off = 0.015;       // by the shield, on the last piece of a way [m]
 constexpr double again_after = 1.0;     // at least [s]
 constexpr double pushed_away = 0.008;   // from a place at rest [m]
-constexpr double ramp = 0.3;            // of couplings that are released or come back [s]
+constexpr double release = 0.1;         // of couplings [s]
+constexpr double ramp = 0.3;            // of couplings that come back [s]
 constexpr double rate_slope = 2.0;      // of a clock [1/s]
 constexpr double error_free = 0.010;    // behind its route: clocks run on; at `error_stop` they stand [m]
 constexpr double error_stop = 0.025;    // [m]
 constexpr double sees_ahead = 3.0;      // who stands in its way [s]
 constexpr double looks_every = 5;       // ticks
 constexpr double stuck_for = 4.0;       // a clock that hardly runs so long: a new plan for everybody [s]
+
+bool is_at(const Pose& place, const Pose& pose) noexcept {
+  return distance(pose, place) < arrived && std::abs(wrap_angle(pose.theta - place.theta)) < arrived_angle;
+}
 
 }  // namespace
 
@@ -33,8 +38,8 @@ Planner::Planner(const Setup& setup, const Reference& reference)
       setup_(setup),
       lattice_(setup.arena, setup.shield_distance - setup.radius + 0.0005, setup.obstacles),
       traffic_(setup.robots),
+      expected_(setup.robots),
       search_(lattice_, setup.robots),
-      merge_(setup.robots),
       robots_(setup.robots),
       goals_(setup.robots),
       rest_from_(setup.robots, never),
@@ -56,6 +61,8 @@ Planner::Planner(const Setup& setup, const Reference& reference)
   group_.stands.resize(setup.robots);
   group_.routes.resize(setup.robots);
   group_.best.resize(setup.robots);
+  merging_.yields.resize(setup.robots);
+  merging_.last_yields.resize(setup.robots);
   reset();
 }
 
@@ -63,6 +70,7 @@ void Planner::reset() noexcept {
   for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robots_.size();
   std::fill(shift_.begin(), shift_.end(), 0.0);
   group_.active = false;
+  merging_.searched = 0;
   begun_ = false;
 }
 
@@ -119,10 +127,12 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     if (j == i || other.state != State::driving) continue;
     const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
     const double until = std::min(planned - theirs, other.route.duration());
-    if (other.clock >= until) continue;
+    // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
+    const double runs_to = other.clock + (robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0);
+    if (runs_to >= until - 0.02) continue;
     const double d_now = distance(other.route.at(other.clock).pose, robot.route.at(robot.clock).pose);
-    const double keep = std::min(keep_ - less, d_now - 2e-3);
-    for (double t = other.clock; t < until + step; t += step)
+    const double keep = std::min(std::min(robot.keeps, other.keeps) - less, d_now - 2e-3);
+    for (double t = runs_to; t < until + step; t += step)
       if (distance(other.route.at(std::min(t, until)).pose, there) < keep) {
         robot.waits_for = j;
         return true;
@@ -147,6 +157,14 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   robot.state = before;
 }
 
+/// The formation's reference, on the clock of those that yield.
+void Planner::follow_yielding(std::size_t i, double t) noexcept {
+  const double rate = yield_.rate(t);
+  robots_[i].reference = reference_->at(i, t - yield_.at(t));
+  Twist& twist = robots_[i].reference.twist;
+  twist = {rate * twist.v, rate * twist.omega};
+}
+
 void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
                    std::span<ReferencePoint> reference) noexcept {
   const std::size_t n = robots_.size();
@@ -167,6 +185,9 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     if (robots_[i].state == State::nominal) {
       coupled_[i] = gains.k_xx.row_sum(i) + gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i) > 0.0;
       robots_[i].reference = nominal[i];
+    } else if (robots_[i].state == State::yielding) {
+      follow_yielding(i, scene.t);
+      if (scene.t >= yield_.ends()) robots_[i].state = State::nominal;
     }
   if (!begun_ || to_starts_ != scene.to_starts) find_conflicts_of_all(scene, nominal);
   begun_ = true;
@@ -225,7 +246,16 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
         robot.clock += dt;
         break;
       }
+      case State::yielding:
+        follow_yielding(i, scene.t);
+        break;
       case State::driving:
+        if (!rests(i, scene) && robot.clock >= robot.joins) {  // it is where its place is, or nearly
+          robot.reference = {robot.route.at(robot.clock).pose, nominal[i].twist};
+          robot.state = State::returning;
+          if (is_at(nominal[i].pose, robot.reference.pose)) robot.state = State::nominal, robot.reference = nominal[i];
+          break;
+        }
         run_clock(i, scene, dt);
         if (robot.clock >= robot.route.duration()) {
           robot.state = rests(i, scene) ? State::nominal : State::returning;
@@ -242,8 +272,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
         robot.reference.pose = advance(robot.reference.pose, robot.reference.twist, dt);
         const ReferenceBounds bounds = reference_bounds(gains, i);
         robot.reference.twist = homing(nominal[i], robot.reference, bounds, dt);
-        if (distance(robot.reference.pose, nominal[i].pose) < arrived &&
-            std::abs(wrap_angle(robot.reference.pose.theta - nominal[i].pose.theta)) < arrived_angle) {
+        if (is_at(nominal[i].pose, robot.reference.pose)) {
           robot.state = State::nominal;
           robot.reference = nominal[i];
         }
@@ -251,7 +280,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       }
     }
     const double wanted = robot.state == State::nominal && !scene.out[i] ? 1.0 : 0.0;
-    robot.share += std::clamp(wanted - robot.share, -dt / ramp, dt / ramp);
+    robot.share += std::clamp(wanted - robot.share, -dt / release, dt / ramp);
     reference[i] = robot.reference;
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -23,7 +24,9 @@ namespace skein::core {
 /// free follows that. One that would meet somebody, or has been put elsewhere, gets a route of its own:
 ///   to a place at rest     all robots concerned are planned one after the other, each through the traffic of those
 ///                          before it (prioritised planning, restarted with whoever failed in front)
-///   to a place that moves  a straight way to a point from which the law, simulated, brings it to its place
+///   to a place that moves  the soonest way that is where the place is, with its heading and speed (`Merge`); where
+///                          others are in the way that only follow their references, some of them yield: their clock
+///                          stands for a moment and catches up, and whoever would come too near to them yields too
 /// Routes are driven on clocks: a robot goes only past points that everybody who was due there earlier has left, and a
 /// robot that falls behind its reference holds its clock back. So a delay of one robot delays others and breaks
 /// nothing. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
@@ -34,6 +37,7 @@ class Planner {
     nominal,    ///< follows the formation's reference
     driving,    ///< on a route
     returning,  ///< behind a route's end, towards its moving place as the law would drive it
+    yielding,   ///< follows the formation's reference on a clock that is behind, to let somebody pass
     waiting,    ///< stands: it is out of the group, is being planned, or there is no way
   };
 
@@ -42,6 +46,7 @@ class Planner {
     std::size_t obstacles = 0;  ///< at most
     HalfSize arena;
     double shield_distance = 0.078;  ///< of two bodies of `radius` [m]
+    double shield_gamma = 4.0;       ///< [1/s]
     double duration = 0.0;           ///< of the experiment [s]
     /// Of the largest body: routes are planned as if all had it. [m]
     double radius = standard_radius;
@@ -73,6 +78,10 @@ class Planner {
   void reset() noexcept;
 
  private:
+  struct Start {
+    Pose from;
+    double v;
+  };
   struct Robot {
     State state = State::nominal;
     Route route;
@@ -81,23 +90,49 @@ class Planner {
     double share = 1.0;
     double held_for = 0.0;  // how long its clock has hardly run [s]
     double retry = 0.0;     // no new plan before [s]
+    double joins = 0.0;     // its place moves: when its route is there, on its clock [s]
+    double keeps = 0.0;     // distance from others' routes that its own was planned with [m]
     ReferencePoint reference;
     Pose before;  // where it was at the step before
     std::size_t waits_for = 0;
     bool no_way = false, needs_plan = false, was_out = false;
   };
 
+  /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
+  /// that yield or not. What is tried comes in a fixed order, over as many ticks as it takes, always from where
+  /// everybody is by then; the best is tried once more when its time has come.
+  struct Merging {
+    static constexpr std::size_t most = 2;
+    struct Trial {
+      std::size_t care = 0, hold = 0, first = 0;  // hold 0: nobody yields; else those with robot `first`
+      bool backwards = false;
+    };
+    std::array<std::size_t, most> robots{};
+    std::size_t count = 0, searched = 0;  // searched: those of a search that goes on, or 0
+    Trial next, best;
+    double began = 0.0, best_ends = 0.0;  // [s]
+    std::array<Pose, most> from;
+    std::array<double, most> v{}, soonest{};
+    std::array<Route, most> routes;
+    std::array<double, most> joins{};
+    std::vector<std::uint8_t> yields, last_yields;
+    Delay delay;
+  };
+
   void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   void watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
-  void begin_route(std::size_t i, const Scene& scene) noexcept;
+  Start begin_route(std::size_t i, const Scene& scene) noexcept;
   void plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool improve(const Scene& scene) noexcept;
   void end_group(const Scene& scene) noexcept;
   void expect(std::size_t j, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
-  void plan_merge(std::size_t i, const Scene& scene, const Gains& gains,
-                  std::span<const ReferencePoint> nominal) noexcept;
+  void plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
+  double merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept;
+  bool advance_trial(const Scene& scene, std::span<const ReferencePoint> nominal, bool may_yield) noexcept;
+  void who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept;
+  void follow_yielding(std::size_t i, double t) noexcept;
   void set_off(std::size_t i, double due) noexcept;
   void run_clock(std::size_t i, const Scene& scene, double dt) noexcept;
   bool must_wait(std::size_t i, double ahead) noexcept;
@@ -112,7 +147,7 @@ class Planner {
   const Reference* reference_;
   Setup setup_;
   Lattice lattice_;
-  Traffic traffic_;
+  Traffic traffic_, expected_;
   RouteSearch search_;
   Merge merge_;
   Pace pace_;
@@ -140,6 +175,9 @@ class Planner {
     double best_arrival = 0.0;  // of the last of all, after `began` [s]
     int improvements = 0;
   } group_;
+
+  Delay yield_;  // of all that yield
+  Merging merging_;
 };
 
 }  // namespace skein::core

@@ -17,17 +17,20 @@ constexpr int most_attempts = 40;
 constexpr int most_improvements = 6;
 constexpr double good_enough = 1.12;  // against the straight line of whoever has the longest
 constexpr double slowest = 0.005;     // who is slower stands [m/s]
+constexpr double horizon = 45.0;      // of places that move [s]
 
 }  // namespace
 
 /// Puts into the traffic what robot j is expected to do.
 void Planner::expect(std::size_t j, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
-  constexpr double horizon = 60.0;  // of places that move [s]
   const Robot& robot = robots_[j];
   const Pose& pose = scene.poses[j];
   if (std::isnan(pose.x)) return traffic_.remove(j);
   if (scene.out[j] || robot.state == State::waiting) return traffic_.stands(j, pose.x, pose.y);
+  if (robot.state == State::driving && !rests(j, scene))
+    return traffic_.joins(j, robot.route, robot.clock, robot.joins, *reference_, scene.t, horizon);
   if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
+  if (robot.state == State::yielding) return traffic_.follows(j, *reference_, scene.t, horizon, yield_);
   if (scene.to_starts || nominal[j].twist == Twist{}) {
     if (scene.to_starts || scene.t >= rest_from_[j]) return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
   }
@@ -78,7 +81,7 @@ void Planner::set_off(std::size_t i, double due) noexcept {
 }
 
 /// Robot i brakes from whatever it does, and stands until it has a plan.
-void Planner::begin_route(std::size_t i, const Scene& scene) noexcept {
+Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept {
   Robot& robot = robots_[i];
   const Pose& pose = scene.poses[i];
   // Whoever drives goes on from its reference, so that noise does not become a jump; whoever stands, from where it is.
@@ -92,6 +95,7 @@ void Planner::begin_route(std::size_t i, const Scene& scene) noexcept {
   robot.clock = 0.0;
   robot.rate = 1.0;
   robot.state = State::waiting;
+  return {from, v};
 }
 
 void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept {
@@ -245,6 +249,8 @@ void Planner::end_group(const Scene& scene) noexcept {
   const double due = g.began + late;
   for (const std::size_t i : g.order) {
     robots_[i].route = g.best[i];
+    robots_[i].keeps = keep_;
+    robots_[i].joins = 0.0;
     // A member that is still braking is taken from where it will stand.
     set_off(i, due);
   }
@@ -253,55 +259,23 @@ void Planner::end_group(const Scene& scene) noexcept {
   g.active = false;
 }
 
-void Planner::plan_merge(std::size_t i, const Scene& scene, const Gains& gains,
-                         std::span<const ReferencePoint> nominal) noexcept {
-  Robot& robot = robots_[i];
-  for (std::size_t j = 0; j < robots_.size(); ++j) expect(j, scene, nominal);
-  begin_route(i, scene);
-  Merge::Query query;
-  query.robot = i;
-  query.from = group_.from[i];
-  query.begins = group_.stands[i];
-  query.t = scene.t;
-  query.pace = pace_;
-  query.bounds = {free_v(gains, i), free_omega(gains, i), gains.k_y};
-  // With room to spare, then as near as the shield allows, then whatever the shield makes of it.
-  Merge::Way way;
-  constexpr double grace = 2.5;  // [s]
-  struct Care {
-    double room, grace;
-  };
-  for (const Care care :
-       {Care{0.008, 0.0}, Care{0.002, 0.0}, Care{0.006, grace}, Care{-0.02, grace}, Care{-1.0, grace}}) {
-    query.keep = care.room <= -1.0 ? 0.0 : setup_.shield_distance + care.room + 2.0 * scene.doubt;
-    query.grace = care.grace;
-    way = merge_.find(query, *reference_, lattice_, traffic_);
-    spent_ += 20 * merge_.trials();
-    if (way.found) break;
-  }
-  if (!way.found || !robot.route.append({way.legs.data(), way.count}, way.heading, pace_)) {
-    robot.no_way = true;
-    robot.retry = scene.t + 0.4;
-    robot.needs_plan = true;
-    return;
-  }
-  set_off(i, scene.t);
-}
-
 void Planner::plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
   if (group_.active) return go_on_with_group(scene, nominal);
   bool group = false, everybody = false;
+  const std::array<std::size_t, Merging::most> before = merging_.robots;
+  merging_.count = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
     if (!robot.needs_plan || scene.out[i] || scene.t < robot.retry) continue;
     if (!rests(i, scene)) {
-      if (spent_ >= nodes_each_tick) continue;
-      plan_merge(i, scene, gains, nominal);
+      if (merging_.count < Merging::most) merging_.robots[merging_.count++] = i;
     } else {
       group = true;
       everybody = everybody || robot.no_way;
     }
   }
+  if (merging_.robots != before) merging_.searched = 0;
+  if (merging_.count > 0) plan_merges(scene, gains, nominal);
   if (!group) return;
   begin_group(scene, nominal, everybody);
   go_on_with_group(scene, nominal);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/kinematics/unicycle.h"
+
 namespace skein::core {
 namespace {
 
@@ -40,11 +42,53 @@ double Route::stop_time(double v, const Pace& pace) noexcept {
 void Route::brake(const Pose& pose, double v, const Pace& pace) noexcept {
   stand(pose);
   Segment segment;
-  segment.kind = Segment::Kind::brake;
+  segment.kind = Segment::Kind::roll;
   segment.duration = stop_time(v, pace);
   segment.from.pose = pose;
-  segment.amount = v;
+  segment.amount = 0.5 * v * segment.duration;
+  segment.v = v;
   add(segment);
+}
+
+bool Route::turn(double angle, const Pace& pace) noexcept {
+  if (std::abs(angle) < no_angle) return true;
+  if (size_ == segments_.size()) return false;
+  Segment segment;
+  segment.kind = Segment::Kind::turn;
+  segment.t = duration();
+  segment.from = at(segment.t);
+  segment.amount = angle;
+  segment.travel = Travel(std::abs(angle), pace.omega, pace.alpha);
+  segment.duration = segment.travel.duration();
+  add(segment);
+  return true;
+}
+
+bool Route::roll(double length, double curvature, double v_0, double v_1) noexcept {
+  if (length < 1e-9) return true;
+  if (size_ == segments_.size()) return false;
+  Segment segment;
+  segment.kind = Segment::Kind::roll;
+  segment.t = duration();
+  segment.from = at(segment.t);
+  segment.amount = length;
+  segment.curvature = curvature;
+  segment.v = v_0;
+  segment.duration = 2.0 * length / (v_0 + v_1);
+  add(segment);
+  return true;
+}
+
+bool Route::wait(double seconds) noexcept {
+  if (!(seconds > 0.0)) return true;
+  if (size_ == segments_.size()) return false;
+  Segment segment;
+  segment.kind = Segment::Kind::roll;
+  segment.t = duration();
+  segment.from = at(segment.t);
+  segment.duration = seconds;
+  add(segment);
+  return true;
 }
 
 void Route::add(const Segment& segment) noexcept {
@@ -100,15 +144,20 @@ Route::State Route::at(const Segment& segment, double t) noexcept {
       state.pose.theta = wrap_angle(state.pose.theta + turned);
       return state;
     }
-    case Segment::Kind::drive:
-    case Segment::Kind::brake: {
-      const double share = segment.duration > 0.0 ? t / segment.duration : 1.0;
-      const double way = segment.kind == Segment::Kind::drive
-                             ? segment.travel.at(t).s
-                             : segment.amount * segment.duration * share * (1.0 - 0.5 * share);
+    case Segment::Kind::drive: {
+      const double way = segment.travel.at(t).s;
       state.driven += way;
       state.pose.x += way * std::cos(state.pose.theta);
       state.pose.y += way * std::sin(state.pose.theta);
+      return state;
+    }
+    case Segment::Kind::roll: {  // speed changes evenly: the mean of both ends' makes the whole way
+      const double share = segment.duration > 0.0 ? t / segment.duration : 1.0;
+      const double way =
+          segment.v * segment.duration * share + (segment.amount - segment.v * segment.duration) * share * share;
+      state.driven += way;
+      state.turned += segment.curvature * way;
+      state.pose = advance(state.pose, {way, segment.curvature * way}, 1.0);
       return state;
     }
   }

@@ -29,7 +29,8 @@ struct Leg {
 };
 
 /// A way that a unicycle can drive exactly: brake, then turns on the spot, waits and straight lines, each from rest to
-/// rest with bounded acceleration. A value of fixed size: it never allocates.
+/// rest with bounded acceleration; or lines and arcs that are driven without a stop between them. A value of fixed
+/// size: it never allocates.
 class Route {
  public:
   static constexpr std::size_t most_legs = 48;
@@ -44,6 +45,13 @@ class Route {
   /// Appends legs; their times count from the start of the route. At the end it turns to `heading`.
   /// False where there is no room for them.
   bool append(std::span<const Leg> legs, double heading, const Pace& pace) noexcept;
+  /// Turns on the spot by an angle, from rest to rest. False where there is no room for it; so do those below.
+  bool turn(double angle, const Pace& pace) noexcept;
+  /// Drives on along a line or an arc (counter-clockwise above 0) [m, 1/m], its speed changing evenly from v_0 to v_1,
+  /// of which at least one is above 0 [m/s].
+  bool roll(double length, double curvature, double v_0, double v_1) noexcept;
+  /// Stands for a while. [s]
+  bool wait(double seconds) noexcept;
 
   struct State {
     Pose pose;
@@ -59,11 +67,13 @@ class Route {
 
  private:
   struct Segment {
-    enum class Kind { brake, turn, drive };
+    enum class Kind { roll, turn, drive };
     Kind kind = Kind::turn;
     double t = 0.0, duration = 0.0;  // [s]
     State from;
-    double amount = 0.0;  // [rad], [m]; of brake the speed at first [m/s]
+    double amount = 0.0;     // [rad], [m]
+    double curvature = 0.0;  // of a roll [1/m]
+    double v = 0.0;          // that a roll begins with [m/s]
     Travel travel{0.0, 1.0, 1.0};
   };
   void add(const Segment& segment) noexcept;

@@ -39,18 +39,54 @@ void Traffic::drives(std::size_t j, const Route& route, double clock) noexcept {
   }
 }
 
-void Traffic::follows(std::size_t j, const Reference& reference, double t, double horizon) noexcept {
+void Traffic::joins(std::size_t j, const Route& route, double clock, double joins, const Reference& reference, double t,
+                    double horizon, const Delay& delay) noexcept {
+  follows(j, reference, t, horizon, delay);
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double at = clock + step * static_cast<double>(k);
+    if (at >= joins) break;
+    const Pose pose = route.at(at).pose;
+    x_[j * steps + k] = pose.x;
+    y_[j * steps + k] = pose.y;
+    still_from_[j] = std::max(still_from_[j], k + 1);
+  }
+}
+
+void Traffic::follows(std::size_t j, const Reference& reference, double t, double horizon,
+                      const Delay& delay) noexcept {
   present_[j] = true;
   const std::size_t last = std::min(steps - 1, static_cast<std::size_t>(horizon / step));
   for (std::size_t k = 0; k < steps; ++k) {
-    const Pose pose =
-        k <= last ? reference.at(j, t + step * static_cast<double>(k)).pose : Pose{x(j, last), y(j, last), 0.0};
+    const double at = t + step * static_cast<double>(k);
+    const Pose pose = k <= last ? reference.at(j, at - delay.at(at)).pose : Pose{x(j, last), y(j, last), 0.0};
     x_[j * steps + k] = pose.x;
     y_[j * steps + k] = pose.y;
   }
   still_from_[j] = last;
   while (still_from_[j] > 0 && x(j, still_from_[j] - 1) == x(j, last) && y(j, still_from_[j] - 1) == y(j, last))
     --still_from_[j];
+}
+
+void Traffic::copy(std::size_t j, const Traffic& from) noexcept {
+  present_[j] = from.present_[j];
+  still_from_[j] = from.still_from_[j];
+  const auto first = static_cast<std::ptrdiff_t>(j * steps);
+  std::copy_n(from.x_.begin() + first, steps, x_.begin() + first);
+  std::copy_n(from.y_.begin() + first, steps, y_.begin() + first);
+}
+
+void Traffic::copy(std::size_t j, const Traffic& from, double t, const Delay& delay) noexcept {
+  copy(j, from);
+  const auto last = std::min(steps - 1, static_cast<std::size_t>(std::max(0.0, delay.ends() - t) / step));
+  for (std::size_t k = 0; k <= last; ++k) {
+    const double at = t + step * static_cast<double>(k);
+    const double behind = std::max(0.0, (at - delay.at(at) - t) / step);
+    const auto before = std::min(steps - 2, static_cast<std::size_t>(behind));
+    const double share = behind - static_cast<double>(before);
+    x_[j * steps + k] = from.x(j, before) + share * (from.x(j, before + 1) - from.x(j, before));
+    y_[j * steps + k] = from.y(j, before) + share * (from.y(j, before + 1) - from.y(j, before));
+  }
+  still_from_[j] = std::max(still_from_[j], last);
 }
 
 }  // namespace skein::core

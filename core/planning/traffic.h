@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
+#include "core/planning/delay.h"
 #include "core/planning/route.h"
 #include "core/reference/reference.h"
 
@@ -31,8 +32,16 @@ class Traffic {
   void stands(std::size_t j, double x, double y, double seconds) noexcept;
   /// Drives a route that it has come to `clock` of [s].
   void drives(std::size_t j, const Route& route, double clock) noexcept;
-  /// Follows its reference, which is at time t now [s]; only as far as `horizon` looks.
-  void follows(std::size_t j, const Reference& reference, double t, double horizon) noexcept;
+  /// Drives a route that it has come to `clock` of and that is at its place at `joins` [s]: then it follows its
+  /// reference.
+  void joins(std::size_t j, const Route& route, double clock, double joins, const Reference& reference, double t,
+             double horizon, const Delay& delay = {}) noexcept;
+  /// Follows its reference, which is at time t now, on a clock that is behind [s]; only as far as `horizon` looks.
+  void follows(std::size_t j, const Reference& reference, double t, double horizon, const Delay& delay = {}) noexcept;
+  /// Does as it does in another traffic.
+  void copy(std::size_t j, const Traffic& from) noexcept;
+  /// Does as it does in another traffic, which begins at time t of a clock that falls behind. [s]
+  void copy(std::size_t j, const Traffic& from, double t, const Delay& delay) noexcept;
 
  private:
   std::vector<double> x_, y_;

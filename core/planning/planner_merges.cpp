@@ -1,0 +1,228 @@
+// Ways back to places that drive on, and who yields to whom.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/planning/planner.h"
+
+namespace skein::core {
+namespace {
+
+constexpr double all_speed = 0.995;     // of what (18f) leaves
+constexpr double all_turning = 0.97;    // of what (18g) leaves
+constexpr double horizon = 45.0;        // [s]
+constexpr double leaves_within = 2.0;   // so long one without a way yet is taken to stand where it is [s]
+constexpr double may_be_better = 0.6;   // who is so much later than alone asks others to yield [s]
+constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
+constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
+constexpr double near = 0.6;            // who is farther away is not asked to yield [m]
+constexpr double longest_search = 0.5;  // where there is a way at all [s]
+constexpr std::size_t work_each_tick = 1500, work_each = 4000;  // [nodes]
+
+/// How much room is kept beyond the shield's distance [m], and for how long at first others may come nearer [s]: with
+/// room to spare, then as near as the shield allows, then whatever the shield makes of it.
+struct Care {
+  double room, grace;
+};
+constexpr std::array<Care, 4> cares{Care{0.004, 0.0}, Care{0.001, 0.0}, Care{0.003, 2.5}, Care{-1.0, 0.0}};
+constexpr std::array<double, 5> stands_for{0.5, 1.2, 2.0, 3.0, 4.5};  // [s]
+
+}  // namespace
+
+/// Robot `first`, and everybody who only follows its reference and would come too near to one that yields.
+void Planner::who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept {
+  Merging& m = merging_;
+  const std::size_t n = robots_.size();
+  std::fill(m.yields.begin(), m.yields.end(), std::uint8_t{0});
+  m.yields[first] = 1;
+  const double keep = setup_.shield_distance + 0.004 + 2.0 * scene.doubt;
+  const double shrinks = std::exp(-0.95 * setup_.shield_gamma * Traffic::step);
+  const auto steps = std::min(Traffic::steps - 1, static_cast<std::size_t>((delay.ends() - scene.t) / Traffic::step));
+  traffic_.copy(first, expected_, scene.t, delay);
+  for (bool more = true; more;) {
+    more = false;
+    for (std::size_t j = 0; j < n && !more; ++j) {
+      if (m.yields[j] || robots_[j].state != State::nominal || !expected_.present(j) || scene.out[j]) continue;
+      for (std::size_t i = 0; i < n && !more; ++i) {
+        if (!m.yields[i]) continue;
+        double was = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 0; k <= steps && !more; ++k) {
+          const double left =
+              std::hypot(traffic_.x(i, k) - expected_.x(j, k), traffic_.y(i, k) - expected_.y(j, k)) - keep;
+          more = left < 0.0 && left < was - 1e-4 ? true : k > 0 && left < shrinks * was - 1e-4 && was > 0.0;
+          was = left;
+        }
+      }
+      if (!more) continue;
+      m.yields[j] = 1;
+      traffic_.copy(j, expected_, scene.t, delay);
+    }
+  }
+}
+
+/// One robot after the other. Whoever has no way yet is taken to stand for a while, and to be away then. Returns when
+/// all are back at their places, after now, or infinity. [s]
+double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept {
+  Merging& m = merging_;
+  const Care& care = cares[trial.care];
+  like.crowded = care.room >= 0.0;
+  like.keep = setup_.shield_distance + care.room + 2.0 * scene.doubt;
+  like.grace = care.grace;
+  like.before = before;
+  double total = 0.0;
+  for (std::size_t j = 0; j < robots_.size(); ++j) traffic_.copy(j, expected_);
+  if (trial.hold == 0) {
+    std::fill(m.yields.begin(), m.yields.end(), std::uint8_t{0});
+  } else {
+    total = m.delay.ends() - scene.t;
+    like.watched = std::max(like.watched, total);
+    for (std::size_t j = 0; j < robots_.size(); ++j)
+      if (m.yields[j]) traffic_.copy(j, expected_, scene.t, m.delay);
+  }
+  for (std::size_t k = 0; k < m.count; ++k)
+    traffic_.stands(m.robots[k], group_.from[m.robots[k]].x, group_.from[m.robots[k]].y, leaves_within);
+  for (std::size_t k = 0; k < m.count; ++k) {
+    const std::size_t at = trial.backwards ? m.count - 1 - k : k, i = m.robots[at];
+    Merge::Query query = like;
+    query.robot = i;
+    query.from = m.from[at];
+    query.v = m.v[at];
+    query.enough = m.soonest[at] + may_be_better;
+    const Merge::Way way = merge_.find(query, *reference_, lattice_, traffic_, m.routes[at]);
+    spent_ += merge_.work();
+    if (!way.found) return never;
+    m.joins[at] = way.joins;
+    total = std::max(total, way.joins);
+    like.watched = std::max(like.watched, way.joins);
+    if (k + 1 < m.count) traffic_.joins(i, m.routes[at], 0.0, way.joins, *reference_, scene.t, horizon);
+  }
+  return total;
+}
+
+/// The next trial: the other order, others that yield, yielding longer, then less care. False after the last.
+bool Planner::advance_trial(const Scene& scene, std::span<const ReferencePoint> nominal, bool may_yield) noexcept {
+  Merging& m = merging_;
+  Merging::Trial& t = m.next;
+  const std::size_t n = robots_.size();
+  if (!t.backwards && m.count > 1) return t.backwards = true;
+  t.backwards = false;
+  if (may_yield && t.care + 1 < cares.size())
+    for (t.hold == 0 ? (t.hold = 1, t.first = 0) : ++t.first; t.hold <= stands_for.size(); ++t.hold, t.first = 0)
+      for (; t.first < n; ++t.first) {
+        const std::size_t j = t.first;
+        if (robots_[j].state != State::nominal || scene.out[j] || std::isnan(scene.poses[j].x) ||
+            nominal[j].twist == Twist{})
+          continue;
+        for (std::size_t k = 0; k < m.count; ++k)
+          if (distance(scene.poses[j], m.from[k]) < near) return true;
+      }
+  t = {t.care + 1, 0, 0, false};
+  return t.care < cares.size();
+}
+
+void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
+  Merging& m = merging_;
+  const std::size_t n = robots_.size();
+  Merge::Query like;
+  like.t = scene.t;
+  like.k_y = gains.k_y;
+  like.gamma = setup_.shield_gamma;
+  like.most_work = work_each;
+  like.pace = pace_;
+  like.pace.v = all_speed * free_v(gains, m.robots[0]);
+  like.pace.omega = all_turning * free_omega(gains, m.robots[0]);
+  bool somebody_yields = false;
+  for (std::size_t k = 0; k < m.count; ++k) {
+    const Start start = begin_route(m.robots[k], scene);
+    m.from[k] = start.from;
+    m.v[k] = std::max(0.0, start.v);
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    const Robot& robot = robots_[j];
+    expect(j, scene, nominal);
+    expected_.copy(j, traffic_);
+    if (robot.state == State::driving && !rests(j, scene))
+      like.watched = std::max(like.watched, robot.joins - robot.clock);
+    if (robot.state == State::yielding)
+      somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
+  }
+
+  if (m.searched != m.count) {  // a search begins
+    m.searched = m.count;
+    m.next = {};
+    m.began = scene.t;
+    m.best_ends = never;
+    std::fill(m.last_yields.begin(), m.last_yields.end(), std::uint8_t{0});
+    for (std::size_t k = 0; k < m.count; ++k) {  // were nobody there
+      Merge::Query query = like;
+      query.robot = m.robots[k];
+      query.from = m.from[k];
+      query.v = m.v[k];
+      query.crowded = false;
+      m.soonest[k] = merge_.find(query, *reference_, lattice_, traffic_, m.routes[k]).joins;
+      spent_ += merge_.work();
+    }
+  }
+  const double soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
+  const ReferenceDemand demand = reference_->demand(gains.k_y);
+  const double hurry = demand.v > 0.0 && demand.turning > 0.0
+                           ? std::min(like.pace.v / demand.v, like.pace.omega / demand.turning) - 1.0
+                           : 0.0;
+  const auto yields_in = [&](const Merging::Trial& trial) {
+    if (trial.hold == 0) return;
+    m.delay = Delay(scene.t, stands_for[trial.hold - 1], hurry, pace_.acceleration / demand.v);
+    who_yields(trial.first, scene, m.delay);
+    spent_ += 5 * n;
+  };
+  const auto go = [&] {
+    for (std::size_t k = 0; k < m.count; ++k) {
+      Robot& robot = robots_[m.robots[k]];
+      robot.route = m.routes[k];
+      robot.joins = m.joins[k];
+      robot.keeps = setup_.shield_distance + cares[0].room;
+      set_off(m.robots[k], scene.t);
+    }
+    m.searched = 0;
+    if (std::none_of(m.yields.begin(), m.yields.end(), [](auto y) { return y != 0; })) return;
+    yield_ = m.delay;
+    for (std::size_t j = 0; j < n; ++j)
+      if (m.yields[j]) robots_[j].state = State::yielding;
+  };
+
+  for (bool more = true; more;) {
+    const double best = m.best_ends - scene.t;
+    bool skip = false;
+    yields_in(m.next);
+    if (m.next.hold > 0) {
+      skip = m.yields == m.last_yields && !m.next.backwards;
+      skip = skip || m.delay.ends() - scene.t > best - worth_it;
+      m.last_yields = m.yields;
+    }
+    if (!skip) {
+      const double total = merge(m.next, scene, like, best);
+      if (total < best) {
+        m.best = m.next;
+        m.best_ends = scene.t + total;
+        if (total < soonest + may_be_better) return go();
+      }
+    }
+    const std::size_t care = m.next.care;
+    more = advance_trial(scene, nominal, !somebody_yields && hurry > least_hurry);
+    if (m.next.care != care && m.best_ends < never) more = false;
+    if (more && m.best_ends < never && scene.t > m.began + longest_search) more = false;
+    if (more && spent_ >= work_each_tick) return;  // goes on in the next tick
+  }
+  if (m.best_ends < never) {  // once more, from here
+    yields_in(m.best);
+    if (merge(m.best, scene, like, never) < never) return go();
+  }
+  m.searched = 0;
+  for (std::size_t k = 0; k < m.count; ++k) {
+    Robot& robot = robots_[m.robots[k]];
+    robot.no_way = true;
+    robot.retry = scene.t + 0.4;
+    robot.needs_plan = true;
+  }
+}
+
+}  // namespace skein::core
