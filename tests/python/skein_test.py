@@ -108,7 +108,8 @@ class Runs(unittest.TestCase):
     def test_sweep_gives_a_row_a_run(self):
         sweep = skein.sweep(STUDY, runs=3, seed=5)
         self.assertEqual(sweep.summary["runs"], 3)
-        self.assertEqual(list(sweep["seed"]), [5, 6, 7])
+        self.assertEqual(list(sweep["seed"][sweep["variant"] == "study"]), [5, 6, 7])
+        self.assertEqual(list(sweep["seed"][sweep["variant"] == "control"]), [5, 6, 7])
 
 
 if __name__ == "__main__":

@@ -45,7 +45,9 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::FilmBroken{}, "film_broken"},
     {events::NoWay{1}, "no_way r2"},
     {events::NoProgress{1, 0.31, Hindrance::shield}, "no_progress r2 0.31 shield"},
-    {events::Outside{0, 0.01}, "outside r1 0.01"}};
+    {events::Outside{0, 0.01}, "outside r1 0.01"},
+    {events::Controller{ControllerState::late}, "controller late"},
+    {events::NoNumber{1}, "no_number r2"}};
 
 TEST(Event, WordsOfEveryKindAreReadBack) {
   std::vector<bool> seen(std::variant_size_v<Event>, false);
