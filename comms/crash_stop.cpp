@@ -12,7 +12,6 @@
 #include <ctime>
 #include <utility>
 
-
 namespace skein::comms {
 namespace {
 
@@ -119,7 +118,7 @@ void stop_robots_on_suspend(void (*stopped)() noexcept) {
 
 void stop_robots_on_crash() {
   for (const Protocol& protocol : protocols()) protocol.stop_bytes();  // what is made at first use is made here
-  static std::array<char, 32 * 1024> stack;  // for an overflow of this thread's own
+  static std::array<char, 32 * 1024> stack;                            // for an overflow of this thread's own
   stack_t alternative{};
   if (::sigaltstack(nullptr, &alternative) == 0 && (alternative.ss_flags & SS_DISABLE) != 0) {
     alternative = {};

@@ -97,7 +97,8 @@ void KheperaSession::line(std::string_view text, double now) {
                          now);
   }
   const std::vector<std::int64_t> numbers = numbers_in(text);
-  if (awaited_ == 'r' && numbers.size() == 2) read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, now);
+  if (awaited_ == 'r' && numbers.size() == 2)
+    read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, now);
   if (awaited_ == 'v' && numbers.size() == 1) {
     const double volts = 1e-3 * static_cast<double>(numbers[0]);
     read_battery(Battery{.volts = volts, .low = volts < empty_battery}, now);

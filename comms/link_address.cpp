@@ -90,7 +90,8 @@ tl::expected<LinkAddress, std::string> parse_plain(std::string_view text) {
   }
   if (text.starts_with(tcp)) return parse_host(text, text.substr(tcp.size()), LinkKind::tcp, wifi_port);
   if (text.starts_with(udp)) return parse_host(text, text.substr(udp.size()), LinkKind::udp, open_port);
-  if (!text.starts_with(rfcomm)) return refuse(text, "begins with none of \"serial:\", \"rfcomm:\", \"tcp:\", \"udp:\"");
+  if (!text.starts_with(rfcomm))
+    return refuse(text, "begins with none of \"serial:\", \"rfcomm:\", \"tcp:\", \"udp:\"");
 
   const std::string_view rest = text.substr(rfcomm.size());
   const std::size_t slash = rest.find('/');
@@ -142,13 +143,15 @@ tl::expected<LinkAddress, std::string> spoken_by(LinkAddress address, std::strin
   const std::string_view now = language(address);
   if (protocol.empty()) {  // an e-puck's
     if (now == usual(address.kind) && address.kind != LinkKind::udp) return address;
-    return tl::unexpected(fmt::format("found a robot that does not speak \"{}\", as its link \"{}\" says; allowed: the "
-                                      "model of a robot that does",
-                                      now, to_text(address)));
+    return tl::unexpected(
+        fmt::format("found a robot that does not speak \"{}\", as its link \"{}\" says; allowed: the "
+                    "model of a robot that does",
+                    now, to_text(address)));
   }
   if (!address.protocol.empty() && now != protocol)
-    return tl::unexpected(fmt::format("found a robot that speaks \"{}\", allowed with the link \"{}\": one that speaks \"{}\"",
-                                      protocol, to_text(address), now));
+    return tl::unexpected(
+        fmt::format("found a robot that speaks \"{}\", allowed with the link \"{}\": one that speaks \"{}\"", protocol,
+                    to_text(address), now));
   address.protocol = protocol == usual(address.kind) ? std::string() : std::string(protocol);
   return address;
 }

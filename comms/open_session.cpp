@@ -56,7 +56,12 @@ bool whole(std::span<const std::uint8_t> frame) noexcept {
 }  // namespace
 
 std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> frame{'S', 'k', version, static_cast<std::uint8_t>(kind), low(number), high(number),
+  std::vector<std::uint8_t> frame{'S',
+                                  'k',
+                                  version,
+                                  static_cast<std::uint8_t>(kind),
+                                  low(number),
+                                  high(number),
                                   static_cast<std::uint8_t>(payload.size())};
   frame.insert(frame.end(), payload.begin(), payload.end());
   const std::uint16_t sum = check_sum(std::span(frame).subspan(2));

@@ -16,8 +16,8 @@ inline constexpr WheelUnit open_unit{.metres_per_step = 1e-4, .fastest = 32767};
 
 /// A frame taken apart.
 struct OpenFrame {
-  char kind = 0;              ///< 'W' speeds, 'X' stop, 's' status ...
-  std::uint16_t number = 0;   ///< an answer has that of what it answers
+  char kind = 0;             ///< 'W' speeds, 'X' stop, 's' status ...
+  std::uint16_t number = 0;  ///< an answer has that of what it answers
   std::vector<std::uint8_t> payload;
 };
 std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<const std::uint8_t> payload = {});
@@ -76,8 +76,8 @@ class OpenSession final : public LinkSession {
   void put(char kind, std::span<const std::uint8_t> payload = {});
 
   OpenParser parser_;
-  std::uint16_t number_ = 0;            // of the newest frame
-  std::uint16_t first_stop_ = 0;        // of the stops under way
+  std::uint16_t number_ = 0;      // of the newest frame
+  std::uint16_t first_stop_ = 0;  // of the stops under way
   std::uint16_t question_number_ = 0;
   WheelCommand newest_;
   struct Sent {

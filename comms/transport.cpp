@@ -145,8 +145,8 @@ tl::expected<Transport, TransportError> Transport::open_ip(const LinkAddress& ad
   robot.sin_port = htons(static_cast<std::uint16_t>(address.channel));
   if (::inet_pton(AF_INET, address.device.c_str(), &robot.sin_addr) != 1)
     return tl::unexpected(TransportError{fmt::format("{} is no IPv4 address", address.device), true});
-  const int descriptor = ::socket(
-      AF_INET, (address.kind == LinkKind::tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const int descriptor =
+      ::socket(AF_INET, (address.kind == LinkKind::tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return fail(errno, address);
   Transport transport(descriptor, /*connecting=*/true, address);
   const int on = 1;  // 21 bytes wait for no others
@@ -210,7 +210,7 @@ tl::expected<std::size_t, TransportError> Transport::read(std::span<std::uint8_t
   if (count > 0) return static_cast<std::size_t>(count);
   if (count < 0 && nothing_now(errno)) return 0;
   if (count < 0) return fail(errno, address_);
-  if (address_.kind == LinkKind::udp) return 0;  // an empty datagram
+  if (address_.kind == LinkKind::udp) return 0;                                 // an empty datagram
   return fail(address_.kind == LinkKind::serial ? EIO : ECONNRESET, address_);  // end of file: hung up
 }
 

@@ -232,10 +232,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
       ->type_name("DIR");
   emulate_command
-      .add_option(
-          "--listen", emulate_options.listen,
-          "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1), tcp:ADDRESS:PORT for an e-puck2 with WiFi, or udp:ADDRESS:PORT for a robot with the open "
-          "protocol: a robot listens there; repeatable, one robot each")
+      .add_option("--listen", emulate_options.listen,
+                  "rfcomm:ADAPTER/CHANNEL (rfcomm:hci4/1), tcp:ADDRESS:PORT for an e-puck2 with WiFi, or "
+                  "udp:ADDRESS:PORT for a robot with the open "
+                  "protocol: a robot listens there; repeatable, one robot each")
       ->type_name("WHERE")
       ->excludes(robots_option);
   emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");

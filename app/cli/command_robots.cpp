@@ -29,7 +29,8 @@ void print(const std::vector<Problem>& problems) {
 
 std::string not_known(const std::string& name, const std::string& path, const std::string& names) {
   return fmt::format(
-      "{}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST, udp:HOST), an "
+      "{}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST, udp:HOST), "
+      "an "
       "experiment or a file of robots (.toml), or a name in {}:{}",
       name, path,
       !names.empty()     ? names
@@ -228,8 +229,8 @@ int list_robots(const std::string& file) {
   for (const auto& [spec, version] : *known)
     fmt::print("{:<16} {:<32} {:<8} {:>4} {:<7} {:>8.2f} {:>8.2f} {}\n", spec.name, spec.address,
                spec.adapter.empty() ? "-" : spec.adapter, spec.tag < 0 ? "-" : std::to_string(spec.tag),
-               spec.type->name, 1e3 * spec.drive.wheel_diameter,
-               1e3 * spec.drive.track, version.empty() ? "-" : version);
+               spec.type->name, 1e3 * spec.drive.wheel_diameter, 1e3 * spec.drive.track,
+               version.empty() ? "-" : version);
   return done;
 }
 

@@ -55,9 +55,10 @@ void check_robots(const Experiment& e, Problems& problems) {
     // Half a tick more than one, since ticks can be late.
     if (const double most = robot.watchdog.value_or(0.0) / 1.5;
         robot.link != RobotSpec::Link::sim && most > 0.0 && e.period() >= most)
-      problems.add("rate", fmt::format("found {} Hz, at which robot {} stops by itself between two ticks (watchdog {} s); "
-                                       "allowed: above {:.4g} Hz",
-                                       e.rate, i + 1, *robot.watchdog, 1.0 / most));
+      problems.add("rate",
+                   fmt::format("found {} Hz, at which robot {} stops by itself between two ticks (watchdog {} s); "
+                               "allowed: above {:.4g} Hz",
+                               e.rate, i + 1, *robot.watchdog, 1.0 / most));
     if (robot.simulated()) continue;
     if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
       problems.add(robot_key(i, "link"),
@@ -86,10 +87,10 @@ struct Bound {
   const char* whole_name;
   const char* tracking_gain;
   const char* unit;
-  double whole;      // v_max, omega_max
+  double whole;                // v_max, omega_max
   std::vector<double> wholes;  // of each robot
-  double demand;     // what the reference takes of it, at most
-  double per_speed;  // the same for 1 m/s of reference.speed; 0: that says nothing of it
+  double demand;               // what the reference takes of it, at most
+  double per_speed;            // the same for 1 m/s of reference.speed; 0: that says nothing of it
   std::vector<std::string> keys;
   std::vector<const core::PairTable*> tables;
 };
@@ -147,8 +148,7 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
   const double omega_max = *std::min_element(turning.begin(), turning.end());
   const double curvature = make_path(e.reference.path)->largest_curvature();
   if (const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
-      platoon && demand.v > e.reference.speed &&
-      (demand.v >= v_max || demand.turning >= omega_max)) {
+      platoon && demand.v > e.reference.speed && (demand.v >= v_max || demand.turning >= omega_max)) {
     problems.add(
         "reference.change",
         fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for which {} fails whatever "
@@ -163,8 +163,8 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
         "reference.speed",
         fmt::format("found {}, for which {} fails whatever the couplings; allowed: below {:.6g} m/s with v_max {}, "
                     "omega_max {}, k_y {} and bends of {:.4g} m",
-                    e.reference.speed, demand.v >= v_max ? "(18f)" : "(18g)", fastest, v_max,
-                    omega_max, e.controller.k_y, 1.0 / curvature));
+                    e.reference.speed, demand.v >= v_max ? "(18f)" : "(18g)", fastest, v_max, omega_max,
+                    e.controller.k_y, 1.0 / curvature));
 }
 
 /// (18f, g) with tracking gains that are given, at the key of the file that fails first.

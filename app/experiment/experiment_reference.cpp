@@ -150,8 +150,8 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
   std::size_t who = 0;
   const auto see = [&](const core::Pose& pose, std::size_t robot) {
     const double wide = e.reference.kind == Kind::platoon ? room : 2.0 * e.robots[robot].radius;
-    const double by = std::max(std::abs(pose.x) - 0.5 * (e.arena_width - wide),
-                               std::abs(pose.y) - 0.5 * (e.arena_height - wide));
+    const double by =
+        std::max(std::abs(pose.x) - 0.5 * (e.arena_width - wide), std::abs(pose.y) - 0.5 * (e.arena_height - wide));
     if (by > outside) outside = by, farthest = pose, who = robot;
   };
   if (e.reference.kind == Kind::platoon) {
@@ -188,8 +188,8 @@ double region_level(const Experiment& e, const Offset& at, double leaves_at) {
   const bool platoon = e.reference.kind == Kind::platoon;
   for (std::size_t i = 0; i < e.robots.size(); ++i)
     if (platoon || i == at.i || i == at.j)
-      least = std::min(least, core::region_level(core::wider(make_avoidance(e, i), more_room(e, at)),
-                                                 at.dx / leaves_at, at.dy / leaves_at));
+      least = std::min(least, core::region_level(core::wider(make_avoidance(e, i), more_room(e, at)), at.dx / leaves_at,
+                                                 at.dy / leaves_at));
   return least;
 }
 
@@ -204,11 +204,12 @@ void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
                     "room on a path of {:.4g} m for {} robots",
                     at.spacing, wide, nearest, make_path(e.reference.path)->length(), e.robots.size()));
   else if (e.reference.kind == Kind::formation)
-    problems.add(e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
-                 fmt::format("found places, or a change of them, with which robots of {:.4g} m width come within {:.4g} m "
-                             "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
-                             "crosses another's way",
-                             wide, nearest));
+    problems.add(
+        e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
+        fmt::format("found places, or a change of them, with which robots of {:.4g} m width come within {:.4g} m "
+                    "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
+                    "crosses another's way",
+                    wide, nearest));
   else
     problems.add(
         fmt::format("robot.{}.trajectory", at.j + 1),
@@ -244,10 +245,11 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
                     e.reference.may_meet ? "the group at its starts or goals" : "the formation", nearest, leaves_at));
   }
   if (e.shield.enabled && e.shield.distance >= nearest)
-    problems.add("shield.distance", fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
-                                                "robots {}{}",
-                                                e.shield.distance, nearest, where,
-                                                more_room(e, closest) == 0.0 ? "" : ", less what their bodies are larger than an e-puck"));
+    problems.add("shield.distance",
+                 fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
+                             "robots {}{}",
+                             e.shield.distance, nearest, where,
+                             more_room(e, closest) == 0.0 ? "" : ", less what their bodies are larger than an e-puck"));
 }
 
 }  // namespace

@@ -49,8 +49,8 @@ struct Line {
   std::vector<std::uint8_t> stop;
   std::string address;
   const comms::Protocol* protocol = nullptr;  // that is spoken there
-  std::int64_t stopped_at = 0;  // written last [ns]
-  bool stands = false;          // the robot has said so since
+  std::int64_t stopped_at = 0;                // written last [ns]
+  bool stands = false;                        // the robot has said so since
 
   void write_stop(std::int64_t now) {
     if (stands || (stopped_at != 0 && now - stopped_at < stop_again)) return;

@@ -86,7 +86,9 @@ void read_document(const toml::table& document, const std::string& file, RobotAd
     if (adapter.empty() && is_listed) adapter = listed->adapter;
     const std::string link = (*robot)["link"].value_or(is_listed ? comms::to_text(*listed) : std::string{});
     const std::string defaults = document["robot_defaults"]["model"].value_or(std::string{});
-    if (!link.empty()) add(found, link, (*robot)["model"].value_or(defaults), adapter, name, fmt::format("{}: robot.{}.link", file, i + 1));
+    if (!link.empty())
+      add(found, link, (*robot)["model"].value_or(defaults), adapter, name,
+          fmt::format("{}: robot.{}.link", file, i + 1));
   }
 }
 

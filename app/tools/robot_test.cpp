@@ -12,12 +12,12 @@ namespace skein::app {
 namespace {
 
 // Speeds in an e-puck's steps (steps_of).
-constexpr double epuck_way_speed = 300, way_time = 1.6;      // 62 mm
-constexpr double epuck_turn_speed = 250, turn_time = 1.6;    // 52 mm of each wheel: 110 degrees of an e-puck
-constexpr double standing = 0.6, settled = 0.2;        // how long it stands; from when on its poses count [s]
-constexpr double first_sight = 10.0, all_parts = 1.6;  // a camera opens; the tracker looks everywhere once [s]
-constexpr double turned_at_least = 0.05;               // a tag on a robot that turns 0.19 rad; noise is 0.001 [rad]
-constexpr double elbow_room = 0.09;                    // between two robots' midpoints [m]
+constexpr double epuck_way_speed = 300, way_time = 1.6;    // 62 mm
+constexpr double epuck_turn_speed = 250, turn_time = 1.6;  // 52 mm of each wheel: 110 degrees of an e-puck
+constexpr double standing = 0.6, settled = 0.2;            // how long it stands; from when on its poses count [s]
+constexpr double first_sight = 10.0, all_parts = 1.6;      // a camera opens; the tracker looks everywhere once [s]
+constexpr double turned_at_least = 0.05;                   // a tag on a robot that turns 0.19 rad; noise is 0.001 [rad]
+constexpr double elbow_room = 0.09;                        // between two robots' midpoints [m]
 constexpr double diameter_tolerance = 0.02, track_tolerance = 0.03;
 
 bool known(const core::Pose& pose) {

@@ -180,9 +180,8 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
                       return core::distance(p, there) >= scatter.clearance + beyond(e, placed.size()) + beyond(e, j);
                     }) &&
         std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
-          return std::hypot(there.x - o.x, there.y - o.y) >= 
-                                                               o.radius + scatter.clearance - core::standard_radius +
-                                                                   beyond(e, placed.size());
+          return std::hypot(there.x - o.x, there.y - o.y) >=
+                 o.radius + scatter.clearance - core::standard_radius + beyond(e, placed.size());
         });
     if (!free) continue;
     placed.push_back(there);

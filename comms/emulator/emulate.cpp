@@ -82,17 +82,17 @@ int emulate(const EmulateOptions& options) {
     std::vector<EmulatorLoop::Robot> robots;
     for (const ListenAddress& address : listen) {
       const bool wifi = address.kind == LinkKind::tcp;
-      const core::RobotType& type = wifi                               ? *core::find_robot_type("epuck2")
+      const core::RobotType& type = wifi                            ? *core::find_robot_type("epuck2")
                                     : address.kind == LinkKind::udp ? *core::find_robot_type("open")
-                                                                       : *options.model;
+                                                                    : *options.model;
       robots.push_back({type.motor, wifi ? EpuckProgram::wifi : EpuckProgram::asercom, make_socket_endpoint(address),
                         make_firmware(type)});
     }
     if (listen.empty()) {
       names.emplace(options.directory);
       for (std::size_t i = 0; i < options.robots; ++i)
-        robots.push_back({options.model->motor, EpuckProgram::asercom, make_pty_endpoint(*names, i),
-                          make_firmware(*options.model)});
+        robots.push_back(
+            {options.model->motor, EpuckProgram::asercom, make_pty_endpoint(*names, i), make_firmware(*options.model)});
     }
     const EmulatorLoop emulator(std::move(robots), on_wheels, clock, options.faults, options.seed);
     for (std::size_t i = 0; i < emulator.size(); ++i) {

@@ -92,7 +92,8 @@ int local_port(int descriptor) {
 class UdpEndpoint final : public Endpoint {
  public:
   explicit UdpEndpoint(ListenAddress address) : where_(std::move(address)) {
-    if (!listen()) throw std::system_error(errno, std::generic_category(), to_text({where_.kind, where_.here, where_.channel}));
+    if (!listen())
+      throw std::system_error(errno, std::generic_category(), to_text({where_.kind, where_.here, where_.channel}));
     where_.channel = local_port(socket_.get());  // to be found there again
     address_ = to_text({where_.kind, where_.here, where_.channel});
   }
@@ -203,7 +204,8 @@ tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view t
   constexpr std::string_view rfcomm = "rfcomm:", tcp = "tcp:", udp = "udp:";
   const auto refuse = [&](const std::string& why) {
     return tl::unexpected(fmt::format(
-        "\"{}\": {}; allowed: \"rfcomm:hci4/1\", adapter and channel, \"tcp:127.0.0.1:1000\" or \"udp:127.0.0.1:2626\"", text, why));
+        "\"{}\": {}; allowed: \"rfcomm:hci4/1\", adapter and channel, \"tcp:127.0.0.1:1000\" or \"udp:127.0.0.1:2626\"",
+        text, why));
   };
   if (text.starts_with(tcp) || text.starts_with(udp)) {
     const auto address = parse_link_address(text);

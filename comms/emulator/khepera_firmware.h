@@ -7,9 +7,9 @@
 namespace skein::comms {
 
 /// The server that a Khepera IV runs on its serial line or Bluetooth channel (K-Team's kh4server): a line in, a line
-/// out. Emulated with its mistakes: while it answers it throws away what has come meanwhile, arguments that a line lacks
-/// are those of a line before it, and it has no watchdog. Of its commands B, D, E, I, R, V and M; sensors and lights,
-/// which need no wheels, answer as what it does not know, "$".
+/// out. Emulated with its mistakes: while it answers it throws away what has come meanwhile, arguments that a line
+/// lacks are those of a line before it, and it has no watchdog. Of its commands B, D, E, I, R, V and M; sensors and
+/// lights, which need no wheels, answer as what it does not know, "$".
 class KheperaFirmware final : public RobotFirmware {
  public:
   explicit KheperaFirmware(const core::RobotType& type) : fastest_(type.wheels.max_step_rate) {}

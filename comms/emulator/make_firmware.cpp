@@ -1,5 +1,5 @@
-#include "comms/emulator/khepera_firmware.h"
 #include "comms/emulator/make_firmware.h"
+#include "comms/emulator/khepera_firmware.h"
 #include "comms/emulator/open_firmware.h"
 
 namespace skein::comms {

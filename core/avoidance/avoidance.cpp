@@ -43,8 +43,7 @@ Repulsion repulsion(const AvoidanceParameters& region, const Scene& scene, std::
     sum.velocity = {sum.velocity.x + d.x, sum.velocity.y + d.y};
     sum.inside = true;
   };
-  for (const std::uint32_t j : near)
-    add(wider(region, scene.sizes.beyond(i, j)), scene.poses[j].x, scene.poses[j].y);
+  for (const std::uint32_t j : near) add(wider(region, scene.sizes.beyond(i, j)), scene.poses[j].x, scene.poses[j].y);
   const AvoidanceParameters alone = wider(region, scene.sizes.beyond(i));
   for (const Obstacle& obstacle : scene.obstacles) add(around(alone, obstacle), obstacle.x, obstacle.y);
   // The nearest point of each edge is an obstacle without a size; over the edge it would drive a robot farther out.

@@ -63,7 +63,7 @@ void Steering::look(const Scene& scene, std::size_t i, std::span<const std::uint
     const double v = scene.twists[j].v;
     add(p.x, p.y, v * std::cos(p.theta), v * std::sin(p.theta), scene.keep + scene.sizes.beyond(i, j));
   }
-  for (const Obstacle& o : scene.obstacles) 
+  for (const Obstacle& o : scene.obstacles)
     add(o.x, o.y, 0.0, 0.0, scene.keep - standard_radius + o.radius + scene.sizes.beyond(i));
 }
 
@@ -79,8 +79,8 @@ double Steering::gap(double x, double y, double t) const noexcept {
   return smallest;
 }
 
-Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& from, double heading,
-                              double speed, const ReferencePoint& goal, const ReferenceBounds& bounds,
+Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed,
+                              const ReferencePoint& goal, const ReferenceBounds& bounds,
                               double horizon) const noexcept {
   const auto outside = [&](double x, double y) {
     return std::max(std::abs(x) - scene.half_width, std::abs(y) - scene.half_height) + scene.sizes.beyond(i);
@@ -170,10 +170,11 @@ bool Steering::conflict(const Scene& scene, std::size_t i, std::span<const std::
       return d < keep && d < distance(here, now) - nearer;
     };
     for (const std::uint32_t j : near)
-      if (meets(scene.poses[j], advance(scene.poses[j], scene.twists[j], t), scene.keep + scene.sizes.beyond(i, j))) return true;
+      if (meets(scene.poses[j], advance(scene.poses[j], scene.twists[j], t), scene.keep + scene.sizes.beyond(i, j)))
+        return true;
     for (const Obstacle& o : scene.obstacles)
-      if (meets({o.x, o.y, 0.0}, {o.x, o.y, 0.0},
-                scene.keep - standard_radius + o.radius + scene.sizes.beyond(i))) return true;
+      if (meets({o.x, o.y, 0.0}, {o.x, o.y, 0.0}, scene.keep - standard_radius + o.radius + scene.sizes.beyond(i)))
+        return true;
   }
   return false;
 }

@@ -14,7 +14,7 @@ constexpr double wander_xy = 0.002;    // [m]
 constexpr double wander_theta = 0.02;  // [rad]
 
 constexpr double expected_within = 0.5;  // after `displaced`; a camera's frame may have been on its way [s]
-constexpr double lever = 0.035;         // a turn that moves a point so far out counts as its way [m]
+constexpr double lever = 0.035;          // a turn that moves a point so far out counts as its way [m]
 constexpr double surprise = 4.0;         // standard deviations that noise alone does not reach
 
 }  // namespace
@@ -47,8 +47,7 @@ std::optional<Pose> PoseFilter::see(const FilterParameters& parameters, const Me
   // Farther than it can be even if it stood all the while, or slid: driven way, what is not known of either pose, and a
   // little more.
   const double far = parameters.kidnap + way.driven + surprise * std::hypot(sigma_xy(), m.sigma_xy);
-  const double turned =
-      parameters.kidnap / lever + way.turned + surprise * std::hypot(sigma_theta(), m.sigma_theta);
+  const double turned = parameters.kidnap / lever + way.turned + surprise * std::hypot(sigma_theta(), m.sigma_theta);
   if (std::hypot(innovation.x(), innovation.y()) > far || std::abs(innovation.z()) > turned) {
     const Pose expected = pose_;
     const bool known = m.captured_at >= displaced_at_ && m.captured_at < displaced_at_ + expected_within;

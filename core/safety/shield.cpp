@@ -32,11 +32,11 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
   near_.sort(poses, p.distance + 2.0 * sizes.most() + 2.0 * most_doubt + 2.0 * fastest / p.gamma + 1e-9);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (const std::uint32_t j : near_.above(i))
-      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y, 
+      add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y,
           p.distance + doubt_of(i) + doubt_of(j) + sizes.beyond(i, j), v_limit[i] + v_limit[j], true);
     for (const Obstacle& o : obstacles)
-      add(i, i, poses[i].x - o.x, poses[i].y - o.y, p.distance - standard_radius + o.radius + doubt_of(i) + sizes.beyond(i),
-          v_limit[i], false);
+      add(i, i, poses[i].x - o.x, poses[i].y - o.y,
+          p.distance - standard_radius + o.radius + doubt_of(i) + sizes.beyond(i), v_limit[i], false);
     // n_ij points into the arena. The room may be negative: then the robot may only come back.
     const auto add_edge = [&](double n_x, double n_y, double room) {
       if (!(p.gamma * room < v_limit[i])) return;

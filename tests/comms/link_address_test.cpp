@@ -31,12 +31,29 @@ TEST(LinkAddress, NamesAreLookedUpOnce) {
 }
 
 TEST(LinkAddress, SaysWhatWasFoundAndWhatIsAllowed) {
-  for (const char* const bad :
-       {"", "serial:", "serial:ttyACM0", "/dev/ttyACM0", "rfcomm:", "rfcomm:10:00:E8:AA:BB", "rfcomm:10:00:E8:AA:BB:CG",
-        "rfcomm:10-00-E8-AA-BB-CC/1", "rfcomm:10:00:E8:AA:BB:CC/", "rfcomm:10:00:E8:AA:BB:CC/0",
-        "rfcomm:10:00:E8:AA:BB:CC/31", "rfcomm:10:00:E8:AA:BB:CC/1x", "tcp:", "tcp::1000",
-        "tcp:10.0.0.1:", "tcp:10.0.0.1:0", "tcp:10.0.0.1:65536", "tcp:[::1]:1000", "udp:", "udp:10.0.0.1:0",
-        "usb:10.0.0.1", "lego+serial:/dev/ttyACM0", "+serial:/dev/ttyACM0"}) {
+  for (const char* const bad : {"",
+                                "serial:",
+                                "serial:ttyACM0",
+                                "/dev/ttyACM0",
+                                "rfcomm:",
+                                "rfcomm:10:00:E8:AA:BB",
+                                "rfcomm:10:00:E8:AA:BB:CG",
+                                "rfcomm:10-00-E8-AA-BB-CC/1",
+                                "rfcomm:10:00:E8:AA:BB:CC/",
+                                "rfcomm:10:00:E8:AA:BB:CC/0",
+                                "rfcomm:10:00:E8:AA:BB:CC/31",
+                                "rfcomm:10:00:E8:AA:BB:CC/1x",
+                                "tcp:",
+                                "tcp::1000",
+                                "tcp:10.0.0.1:",
+                                "tcp:10.0.0.1:0",
+                                "tcp:10.0.0.1:65536",
+                                "tcp:[::1]:1000",
+                                "udp:",
+                                "udp:10.0.0.1:0",
+                                "usb:10.0.0.1",
+                                "lego+serial:/dev/ttyACM0",
+                                "+serial:/dev/ttyACM0"}) {
     const auto address = parse_link_address(bad);
     ASSERT_FALSE(address) << bad;
     EXPECT_NE(address.error().find('"' + std::string(bad) + '"'), std::string::npos) << address.error();

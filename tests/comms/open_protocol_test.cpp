@@ -238,9 +238,12 @@ TEST(OpenFuzz, WhateverHostsAndRobotsSay) {
       if (i % 50 == 0) bytes = seed;
       for (std::size_t changes = 1 + below(6); changes > 0; --changes) {
         const auto at = static_cast<std::ptrdiff_t>(below(bytes.size()));
-        if (random.uniform() < 0.4) bytes.insert(bytes.begin() + at, static_cast<std::uint8_t>(below(256)));
-        else if (random.uniform() < 0.4) bytes.insert(bytes.end(), seed.begin(), seed.end());
-        else bytes[static_cast<std::size_t>(at)] = static_cast<std::uint8_t>(below(256));
+        if (random.uniform() < 0.4)
+          bytes.insert(bytes.begin() + at, static_cast<std::uint8_t>(below(256)));
+        else if (random.uniform() < 0.4)
+          bytes.insert(bytes.end(), seed.begin(), seed.end());
+        else
+          bytes[static_cast<std::size_t>(at)] = static_cast<std::uint8_t>(below(256));
       }
       fuzz::to_open_robot(bytes);
       fuzz::from_open_robot(bytes);

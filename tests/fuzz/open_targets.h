@@ -26,7 +26,8 @@ inline void to_open_robot(std::span<const std::uint8_t> bytes) {
   std::vector<std::uint8_t> answer;
   robot.receive(comms::open_stop(), answer);
   robot.receive(bytes, answer);
-  must(std::abs(robot.told().left) <= type.wheels.max_step_rate && std::abs(robot.told().right) <= type.wheels.max_step_rate);
+  must(std::abs(robot.told().left) <= type.wheels.max_step_rate &&
+       std::abs(robot.told().right) <= type.wheels.max_step_rate);
   answer.clear();
   robot.receive(comms::open_stop(), answer);
   must(robot.told() == core::WheelSpeeds{});

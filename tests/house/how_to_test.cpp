@@ -81,8 +81,8 @@ std::ptrdiff_t lines_of(const std::string& path) {
 TEST(HowTo, ARobotIsOneFileOfAtMost300Lines) {
   EXPECT_LE(lines_of("comms/khepera_session.h") + lines_of("comms/khepera_session.cpp"), 200);
   EXPECT_LE(lines_of("comms/open_session.h") + lines_of("comms/open_session.cpp"), 300);
-  EXPECT_LE(
-      lines_of("resources/robots/open_robot/open_robot.h") + lines_of("resources/robots/open_robot/open_robot.c"), 300);
+  EXPECT_LE(lines_of("resources/robots/open_robot/open_robot.h") + lines_of("resources/robots/open_robot/open_robot.c"),
+            300);
 }
 
 }  // namespace

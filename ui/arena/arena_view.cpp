@@ -306,7 +306,8 @@ void ArenaView::keyPressEvent(QKeyEvent* event) {
 void ArenaView::nudge(int robot, QPointF by) {
   const auto pose = scene_.pose(static_cast<std::size_t>(robot));
   if (!pose || !may_take(robot, {})) return;
-  const QPointF to = inside_arena(scene_, QPointF(pose->x, pose->y) + by, scene_.radius(static_cast<std::size_t>(robot)));
+  const QPointF to =
+      inside_arena(scene_, QPointF(pose->x, pose->y) + by, scene_.radius(static_cast<std::size_t>(robot)));
   emit move_wanted(robot, {to.x(), to.y(), pose->theta});
 }
 

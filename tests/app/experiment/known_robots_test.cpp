@@ -1,6 +1,6 @@
 // robots.toml: known robots, and experiments that take theirs from it.
-#include "app/experiment/experiment_robots.h"
 #include "app/experiment/known_robots.h"
+#include "app/experiment/experiment_robots.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

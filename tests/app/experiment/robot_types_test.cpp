@@ -74,15 +74,18 @@ TEST(RobotTypes, ALimitThatLeavesARobotNothingIsRefused) {
 }
 
 TEST(RobotTypes, WhatIsNoneIsRefused) {
-  EXPECT_THAT(messages("[robot_defaults]\nmodel = \"roomba\"\n"),
-              ElementsAre(HasSubstr("robot_defaults.model: found \"roomba\", allowed: \"ideal\", \"epuck1\", \"epuck2\", "
-                                    "\"khepera4\", \"open\"")));
-  EXPECT_THAT(messages("[robot_defaults]\nradius = 0\n"), ElementsAre(HasSubstr("robot_defaults.radius: found 0, allowed")));
+  EXPECT_THAT(
+      messages("[robot_defaults]\nmodel = \"roomba\"\n"),
+      ElementsAre(HasSubstr("robot_defaults.model: found \"roomba\", allowed: \"ideal\", \"epuck1\", \"epuck2\", "
+                            "\"khepera4\", \"open\"")));
+  EXPECT_THAT(messages("[robot_defaults]\nradius = 0\n"),
+              ElementsAre(HasSubstr("robot_defaults.radius: found 0, allowed")));
 }
 
 TEST(RobotTypes, BodiesMustFitTheFormationAndTheArena) {
-  EXPECT_THAT(messages("[robot_defaults]\nradius = 0.07\n"), ElementsAre(HasSubstr("reference.spacing: found 0.12, with "
-                                                                                   "which robots of 0.14 m width come")));
+  EXPECT_THAT(messages("[robot_defaults]\nradius = 0.07\n"),
+              ElementsAre(HasSubstr("reference.spacing: found 0.12, with "
+                                    "which robots of 0.14 m width come")));
   EXPECT_THAT(messages("[reference]\nspacing = 0.2\n[robot_defaults]\nmodel = \"khepera4\"\n"),
               testing::Contains(HasSubstr("avoids itself for ever")));
   EXPECT_THAT(messages("[arena]\nheight = 1.0\n[reference]\nspacing = 0.4\n[robot_defaults]\nmodel = \"khepera4\"\n"),

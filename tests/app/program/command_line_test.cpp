@@ -154,6 +154,21 @@ TEST(CommandLine, TheExamplesDoWhatTheyExpect) {
   }
 }
 
+TEST(CommandLine, RobotsOfThreeMakersDriveTogetherEachInItsOwnProtocol) {
+  Folder folder;
+  const std::vector<std::string> words{"run", experiments + "mixed.toml", "--set", "duration=30"};
+  const Result direct = skein(words);
+  EXPECT_EQ(direct.status, 0) << direct.err;
+  EXPECT_TRUE(has(direct.out, "\ncollisions: 0\n")) << direct.out;
+  // The same behind emulated robots: a Khepera's lines, an e-puck's bytes, frames of the open protocol.
+  std::vector<std::string> linked = words;
+  linked.insert(linked.end(), {"--set", "robot_defaults.link=loopback", "--csv", folder / "run.csv"});
+  const Result behind = skein(linked);
+  EXPECT_EQ(behind.status, 0) << behind.err;
+  EXPECT_TRUE(has(behind.out, "\ncollisions: 0\n")) << behind.out;
+  EXPECT_TRUE(has(behind.out, "\nperturbation_1_formation_first: true\n")) << behind.out;
+}
+
 TEST(CommandLine, ParkedRobotsAreCase2OfTheTheorem) {
   const Result r = skein({"run", experiments + "parking.toml"});
   EXPECT_EQ(r.status, 0) << r.err;
