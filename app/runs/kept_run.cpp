@@ -71,7 +71,7 @@ Json value_of(const std::string& text) {
   return text;
 }
 
-Json json(const Machine& machine) {
+Json json(const MachineDescription& machine) {
   return {{"host", machine.host},
           {"kernel", machine.kernel},
           {"architecture", machine.architecture},
@@ -177,7 +177,7 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
                   {"state", "begun"},
                   {"began", local_time(now)},
                   {"program", {{"version", SKEIN_VERSION}, {"commit", commit()}, {"words", request.words}}},
-                  {"machine", json(this_machine())},
+                  {"machine", json(describe_machine())},
                   {"clock", request.real_time ? "wall" : "virtual"},
                   {"sets", request.sets},
                   {"inputs", inputs_used},

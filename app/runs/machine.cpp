@@ -42,8 +42,8 @@ std::tm local(std::chrono::system_clock::time_point time) {
 
 }  // namespace
 
-Machine this_machine() {
-  Machine machine;
+MachineDescription describe_machine() {
+  MachineDescription machine;
   utsname names{};
   if (::uname(&names) == 0) {
     machine.host = names.nodename;

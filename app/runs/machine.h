@@ -7,7 +7,7 @@
 namespace skein::app {
 
 /// What a run was made on.
-struct Machine {
+struct MachineDescription {
   std::string host, kernel, architecture, cpu;
   std::int64_t cores = 0;
   std::string governor;          ///< of the first core; empty: the kernel does not say
@@ -15,7 +15,7 @@ struct Machine {
   std::int64_t realtime_priority =
       0;  ///< that this process may ask for; 0: none, so that its threads share the machine
 };
-Machine this_machine();
+MachineDescription describe_machine();
 
 /// "2026-11-20T20:15:01.123+01:00": local time with its distance from UTC.
 std::string local_time(std::chrono::system_clock::time_point time);

@@ -69,7 +69,7 @@ TEST(KeptRun, HasAllThatItCameFromAndAllThatItGave) {
   EXPECT_EQ(story["id"].get<std::string>().substr(17), "_my-first-run");
   EXPECT_EQ(story["experiment"]["controller.gains.k_xx"], 0.003);
   EXPECT_EQ(story["summary"]["ticks"], 50);
-  EXPECT_EQ(story["machine"]["host"], this_machine().host);
+  EXPECT_EQ(story["machine"]["host"], describe_machine().host);
   EXPECT_EQ(story["sets"][0], "controller.gains.k_xx=0.003");
   for (const char* const name : {"run.csv", "experiment.toml", "figure3.svg", "figure4.pdf", "summary.json"})
     EXPECT_TRUE(story["files"].contains(name)) << name;
@@ -163,7 +163,7 @@ TEST(Sha256, IsThatOfTheStandard) {
   EXPECT_FALSE(sha256_of_file(folder / "none"));
 }
 
-TEST(Machine, TimesNameTheirZone) {
+TEST(MachineDescription, TimesNameTheirZone) {
   const std::string before = getenv("TZ") ? getenv("TZ") : "";
   ::setenv("TZ", "CET-1CEST", 1);
   ::tzset();
