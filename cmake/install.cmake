@@ -8,7 +8,7 @@ set(SKEIN_DOC share/doc)
 
 # --- skein: the program, its modules, what it comes with ---
 install(TARGETS skein RUNTIME DESTINATION bin COMPONENT skein)
-install(TARGETS skein_media skein_boards LIBRARY DESTINATION lib/skein COMPONENT skein)
+install(TARGETS skein_media skein_boards LIBRARY DESTINATION lib/skein/modules COMPONENT skein)
 install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures resources/slurm DESTINATION share/skein
   COMPONENT skein PATTERN __pycache__ EXCLUDE)
 install(FILES resources/experiment.schema.json DESTINATION share/skein COMPONENT skein)
@@ -89,6 +89,7 @@ set(CPACK_PACKAGE_NAME skein)
 set(CPACK_PACKAGE_VENDOR Skein)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "${SKEIN_MAINTAINER}")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # every package has its own
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE

@@ -17,7 +17,7 @@ tl::expected<const void*, std::string> load(const char* file, const char* symbol
   std::error_code error;
   if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error) {
     places.push_back(program.parent_path() / file);
-    places.push_back(program.parent_path().parent_path() / "lib" / "skein" / file);
+    places.push_back(program.parent_path().parent_path() / "lib" / "skein" / "modules" / file);
   }
 #ifdef SKEIN_MODULE_BUILD_FOLDER
   places.push_back(fs::path(SKEIN_MODULE_BUILD_FOLDER) / file);
