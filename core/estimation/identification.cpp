@@ -1,0 +1,385 @@
+#include "core/estimation/identification.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/kinematics/unicycle.h"
+
+namespace skein::core {
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Parameters = Eigen::Matrix<double, unknowns, 1>;
+using Information = Eigen::Matrix<double, unknowns, unknowns>;
+
+constexpr std::size_t at(Unknown unknown) noexcept {
+  return static_cast<std::size_t>(unknown);
+}
+
+/// Those that are above 0 are sought by their logarithms.
+constexpr bool logarithmic(Unknown unknown) noexcept {
+  switch (unknown) {
+    case Unknown::left_diameter:
+    case Unknown::right_diameter:
+    case Unknown::track:
+    case Unknown::slip:
+    case Unknown::sigma_xy:
+    case Unknown::sigma_theta:
+      return true;
+    case Unknown::delay:
+    case Unknown::tag_heading:
+    case Unknown::tag_ahead:
+    case Unknown::tag_left:
+      return false;
+  }
+  return false;
+}
+
+// What no camera tells: without it, poses without noise would be an equation, and not an estimate. [m, rad]
+constexpr double finest_xy = 2e-5, finest_theta = 2e-4;
+
+struct Prior {
+  Parameters mean, sigma;
+};
+Prior prior_of(const TwoWheels& believed) {
+  Prior p;
+  //        left           right            track                delay slip           tag: heading, ahead, left  noise
+  p.mean << std::log(believed.left_diameter), std::log(believed.right_diameter), std::log(believed.track), 0.1,
+      std::log(0.02), 0.0, 0.0, 0.0, std::log(1e-3), std::log(5e-3);
+  p.sigma << 0.2, 0.2, 0.3, 0.3, 3.0, 0.2, 0.01, 0.01, 4.0, 4.0;
+  return p;
+}
+
+struct Found {
+  Vector3 error;       // pose - expected, in the world frame
+  Matrix3 covariance;  // of it
+};
+
+/// The extended Kalman filter for one set of parameters.
+class Filter {
+ public:
+  Filter(const IdentificationInput& input, const std::vector<bool>& used) : input_(input), used_(used) {}
+
+  /// The innovations of all poses but those that begin anew; `expected` gets the headings if it is asked for.
+  void run(const Parameters& p, std::vector<Found>& found, std::vector<double>* headings = nullptr) {
+    found.clear();
+    if (headings) headings->clear();
+    const double left_step = pi / input_.believed.steps_per_turn * std::exp(p[at(Unknown::left_diameter)]);
+    const double right_step = pi / input_.believed.steps_per_turn * std::exp(p[at(Unknown::right_diameter)]);
+    const double track = std::exp(p[at(Unknown::track)]), delay = p[at(Unknown::delay)];
+    const double slip = std::exp(p[at(Unknown::slip)]), turned = p[at(Unknown::tag_heading)];
+    const double ahead = p[at(Unknown::tag_ahead)], aside = p[at(Unknown::tag_left)];
+    const double xy = std::exp(2.0 * p[at(Unknown::sigma_xy)]) + finest_xy * finest_xy;
+    const double theta_noise = std::exp(2.0 * p[at(Unknown::sigma_theta)]) + finest_theta * finest_theta;
+    const Matrix3 noise = Vector3(xy, xy, theta_noise).asDiagonal();
+    const auto& knots = input_.wheels;
+    std::size_t knot = 0;  // the first behind the time reached
+    Vector3 state;
+    Matrix3 covariance;
+    double t = 0.0;
+    bool first = true;
+    for (std::size_t k = 0; k < input_.poses.size(); ++k) {
+      const SeenPose& seen = input_.poses[k];
+      const double until = seen.t - delay;
+      const Vector3 measured(seen.pose.x, seen.pose.y, seen.pose.theta);
+      if (first || seen.anew) {
+        first = false;
+        const double theta = measured[2] - turned, c = std::cos(theta), s = std::sin(theta);
+        state << measured[0] - ahead * c + aside * s, measured[1] - ahead * s - aside * c, theta;
+        Matrix3 back = Matrix3::Identity();  // d state / d measured
+        back(0, 2) = ahead * s + aside * c;
+        back(1, 2) = -ahead * c + aside * s;
+        covariance = back * noise * back.transpose();
+        while (knot > 0 && knots[knot - 1].t > until) --knot;
+        while (knot < knots.size() && knots[knot].t <= until) ++knot;
+        t = until;
+        continue;
+      }
+      // The way of both wheels up to there, arc by arc.
+      const Vector3 before = state;
+      double left_way = 0.0, right_way = 0.0;
+      const double whole = until - t;
+      while (t < until) {
+        const double end = knot < knots.size() ? std::min(until, knots[knot].t) : until;
+        if (knot > 0 && knot < knots.size()) {
+          const WheelKnot &a = knots[knot - 1], &b = knots[knot];
+          const double share = (end - t) / (b.t - a.t);
+          const double left = left_step * share * (b.left - a.left), right = right_step * share * (b.right - a.right);
+          const double turn = (right - left) / track, half = 0.5 * turn;
+          const double chord = 0.5 * (left + right) * sinc(half);
+          state[0] += chord * std::cos(state[2] + half);
+          state[1] += chord * std::sin(state[2] + half);
+          state[2] += turn;
+          left_way += std::abs(left);
+          right_way += std::abs(right);
+        }
+        t = end;
+        if (knot < knots.size() && knots[knot].t <= t) ++knot;
+      }
+      if (whole > 0.0) {
+        Matrix3 carry = Matrix3::Identity();
+        carry(0, 2) = -(state[1] - before[1]);
+        carry(1, 2) = state[0] - before[0];
+        const double middle = 0.5 * (before[2] + state[2]), c = std::cos(middle), s = std::sin(middle);
+        Eigen::Matrix<double, 3, 2> wheels;
+        wheels << 0.5 * c, 0.5 * c, 0.5 * s, 0.5 * s, -1.0 / track, 1.0 / track;
+        // A heading that is off half way on average moves the end sideways, too.
+        wheels.row(0) -= 0.5 * (state[1] - before[1]) * wheels.row(2);
+        wheels.row(1) += 0.5 * (state[0] - before[0]) * wheels.row(2);
+        const double scale = slip * slip * input_.slip_period / whole;
+        const Eigen::Vector2d ways(scale * left_way * left_way, scale * right_way * right_way);
+        covariance = carry * covariance * carry.transpose() + wheels * ways.asDiagonal() * wheels.transpose();
+      }
+      const double c = std::cos(state[2]), s = std::sin(state[2]);
+      Matrix3 seen_by = Matrix3::Identity();
+      seen_by(0, 2) = -ahead * s - aside * c;
+      seen_by(1, 2) = ahead * c - aside * s;
+      Found innovation;
+      innovation.error << measured[0] - (state[0] + ahead * c - aside * s),
+          measured[1] - (state[1] + ahead * s + aside * c), wrap_angle(measured[2] - state[2] - turned);
+      innovation.covariance = seen_by * covariance * seen_by.transpose() + noise;
+      if (headings) headings->push_back(state[2]);
+      if (used_[found.size()]) {
+        const Matrix3 gain = covariance * seen_by.transpose() * innovation.covariance.inverse();
+        state += gain * innovation.error;
+        const Matrix3 rest = Matrix3::Identity() - gain * seen_by;
+        covariance = rest * covariance * rest.transpose() + gain * noise * gain.transpose();
+      }
+      found.push_back(innovation);
+    }
+  }
+
+ private:
+  const IdentificationInput& input_;
+  const std::vector<bool>& used_;
+};
+
+class Search {
+ public:
+  Search(const IdentificationInput& input, std::size_t innovations)
+      : used_(innovations, true), filter_(input, used_), prior_(prior_of(input.believed)) {}
+
+  /// Minus the logarithm of the posterior, but for a constant.
+  double cost(const Parameters& p) {
+    filter_.run(p, found_);
+    double sum = 0.5 * (p - prior_.mean).cwiseQuotient(prior_.sigma).squaredNorm();
+    for (std::size_t k = 0; k < found_.size(); ++k)
+      if (used_[k])
+        sum += 0.5 * (std::log(found_[k].covariance.determinant()) +
+                      found_[k].error.dot(found_[k].covariance.inverse() * found_[k].error));
+    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+  }
+
+  /// Fisher's scoring, damped where a step does not help. False: it does not come to rest.
+  bool climb(Parameters& p, int& iterations) {
+    constexpr int most = 60;
+    double here = cost(p), damping = 0.0;
+    for (int i = 0; i < most; ++i, ++iterations) {
+      Parameters slope;
+      linearise(p, slope, information_);
+      for (int tries = 0;; ++tries) {
+        Information damped = information_;
+        damped.diagonal() *= 1.0 + damping;
+        Parameters step = damped.ldlt().solve(-slope);
+        // No step farther than the prior finds likely.
+        step /= std::max(1.0, step.cwiseQuotient(prior_.sigma).cwiseAbs().maxCoeff());
+        const double there = cost(p + step);
+        if (there <= here) {
+          const double improved = step.dot(information_ * step);
+          p += step;
+          here = there;
+          damping = damping < 1e-3 ? 0.0 : damping * 0.1;
+          if (improved < 1e-6) {
+            linearise(p, slope, information_);
+            return true;
+          }
+          break;
+        }
+        // At the end of what doubles can tell there is no better place.
+        if (step.dot(information_ * step) < 1e-6) return true;
+        if (tries == 20) return false;
+        damping = damping == 0.0 ? 1e-3 : damping * 10.0;
+      }
+    }
+    return false;
+  }
+
+  /// Poses that are no part of the rest, whose chance is below one in 10^7, count for nothing from now on. How many.
+  std::size_t drop_outliers(const Parameters& p) {
+    constexpr double far = 35.0;
+    filter_.run(p, found_);
+    std::size_t dropped = 0;
+    for (std::size_t k = 0; k < found_.size(); ++k)
+      if (used_[k] && found_[k].error.dot(found_[k].covariance.inverse() * found_[k].error) > far)
+        used_[k] = false, ++dropped;
+    return dropped;
+  }
+
+  const Information& information() const noexcept { return information_; }
+  const Prior& prior() const noexcept { return prior_; }
+  const std::vector<bool>& used() const noexcept { return used_; }
+  Filter& filter() noexcept { return filter_; }
+
+ private:
+  void linearise(const Parameters& p, Parameters& slope, Information& information) {
+    constexpr double h = 1e-6;
+    filter_.run(p, found_);
+    for (std::size_t i = 0; i < unknowns; ++i) {
+      Parameters there = p;
+      there[i] += h;
+      filter_.run(there, moved_[i]);
+    }
+    slope = (p - prior_.mean).cwiseQuotient(prior_.sigma.cwiseProduct(prior_.sigma));
+    information = prior_.sigma.cwiseProduct(prior_.sigma).cwiseInverse().asDiagonal();
+    std::array<Vector3, unknowns> error;
+    std::array<Matrix3, unknowns> spread;  // S^-1 dS
+    for (std::size_t k = 0; k < found_.size(); ++k) {
+      if (!used_[k]) continue;
+      const Matrix3 inverse = found_[k].covariance.inverse();
+      const Vector3 weighted = inverse * found_[k].error;
+      for (std::size_t i = 0; i < unknowns; ++i) {
+        Vector3 difference = moved_[i][k].error - found_[k].error;
+        difference[2] = wrap_angle(difference[2]);
+        error[i] = difference / h;
+        spread[i] = inverse * (moved_[i][k].covariance - found_[k].covariance) / h;
+        slope[i] += weighted.dot(error[i]) + 0.5 * spread[i].trace() -
+                    0.5 * weighted.dot(found_[k].covariance * (spread[i] * weighted));
+      }
+      for (std::size_t i = 0; i < unknowns; ++i)
+        for (std::size_t j = 0; j <= i; ++j)
+          information(i, j) +=
+              error[i].dot(inverse * error[j]) + 0.5 * spread[i].cwiseProduct(spread[j].transpose()).sum();
+    }
+    information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
+  }
+
+  std::vector<bool> used_;
+  Filter filter_;
+  Prior prior_;
+  std::vector<Found> found_;
+  std::array<std::vector<Found>, unknowns> moved_;
+  Information information_;
+};
+
+}  // namespace
+
+WheelLog::WheelLog(MotorModel motor) noexcept : left_(motor), right_(motor) {}
+
+void WheelLog::advance(double t) {
+  while (now_ < t) {
+    const double seconds = std::min({t - now_, left_.rate_lasts(), right_.rate_lasts()});
+    left_.advance(seconds);
+    right_.advance(seconds);
+    now_ = seconds < t - now_ ? now_ + seconds : t;
+    knots_.push_back({now_, left_.position(), right_.position()});
+  }
+}
+
+void WheelLog::command(double t, const WheelSpeeds& speeds) {
+  if (knots_.empty()) {
+    now_ = t;
+    knots_.push_back({t, 0.0, 0.0});
+  }
+  advance(t);
+  left_.command(speeds.left);
+  right_.command(speeds.right);
+}
+
+std::vector<WheelKnot> WheelLog::finish(double t) && {
+  if (!knots_.empty()) advance(t);
+  return std::move(knots_);
+}
+
+TwoWheels Identification::wheels(const TwoWheels& believed) const {
+  TwoWheels wheels = believed;
+  wheels.left_diameter = (*this)[Unknown::left_diameter].value;
+  wheels.right_diameter = (*this)[Unknown::right_diameter].value;
+  wheels.track = (*this)[Unknown::track].value;
+  return wheels;
+}
+
+double useful_width(Unknown unknown, double value) noexcept {
+  switch (unknown) {
+    case Unknown::left_diameter:
+    case Unknown::right_diameter:
+    case Unknown::track:
+      return 0.01 * value;
+    case Unknown::delay:
+      return 0.02;
+    case Unknown::slip:
+    case Unknown::sigma_xy:
+    case Unknown::sigma_theta:
+      return value;
+    case Unknown::tag_heading:
+      return 2.0 * pi / 180.0;
+    case Unknown::tag_ahead:
+    case Unknown::tag_left:
+      return 0.003;
+  }
+  return 0.0;
+}
+
+Identification identify(const IdentificationInput& input) {
+  Identification result;
+  result.correlation.setIdentity();
+  for (std::size_t k = 1; k < input.wheels.size(); ++k) {
+    const double left = (input.wheels[k].left - input.wheels[k - 1].left) * input.believed.left_step();
+    const double right = (input.wheels[k].right - input.wheels[k - 1].right) * input.believed.right_step();
+    result.driven += std::abs(0.5 * (left + right));
+    result.turned += std::abs(right - left) / input.believed.track;
+  }
+  std::size_t innovations = 0;
+  for (std::size_t k = 1; k < input.poses.size(); ++k) innovations += !input.poses[k].anew;
+  constexpr std::size_t least = 20;
+  if (innovations < least || !(result.driven + result.turned > 0.0)) return result;
+
+  Search search(input, innovations);
+  Parameters p = search.prior().mean;
+  // The delay first, coarsely: from too far away the search may find another fit of commands to poses.
+  constexpr double step = 0.05, last = 0.6;
+  double best = std::numeric_limits<double>::infinity();
+  for (double delay = -0.1; delay <= last; delay += step) {
+    Parameters there = search.prior().mean;
+    there[at(Unknown::delay)] = delay;
+    if (const double cost = search.cost(there); cost < best) best = cost, p = there;
+  }
+  result.converged = search.climb(p, result.iterations);
+  for (int round = 0; round < 3 && result.converged && search.drop_outliers(p) > 0; ++round)
+    result.converged = search.climb(p, result.iterations);
+
+  const Information covariance = search.information().inverse();
+  constexpr double z = 1.959963984540054;  // 95 %
+  for (std::size_t i = 0; i < unknowns; ++i) {
+    const auto unknown = static_cast<Unknown>(i);
+    const double sigma = std::sqrt(covariance(i, i));
+    Estimate& e = result.estimates[i];
+    const auto value = [&](double parameter) { return logarithmic(unknown) ? std::exp(parameter) : parameter; };
+    e = {value(p[i]), value(p[i] - z * sigma), value(p[i] + z * sigma),
+         1.0 - std::pow(sigma / search.prior().sigma[i], 2)};
+    e.known = result.converged && std::max(e.high - e.value, e.value - e.low) <= useful_width(unknown, e.value);
+    for (std::size_t j = 0; j < unknowns; ++j)
+      result.correlation(i, j) = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
+  }
+
+  std::vector<Found> found;
+  std::vector<double> headings;
+  search.filter().run(p, found, &headings);
+  std::size_t k = 0;
+  for (std::size_t pose = 1; pose < input.poses.size(); ++pose) {
+    if (input.poses[pose].anew) continue;
+    const Vector3& error = found[k].error;
+    const double c = std::cos(headings[k]), s = std::sin(headings[k]);
+    result.innovations.push_back({input.poses[pose].t, c * error[0] + s * error[1], -s * error[0] + c * error[1],
+                                  error[2], error.dot(found[k].covariance.inverse() * error), search.used()[k]});
+    ++k;
+  }
+  return result;
+}
+
+}  // namespace skein::core

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "core/kinematics/differential_drive.h"
+#include "core/kinematics/step_motor.h"
+#include "core/kinematics/two_wheels.h"
+
+namespace skein::core {
+
+// What a differential drive really is, from what its wheels were told and where it was seen: the wheels' diameters, the
+// track, the delay from command to pose, the wheels' slip, where the tag sits on the robot, and how noisy poses are;
+// the maximum of their posterior, by the innovations of an extended Kalman filter. Not for the tick: these allocate.
+
+/// How far the wheels had turned by a time, had they obeyed their commands at once: between two knots they turn evenly,
+/// before the first and behind the last they stand.
+struct WheelKnot {
+  double t = 0.0;                  ///< [s]
+  double left = 0.0, right = 0.0;  ///< [steps]
+};
+
+/// The knots of commands, as the robot's motors carry them out. Times must not run backwards.
+class WheelLog {
+ public:
+  explicit WheelLog(MotorModel motor) noexcept;
+  void command(double t, const WheelSpeeds& speeds);
+  /// The wheels stand from `t` on, and all is noted.
+  std::vector<WheelKnot> finish(double t) &&;
+
+ private:
+  void advance(double t);
+  StepMotor left_, right_;
+  double now_ = 0.0;
+  std::vector<WheelKnot> knots_;
+};
+
+/// A pose as it was measured.
+struct SeenPose {
+  double t = 0.0;  ///< when the robot stood there, as the camera says, on the clock of the commands [s]
+  Pose pose;
+  bool anew = false;  ///< nothing is known of how it came here from the pose before: somebody carried it
+};
+
+/// What is looked for.
+enum class Unknown : std::uint8_t {
+  left_diameter,   ///< [m]
+  right_diameter,  ///< [m]
+  track,           ///< [m]
+  delay,           ///< from a command's time to a pose's: actuation, and what is wrong with the pose's time [s]
+  slip,            ///< standard deviation of each wheel's way within `slip_period`, as a share of it
+  tag_heading,     ///< the tag's heading on the robot [rad]
+  tag_ahead,       ///< the tag's midpoint before that of the axle [m]
+  tag_left,        ///< and to the left of it [m]
+  sigma_xy,        ///< standard deviation of a measured x, and y [m]
+  sigma_theta,     ///< and of theta [rad]
+};
+
+/// As the command line calls it (core/words.h).
+constexpr std::string_view word(Unknown unknown) noexcept {
+  switch (unknown) {
+    case Unknown::left_diameter:
+      return "left_diameter";
+    case Unknown::right_diameter:
+      return "right_diameter";
+    case Unknown::track:
+      return "track";
+    case Unknown::delay:
+      return "delay";
+    case Unknown::slip:
+      return "slip";
+    case Unknown::tag_heading:
+      return "tag_heading";
+    case Unknown::tag_ahead:
+      return "tag_ahead";
+    case Unknown::tag_left:
+      return "tag_left";
+    case Unknown::sigma_xy:
+      return "sigma_xy";
+    case Unknown::sigma_theta:
+      return "sigma_theta";
+  }
+  return {};
+}
+inline constexpr std::size_t unknowns = 10;
+
+struct IdentificationInput {
+  TwoWheels believed;  ///< where the search begins; the prior is wide about it (20 %, track 30 %)
+  std::vector<WheelKnot> wheels;
+  std::vector<SeenPose> poses;  ///< in the order of their times
+  double slip_period = 0.04;    ///< [s]
+};
+
+struct Estimate {
+  double value = 0.0, low = 0.0, high = 0.0;  ///< with the limits of a 95 % interval
+  /// How much the data say: 1 is all, 0 nothing beyond what was believed before (1 - posterior / prior variance).
+  double told = 0.0;
+  /// Whether the data tell it: the interval is narrow enough to be of use (see useful_width).
+  bool known = false;
+};
+
+/// A pose against what the one before and the wheels let expect, in the robot's frame.
+struct Innovation {
+  double t = 0.0;
+  double ahead = 0.0, left = 0.0;  ///< [m]
+  double theta = 0.0;              ///< [rad]
+  double normalised = 0.0;         ///< Mahalanobis distance squared: 3 on average
+  bool used = true;                ///< false: an outlier, which counts for nothing
+};
+
+struct Identification {
+  std::array<Estimate, unknowns> estimates;
+  Eigen::Matrix<double, unknowns, unknowns> correlation;  ///< of the estimates' errors
+  std::vector<Innovation> innovations;
+  double driven = 0.0;  ///< [m]
+  double turned = 0.0;  ///< whichever way [rad]
+  int iterations = 0;
+  bool converged = false;  ///< false: nothing of it can be believed
+
+  const Estimate& operator[](Unknown unknown) const { return estimates[static_cast<std::size_t>(unknown)]; }
+  TwoWheels wheels(const TwoWheels& believed) const;  ///< what was found
+};
+
+/// Half an interval of use is at most so wide: 1 % of a diameter and of the track, 20 ms, half and twice the slip,
+/// 2 degrees, 3 mm; half and twice the noise.
+double useful_width(Unknown unknown, double value) noexcept;
+
+/// Fewer than 20 poses, or wheels that never turned: not converged.
+Identification identify(const IdentificationInput& input);
+
+}  // namespace skein::core

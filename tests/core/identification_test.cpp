@@ -1,0 +1,174 @@
+// Identification: it finds what a simulated robot really is, its intervals are neither too narrow nor too wide, and it
+// says what the data cannot tell.
+#include "core/estimation/identification.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/simulation/individual_robot.h"
+
+namespace skein::test {
+namespace {
+
+using core::Estimate;
+using core::Identification;
+using core::IdentificationInput;
+using core::Individual;
+using core::IndividualRobot;
+using core::MotorModel;
+using core::Random;
+using core::Twist;
+using core::Unknown;
+
+constexpr double tick = 0.04;
+
+double truth_of(const Individual& robot, Unknown unknown) {
+  switch (unknown) {
+    case Unknown::left_diameter:
+      return robot.wheels.left_diameter;
+    case Unknown::right_diameter:
+      return robot.wheels.right_diameter;
+    case Unknown::track:
+      return robot.wheels.track;
+    case Unknown::delay:
+      return robot.actuation_delay + robot.camera_delay;
+    case Unknown::slip:
+      return robot.slip;
+    case Unknown::tag_heading:
+      return robot.tag_heading;
+    case Unknown::tag_ahead:
+      return robot.tag_ahead;
+    case Unknown::tag_left:
+      return robot.tag_left;
+    case Unknown::sigma_xy:
+      return robot.pose_noise;
+    case Unknown::sigma_theta:
+      return robot.heading_noise;
+  }
+  return 0.0;
+}
+
+Individual drawn(std::uint64_t seed) {
+  Random dice(seed, 777);
+  const auto span = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
+  Individual robot;
+  robot.wheels.left_diameter *= span(0.97, 1.03);
+  robot.wheels.right_diameter *= span(0.97, 1.03);
+  robot.wheels.track *= span(0.97, 1.03);
+  robot.actuation_delay = span(0.02, 0.1), robot.camera_delay = span(-0.02, 0.02);
+  robot.slip = span(0.01, 0.05);
+  robot.tag_heading = span(-0.03, 0.03), robot.tag_ahead = span(-0.003, 0.003), robot.tag_left = span(-0.003, 0.003);
+  robot.pose_noise = span(3e-4, 1e-3), robot.heading_noise = span(0.003, 0.015);
+  robot.dropout = 0.05;
+  return robot;
+}
+
+/// What is on record of a robot that was told to drive so, by somebody who believes that it is as the drawing says.
+template <typename Told>
+IdentificationInput driven(const Individual& individual, std::uint64_t seed, double seconds, Told&& told) {
+  IdentificationInput input;
+  IndividualRobot robot(individual, MotorModel::epuck2, seed);
+  core::WheelLog log(MotorModel::epuck2);
+  for (int k = 0; k * tick < seconds; ++k) {
+    if (const auto seen = robot.see()) input.poses.push_back({seen->captured_at, seen->pose});
+    const core::WheelSpeeds speeds = input.believed.wheels(told(k * tick));
+    const core::WheelSpeeds whole{core::nearest_command(MotorModel::epuck2, speeds.left),
+                                  core::nearest_command(MotorModel::epuck2, speeds.right)};
+    robot.command(whole);
+    log.command(k * tick, whole);
+    robot.step(tick);
+  }
+  input.wheels = std::move(log).finish(seconds);
+  return input;
+}
+
+Twist bends(double t) {
+  return {0.05 + 0.03 * std::sin(0.9 * t), 1.2 * std::sin(0.57 * t) + 0.5 * std::sin(2.0 * t)};
+}
+Twist straight(double) {
+  return {0.06, 0.0};
+}
+
+TEST(Identification, HoldsTheTruthInsideItsIntervals) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr int runs = 5;
+#else
+  constexpr int runs = 40;
+#endif
+  int held = 0;
+  double squares = 0.0;
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+    const Individual truth = drawn(seed);
+    const Identification found = core::identify(driven(truth, seed, 30.0, bends));
+    ASSERT_TRUE(found.converged) << "seed " << seed;
+    for (std::size_t i = 0; i < core::unknowns; ++i) {
+      const auto unknown = static_cast<Unknown>(i);
+      const Estimate& e = found[unknown];
+      held += e.low <= truth_of(truth, unknown) && truth_of(truth, unknown) <= e.high;
+      squares += std::pow((e.value - truth_of(truth, unknown)) / ((e.high - e.low) / 3.92), 2);
+    }
+    for (const Unknown unknown : {Unknown::left_diameter, Unknown::right_diameter, Unknown::track, Unknown::delay})
+      EXPECT_TRUE(found[unknown].known) << word(unknown) << " of seed " << seed;
+  }
+  // Of 400 intervals 380 should hold, give or take 4.4; and errors be as large as the intervals say.
+  const double all = runs * static_cast<double>(core::unknowns);
+  EXPECT_GE(held / all, 0.9);
+  EXPECT_LE(held / all, runs > 20 ? 0.99 : 1.0);
+  EXPECT_NEAR(std::sqrt(squares / all), 1.0, 0.2);
+}
+
+TEST(Identification, IsExactWhereNothingIsNoisy) {
+  Individual truth;
+  truth.wheels = drawn(3).wheels;
+  truth.actuation_delay = 0.07;
+  const Identification found = core::identify(driven(truth, 3, 30.0, bends));
+  ASSERT_TRUE(found.converged);
+  EXPECT_NEAR(found[Unknown::left_diameter].value / truth_of(truth, Unknown::left_diameter), 1.0, 1e-3);
+  EXPECT_NEAR(found[Unknown::right_diameter].value / truth_of(truth, Unknown::right_diameter), 1.0, 1e-3);
+  EXPECT_NEAR(found[Unknown::track].value / truth.wheels.track, 1.0, 1e-3);
+  EXPECT_NEAR(found[Unknown::delay].value, 0.07, 1e-3);
+  const core::TwoWheels wheels = found.wheels({});
+  EXPECT_NEAR(wheels.ratio(), truth.wheels.ratio(), 1e-3);
+  const Twist twist{0.05, 0.7}, back = wheels.twist(wheels.wheels(twist));
+  EXPECT_NEAR(back.v, twist.v, 1e-15);
+  EXPECT_NEAR(back.omega, twist.omega, 1e-14);
+}
+
+TEST(Identification, SaysWhatTheDataCannotTell) {
+  const Individual truth = drawn(5);
+  const Identification ahead = core::identify(driven(truth, 5, 20.0, straight));
+  ASSERT_TRUE(ahead.converged);
+  EXPECT_FALSE(ahead[Unknown::track].known) << "a straight says nothing of the track";
+  EXPECT_LE(ahead[Unknown::track].low, truth.wheels.track);
+  EXPECT_GE(ahead[Unknown::track].high, truth.wheels.track);
+  EXPECT_FALSE(ahead[Unknown::tag_ahead].known);
+  const Identification standing = core::identify(driven(truth, 5, 20.0, [](double) { return Twist{}; }));
+  EXPECT_FALSE(standing.converged) << "it never moved";
+  for (const Estimate& e : standing.estimates) EXPECT_FALSE(e.known);
+  EXPECT_FALSE(core::identify({}).converged);
+}
+
+TEST(Identification, PassesOverOutliersAndHands) {
+  const Individual truth = drawn(7);
+  IdentificationInput input = driven(truth, 7, 40.0, bends);
+  const Identification clean = core::identify(input);
+  input.poses[200].pose.x += 0.05;  // a wrong tag
+  input.poses[500].pose.theta = core::wrap_angle(input.poses[500].pose.theta + 1.0);
+  for (std::size_t k = 600; k < input.poses.size(); ++k) input.poses[k].pose.y += 0.3;  // a hand
+  input.poses[600].anew = true;
+  const Identification found = core::identify(input);
+  ASSERT_TRUE(found.converged);
+  std::vector<double> unused;
+  for (const core::Innovation& innovation : found.innovations)
+    if (!innovation.used) unused.push_back(innovation.t);
+  EXPECT_EQ(unused, (std::vector{input.poses[200].t, input.poses[500].t}));
+  for (const Unknown unknown : {Unknown::left_diameter, Unknown::right_diameter, Unknown::track, Unknown::delay}) {
+    const Estimate &a = clean[unknown], &b = found[unknown];
+    EXPECT_NEAR(a.value, b.value, 0.25 * (a.high - a.low)) << word(unknown);
+  }
+}
+
+}  // namespace
+}  // namespace skein::test
