@@ -36,11 +36,13 @@ core::ShieldParameters shield_of(const Experiment& e) {
 std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Reference& reference,
                                             std::size_t obstacles) {
   if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
-  return std::make_unique<core::Planner>(
-      core::Planner::Setup{
-          e.robots.size(), obstacles, {0.5 * e.arena_width, 0.5 * e.arena_height}, e.shield.distance, e.shield.gamma,
-          e.duration},
-      reference);
+  return std::make_unique<core::Planner>(core::Planner::Setup{e.robots.size(),
+                                                              obstacles,
+                                                              {0.5 * e.arena_width, 0.5 * e.arena_height},
+                                                              e.shield.distance,
+                                                              e.duration,
+                                                              e.shield.gamma},
+                                         reference);
 }
 
 /// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
@@ -167,8 +169,9 @@ void TickState::measure_twist(std::size_t i) noexcept {
   if (!(seconds > 0.0 && seconds < longest)) return;
   const double turned = core::wrap_angle(newest.pose.theta - first.pose.theta);
   const double heading = first.pose.theta + 0.5 * turned;
-  const double v = ((newest.pose.x - first.pose.x) * std::cos(heading) +
-                    (newest.pose.y - first.pose.y) * std::sin(heading)) / seconds;
+  const double v =
+      ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
+      seconds;
   if (std::abs(v) < standing) return;
   adrift[i] = true;
   driving[i] = {v, turned / seconds};
@@ -375,8 +378,7 @@ bool may_raise_v(const Event& event) noexcept {
 void TickState::watch_descent() noexcept {
   for (const Event& event : record.events)
     if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
-  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; }))
-    explained_until = record.now + settles;
+  if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; })) explained_until = record.now + settles;
   if (!running() || record.now < explained_until) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
   if (rise > 0.0) note(events::VRise{rise});

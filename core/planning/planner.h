@@ -46,8 +46,8 @@ class Planner {
     std::size_t obstacles = 0;  ///< at most
     HalfSize arena;
     double shield_distance = 0.078;  ///< [m]
-    double shield_gamma = 4.0;       ///< [1/s]
     double duration = 0.0;           ///< of the experiment [s]
+    double shield_gamma = 4.0;       ///< [1/s]
   };
   Planner(const Setup& setup, const Reference& reference);
 
