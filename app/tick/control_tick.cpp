@@ -42,8 +42,8 @@ std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Ref
                                                               obstacles,
                                                               {0.5 * e.arena_width, 0.5 * e.arena_height},
                                                               e.shield.distance + 2.0 * most,
-                                                              e.shield.gamma,
                                                               e.duration,
+                                                              e.shield.gamma,
                                                               core::standard_radius + most},
                                          reference);
 }

@@ -18,7 +18,7 @@ constexpr double catch_up = 2.0;       // [1/s]
 constexpr double look_ahead = 40.0;     // [s]
 constexpr double time_step = 0.25;      // [s]
 constexpr double drives = 0.005;        // whoever is slower stands [m/s]
-constexpr double slow_arc = 0.5;        // of the top speed: a tight arc is driven so fast
+constexpr double slow_arc = 0.55;       // of the top speed: a tight arc is driven so fast
 constexpr double goes_straight = 0.12;  // who drives goes on as it does while its couplings are released [s]
 constexpr double rounding = 1e-4;       // [m]
 constexpr double reach = 0.06;          // beyond what is to be kept nobody closes in too fast [m]
@@ -116,7 +116,7 @@ bool Merge::speeds(const Course& course, double v_1, Speeds& u) const noexcept {
     if (u[k] > piece.limit + 1e-9) return false;
     u[k + 1] = std::min(next, std::sqrt(u[k] * u[k] + 2.0 * a * piece.length));
   }
-  if (u[n] < v_1 - 1e-6) return false;
+  if (u[n] < v_1 - 1e-6 || (n > 0 && v_1 > course.pieces[n - 1].limit + 1e-9)) return false;
   const double begins = u[0];
   for (std::size_t k = n; k-- > 0;)
     u[k] = std::min(u[k], std::sqrt(u[k + 1] * u[k + 1] + 2.0 * a * course.pieces[k].length));

@@ -46,8 +46,8 @@ class Planner {
     std::size_t obstacles = 0;  ///< at most
     HalfSize arena;
     double shield_distance = 0.078;  ///< of two bodies of `radius` [m]
-    double shield_gamma = 4.0;       ///< [1/s]
     double duration = 0.0;           ///< of the experiment [s]
+    double shield_gamma = 4.0;       ///< [1/s]
     /// Of the largest body: routes are planned as if all had it. [m]
     double radius = standard_radius;
   };

@@ -1,0 +1,107 @@
+// Ways back to places that drive on, and clocks that fall behind and catch up.
+#include "core/planning/merge.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/kinematics/unicycle.h"
+#include "draw.h"
+
+namespace skein::test {
+namespace {
+
+using core::Delay;
+using core::Pose;
+using core::ReferencePoint;
+using core::Route;
+using core::Twist;
+
+constexpr double dt = 0.04;
+constexpr core::HalfSize arena{1.0, 0.75};
+
+/// Robots on a circle, each 12 cm of arc behind the next.
+class Ring final : public core::Reference {
+ public:
+  explicit Ring(std::size_t robots) : robots_(robots) {}
+  using core::Reference::at;
+  std::size_t robots() const noexcept override { return robots_; }
+  ReferencePoint at(std::size_t i, double t) const noexcept override {
+    const double angle = (speed * t - 0.12 * static_cast<double>(i)) / radius;
+    return {{radius * std::cos(angle), radius * std::sin(angle), core::wrap_angle(angle + 0.5 * core::pi)},
+            {speed, speed / radius}};
+  }
+  core::ReferenceDemand demand(double k_y) const noexcept override { return {speed, speed / radius + k_y * speed}; }
+  bool smooth() const noexcept override { return true; }
+  std::vector<std::vector<Pose>> lines() const override { return {}; }
+
+ private:
+  static constexpr double radius = 0.5, speed = 0.05;
+  std::size_t robots_;
+};
+
+TEST(Delay, StopsStandsAndCatchesUpOnAContinuousClock) {
+  for (const double stands : {0.5, 1.2, 4.5})
+    for (const double hurry : {0.1, 0.6, 2.0}) {
+      const Delay delay(3.0, stands, hurry, 11.0);
+      constexpr double step = 1e-3;
+      double most = 0.0;
+      for (double t = 2.0; t < delay.ends() + 1.0; t += step) {
+        const double rate = delay.rate(t);
+        most = std::max(most, delay.at(t));
+        EXPECT_GE(rate, -1e-9) << "a clock never runs backwards";
+        EXPECT_LE(rate, 1.0 + hurry + 1e-9);
+        EXPECT_LE(std::abs(delay.rate(t + step) - rate), 11.0 * step + 1e-9);
+        EXPECT_NEAR(delay.at(t + step) - delay.at(t), step * (1.0 - 0.5 * (rate + delay.rate(t + step))), 2e-3 * step);
+      }
+      EXPECT_NEAR(most, delay.most_behind(), 1e-3);
+      EXPECT_GT(most, stands);
+      EXPECT_EQ(delay.at(delay.ends()), 0.0);
+      EXPECT_NEAR(delay.at(delay.ends() - 1e-4), 0.0, 1e-3);
+    }
+  EXPECT_EQ(Delay().at(1.0), 0.0);
+  EXPECT_EQ(Delay().rate(1.0), 1.0);
+}
+
+TEST(Merge, MeetsThePlaceInPositionHeadingAndSpeedInsideTheBounds) {
+  const Ring ring(1);
+  core::Lattice lattice(arena, 0.0435, 0);
+  core::Traffic traffic(1);
+  core::Merge merge;
+  Draw draw(1);
+  for (int k = 0; k < 200; ++k) {
+    core::Merge::Query query;
+    const double t = draw.between(0.0, 60.0);
+    const ReferencePoint place = ring.at(0, t);
+    query.from = {place.pose.x + draw.between(-0.2, 0.2), place.pose.y + draw.between(-0.2, 0.2), draw.angle()};
+    query.v = draw.chance(0.5) ? 0.0 : 0.05;
+    query.t = t;
+    query.pace = {0.0945, 1.566, 0.55, 12.0};
+    Route route;
+    const core::Merge::Way way = merge.find(query, ring, lattice, traffic, route);
+    ASSERT_TRUE(way.found);
+    const double straight = core::distance(place.pose, query.from);
+    EXPECT_LE(way.joins, 2.0 * core::pi / 1.566 + 1.0 + straight / (0.0945 - 0.05)) << "turn, chase, turn";
+    Pose pose = query.from;
+    double v = query.v, end = 0.0;
+    for (double s = 0.0; s + dt < way.joins + core::Merge::goes_on; s += dt, end = s) {
+      const Twist twist = route.twist(s, dt);
+      EXPECT_GE(twist.v, -1e-12);
+      EXPECT_LE(twist.v, 0.0945 + 1e-9);
+      EXPECT_LE(std::abs(twist.omega) + query.k_y * twist.v, 1.566 + 1e-6);
+      EXPECT_LE(std::abs(twist.v - v), 0.03);
+      v = twist.v;
+      pose = core::advance(pose, twist, dt);
+    }
+    const ReferencePoint there = ring.at(0, t + way.joins + 0.2);
+    const Pose reached = route.at(way.joins + 0.2).pose;
+    EXPECT_LT(core::distance(reached, there.pose), 1e-3);
+    EXPECT_LT(std::abs(core::wrap_angle(reached.theta - there.pose.theta)), 0.01);
+    EXPECT_NEAR(route.twist(way.joins + 0.1, dt).v, 0.05, 1e-3);
+    EXPECT_LT(core::distance(pose, route.at(end).pose), 2e-3) << "a unicycle drives it";
+  }
+}
+
+}  // namespace
+}  // namespace skein::test
