@@ -109,6 +109,8 @@ void for_columns(Outcome& o, Use&& use) {
   use("tracking_settled", o.tracking_settled);
   use("limited_share", o.limited_share);
   use("effort", o.effort);
+  use("v_jumps", o.v_jumps);
+  use("reversals", o.reversals);
   use("failure", o.failure);
 }
 

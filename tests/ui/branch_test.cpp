@@ -11,11 +11,12 @@ class Branch : public Operator {
   void go_on_from_here() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
   QString alert() { return find<QLabel>("alert")->text(); }
 
-  static void expect_same_places(const app::TickRecord& one, const app::TickRecord& other) {
+  /// `off`: by so much at most [m].
+  static void expect_same_places(const app::TickRecord& one, const app::TickRecord& other, double off) {
     ASSERT_EQ(one.robots.size(), other.robots.size());
     for (std::size_t i = 0; i < one.robots.size(); ++i) {
-      EXPECT_NEAR(one.robots[i].truth.x, other.robots[i].truth.x, 1e-9) << "robot " << i + 1;
-      EXPECT_NEAR(one.robots[i].truth.y, other.robots[i].truth.y, 1e-9) << "robot " << i + 1;
+      EXPECT_NEAR(one.robots[i].truth.x, other.robots[i].truth.x, off) << "robot " << i + 1;
+      EXPECT_NEAR(one.robots[i].truth.y, other.robots[i].truth.y, off) << "robot " << i + 1;
     }
   }
 };
@@ -37,7 +38,7 @@ TEST_F(Branch, OfALiveSimulationRepeatsWhatTheHandDidAndPauses) {
   ASSERT_TRUE(eventually([&] { return !live().is_open() || record().t < before.t; })) << "it begins anew";
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_NEAR(record().t, before.t, 1e-9);
-  expect_same_places(record(), before);
+  expect_same_places(record(), before, 1e-4);  // its ticks came by the wall clock, a little early or late
   EXPECT_EQ(live().speed(), 1.0);
 
   window.go();
@@ -59,14 +60,14 @@ TEST_F(Branch, OfAReplayGoesOnLiveFromItsPresentMoment) {
   ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
   ASSERT_TRUE(eventually([&] { return window.replay().is_loaded() && window.replay().latest()->t > 0.2; }));
   window.go();
-  for (int k = 0; k < 2; ++k) QTest::keyClick(find<QWidget>("time_line"), Qt::Key_PageDown);  // past the kick at 18 s
+  for (int k = 0; k < 2; ++k) QTest::keyClick(find<QWidget>("time_line"), Qt::Key_PageUp);  // past the kick at 18 s
   const app::TickRecord there = *window.replay().latest();
   ASSERT_GT(core::distance(there.robots[1].pose, there.robots[1].nominal.pose), 0.02);
 
   go_on_from_here();
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_NEAR(record().t, there.t, 1e-9);
-  expect_same_places(record(), there);
+  expect_same_places(record(), there, 1e-7);
   EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("As it was")); })) << alert().toStdString();
 }
 

@@ -8,8 +8,8 @@
 namespace skein::ui {
 
 /// "Go on from here": repeats a simulation up to the present moment, everything that was done by hand included, and
-/// pauses there. From then on it is the operator's: other gains, another hand. The past comes out the same because a
-/// simulation repeats to the bit.
+/// pauses there. From then on it is the operator's: other gains, another hand. The past of a run whose ticks had
+/// exactly their times comes out the same to nanometres, that of one in real time to a fraction of a millimetre.
 class BranchController final : public QObject {
   Q_OBJECT
 
