@@ -81,18 +81,22 @@ TEST(ReportPage, OpensInABrowser) {
       const first = document.querySelector("#floor g").getAttribute("transform");
       document.getElementById("speed").value = "16";
       document.getElementById("play").click();
-      setTimeout(() => {
-        said.moved = String(Number(slider.value) > 0 && document.querySelector("#floor g").getAttribute("transform") !== first);
+      let looks = 0;
+      const wait = setInterval(() => {  // frames come when the browser has time to draw
+        const moved = Number(slider.value) > 0 && document.querySelector("#floor g").getAttribute("transform") !== first;
+        if (!moved && ++looks < 100) return;
+        clearInterval(wait);
+        said.moved = String(moved);
         document.querySelectorAll("#events tr")[1].click();
         said.jumped = document.getElementById("clock").textContent;
-      }, 1000);
+      }, 100);
     });)");
   std::ofstream(folder / "page.html") << html;
   const std::string command =
       "timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
       "--disable-background-networking --disable-component-update --disable-sync "
       "--disable-dev-shm-usage --user-data-dir='" +
-      (folder / "profile") + "' --enable-logging=stderr --virtual-time-budget=5000 --dump-dom 'file://" +
+      (folder / "profile") + "' --enable-logging=stderr --virtual-time-budget=12000 --dump-dom 'file://" +
       (folder / "page.html") + "' > '" + (folder / "dom") + "' 2> '" + (folder / "log") + "'";
   ASSERT_EQ(std::system(command.c_str()), 0) << read_file(folder / "log");
   const std::string dom = read_file(folder / "dom"), log = read_file(folder / "log");
