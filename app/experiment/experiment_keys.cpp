@@ -46,381 +46,162 @@ WholeKey whole(std::int64_t low, std::int64_t high) {
 
 const std::vector<ExperimentKey>& all_keys() {
   static const std::vector<ExperimentKey> keys{
-      {"", "name", "stands in the CSV, the report and the window", TextKey{[](E & e) -> auto& {return e.name;
-}
-, longest_name
-}  // namespace
-}  // namespace skein::app
-, {"", "duration", "how long the experiment lasts", NumberKey{[](E & e) -> auto& {return e.duration;
-}
-, [](Limits) { return above(0.0, longest_run, "s"); }
-}
-}
-, {"", "rate", "ticks of the control loop per second", NumberKey{[](E & e) -> auto& {return e.rate;
-}
-, [](Limits) { return between(1.0, 1000.0, "Hz"); }
-}
-}
-, {"", "seed", "of everything random in a simulation: the same seed gives the same run",
-   whole < [](E& e) -> auto& {return e.seed;
-}
-> (0, std::numeric_limits<std::int64_t>::max())
-}
-,
+      // clang-format off: a row for each key
+      {"", "name", "stands in the CSV, the report and the window",
+       TextKey{[](E& e) -> auto& { return e.name; }, longest_name}},
+      {"", "duration", "how long the experiment lasts",
+       NumberKey{[](E& e) -> auto& { return e.duration; }, [](Limits) { return above(0.0, longest_run, "s"); }}},
+      {"", "rate", "ticks of the control loop per second",
+       NumberKey{[](E& e) -> auto& { return e.rate; }, [](Limits) { return between(1.0, 1000.0, "Hz"); }}},
+      {"", "seed", "of everything random in a simulation: the same seed gives the same run",
+       whole<[](E& e) -> auto& { return e.seed; }>(0, std::numeric_limits<std::int64_t>::max())},
 
-    {"arena", "width", "along x", NumberKey{[](E & e) -> auto& {return e.arena_width;
-}
-, [](Limits) { return between(0.1, longest, "m"); }
-}
-}
-, {"arena", "height", "along y", NumberKey{[](E & e) -> auto& {return e.arena_height;
-}
-, [](Limits) { return between(0.1, longest, "m"); }
-}
-}
-,
+      {"arena", "width", "along x",
+       NumberKey{[](E& e) -> auto& { return e.arena_width; }, [](Limits) { return between(0.1, longest, "m"); }}},
+      {"arena", "height", "along y",
+       NumberKey{[](E& e) -> auto& { return e.arena_height; }, [](Limits) { return between(0.1, longest, "m"); }}},
 
-    {"reference", "kind", "all robots on one path, a shape about a centre, or a trajectory for each robot",
-     choice < [](E& e) -> auto& {return e.reference.kind;
-}
-> ()
-}
-, {"reference", "speed", "along the path, of every robot or of the centre",
-   NumberKey{[](E & e) -> auto& {return e.reference.speed;
-}
-, [](Limits) { return between(0.0, 10.0, "m/s"); }
-}
-}
-,
+      {"reference", "kind", "all robots on one path, a shape about a centre, or a trajectory for each robot",
+       choice<[](E& e) -> auto& { return e.reference.kind; }>()},
+      {"reference", "speed", "along the path, of every robot or of the centre",
+       NumberKey{[](E& e) -> auto& { return e.reference.speed; }, [](Limits) { return between(0.0, 10.0, "m/s"); }}},
 
-    {"controller", "saturation", "the function (11) that bounds every term of the law",
-     choice < [](E& e) -> auto& {return e.controller.saturation;
-}
-> ()
-}
-, {"controller", "coupling", "the couplings of x and heading errors: as printed, or bounded by their gains",
-   choice < [](E& e) -> auto& {return e.controller.coupling;
-}
-> ()
-}
-, {"controller", "v_max", "(14)", NumberKey{[](E & e) -> auto& {return e.controller.v_max;
-}
-, [](Limits) { return above(0.0, 10.0, "m/s"); }
-}
-}
-, {"controller", "omega_max", "(14)", NumberKey{[](E & e) -> auto& {return e.controller.omega_max;
-}
-, [](Limits) { return above(0.0, 100.0, "rad/s"); }
-}
-}
-, {"controller", "c_x", "slope of the x tracking term",  // (18a), and so the next three
-   NumberKey{[](E & e) -> auto& {return e.controller.c_x;
-}
-, [](Limits) { return above(0.0, 1e4, "1/m"); }
-}
-}
-, {"controller", "c_theta", "slope of the heading tracking term",
-   NumberKey{[](E & e) -> auto& {return e.controller.c_theta;
-}
-, [](Limits) { return above(0.0, 1e4, "1/rad"); }
-}
-}
-, {"controller", "k_y", "weight of the lateral error", NumberKey{[](E & e) -> auto& {return e.controller.k_y;
-}
-, [](Limits) { return above(0.0, 1e4, "rad/m"); }
-}
-}
-, {"controller", "k", "in the normaliser of the lateral term", NumberKey{[](E & e) -> auto& {return e.controller.k;
-}
-, [](Limits) { return above(0.0, 1e6, "1/m"); }
-}
-}
-,
-    {"controller", "kind", "the law that drives: the paper's, or another one that is built in",
-     choice < [](E& e) -> auto& {return e.controller.law.kind;
-}
-> ()
-}
-, {"controller", "command", "a program of your own that drives instead, as a shell's words",
-   TextKey{[](E & e) -> auto& {return e.controller.law.command;
-}
-, longest_command
-}
-}
-, {"controller", "library", "a shared library of your own that drives instead, relative to the file",
-   TextKey{[](E & e) -> auto& {return e.controller.law.library;
-}
-, longest_command
-}
-}
-, {"controller", "failure", "who drives while a controller of your own does not: nobody, or the law kind",
-   choice < [](E& e) -> auto& {return e.controller.law.failure;
-}
-> ()
-}
-, {"controller", "deadline", "it may take so long for a tick, on the wall clock",
-   OptionalNumberKey{[](E & e) -> auto& {return e.controller.law.deadline;
-}
-, [](Limits e) { return between(0.0001, 0.5 * e.period(), "s"); }
-}
-}
-, {"controller", "memory", "megabytes of address space that each of its processes may have",
-   whole < [](E& e) -> auto& {return e.controller.law.memory;
-}
-> (16, 1048576)
-}
-, {"controller", "processes", "processes and threads that it may start itself",
-   whole < [](E& e) -> auto& {return e.controller.law.processes;
-}
-> (0, 4096)
-}
-,
+      {"controller", "saturation", "the function (11) that bounds every term of the law",
+       choice<[](E& e) -> auto& { return e.controller.saturation; }>()},
+      {"controller", "coupling", "the couplings of x and heading errors: as printed, or bounded by their gains",
+       choice<[](E& e) -> auto& { return e.controller.coupling; }>()},
+      {"controller", "v_max", "(14)",
+       NumberKey{[](E& e) -> auto& { return e.controller.v_max; }, [](Limits) { return above(0.0, 10.0, "m/s"); }}},
+      {"controller", "omega_max", "(14)",
+       NumberKey{[](E& e) -> auto& { return e.controller.omega_max; },
+                 [](Limits) { return above(0.0, 100.0, "rad/s"); }}},
+      // (18a), and so the next three
+      {"controller", "c_x", "slope of the x tracking term",
+       NumberKey{[](E& e) -> auto& { return e.controller.c_x; }, [](Limits) { return above(0.0, 1e4, "1/m"); }}},
+      {"controller", "c_theta", "slope of the heading tracking term",
+       NumberKey{[](E& e) -> auto& { return e.controller.c_theta; }, [](Limits) { return above(0.0, 1e4, "1/rad"); }}},
+      {"controller", "k_y", "weight of the lateral error",
+       NumberKey{[](E& e) -> auto& { return e.controller.k_y; }, [](Limits) { return above(0.0, 1e4, "rad/m"); }}},
+      {"controller", "k", "in the normaliser of the lateral term",
+       NumberKey{[](E& e) -> auto& { return e.controller.k; }, [](Limits) { return above(0.0, 1e6, "1/m"); }}},
+      {"controller", "kind", "the law that drives: the paper's, or another one that is built in",
+       choice<[](E& e) -> auto& { return e.controller.law.kind; }>()},
+      {"controller", "command", "a program of your own that drives instead, as a shell's words",
+       TextKey{[](E& e) -> auto& { return e.controller.law.command; }, longest_command}},
+      {"controller", "library", "a shared library of your own that drives instead, relative to the file",
+       TextKey{[](E& e) -> auto& { return e.controller.law.library; }, longest_command}},
+      {"controller", "failure", "who drives while a controller of your own does not: nobody, or the law kind",
+       choice<[](E& e) -> auto& { return e.controller.law.failure; }>()},
+      {"controller", "deadline", "it may take so long for a tick, on the wall clock",
+       OptionalNumberKey{[](E& e) -> auto& { return e.controller.law.deadline; },
+                 [](Limits e) { return between(0.0001, 0.5 * e.period(), "s"); }}},
+      {"controller", "memory", "megabytes of address space that each of its processes may have",
+       whole<[](E& e) -> auto& { return e.controller.law.memory; }>(16, 1048576)},
+      {"controller", "processes", "processes and threads that it may start itself",
+       whole<[](E& e) -> auto& { return e.controller.law.processes; }>(0, 4096)},
 
-    {"avoidance", "kind", "field: the paper's, with detours where it is stuck; plan: planned routes",
-     choice < [](E& e) -> auto& {return e.avoidance.kind;
-}
-> ()
-}
-, {"avoidance", "enabled", "robots go round one another and round obstacles",
-     FlagKey{[](E & e) -> auto& {return e.avoidance.enabled;
-}
-}
-}
-, {"avoidance", "alpha", "half width of the detection region along x",
-   NumberKey{[](E & e) -> auto& {return e.avoidance.alpha;
-}
-, [](Limits) { return above(0.0, longest, "m"); }
-}
-}
-, {"avoidance", "beta", "half width of the detection region along y",
-   NumberKey{[](E & e) -> auto& {return e.avoidance.beta;
-}
-, [](Limits) { return above(0.0, longest, "m"); }
-}
-}
-, {"avoidance", "p", "shape of the region: 2 an ellipse, larger more like a rectangle",
-   whole < [](E& e) -> auto& {return e.avoidance.p;
-}
-> (1, 50)
-}
-, {"avoidance", "K_a", "attraction to the reference", NumberKey{[](E & e) -> auto& {return e.avoidance.K_a;
-}
-, [](Limits) { return between(0.0, 1e3, "1/s"); }
-}
-}
-, {"avoidance", "K_o", "repulsion", NumberKey{[](E & e) -> auto& {return e.avoidance.K_o;
-}
-, [](Limits) { return between(0.0, 1e3, "m^2/s"); }
-}
-}
-, {"avoidance", "horizon", "above 0: look so far ahead and go round others in time, instead of the field",
-   NumberKey{[](E & e) -> auto& {return e.avoidance.horizon;
-}
-, [](Limits) { return between(0.0, 60.0, "s"); }
-}
-}
-,
+      {"avoidance", "kind", "field: the paper's, with detours where it is stuck; plan: planned routes",
+       choice<[](E& e) -> auto& { return e.avoidance.kind; }>()},
+      {"avoidance", "enabled", "robots go round one another and round obstacles",
+       FlagKey{[](E& e) -> auto& { return e.avoidance.enabled; }}},
+      {"avoidance", "alpha", "half width of the detection region along x",
+       NumberKey{[](E& e) -> auto& { return e.avoidance.alpha; }, [](Limits) { return above(0.0, longest, "m"); }}},
+      {"avoidance", "beta", "half width of the detection region along y",
+       NumberKey{[](E& e) -> auto& { return e.avoidance.beta; }, [](Limits) { return above(0.0, longest, "m"); }}},
+      {"avoidance", "p", "shape of the region: 2 an ellipse, larger more like a rectangle",
+       whole<[](E& e) -> auto& { return e.avoidance.p; }>(1, 50)},
+      {"avoidance", "K_a", "attraction to the reference",
+       NumberKey{[](E& e) -> auto& { return e.avoidance.K_a; }, [](Limits) { return between(0.0, 1e3, "1/s"); }}},
+      {"avoidance", "K_o", "repulsion",
+       NumberKey{[](E& e) -> auto& { return e.avoidance.K_o; }, [](Limits) { return between(0.0, 1e3, "m^2/s"); }}},
+      {"avoidance", "horizon", "above 0: look so far ahead and go round others in time, instead of the field",
+       NumberKey{[](E& e) -> auto& { return e.avoidance.horizon; }, [](Limits) { return between(0.0, 60.0, "s"); }}},
 
-    {"shield", "enabled", "forward speeds are changed so that no two robots come too close",
-     FlagKey{[](E & e) -> auto& {return e.shield.enabled;
-}
-}
-}
-, {"shield", "distance", "midpoints are kept this far apart", NumberKey{[](E & e) -> auto& {return e.shield.distance;
-}
-, [](Limits) { return between(2.0 * core::standard_radius, longest, "m"); }
-}
-}
-, {"shield", "gamma", "how fast a gap may close, as a share of what is left of it",
-   NumberKey{[](E & e) -> auto& {return e.shield.gamma;
-}
-, [](Limits e) { return above(0.0, e.rate, "1/s"); }
-}
-}
-,  // more would close the whole gap in one tick
+      {"shield", "enabled", "forward speeds are changed so that no two robots come too close",
+       FlagKey{[](E& e) -> auto& { return e.shield.enabled; }}},
+      {"shield", "distance", "midpoints are kept this far apart",
+       NumberKey{[](E& e) -> auto& { return e.shield.distance; },
+                 [](Limits) { return between(2.0 * core::standard_radius, longest, "m"); }}},
+      {"shield", "gamma", "how fast a gap may close, as a share of what is left of it",
+       NumberKey{[](E& e) -> auto& { return e.shield.gamma; }, [](Limits e) { return above(0.0, e.rate, "1/s"); }}},  // more would close the whole gap in one tick
 
-    {"camera", "source", "where poses come from: none, synthetic, v4l2:DEVICE, video:FILE or images:DIR",
-     TextKey{[](E & e) -> auto& {return e.camera.source;
-}
-, 0
-}
-}
-, {"camera", "calibration", "the file that skein calibrate wrote, from the experiment's folder on",
-   TextKey{[](E & e) -> auto& {return e.camera.calibration;
-}
-, 0
-}
-}
-, {"camera", "exposure", "how long a real camera's shutter is open; 0: automatic",
-   NumberKey{[](E & e) -> auto& {return e.camera.exposure;
-}
-, [](Limits) { return between(0.0, 10.0, "s"); }
-}
-}
-, {"camera", "gain", "in the units of the camera's driver", NumberKey{[](E & e) -> auto& {return e.camera.gain;
-}
-, [](Limits) { return between(0.0, 1e6); }
-}
-}
-, {"camera", "focus", "in the units of the camera's driver", NumberKey{[](E & e) -> auto& {return e.camera.focus;
-}
-, [](Limits) { return between(0.0, 1e6); }
-}
-}
-,
+      {"camera", "source", "where poses come from: none, synthetic, v4l2:DEVICE, video:FILE or images:DIR",
+       TextKey{[](E& e) -> auto& { return e.camera.source; }, 0}},
+      {"camera", "calibration", "the file that skein calibrate wrote, from the experiment's folder on",
+       TextKey{[](E& e) -> auto& { return e.camera.calibration; }, 0}},
+      {"camera", "exposure", "how long a real camera's shutter is open; 0: automatic",
+       NumberKey{[](E& e) -> auto& { return e.camera.exposure; }, [](Limits) { return between(0.0, 10.0, "s"); }}},
+      {"camera", "gain", "in the units of the camera's driver",
+       NumberKey{[](E& e) -> auto& { return e.camera.gain; }, [](Limits) { return between(0.0, 1e6); }}},
+      {"camera", "focus", "in the units of the camera's driver",
+       NumberKey{[](E& e) -> auto& { return e.camera.focus; }, [](Limits) { return between(0.0, 1e6); }}},
 
-    {"links", "blind_distance", "how far a robot may drive on commands that no answer has confirmed",
-     NumberKey{[](E & e) -> auto& {return e.links.blind_distance;
-}
-, [](Limits) { return between(0.005, 1.0, "m"); }
-}
-}
-,
-    {"links", "reply_timeout", "a reply later than this is lost, and the robot is stopped until it answers",
-     NumberKey{[](E & e) -> auto& {return e.links.reply_timeout;
-}
-, [](Limits) { return between(0.02, 10.0, "s"); }
-}
-}
-, {"links", "command_silence", "a link that hears no command for so long stops its robot by itself",
-   OptionalNumberKey{[](E & e) -> auto& {return e.links.command_silence;
-}
-, [](Limits e) { return above(1.0 / e.rate, 10.0, "s, longer than a tick"); }
-}
-}
-,
+      {"links", "blind_distance", "how far a robot may drive on commands that no answer has confirmed",
+       NumberKey{[](E& e) -> auto& { return e.links.blind_distance; },
+                 [](Limits) { return between(0.005, 1.0, "m"); }}},
+      {"links", "reply_timeout", "a reply later than this is lost, and the robot is stopped until it answers",
+       NumberKey{[](E& e) -> auto& { return e.links.reply_timeout; }, [](Limits) { return between(0.02, 10.0, "s"); }}},
+      {"links", "command_silence", "a link that hears no command for so long stops its robot by itself",
+       OptionalNumberKey{[](E& e) -> auto& { return e.links.command_silence; },
+                 [](Limits e) { return above(1.0 / e.rate, 10.0, "s, longer than a tick"); }}},
 
-    {"failure", "link_lost", "what the group does when a robot's link is lost",
-     choice < [](E& e) -> auto& {return e.failure.link_lost;
-}
-> ()
-}
-, {"failure", "link_bridge", "a link that has not been up for longer than this is lost",
-   NumberKey{[](E & e) -> auto& {return e.failure.link_bridge;
-}
-, [](Limits) { return between(0.05, 10.0, "s"); }
-}
-}
-,
+      {"failure", "link_lost", "what the group does when a robot's link is lost",
+       choice<[](E& e) -> auto& { return e.failure.link_lost; }>()},
+      {"failure", "link_bridge", "a link that has not been up for longer than this is lost",
+       NumberKey{[](E& e) -> auto& { return e.failure.link_bridge; }, [](Limits) { return between(0.05, 10.0, "s"); }}},
 
-    {"simulation", "pose_noise", "standard deviation of a measured x, and of y",
-     NumberKey{[](E & e) -> auto& {return e.simulation.pose_noise;
-}
-, [](Limits) { return between(0.0, 1.0, "m"); }
-}
-}
-, {"simulation", "heading_noise", "standard deviation of a measured heading",
-   NumberKey{[](E & e) -> auto& {return e.simulation.heading_noise;
-}
-, [](Limits) { return between(0.0, 4.0, "rad"); }
-}
-}
-, {"simulation", "latency", "age of a pose when it arrives", NumberKey{[](E & e) -> auto& {return e.simulation.latency;
-}
-, [](Limits e) { return between(0.0, in_flight / e.rate, "s"); }
-}
-}
-, {"simulation", "dropout", "share of poses that are lost", NumberKey{[](E & e) -> auto& {return e.simulation.dropout;
-}
-, [](Limits) { return between(0.0, 1.0); }
-}
-}
-, {"simulation", "slip", "standard deviation of a wheel's way, as a share of it",
-   NumberKey{[](E & e) -> auto& {return e.simulation.slip;
-}
-, [](Limits) { return between(0.0, 1.0); }
-}
-}
-,
+      {"simulation", "pose_noise", "standard deviation of a measured x, and of y",
+       NumberKey{[](E& e) -> auto& { return e.simulation.pose_noise; }, [](Limits) { return between(0.0, 1.0, "m"); }}},
+      {"simulation", "heading_noise", "standard deviation of a measured heading",
+       NumberKey{[](E& e) -> auto& { return e.simulation.heading_noise; },
+                 [](Limits) { return between(0.0, 4.0, "rad"); }}},
+      {"simulation", "latency", "age of a pose when it arrives",
+       NumberKey{[](E& e) -> auto& { return e.simulation.latency; },
+                 [](Limits e) { return between(0.0, in_flight / e.rate, "s"); }}},
+      {"simulation", "dropout", "share of poses that are lost",
+       NumberKey{[](E& e) -> auto& { return e.simulation.dropout; }, [](Limits) { return between(0.0, 1.0); }}},
+      {"simulation", "slip", "standard deviation of a wheel's way, as a share of it",
+       NumberKey{[](E& e) -> auto& { return e.simulation.slip; }, [](Limits) { return between(0.0, 1.0); }}},
 
-    {"estimation", "bridge", "a pose older than this is no pose: the robot is lost, and stops",
-     NumberKey{[](E & e) -> auto& {return e.estimation.bridge;
-}
-, [](Limits) { return above(0.0, 10.0, "s"); }
-}
-}
-, {"estimation", "actuation_delay", "from the tick to the moment at which the wheels obey; measured where not given",
-   OptionalNumberKey{[](E & e) -> auto& {return e.estimation.actuation_delay;
-}
-, [](Limits) { return between(0.0, 1.0, "s"); }
-}
-}
-, {"estimation", "slip", "standard deviation of a wheel's way, as a share of it, for the filter",
-   NumberKey{[](E & e) -> auto& {return e.estimation.filter.slip;
-}
-, [](Limits) { return between(0.0, 1.0); }
-}
-}
-, {"estimation", "kidnap", "a pose this much farther off than the robot can have driven: somebody carried it",
-   NumberKey{[](E & e) -> auto& {return e.estimation.filter.kidnap;
-}
-, [](Limits) { return above(0.0, 10.0, "m"); }
-}
-}
-,
+      {"estimation", "bridge", "a pose older than this is no pose: the robot is lost, and stops",
+       NumberKey{[](E& e) -> auto& { return e.estimation.bridge; }, [](Limits) { return above(0.0, 10.0, "s"); }}},
+      {"estimation", "actuation_delay", "from the tick to the moment at which the wheels obey; measured where not "
+       "given",
+       OptionalNumberKey{[](E& e) -> auto& { return e.estimation.actuation_delay; },
+                 [](Limits) { return between(0.0, 1.0, "s"); }}},
+      {"estimation", "slip", "standard deviation of a wheel's way, as a share of it, for the filter",
+       NumberKey{[](E& e) -> auto& { return e.estimation.filter.slip; }, [](Limits) { return between(0.0, 1.0); }}},
+      {"estimation", "kidnap", "a pose this much farther off than the robot can have driven: somebody carried it",
+       NumberKey{[](E& e) -> auto& { return e.estimation.filter.kidnap; },
+                 [](Limits) { return above(0.0, 10.0, "m"); }}},
 
-    {"staging", "automatic", "skein run drives the robots to their starts by itself",
-     FlagKey{[](E & e) -> auto& {return e.staging.automatic;
-}
-}
-}
-, {"staging", "within", "a robot that is this near to its start stands at it",
-   NumberKey{[](E & e) -> auto& {return e.staging.within;
-}
-, [](Limits) { return between(0.02, longest, "m"); }
-}
-}
-, {"staging", "timeout", "the run fails where somebody has not arrived by then",
-   NumberKey{[](E & e) -> auto& {return e.staging.timeout;
-}
-, [](Limits) { return above(0.0, longest_run, "s"); }
-}
-}
-, {"staging", "back", "after the run the robots drive back to their starts",
-   FlagKey{[](E & e) -> auto& {return e.staging.back;
-}
-}
-}
-,
+      {"staging", "automatic", "skein run drives the robots to their starts by itself",
+       FlagKey{[](E& e) -> auto& { return e.staging.automatic; }}},
+      {"staging", "within", "a robot that is this near to its start stands at it",
+       NumberKey{[](E& e) -> auto& { return e.staging.within; }, [](Limits) { return between(0.02, longest, "m"); }}},
+      {"staging", "timeout", "the run fails where somebody has not arrived by then",
+       NumberKey{[](E& e) -> auto& { return e.staging.timeout; }, [](Limits) { return above(0.0, longest_run, "s"); }}},
+      {"staging", "back", "after the run the robots drive back to their starts",
+       FlagKey{[](E& e) -> auto& { return e.staging.back; }}},
 
-    {"expect", "final_error", "at the end no robot is farther than this from its place in the formation",
-     OptionalNumberKey{[](E & e) -> auto& {return e.expect.final_error;
-}
-, [](Limits) { return between(0.0, longest, "m"); }
-}
-}
-, {"expect", "min_distance", "no two robots' midpoints ever come closer than this",
-   OptionalNumberKey{[](E & e) -> auto& {return e.expect.min_distance;
-}
-, [](Limits) { return between(0.0, longest, "m"); }
-}
-}
-, {"expect", "arrived", "from then on all references rest and no robot is farther than 1 cm from its place",
-   OptionalNumberKey{[](E & e) -> auto& {return e.expect.arrived;
-}
-, [](Limits) { return between(0.0, longest_run, "s"); }
-}
-}
-, {"expect", "formation_first", "after every perturbation the formation settles before the tracking does",
-   OptionalFlagKey{[](E & e) -> auto& {return e.expect.formation_first;
-}
-}
-}
-, {"expect", "inside", "true: no body is ever over the edge of the arena",
-   OptionalFlagKey{[](E & e) -> auto& {return e.expect.inside;
-}
-}
-}
-, {"expect", "collisions", "two robots, or a robot and an obstacle, touch at most so many times",
-   OptionalWholeKey{[](E & e) -> auto& {return e.expect.collisions;
-}
-, 0, 1000000
-}
-}
-,
-}
-;
-return keys;
+      {"expect", "final_error", "at the end no robot is farther than this from its place in the formation",
+       OptionalNumberKey{[](E& e) -> auto& { return e.expect.final_error; },
+                 [](Limits) { return between(0.0, longest, "m"); }}},
+      {"expect", "min_distance", "no two robots' midpoints ever come closer than this",
+       OptionalNumberKey{[](E& e) -> auto& { return e.expect.min_distance; },
+                 [](Limits) { return between(0.0, longest, "m"); }}},
+      {"expect", "arrived", "from then on all references rest and no robot is farther than 1 cm from its place",
+       OptionalNumberKey{[](E& e) -> auto& { return e.expect.arrived; },
+                 [](Limits) { return between(0.0, longest_run, "s"); }}},
+      {"expect", "formation_first", "after every perturbation the formation settles before the tracking does",
+       OptionalFlagKey{[](E& e) -> auto& { return e.expect.formation_first; }}},
+      {"expect", "inside", "true: no body is ever over the edge of the arena",
+       OptionalFlagKey{[](E& e) -> auto& { return e.expect.inside; }}},
+      {"expect", "collisions", "two robots, or a robot and an obstacle, touch at most so many times",
+       OptionalWholeKey{[](E& e) -> auto& { return e.expect.collisions; }, 0, 1000000}},
+      // clang-format on
+  };
+  return keys;
 }
 
 std::string shown_number(double value) {
