@@ -64,7 +64,7 @@ void AsercomSession::unasked(double now) {
   // stop.
   const bool greeting = is_greeting(parser_.pending_text());
   parser_.clear();
-  resynchronise("the robot sent bytes that nobody asked for", now);
+  resynchronise("the robot sent unsolicited bytes", now);
   if (greeting) restarted();
 }
 

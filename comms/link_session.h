@@ -28,8 +28,8 @@ struct WheelUnit {
 /// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
 /// that never goes back. Not thread-safe.
 ///
-///     opened --> synchronising --stopped--> up    an answer that does not come or does not fit the request, bytes that
-///                     ^ stop,                |    nobody asked for, too much way on unconfirmed commands and silence of
+///     opened --> synchronising --stopped--> up    an answer that does not come or does not fit the request,
+///                     ^ stop,                |    unsolicited bytes, too much way on unconfirmed commands and silence of
 ///                     | repeated             |    the control thread lead back to the stop
 ///                     +----------------------+
 ///

@@ -32,7 +32,7 @@ void RobotCommands::add_to(CLI::App& program) {
 
   test_ = add("test",
               "Asks robots for version and battery, turns each wheel 10 mm, and says what is wrong with them; with a "
-              "camera it looks at their tags, and measures their wheels on a way of 6 cm and half a turn");
+              "camera it looks at their tags, and drives them 6 cm and half a turn to measure their wheels");
   test_->add_option("robots", request_.words, which)->required();
   CLI::Option* const camera =
       test_->add_option("--camera", request_.camera, "v4l2:DEVICE; default: the camera of the experiment file")

@@ -75,7 +75,7 @@ std::string quoted_words() {
 }
 
 /// Reads one table, key by key: a key that is there must have the right type and a value in range, a key that is not
-/// leaves its target alone. `finish` refuses every key that nobody asked for.
+/// leaves its target alone. `finish` refuses every key that was not read.
 class TomlTable {
  public:
   /// A null table has no keys. `path` is the table's own dotted key, empty for the document.

@@ -77,7 +77,7 @@ Check batteries(std::span<const RobotStatus> robots) {
     return {What::batteries, State::fails,
             fmt::format("{} {} low: charge", numbers(low), low.size() == 1 ? "is" : "are"), false};
   return {What::batteries, State::holds,
-          std::isnan(lowest) ? std::string("nobody says that one is low") : fmt::format("{:.2f} V and more", lowest),
+          std::isnan(lowest) ? std::string("no robot reports a low battery") : fmt::format("{:.2f} V and more", lowest),
           false};
 }
 

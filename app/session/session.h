@@ -145,8 +145,8 @@ class Session {
   /// Why the session failed (camera gone, a link that could not be held, an exception), if it did.
   std::optional<std::string> failure() const;
 
-  /// Virtual clock: runs from start to the end (finished, stopped or failed); `keep_on` is asked now and then and may
-  /// say no, which is a stop. Wall clock: starts, and waits for the end.
+  /// Virtual clock: runs from start to the end (finished, stopped or failed); `keep_on` is called now and then,
+  /// and its false stops the run. Wall clock: starts, and waits for the end.
   Phase run(const std::function<bool()>& keep_on = {});
 
   /// Stops every robot, waits until each has acknowledged (at most a second), ends all threads. Idempotent. After it,

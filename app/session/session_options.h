@@ -9,7 +9,7 @@
 namespace skein::app {
 
 struct SessionOptions {
-  /// In which time a session lives.
+  /// The clock that a session runs on.
   enum class Clock {
     wall,     ///< real time: absolute deadlines, camera and links on threads of their own
     virtual_  ///< as fast as the machine goes, everything in step; Session::run is then the way to run it
