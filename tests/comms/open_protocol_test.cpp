@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <array>
 
 #include <gtest/gtest.h>
 
@@ -333,18 +334,26 @@ TEST(OpenOverUdp, ARobotThatIsNotThereIsSaidAndReachedLater) {
 
 /// The commander is killed in the middle of driving, without a guard: the robot's own watchdog stops it.
 TEST(OpenOverUdp, ARobotStopsWhenItsCommanderDies) {
-  UdpRobots robots(1);
-  const LinkAddress address = robots.addresses()[0];
+  // Forked before there is any thread: a lock that another thread holds at that moment would stay held for ever.
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
   const pid_t commander = ::fork();
   ASSERT_GE(commander, 0);
   if (commander == 0) {
-    LinkSupervisor links({address});
+    int port = 0;
+    if (::read(pipe[0], &port, sizeof port) != sizeof port) ::_exit(1);
+    LinkSupervisor links({{LinkKind::udp, "127.0.0.1", port}});
     if (!links.start(5.0)) ::_exit(1);
     while (true) {
       links.command(0, 1500, 1500);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   }
+  UdpRobots robots(1);
+  const int port = robots.addresses()[0].channel;
+  ASSERT_EQ(::write(pipe[1], &port, sizeof port), static_cast<ssize_t>(sizeof port));
+  ::close(pipe[0]);
+  ::close(pipe[1]);
   EXPECT_TRUE(test::wait_until([&] { return robots.loop->wheels(0) == WheelSpeeds{1500, 1500}; }, 10.0));
   ASSERT_EQ(::kill(commander, SIGKILL), 0);
   ::waitpid(commander, nullptr, 0);
