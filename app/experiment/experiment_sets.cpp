@@ -7,25 +7,12 @@
 #include <charconv>
 #include <optional>
 
+#include "app/experiment/toml_places.h"
+
 namespace skein::app {
 namespace {
 
 constexpr std::array arrays_of_tables{"robot", "gain_change", "obstacle", "perturb", "operator"};
-
-/// The text as a TOML string.
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      result += {'\\', c};
-    else if (byte < 0x20 || byte == 0x7f)
-      result += fmt::format("\\u{:04X}", byte);
-    else
-      result += c;
-  }
-  return result + '"';
-}
 
 /// "a.b=1" is a TOML document of its own; a value that is none is taken as a text.
 toml::table parsed(const std::string& set, const std::string& origin) {
@@ -37,7 +24,7 @@ toml::table parsed(const std::string& set, const std::string& origin) {
     } catch (const toml::parse_error&) {
     }
   }
-  return toml::parse(key + " = " + quoted(value), origin);
+  return toml::parse(key + " = " + toml_string(value), origin);
 }
 
 /// Moves everything of `from` into `into`; an error says what cannot be.

@@ -1,8 +1,24 @@
 #include "app/experiment/toml_places.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace skein::app {
+
+std::string toml_string(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      result += {'\\', c};
+    else if (byte < 0x20 || byte == 0x7f)
+      result += fmt::format("\\u{:04X}", byte);
+    else
+      result += c;
+  }
+  return result + '"';
+}
 
 std::optional<toml::table> parsed_toml(std::string_view text) {
   try {

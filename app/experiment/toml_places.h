@@ -2,11 +2,15 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <toml++/toml.h>
 
 namespace skein::app {
+
+/// A text as a TOML string, quotes included.
+std::string toml_string(std::string_view text);
 
 /// What a TOML text says; none: it is no TOML.
 std::optional<toml::table> parsed_toml(std::string_view text);

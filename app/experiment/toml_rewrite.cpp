@@ -14,26 +14,11 @@
 namespace skein::app {
 namespace {
 
-/// A text between quotes.
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      result += {'\\', c};
-    else if (byte < 0x20 || byte == 0x7f)
-      result += fmt::format("\\u{:04X}", byte);
-    else
-      result += c;
-  }
-  return result + '"';
-}
-
 std::string written(std::string_view key) {
   const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-';
   });
-  return bare ? std::string(key) : quoted(key);
+  return bare ? std::string(key) : toml_string(key);
 }
 
 /// A float stays one, and has the fewest digits that read back to it.
@@ -59,7 +44,7 @@ std::string literal(const toml::node& node) {
     return "[" + text + "]";
   }
   if (const auto* const value = node.as_floating_point()) return written(value->get());
-  if (const auto* const value = node.as_string()) return quoted(value->get());
+  if (const auto* const value = node.as_string()) return toml_string(value->get());
   std::ostringstream other;
   node.visit([&](const auto& value) { other << value; });
   return other.str();

@@ -24,8 +24,7 @@ using namespace std::chrono_literals;
 constexpr double hears_within = 0.3;    // a run that lives [s]
 constexpr auto ends_within = 300ms;     // after SIGTERM
 constexpr auto killed_within = 2000ms;  // after SIGKILL
-constexpr auto guard_within =
-    1500ms;  // waits 1 s for answers on the lines, then listens; killed as well, it never does
+constexpr auto guard_within = 1500ms;   // it waits 1 s for answers on the lines, then listens
 
 /// A process that cannot be mistaken for a later one of the same number.
 class Process {
