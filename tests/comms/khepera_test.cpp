@@ -13,6 +13,7 @@
 #include "comms/khepera_session.h"
 #include "comms/link_supervisor.h"
 #include "tests/comms/bytes.h"
+#include "tests/comms/radio_faults.h"
 #include "tests/comms/wait_until.h"
 
 namespace skein::comms {
@@ -171,26 +172,8 @@ TEST(KheperaSession, ComesUpAfterAnyRadioFaults) {
     const std::vector<Fault> faults{{.kind = FaultKind::corruption, .at = 1.0, .duration = 3.0, .share = 0.1},
                                     {.kind = FaultKind::loss, .at = 2.0, .duration = 3.0, .share = 0.3},
                                     {.kind = FaultKind::reboot, .at = 5.0, .duration = 0.5}};
-    EmulatedEpuck robot(make_firmware(khepera()), 0.0, faults, seed);
     KheperaSession session({.command_silence = 0.0});
-    double now = 0.0;
-    session.opened(now);
-    std::uint16_t ticket = 0;
-    for (int tick = 0; tick < 400; ++tick) {
-      if (tick < 250) session.command({200, 200}, ++ticket, now);
-      if (tick == 250) session.stop(now);
-      for (int k = 0; k < 4; ++k) {
-        const Bytes request(session.output().begin(), session.output().end());
-        session.sent(request.size(), now);
-        if (!request.empty()) robot.receive(request, now);
-        now += 0.01;
-        robot.advance(now);
-        session.received(robot.take(), now);
-        session.advance(now);
-      }
-    }
-    EXPECT_TRUE(session.up() && session.stop_acknowledged()) << seed;
-    EXPECT_EQ(robot.told(), WheelSpeeds{}) << seed;
+    test::expect_stopped_after(faults, khepera(), session, {200, 200}, seed);
   }
 }
 

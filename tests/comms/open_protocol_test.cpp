@@ -22,6 +22,7 @@
 #include "core/simulation/random.h"
 #include "resources/robots/open_robot/open_robot.h"
 #include "tests/comms/bytes.h"
+#include "tests/comms/radio_faults.h"
 #include "tests/comms/wait_until.h"
 #include "tests/fuzz/open_targets.h"
 
@@ -260,27 +261,8 @@ TEST(OpenSession, ComesUpAfterAnyRadioFaults) {
                               {.kind = FaultKind::corruption, .at = 2.0, .duration = 3.0, .share = 0.1},
                               {.kind = FaultKind::reboot, .at = 4.0, .duration = 0.5},
                               {.kind = FaultKind::disconnect, .at = 6.0, .duration = 0.2}};
-    EmulatedEpuck robot(make_firmware(open_type()), 0.0, faults, seed);
     OpenSession session({.command_silence = 0.0});
-    double now = 0.0;
-    session.opened(now);
-    std::uint16_t ticket = 0;
-    for (int tick = 0; tick < 400; ++tick) {
-      const bool drive = tick < 250;
-      if (drive) session.command({500, 500}, ++ticket, now);
-      if (tick == 250) session.stop(now);
-      for (int k = 0; k < 4; ++k) {
-        const Bytes request(session.output().begin(), session.output().end());
-        session.sent(request.size(), now);
-        if (!request.empty()) robot.receive(request, now);
-        now += 0.01;
-        robot.advance(now);
-        session.received(robot.take(), now);
-        session.advance(now);
-      }
-    }
-    EXPECT_TRUE(session.up() && session.stop_acknowledged()) << seed;
-    EXPECT_EQ(robot.told(), WheelSpeeds{}) << seed;
+    test::expect_stopped_after(faults, open_type(), session, {500, 500}, seed);
   }
 }
 

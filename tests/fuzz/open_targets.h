@@ -12,15 +12,13 @@
 #include "comms/khepera_session.h"
 #include "comms/open_session.h"
 #include "core/kinematics/robot_type.h"
+#include "tests/fuzz/talk.h"
 
 namespace skein::fuzz {
 
 /// `bytes` as what hosts send to the reference robot of the open protocol. Whatever they leave behind, it drives no
 /// faster than it may, one stop is understood, and its watchdog bites.
 inline void to_open_robot(std::span<const std::uint8_t> bytes) {
-  const auto must = [](bool holds) {
-    if (!holds) std::abort();
-  };
   const core::RobotType& type = *core::find_robot_type("open");
   comms::OpenFirmware robot(type);
   std::vector<std::uint8_t> answer;
@@ -39,17 +37,10 @@ inline void to_open_robot(std::span<const std::uint8_t> bytes) {
 
 /// `bytes` as what a robot says to `session`. Afterwards a robot that listens is stopped and up within a few time-outs.
 inline void heard_by(comms::LinkSession& session, comms::RobotFirmware& robot, std::span<const std::uint8_t> bytes) {
-  const auto must = [](bool holds) {
-    if (!holds) std::abort();
-  };
   double now = 1.0;
   session.opened(now);
   session.sent(session.output().size(), now);
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
-    const auto chunk = bytes.subspan(begin, i + 1 - begin);
-    begin = i + 1;
+  for_chunks(bytes, [&](std::span<const std::uint8_t> chunk, std::size_t i) {
     now += 0.01 * chunk[0];
     session.advance(now);
     session.received(chunk, now);
@@ -58,19 +49,8 @@ inline void heard_by(comms::LinkSession& session, comms::RobotFirmware& robot, s
     must(session.output().size() <= 128);
     must(!std::isnan(session.deadline()));
     session.sent(session.output().size(), now);
-  }
-  session.stop(now);
-  for (int turn = 0; turn < 200 && !(session.up() && session.stop_acknowledged()); ++turn) {
-    while (!session.output().empty()) {
-      const std::vector<std::uint8_t> request(session.output().begin(), session.output().end());
-      session.sent(request.size(), now);
-      std::vector<std::uint8_t> answer;
-      robot.receive(request, answer);
-      session.received(answer, now);
-    }
-    now += 0.25;
-    session.advance(now);
-  }
+  });
+  stop(session, robot, now);
   must(session.up() && session.stop_acknowledged());
   must(robot.told() == core::WheelSpeeds{});
 }

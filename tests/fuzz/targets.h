@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <vector>
 
@@ -11,13 +10,9 @@
 #include "comms/asercom_session.h"
 #include "comms/emulator/epuck_firmware.h"
 #include "comms/wifi_session.h"
+#include "tests/fuzz/talk.h"
 
 namespace skein::fuzz {
-
-/// What must hold whatever the bytes; a broken promise ends the program, which is how a fuzzer learns of it.
-inline void must(bool holds) {
-  if (!holds) std::abort();
-}
 
 /// `bytes` as what a robot says. Odd bytes decide where chunks end. The parser and the session take everything, keep a
 /// bounded part of it, and afterwards a robot that listens is stopped and up within a few time-outs.
@@ -27,11 +22,7 @@ inline void replies(std::span<const std::uint8_t> bytes) {
   double now = 1.0;
   session.opened(now);
   session.sent(session.output().size(), now);
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
-    const auto chunk = bytes.subspan(begin, i + 1 - begin);
-    begin = i + 1;
+  for_chunks(bytes, [&](std::span<const std::uint8_t> chunk, std::size_t i) {
     parser.feed(chunk);
     while (parser.next()) {
     }
@@ -43,21 +34,10 @@ inline void replies(std::span<const std::uint8_t> bytes) {
     must(session.output().size() <= comms::stop_sequence().size());
     must(!std::isnan(session.deadline()));
     session.sent(session.output().size(), now);
-  }
+  });
 
   comms::EpuckFirmware robot(core::MotorModel::epuck2);
-  session.stop(now);
-  for (int turn = 0; turn < 200 && !(session.up() && session.stop_acknowledged()); ++turn) {
-    while (!session.output().empty()) {
-      const std::vector<std::uint8_t> request(session.output().begin(), session.output().end());
-      session.sent(request.size(), now);
-      std::vector<std::uint8_t> answer;
-      robot.receive(request, answer);
-      session.received(answer, now);
-    }
-    now += 0.25;
-    session.advance(now);
-  }
+  stop(session, robot, now);
   must(session.stop_acknowledged());
   must(robot.wheels() == core::WheelSpeeds{});
 }
@@ -69,11 +49,7 @@ inline void packets(std::span<const std::uint8_t> bytes) {
   double now = 1.0;
   session.opened(now);
   session.sent(session.output().size(), now);
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (bytes[i] % 2 == 0 && i + 1 < bytes.size()) continue;
-    const auto chunk = bytes.subspan(begin, i + 1 - begin);
-    begin = i + 1;
+  for_chunks(bytes, [&](std::span<const std::uint8_t> chunk, std::size_t i) {
     now += 0.01 * chunk[0];
     session.advance(now);
     session.received(chunk, now);
@@ -82,7 +58,7 @@ inline void packets(std::span<const std::uint8_t> bytes) {
     must(!std::isnan(session.deadline()));
     session.sent(std::min<std::size_t>(session.output().size(), chunk[0]), now);
     if (session.garbled()) session.opened(now);
-  }
+  });
 
   comms::EpuckFirmware robot(core::MotorModel::epuck2, comms::EpuckProgram::wifi);
   session.opened(now);
