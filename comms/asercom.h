@@ -44,9 +44,9 @@ std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept;
 
 /// What a request asks the robot for.
 enum class Question {
-  none,                   ///< nothing: the robot does not answer
-  wheels,                 ///< the speeds that it has taken, and the step counters
-  wheels_and_battery      ///< the raw battery value (battery_of()) as well
+  none,               ///< nothing: the robot does not answer
+  wheels,             ///< the speeds that it has taken, and the step counters
+  wheels_and_battery  ///< the raw battery value (battery_of()) as well
 };
 
 /// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds that
@@ -94,9 +94,9 @@ bool is_greeting(std::string_view line) noexcept;
 /// What one reply turned out to be.
 struct Reply {
   enum class Kind {
-    wheels,    ///< the answer to a binary question
-    stopped,   ///< the line "s": the robot has carried out a stop
-    line       ///< any other line: "d", "z,Command not found", a greeting, or debris
+    wheels,   ///< the answer to a binary question
+    stopped,  ///< the line "s": the robot has carried out a stop
+    line      ///< any other line: "d", "z,Command not found", a greeting, or debris
   };
   Kind kind = Kind::line;
   WheelCommand taken;  ///< for Kind::wheels: the speeds that the robot was told last, as it understood them

@@ -6,9 +6,9 @@
 /// links and the bytes of a stop.
 namespace skein::comms {
 
-/// SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT and SIGSYS, in whatever thread, stop every robot before they end the program: every
-/// link thread gets the emergency stop, every open link the bytes at once, again every 100 ms, until each robot is
-/// known to stand, at most for a second. Then the signal does what it did before. A stack overflow is
+/// SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT and SIGSYS, in whatever thread, stop every robot before they end
+/// the program: every link thread gets the emergency stop, every open link the bytes at once, again every 100 ms, until
+/// each robot is known to stand, at most for a second. Then the signal does what it did before. A stack overflow is
 /// handled only in the thread that called this.
 void stop_robots_on_crash();
 

@@ -71,7 +71,7 @@ class Link {
   LinkAddress address_;
   LinkOptions options_;
   std::optional<Transport> transport_;
-  int fastest_;  // [steps/s]
+  int fastest_;                           // [steps/s]
   std::unique_ptr<LinkSession> session_;  // in the protocol of the address
 
   double try_at_ = 0.0;  // when to open the transport next

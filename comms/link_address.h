@@ -19,18 +19,18 @@ struct LinkAddress {
   std::string device;  ///< serial: a path, "/dev/ttyACM0"; rfcomm: the robot's Bluetooth address, "10:00:E8:AA:BB:CC";
                        ///< tcp, udp: its IPv4 address, "192.168.1.20", or a name
   int channel = 0;     ///< rfcomm: 1 to 30. e-puck1: 1, e-puck2: 2 ("UART"). tcp, udp: the port. serial: 0
-  std::string adapter = {};  ///< rfcomm: the PC's adapter to use, "hci1" or its address; empty: the system's choice.
-                             ///< One adapter holds at most 7 robots.
-  std::string name = {};     ///< what messages call it, "robot 4"; empty: "robot" and its place among the links
+  std::string adapter = {};   ///< rfcomm: the PC's adapter to use, "hci1" or its address; empty: the system's choice.
+                              ///< One adapter holds at most 7 robots.
+  std::string name = {};      ///< what messages call it, "robot 4"; empty: "robot" and its place among the links
   std::string protocol = {};  ///< what is spoken there (protocol.h); empty: what such a link speaks as a rule
 
   friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };
 
 /// Reads "serial:/dev/ttyACM0", "rfcomm:10:00:E8:AA:BB:CC/2" (channel 1 if not given; the address comes out in upper
-/// case), "tcp:192.168.1.20:1000" (port 1000 if not given) or "udp:192.168.1.20:2626" (port 2626 if not given); in front
-/// of each the protocol and "+" where it is another than such a link speaks as a rule. The error names what was found
-/// and what is allowed.
+/// case), "tcp:192.168.1.20:1000" (port 1000 if not given) or "udp:192.168.1.20:2626" (port 2626 if not given); in
+/// front of each the protocol and "+" where it is another than such a link speaks as a rule. The error names what was
+/// found and what is allowed.
 tl::expected<LinkAddress, std::string> parse_link_address(std::string_view text);
 
 /// The name of the protocol that is spoken there: what the address says, else what robots on such a link speak as a
@@ -47,8 +47,8 @@ tl::expected<void, std::string> check_adapter(std::string_view adapter);
 /// Whether the text is meant to be an address: it begins as one does.
 bool is_link_address(std::string_view text);
 
-/// Turns the name in a tcp or udp address into an IPv4 address, and leaves every other address as it is. Asks the system's
-/// name service, and waits for it: not for the link thread.
+/// Turns the name in a tcp or udp address into an IPv4 address, and leaves every other address as it is. Asks the
+/// system's name service, and waits for it: not for the link thread.
 tl::expected<LinkAddress, std::string> resolve(LinkAddress address);
 
 /// The text that parse_link_address() reads (without the adapter).

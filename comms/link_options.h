@@ -14,8 +14,8 @@ struct LinkOptions {
   /// A stop that is not acknowledged is sent again after this long, then after twice that, and so on up to
   /// `reply_timeout` [s]: radios do not lose it, an e-puck1's receive ring may.
   double stop_repeat = 0.1;
-  /// A connection that is not made after this long is begun anew [s]. Longer than Bluetooth's own page time-out of 5.12 s,
-  /// after which the kernel says what is wrong.
+  /// A connection that is not made after this long is begun anew [s]. Longer than Bluetooth's own page time-out of 5.12
+  /// s, after which the kernel says what is wrong.
   double connect_timeout = 6.0;
   /// A link that hears no new command for this long stops its robot by itself [s]: e-pucks have no watchdog. 2.5 ticks,
   /// so one late tick does not stop the group. 0 or less: never (lock-step runs, where wall time means nothing).

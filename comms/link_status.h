@@ -28,9 +28,9 @@ std::optional<LinkState> link_state(std::string_view word) noexcept;
 
 /// When the newest command that was sent went through each of its stations, CLOCK_MONOTONIC; 0: none yet. [s]
 struct CommandTimes {
-  double written = 0.0;    ///< its last byte was handed to the system
-  double answered = 0.0;   ///< the newest answer to a command came
-  WheelCommand speeds{};   ///< what was written then; a stop is speeds of 0 [steps/s]
+  double written = 0.0;   ///< its last byte was handed to the system
+  double answered = 0.0;  ///< the newest answer to a command came
+  WheelCommand speeds{};  ///< what was written then; a stop is speeds of 0 [steps/s]
   /// See LinkStatus, as of the link thread's last turn; at least LinkOptions::blind_distance while not up. [m]
   double blind_way = 0.0;
 };
@@ -38,8 +38,8 @@ struct CommandTimes {
 /// What is known of one link.
 struct LinkStatus {
   LinkState state = LinkState::down;
-  double out_for = 0.0;     ///< for how long it has not been up, from the request on that was not answered; 0: it is [s]
-  std::string reason;       ///< the newest thing that went wrong, as a sentence; empty: nothing yet
+  double out_for = 0.0;  ///< for how long it has not been up, from the request on that was not answered; 0: it is [s]
+  std::string reason;    ///< the newest thing that went wrong, as a sentence; empty: nothing yet
   double rtt_median = 0.0;  ///< round trip of the last 256 exchanges, 0 before the first [s]
   double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]
   double rtt_p999 = 0.0;    ///< 99.9th percentile of all exchanges so far, rounded up by at most 5 % [s]

@@ -1,4 +1,5 @@
-// The main function of every test program: properties run 1,000 cases from a fixed seed unless RC_PARAMS says otherwise.
+// The main function of every test program: properties run 1,000 cases from a fixed seed unless RC_PARAMS says
+// otherwise.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

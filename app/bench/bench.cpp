@@ -81,7 +81,8 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
-      .add_option("--seconds", seconds, "how long each measurement takes, where it does not know by itself: links, publish, ui")
+      .add_option("--seconds", seconds,
+                  "how long each measurement takes, where it does not know by itself: links, publish, ui")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
   program.add_option("--runs", controllers.runs, "controllers: runs under adversaries; 0: none")

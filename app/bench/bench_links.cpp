@@ -72,7 +72,8 @@ class PlainLines {
 
   void write(comms::WheelCommand command) {
     const auto bytes = comms::wheel_request(command, comms::Question::wheels);
-    for (const int line : lines_) [[maybe_unused]] const auto written = ::write(line, bytes.data(), bytes.size());
+    for (const int line : lines_) [[maybe_unused]]
+      const auto written = ::write(line, bytes.data(), bytes.size());
   }
   void drop_answers() {
     std::array<char, 256> bytes;

@@ -23,8 +23,9 @@ Experiment platoon(std::size_t robots) {
   std::string source = paper_experiment().source;
   source.erase(std::min(source.find("[[robot]]"), source.size()));
   for (std::size_t i = 1; i <= robots; ++i) source += fmt::format("[[robot]]\ntag = {}\n", i);
-  source += "[[perturb]]\nt = 10\nrobot = 2\ndx = 0.0\ndy = 0.15\n"
-            "[[perturb]]\nt = 30\nrobot = 9\ndx = 0.0\ndy = 0.15\n";
+  source +=
+      "[[perturb]]\nt = 10\nrobot = 2\ndx = 0.0\ndy = 0.15\n"
+      "[[perturb]]\nt = 30\nrobot = 9\ndx = 0.0\ndy = 0.15\n";
   const double share = 3.0 / static_cast<double>(robots - 1);
   for (const auto& [key, value] : {std::pair{"k_xx", 0.008}, {"k_tt", 0.025}, {"k_yy", 0.08}})
     sets.push_back(fmt::format("controller.gains.{}={:g}", key, value * share));

@@ -22,7 +22,8 @@ constexpr double metres_per_step = 1.288e-4;
 /// One robot: its place on the floor, its firmware, and the conversation with it.
 class LappingRobot {
  public:
-  LappingRobot(const Experiment& experiment, std::size_t i, const RadioLapOptions& options, comms::RadioAdapter& adapter)
+  LappingRobot(const Experiment& experiment, std::size_t i, const RadioLapOptions& options,
+               comms::RadioAdapter& adapter)
       : options_(link_options(experiment)),
         session_(options_),
         firmware_(motor(experiment, i), 0.0, comms::faults_of(options.faults, i), options.seed * 64 + i),
@@ -30,9 +31,7 @@ class LappingRobot {
     firmware_.connect(adapter, i % comms::RadioAdapter::most_robots);
   }
 
-  double deadline() const {
-    return std::min(session_.open() ? session_.deadline() : again_at_, firmware_.deadline());
-  }
+  double deadline() const { return std::min(session_.open() ? session_.deadline() : again_at_, firmware_.deadline()); }
 
   void turn(double now) {
     firmware_.advance(now);

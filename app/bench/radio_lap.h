@@ -21,8 +21,8 @@ struct RadioLapOptions {
 };
 
 struct RadioLap {
-  bool all_stop = false;  ///< a link was lost
-  std::string why;        ///< it was lost
+  bool all_stop = false;                         ///< a link was lost
+  std::string why;                               ///< it was lost
   std::size_t perturbations = 0, recovered = 0;  ///< tracking within 1 cm again before the next
   double final_error = 0.0;                      ///< largest distance of a robot from its reference at the end [m]
   double min_distance = 0.0;                     ///< between two robots [m]

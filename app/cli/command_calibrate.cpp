@@ -217,8 +217,9 @@ int calibrate_floor(const FloorRequest& request) {
                p.z(), result->tag_height, result->tag_size, out);
   }
   if (solved->left_out)
-    print_error(fmt::format("skein: {} was left out: it is {:.1f} mm from the place in {}, and the others agree without it\n",
-                            solved->left_out->name, mm(solved->off), request.marks));
+    print_error(
+        fmt::format("skein: {} was left out: it is {:.1f} mm from the place in {}, and the others agree without it\n",
+                    solved->left_out->name, mm(solved->off), request.marks));
   else if (check->worst > 5e-3)
     print_error(
         fmt::format("skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",

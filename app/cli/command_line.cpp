@@ -163,11 +163,13 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       "prints a JSON schema of experiment files instead, for editors that complete and check TOML");
 
   CLI::App& doctor_command = *program.add_subcommand(
-      "doctor", "Says what stands between this machine and a good run, a line each, and what to do; exit status 1 where "
-                "something is ill");
+      "doctor",
+      "Says what stands between this machine and a good run, a line each, and what to do; exit status 1 where "
+      "something is ill");
   DoctorRequest doctor_request;
   std::vector<std::string> doctor_files;
-  doctor_command.add_option("experiment", doctor_files, "experiment files that are to run here: their robots and cameras")
+  doctor_command
+      .add_option("experiment", doctor_files, "experiment files that are to run here: their robots and cameras")
       ->transform([](const std::string& name) { return find_resource("experiments", name); });
   doctor_command
       .add_option("--seconds", doctor_request.seconds, "how long the test of keeping time takes; 0: without it")

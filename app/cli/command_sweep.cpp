@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "app/cli/command_line_studies.h"
-#include "app/run/exit_status.h"
 #include "app/record/report.h"
+#include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/tools/outcome_file.h"

@@ -23,10 +23,10 @@ std::optional<Experiment> load(const ExperimentRequest& request);
 struct RunRequest {
   ExperimentRequest experiment;
   std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
-  bool keep = false;                       ///< in a folder of its own below `runs_directory`
-  std::string runs_directory;              ///< empty: runs_directory() says which
-  std::vector<std::string> words;          ///< of the command line, for the record of a kept run
-  std::string publish;                     ///< "udp:HOST:PORT"; empty: to nobody
+  bool keep = false;                      ///< in a folder of its own below `runs_directory`
+  std::string runs_directory;             ///< empty: runs_directory() says which
+  std::vector<std::string> words;         ///< of the command line, for the record of a kept run
+  std::string publish;                    ///< "udp:HOST:PORT"; empty: to nobody
   bool quiet = false, json = false;
   bool force = false;  ///< files of an older run may be overwritten
 };

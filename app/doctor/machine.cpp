@@ -111,7 +111,8 @@ tl::expected<void, std::string> try_the_guard() {
   const std::string folder = state_directory();
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     return tl::unexpected(fmt::format("{}: {}", folder, std::strerror(errno)));
-  if (::access("/proc/self/exe", X_OK) != 0) return tl::unexpected(std::string("/proc is not there: the guard cannot be started"));
+  if (::access("/proc/self/exe", X_OK) != 0)
+    return tl::unexpected(std::string("/proc is not there: the guard cannot be started"));
   return {};
 }
 

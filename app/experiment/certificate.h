@@ -23,7 +23,7 @@ struct Certificate {
     Worst v;        ///< largest |v_ref| as a share of v_max
     Worst omega;    ///< largest |omega_ref| as a share of omega_max
     double v_max = 0.0, omega_max = 0.0;  ///< (14) of this robot
-    Worst wheel;    ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
+    Worst wheel;                          ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
   };
   /// Which case of Theorem 1 the reference is, over the run. Every reference has bounded velocities, and a v_ref that
   /// is uniformly continuous.

@@ -159,11 +159,11 @@ struct RobotSpec {
   double radius = core::standard_radius;             ///< that of the type unless given [m]
   /// Its own of what (14), (15), (18) and (30) have for each robot; empty: as [controller] and [avoidance] say.
   std::optional<double> v_max, omega_max, c_x, c_theta, alpha, beta, K_a, K_o;
-  std::optional<TrajectorySpec> trajectory;          ///< of an independent reference
+  std::optional<TrajectorySpec> trajectory;  ///< of an independent reference
   std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
   /// How long after the last byte it stops by itself, as `robots test` has found; 0: never; empty: not known. [s]
   std::optional<double> watchdog;
-  core::DifferentialDrive drive;    ///< keys wheel_diameter, track; the rest follows from the type
+  core::DifferentialDrive drive;  ///< keys wheel_diameter, track; the rest follows from the type
 
   bool simulated() const noexcept { return link != Link::device; }
 };

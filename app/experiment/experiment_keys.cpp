@@ -94,7 +94,7 @@ const std::vector<ExperimentKey>& all_keys() {
        choice<[](E& e) -> auto& { return e.controller.law.failure; }>()},
       {"controller", "deadline", "it may take so long for a tick, on the wall clock",
        OptionalNumberKey{[](E& e) -> auto& { return e.controller.law.deadline; },
-                 [](Limits e) { return between(0.0001, 0.5 * e.period(), "s"); }}},
+                         [](Limits e) { return between(0.0001, 0.5 * e.period(), "s"); }}},
       {"controller", "memory", "megabytes of address space that each of its processes may have",
        whole<[](E& e) -> auto& { return e.controller.law.memory; }>(16, 1048576)},
       {"controller", "processes", "processes and threads that it may start itself",
@@ -123,7 +123,8 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.shield.distance; },
                  [](Limits) { return between(2.0 * core::standard_radius, longest, "m"); }}},
       {"shield", "gamma", "how fast a gap may close, as a share of what is left of it",
-       NumberKey{[](E& e) -> auto& { return e.shield.gamma; }, [](Limits e) { return above(0.0, e.rate, "1/s"); }}},  // more would close the whole gap in one tick
+       NumberKey{[](E& e) -> auto& { return e.shield.gamma; },
+                 [](Limits e) { return above(0.0, e.rate, "1/s"); }}},  // more would close the whole gap in one tick
 
       {"camera", "source", "where poses come from: none, synthetic, v4l2:DEVICE, video:FILE or images:DIR",
        TextKey{[](E& e) -> auto& { return e.camera.source; }, 0}},
@@ -143,7 +144,7 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.links.reply_timeout; }, [](Limits) { return between(0.02, 10.0, "s"); }}},
       {"links", "command_silence", "a link that hears no command for so long stops its robot by itself",
        OptionalNumberKey{[](E& e) -> auto& { return e.links.command_silence; },
-                 [](Limits e) { return above(1.0 / e.rate, 10.0, "s, longer than a tick"); }}},
+                         [](Limits e) { return above(1.0 / e.rate, 10.0, "s, longer than a tick"); }}},
 
       {"failure", "link_lost", "what the group does when a robot's link is lost",
        choice<[](E& e) -> auto& { return e.failure.link_lost; }>()},
@@ -165,10 +166,11 @@ const std::vector<ExperimentKey>& all_keys() {
 
       {"estimation", "bridge", "a pose older than this is no pose: the robot is lost, and stops",
        NumberKey{[](E& e) -> auto& { return e.estimation.bridge; }, [](Limits) { return above(0.0, 10.0, "s"); }}},
-      {"estimation", "actuation_delay", "from the tick to the moment at which the wheels obey; measured where not "
+      {"estimation", "actuation_delay",
+       "from the tick to the moment at which the wheels obey; measured where not "
        "given",
        OptionalNumberKey{[](E& e) -> auto& { return e.estimation.actuation_delay; },
-                 [](Limits) { return between(0.0, 1.0, "s"); }}},
+                         [](Limits) { return between(0.0, 1.0, "s"); }}},
       {"estimation", "slip", "standard deviation of a wheel's way, as a share of it, for the filter",
        NumberKey{[](E& e) -> auto& { return e.estimation.filter.slip; }, [](Limits) { return between(0.0, 1.0); }}},
       {"estimation", "kidnap", "a pose this much farther off than the robot can have driven: somebody carried it",
@@ -186,13 +188,13 @@ const std::vector<ExperimentKey>& all_keys() {
 
       {"expect", "final_error", "at the end no robot is farther than this from its place in the formation",
        OptionalNumberKey{[](E& e) -> auto& { return e.expect.final_error; },
-                 [](Limits) { return between(0.0, longest, "m"); }}},
+                         [](Limits) { return between(0.0, longest, "m"); }}},
       {"expect", "min_distance", "no two robots' midpoints ever come closer than this",
        OptionalNumberKey{[](E& e) -> auto& { return e.expect.min_distance; },
-                 [](Limits) { return between(0.0, longest, "m"); }}},
+                         [](Limits) { return between(0.0, longest, "m"); }}},
       {"expect", "arrived", "from then on all references rest and no robot is farther than 1 cm from its place",
        OptionalNumberKey{[](E& e) -> auto& { return e.expect.arrived; },
-                 [](Limits) { return between(0.0, longest_run, "s"); }}},
+                         [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"expect", "formation_first", "after every perturbation the formation settles before the tracking does",
        OptionalFlagKey{[](E& e) -> auto& { return e.expect.formation_first; }}},
       {"expect", "inside", "true: no body is ever over the edge of the arena",

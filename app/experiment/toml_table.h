@@ -100,9 +100,8 @@ class TomlTable {
 
   /// Any integer type, and the same into an optional that stays empty where there is no key.
   template <typename Int>
-  requires(std::is_integral_v<Int> && !std::is_same_v<Int, bool> &&
-           !std::is_same_v<Int, std::int64_t>) void integer(const char* key, Int& target, std::int64_t low,
-                                                            std::int64_t high) {
+    requires(std::is_integral_v<Int> && !std::is_same_v<Int, bool> && !std::is_same_v<Int, std::int64_t>)
+  void integer(const char* key, Int& target, std::int64_t low, std::int64_t high) {
     auto value = static_cast<std::int64_t>(target);
     integer(key, value, low, high);
     target = static_cast<Int>(value);

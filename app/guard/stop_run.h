@@ -17,8 +17,8 @@ struct StoppedRun {
 };
 StoppedRun stop_run(const RunMarker& run);
 
-/// Stops the robots of runs that ended badly, through their guards or by a connection, and forgets each run whose robots
-/// are known to stand. True: all of them.
+/// Stops the robots of runs that ended badly, through their guards or by a connection, and forgets each run whose
+/// robots are known to stand. True: all of them.
 bool stop_left_behind(const std::vector<RunMarker>& runs);
 
 /// `skein stop`: STOP to every run of this user that lives and to every guard, at once; says what became of their

@@ -109,10 +109,9 @@ class Film {
     for (const std::string& frame : frames_) frames += (frames.empty() ? "" : ",\n") + frame;
     return fmt::format(
         R"({{"robots":{},"radii":[{}],"grid":{},"arena":[{},{}],"view":[{},{},{},{}],"step":{},"obstacles":[{}],"frames":[{}]}})",
-        experiment.robots.size(), radii, thousandths(grid()),
-        thousandths(experiment.arena_width), thousandths(experiment.arena_height), thousandths(left_ - margin),
-        thousandths(-top_ - margin), thousandths(right_ - left_ + 2 * margin), thousandths(top_ - bottom_ + 2 * margin),
-        step_, obstacles, frames);
+        experiment.robots.size(), radii, thousandths(grid()), thousandths(experiment.arena_width),
+        thousandths(experiment.arena_height), thousandths(left_ - margin), thousandths(-top_ - margin),
+        thousandths(right_ - left_ + 2 * margin), thousandths(top_ - bottom_ + 2 * margin), step_, obstacles, frames);
   }
 
  private:

@@ -9,9 +9,9 @@
 namespace skein::app {
 namespace {
 
-constexpr double touch_hysteresis = 1e-3;           // a pair that rubs along is one collision [m]
-constexpr double one_disturbance = 0.2;             // [s]
-constexpr double arrived_within = 0.01;             // [m]
+constexpr double touch_hysteresis = 1e-3;  // a pair that rubs along is one collision [m]
+constexpr double one_disturbance = 0.2;    // [s]
+constexpr double arrived_within = 0.01;    // [m]
 constexpr std::size_t most_exact = 20'000, most_events = 10'000;
 
 /// Where a robot is, as well as it is known; nothing of one that was never seen.
@@ -109,7 +109,7 @@ void Statistics::count_collisions(const TickRecord& record) {
   for (std::size_t i = 0; i < n; ++i) {
     const core::Pose here = place(record.robots[i]);
     const double radius = experiment_.robots[i].radius;
-    for (std::size_t j = i + 1; j < n; ++j) 
+    for (std::size_t j = i + 1; j < n; ++j)
       see(i * n + j, core::distance(here, place(record.robots[j])) - (radius + experiment_.robots[j].radius));
     const double over =
         std::fmax(std::abs(here.x) - 0.5 * experiment_.arena_width, std::abs(here.y) - 0.5 * experiment_.arena_height) +
@@ -166,8 +166,8 @@ void Statistics::Bands::add(const Sample& sample) {
 
 Settling Statistics::Bands::since(double begin) const {
   const auto after = [begin](const std::optional<double>& t) { return t ? std::optional(*t - begin) : t; };
-  return {after(formation_1cm), after(formation_5mm), after(tracking_1cm), after(tracking_5mm),
-          after(relative_1cm), after(relative_5mm)};
+  return {after(formation_1cm), after(formation_5mm), after(tracking_1cm),
+          after(tracking_5mm),  after(relative_1cm),  after(relative_5mm)};
 }
 
 void Statistics::Durations::add(double seconds) {

@@ -67,7 +67,7 @@ class Statistics final : public RecordSink {
     };
     std::optional<Published> published;  ///< with `skein run --publish`
     std::string kept;                    ///< the folder of a run that is kept
-    std::int64_t video_frames = 0;    ///< kept in the film of the run, where there is one
+    std::int64_t video_frames = 0;       ///< kept in the film of the run, where there is one
     std::int64_t video_dropped = 0;
     std::string video_problem;                             ///< why the film ends early
     double largest_period = none;                          ///< [s]

@@ -86,8 +86,8 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
       return tl::unexpected(started.error());
   }
   if (experiment.camera.kind() != CameraKind::absent) {
-    auto camera = CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_,
-                                  options.await_camera);
+    auto camera =
+        CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_, options.await_camera);
     if (!camera) return tl::unexpected(camera.error());
     if (!options.video.empty())
       if (auto begun = (*camera)->keep(options.video); !begun) return tl::unexpected(begun.error());

@@ -40,8 +40,8 @@ class Plant {
   /// When every robot's command that was given since `given_at` was written and answered, on the session's clock; none:
   /// not yet. Zeros: the robot has no link. The control thread's.
   void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;
-  /// What is known of each robot's link as a tick needs it; untouched where there is none, and on the virtual clock. The
-  /// control thread's.
+  /// What is known of each robot's link as a tick needs it; untouched where there is none, and on the virtual clock.
+  /// The control thread's.
   void look_at_links(std::span<LinkInput> robots) const noexcept;
   /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
   /// thread's.

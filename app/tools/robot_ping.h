@@ -15,8 +15,8 @@ namespace skein::app {
 struct RobotPing {
   struct Robot {
     std::string name;
-    std::string adapter;         ///< as the file says; empty: the system's choice, or no Bluetooth
-    comms::LinkStatus status;    ///< as it was before the links were closed
+    std::string adapter;       ///< as the file says; empty: the system's choice, or no Bluetooth
+    comms::LinkStatus status;  ///< as it was before the links were closed
     comms::RoundTrips times;
     bool stop_acknowledged = false;
   };
@@ -34,7 +34,8 @@ tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, d
 /// is lost after three of them.
 LinksSpec proposed_links(double rtt_p999, double speed, double period);
 
-/// Round trips in classes, a line each: "  20 ..   50 ms  ######## 61.2 %". Classes without any at the ends are left out.
+/// Round trips in classes, a line each: "  20 ..   50 ms  ######## 61.2 %". Classes without any at the ends are left
+/// out.
 std::vector<std::string> histogram(const comms::RoundTrips& times);
 
 }  // namespace skein::app

@@ -19,11 +19,11 @@ struct RobotTestResult {
   int tag = -1;                            ///< that turned with it; -1: the camera saw none, or there is no camera
   std::optional<double> wheel_diameter;    ///< from the camera's way against the encoders' [m]
   std::optional<double> track;             ///< from the camera's turn against the encoders' [m]
-  /// How long after the last byte from the host it stopped by itself: its dead man's switch. 0: it has none, it drove on
-  /// for the whole second in which nothing was sent. Empty: not looked at. [s]
+  /// How long after the last byte from the host it stopped by itself: its dead man's switch. 0: it has none, it drove
+  /// on for the whole second in which nothing was sent. Empty: not looked at. [s]
   std::optional<double> watchdog;
-  std::vector<std::string> faults;         ///< a sentence each; empty: none found
-  std::vector<std::string> notes;          ///< what could not be looked at, and why
+  std::vector<std::string> faults;  ///< a sentence each; empty: none found
+  std::vector<std::string> notes;   ///< what could not be looked at, and why
 };
 
 /// What a robot that was told `speed` and then nothing for `silence` has for a dead man's switch, from the steps that

@@ -29,9 +29,9 @@ struct RunOutcome {
   std::optional<double> formation_settled, relative_settled, tracking_settled;
   double limited_share = 0.0;  ///< of robots and ticks in which a limit took something from the law's command
   double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]
-  std::int64_t v_jumps = 0;             ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
-  std::int64_t reversals = 0;           ///< times that a robot went over from forwards to backwards or back
-  std::string failure;                  ///< why there is no run, where there is none
+  std::int64_t v_jumps = 0;    ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
+  std::int64_t reversals = 0;  ///< times that a robot went over from forwards to backwards or back
+  std::string failure;         ///< why there is no run, where there is none
 
   bool collided() const noexcept { return collisions > 0; }
 };

@@ -36,7 +36,7 @@ class EmulatedEpuck {
   /// When something happens next without the host's doing; infinity: never.
   double deadline() const noexcept;
 
-  core::WheelSpeeds wheels() const noexcept { return firmware_->wheels(); }              ///< [steps/s]
+  core::WheelSpeeds wheels() const noexcept { return firmware_->wheels(); }  ///< [steps/s]
   /// What its firmware told the motors last [steps/s], and how often it told them anything.
   core::WheelSpeeds told() const noexcept { return firmware_->told(); }
   std::uint64_t times_told() const noexcept { return firmware_->times_told(); }
@@ -90,8 +90,8 @@ class EmulatedEpuck {
   std::vector<std::uint8_t> ring_;          // received and not yet read by the parser, overwritten where too many
   double stream_at_ = 0.0;                  // over WiFi: the next round of its loop
   static constexpr int most_hosts = 10;
-  int hosts_ = 0;                           // over WiFi: that came since it was switched on
-  double ring_read_at_;                     // when the parser comes to read it
+  int hosts_ = 0;        // over WiFi: that came since it was switched on
+  double ring_read_at_;  // when the parser comes to read it
 };
 
 }  // namespace skein::comms

@@ -41,7 +41,7 @@ class EmulatorLoop {
   EmulatorLoop& operator=(const EmulatorLoop&) = delete;
 
   std::size_t size() const noexcept;
-  std::string address(std::size_t robot) const;       ///< see Endpoint; any thread
+  std::string address(std::size_t robot) const;  ///< see Endpoint; any thread
   /// The rates of the speeds that the motors were told [steps/s]; any thread.
   core::WheelSpeeds wheels(std::size_t robot) const;
 

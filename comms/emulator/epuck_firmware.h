@@ -22,9 +22,9 @@ enum class EpuckProgram {
 /// answers, mistakes included; or an e-puck2's WiFi program, whose packets become the asercom commands F7 and F8 inside
 /// the robot. No I/O, no clock. Not thread-safe.
 ///
-/// Emulated: every request of the protocol but those for the camera (I, J), the calibration (K), the scan of the I2C bus
-/// (Z) and the whole text of the help (H). Extension boards are answered for as by a robot that has none. Sensors read
-/// constants, but for the battery. The e-puck1's receive ring stands before the parser: see EmulatedEpuck.
+/// Emulated: every request of the protocol but those for the camera (I, J), the calibration (K), the scan of the I2C
+/// bus (Z) and the whole text of the help (H). Extension boards are answered for as by a robot that has none. Sensors
+/// read constants, but for the battery. The e-puck1's receive ring stands before the parser: see EmulatedEpuck.
 class EpuckFirmware final : public RobotFirmware {
  public:
   /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
@@ -76,8 +76,10 @@ class EpuckFirmware final : public RobotFirmware {
   EpuckProgram protocol() const noexcept { return protocol_; }
 
   // Defects: a boot does not mend them.
-  void set_battery(double volts) noexcept override { battery_volts_ = volts; }         ///< [V]; 3.4 is empty, 4.2 full
-  void swap_wheels(bool swapped) noexcept override { wheels_swapped_ = swapped; }      ///< left commands drive and count right
+  void set_battery(double volts) noexcept override { battery_volts_ = volts; }  ///< [V]; 3.4 is empty, 4.2 full
+  void swap_wheels(bool swapped) noexcept override {
+    wheels_swapped_ = swapped;
+  }  ///< left commands drive and count right
   void silence_encoders(bool silent) noexcept override { encoders_silent_ = silent; }  ///< counters read 0
 
  private:
@@ -102,9 +104,9 @@ class EpuckFirmware final : public RobotFirmware {
   core::MotorModel model_;
   EpuckProgram protocol_;
   Parsing parsing_ = Parsing::top;
-  std::string line_;                     // the ASCII line so far, or finished
-  std::vector<std::uint8_t> merged_;     // the answer of the binary sequence so far
-  std::uint8_t letter_ = 0;              // the binary command whose arguments are awaited
+  std::string line_;                  // the ASCII line so far, or finished
+  std::vector<std::uint8_t> merged_;  // the answer of the binary sequence so far
+  std::uint8_t letter_ = 0;           // the binary command whose arguments are awaited
   std::vector<std::uint8_t> arguments_;
   std::size_t arguments_needed_ = 0;
 

@@ -13,7 +13,8 @@ struct RadioParameters {
   /// Round trip of a robot that has the adapter to itself: log-normal, each way for itself, with this median and this
   /// 99.9th percentile. [s]
   double median = 0.05, p999 = 0.2;
-  /// A packet of up to 17 bytes and its acknowledgement: two slots of 625 us. The adapter serves one robot at a time. [s]
+  /// A packet of up to 17 bytes and its acknowledgement: two slots of 625 us. The adapter serves one robot at a time.
+  /// [s]
   double slot_pair = 0.00125;
   /// Interference: nothing is carried, what is sent waits. Mean time from one burst to the next, mean length. [s]
   double burst_every = 30.0, burst = 0.06;
@@ -38,9 +39,9 @@ class RadioAdapter {
 
   RadioParameters parameters_;
   core::Random random_;
-  double free_at_ = 0.0;                       // the slots are taken until then
+  double free_at_ = 0.0;  // the slots are taken until then
   double burst_begins_ = 0.0, burst_ends_ = 0.0;
-  std::array<double, most_robots> active_at_{};             // when each link was used last
+  std::array<double, most_robots> active_at_{};              // when each link was used last
   std::array<std::array<double, 2>, most_robots> newest_{};  // arrival of the newest message each way
 };
 

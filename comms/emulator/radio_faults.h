@@ -11,18 +11,18 @@ namespace skein::comms {
 
 /// What can be wrong with a robot, or with the radio between it and the host.
 enum class FaultKind {
-  latency,         ///< an answer takes longer: log-normal with `median` and `p99`, half of it each way
-  loss,            ///< a share of all messages (either way, one write each) is lost
-  burst,           ///< everything is lost: an interference burst, a robot out of range, a silent peer
-  corruption,      ///< a share of all bytes arrives as other bytes
-  disconnect,      ///< the connection breaks, and cannot be made again while the fault lasts; wheels go on
-  reboot,          ///< the robot is off while the fault lasts, then greets: wheels stand, counters are 0
-  stuck,           ///< the robot's parser is left within half a command, as after a host that died; an instant
-  ring,            ///< the e-puck1's 64-byte receive ring at 115200 baud: a burst over 64 bytes overwrites its beginning
-  battery,         ///< the battery is at `volts` and sags by `sag` a minute
-  swapped_wheels,  ///< the command for the left wheel drives the right one, its counter too, and the other way
-  silent_encoders, ///< the step counters read 0
-  stall            ///< over WiFi: the robot's loop pauses, as after a mismatch on its own UART; commands wait
+  latency,     ///< an answer takes longer: log-normal with `median` and `p99`, half of it each way
+  loss,        ///< a share of all messages (either way, one write each) is lost
+  burst,       ///< everything is lost: an interference burst, a robot out of range, a silent peer
+  corruption,  ///< a share of all bytes arrives as other bytes
+  disconnect,  ///< the connection breaks, and cannot be made again while the fault lasts; wheels go on
+  reboot,      ///< the robot is off while the fault lasts, then greets: wheels stand, counters are 0
+  stuck,       ///< the robot's parser is left within half a command, as after a host that died; an instant
+  ring,        ///< the e-puck1's 64-byte receive ring at 115200 baud: a burst over 64 bytes overwrites its beginning
+  battery,     ///< the battery is at `volts` and sags by `sag` a minute
+  swapped_wheels,   ///< the command for the left wheel drives the right one, its counter too, and the other way
+  silent_encoders,  ///< the step counters read 0
+  stall             ///< over WiFi: the robot's loop pauses, as after a mismatch on its own UART; commands wait
 };
 
 /// One fault of one robot. Times are in seconds from the start of the emulation.

@@ -21,7 +21,7 @@ class TcpEpuck {
 
   // Faults, for tests. Any thread but the emulator's own.
   void hang_up() { loop_.hang_up(0); }  ///< breaks the connection; wheels go on
-  void reboot() { loop_.reboot(0); }  ///< off and on again: wheels stand, all sockets are free
+  void reboot() { loop_.reboot(0); }    ///< off and on again: wheels stand, all sockets are free
   void silence(bool silent) {
     loop_.silence(0, silent);
   }                                                   ///< while silent it hears nothing and says nothing; wheels go on

@@ -81,8 +81,8 @@ class Steering {
   void look(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
             double reach) noexcept;
   double gap(double x, double y, double t) const noexcept;
-  Ride ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed, const ReferencePoint& goal,
-            const ReferenceBounds& bounds, double horizon) const noexcept;
+  Ride ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed,
+            const ReferencePoint& goal, const ReferenceBounds& bounds, double horizon) const noexcept;
 
   std::vector<Mover> movers_;
 };

@@ -12,8 +12,8 @@ namespace skein::core {
 
 /// A kind of robot, as the key `model` of a file names it. A file can give a robot other measures than its type has.
 struct RobotType {
-  std::string_view name;    ///< "epuck2"
-  double radius = 0.035;    ///< of the body [m]
+  std::string_view name;          ///< "epuck2"
+  double radius = 0.035;          ///< of the body [m]
   DifferentialDrive wheels = {};  ///< its unit of speed, "steps/s", is that of the robot's commands
   MotorModel motor = MotorModel::servo;
   /// How long after the last command it stops by itself [s]; empty: it never does.
@@ -32,7 +32,10 @@ inline constexpr std::array robot_types{
     // 0.81 m/s, is as fast as it goes.
     RobotType{.name = "khepera4",
               .radius = 0.0704,
-              .wheels = {.wheel_diameter = 0.042, .track = 0.1054, .steps_per_turn = pi * 42.0 / 0.6781, .max_step_rate = 1200},
+              .wheels = {.wheel_diameter = 0.042,
+                         .track = 0.1054,
+                         .steps_per_turn = pi * 42.0 / 0.6781,
+                         .max_step_rate = 1200},
               .protocol = "khepera4"},
     // A home-made robot that speaks docs/open-protocol.md: speeds in 0.1 mm/s. Its own measures stand in the file.
     RobotType{.name = "open",

@@ -46,7 +46,8 @@ double nearest_command(MotorModel motor, double wanted) noexcept {
   if (motor == MotorModel::ideal) return clamped;
   if (motor == MotorModel::servo) return std::round(clamped);
   const double size = std::abs(clamped);
-  if (size < slowest_command) return size < 0.5 * actual_step_rate(motor, slowest_command) ? 0.0 : std::copysign(slowest_command, clamped);
+  if (size < slowest_command)
+    return size < 0.5 * actual_step_rate(motor, slowest_command) ? 0.0 : std::copysign(slowest_command, clamped);
   // The rates on either side of `size` are timer/k and timer/(k+1); the smallest whole command that runs timer/k is
   // ceil(timer/(k+1) + a little), and every whole command in between gives timer/k as well: take the one nearest to it.
   const double timer = timer_rate(motor);

@@ -20,12 +20,12 @@ namespace {
 
 constexpr std::size_t robots = 6, bluetooth_robots = 4;  // the others over WiFi
 constexpr double period = 0.04;                          // of the control tick [s]
-// On a stale command while a stop could be carried: the blind distance, and what is driven while a stop that was lost is
-// sent again. [m]
+// On a stale command while a stop could be carried: the blind distance, and what is driven while a stop that was lost
+// is sent again. [m]
 constexpr double allowed = 0.05 + 0.013;
-constexpr double quiet_end = 10.0;                       // the faults leave the last seconds alone [s]
-constexpr double fault_interval = 4.0;                   // on each robot, on average [s]
-constexpr double recovery = 3.0;  // after the last fault: the longest backoff, and a stop and its answer [s]
+constexpr double quiet_end = 10.0;      // the faults leave the last seconds alone [s]
+constexpr double fault_interval = 4.0;  // on each robot, on average [s]
+constexpr double recovery = 3.0;        // after the last fault: the longest backoff, and a stop and its answer [s]
 
 double number_from_environment(const char* name, double otherwise) {
   const char* const text = std::getenv(name);
@@ -173,7 +173,8 @@ TEST(Chaos, NobodyDrivesOnAStaleCommandAndEveryFaultIsRecoveredOrReported) {
   std::deque<ChaosLink> links;
   for (std::size_t i = 0; i < robots; ++i)
     links.emplace_back(i % 2 == 0 && i < bluetooth_robots ? core::MotorModel::epuck1 : core::MotorModel::epuck2,
-                       i < bluetooth_robots ? EpuckProgram::asercom : EpuckProgram::wifi, faults_of(faults, i), seed + i);
+                       i < bluetooth_robots ? EpuckProgram::asercom : EpuckProgram::wifi, faults_of(faults, i),
+                       seed + i);
 
   core::Random random(seed, 1000);
   double tick_at = 0.0, hangs_until = 0.0, stopped_until = 0.0;

@@ -33,8 +33,8 @@ struct FakeDevice {
   std::string name, address, adapter = "hci0";
   std::string pin = {};  ///< what it wants to hear; empty: it pairs by itself
   bool paired = false;
-  bool known = false;   ///< from before; otherwise it must be looked for
-  bool answers = true;  ///< when it is to be paired
+  bool known = false;    ///< from before; otherwise it must be looked for
+  bool answers = true;   ///< when it is to be paired
   bool refuses = false;  // to pair, before anybody is asked for a PIN
 };
 

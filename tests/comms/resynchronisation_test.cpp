@@ -31,10 +31,10 @@ double between(double low, double high) {
 /// Radio faults that are over by `faults_end`; what is wrong with the robot itself may stay.
 Fault any_fault() {
   Fault fault;
-  fault.kind = *rc::gen::element(FaultKind::latency, FaultKind::loss, FaultKind::burst, FaultKind::corruption,
-                                 FaultKind::disconnect, FaultKind::reboot, FaultKind::stuck, FaultKind::ring,
-                                 FaultKind::battery, FaultKind::swapped_wheels, FaultKind::silent_encoders,
-                                 FaultKind::stall);
+  fault.kind =
+      *rc::gen::element(FaultKind::latency, FaultKind::loss, FaultKind::burst, FaultKind::corruption,
+                        FaultKind::disconnect, FaultKind::reboot, FaultKind::stuck, FaultKind::ring, FaultKind::battery,
+                        FaultKind::swapped_wheels, FaultKind::silent_encoders, FaultKind::stall);
   fault.at = between(0.0, 0.7 * faults_end);
   fault.duration = fault.kind == FaultKind::stuck ? 0.0 : between(0.001, 0.3 * faults_end);
   const bool of_the_robot = fault.kind == FaultKind::ring || fault.kind == FaultKind::battery ||
@@ -74,9 +74,9 @@ struct Kind {
   EpuckProgram protocol;
 };
 void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << (kind.protocol == EpuckProgram::wifi    ? "e-puck2 over WiFi"
-           : kind.model == MotorModel::epuck1 ? "e-puck1"
-                                              : "e-puck2");
+  *out << (kind.protocol == EpuckProgram::wifi ? "e-puck2 over WiFi"
+           : kind.model == MotorModel::epuck1  ? "e-puck1"
+                                               : "e-puck2");
 }
 
 class Resynchronisation : public testing::TestWithParam<Kind> {};

@@ -1,5 +1,5 @@
-// The house rules of ARCHITECTURE.md, checked against the sources: which folder may include which, what stays private to a
-// room, and that nothing includes itself in a circle.
+// The house rules of ARCHITECTURE.md, checked against the sources: which folder may include which, what stays private
+// to a room, and that nothing includes itself in a circle.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,9 +42,7 @@ TEST(House, HasNoCycles) {
 }
 
 TEST(House, ArchitectureNamesOnlyFoldersThatExist) {
-  const auto exists = [](const std::string& folder) {
-    return std::filesystem::is_directory(test::in_source(folder));
-  };
+  const auto exists = [](const std::string& folder) { return std::filesystem::is_directory(test::in_source(folder)); };
   for (const auto& [folder, allowed] : architecture()) {
     EXPECT_TRUE(exists(folder)) << folder;
     for (const std::string& to : allowed) EXPECT_TRUE(to == "Eigen" || exists(to)) << folder << " -> " << to;
@@ -58,9 +56,11 @@ TEST(House, ArchitectureNamesTheFirstFileToReadOfEveryFolder) {
     const std::regex entry("[ (]" + name + "/ [^\\[\n]*\\[([a-z0-9_]+(?:/[a-z0-9_]+)?\\.(?:h|cpp))\\]");
     // Rooms share names (vision/bench, app/bench): one of the entries must name a file of this folder.
     const auto begin = std::sregex_iterator(page.begin(), page.end(), entry);
-    EXPECT_TRUE(std::any_of(begin, std::sregex_iterator(), [&](const std::smatch& found) {
-      return std::filesystem::exists(test::in_source(folder + "/" + found[1].str()));
-    })) << folder << " has no entry of the form \"" << name << "/ what it is [first_file.h]\" with a file that exists";
+    EXPECT_TRUE(std::any_of(begin, std::sregex_iterator(),
+                            [&](const std::smatch& found) {
+                              return std::filesystem::exists(test::in_source(folder + "/" + found[1].str()));
+                            }))
+        << folder << " has no entry of the form \"" << name << "/ what it is [first_file.h]\" with a file that exists";
   }
 }
 

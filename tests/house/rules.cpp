@@ -194,7 +194,8 @@ std::set<string, std::less<>> rooms_named_in(string_view line) {
       break;
     } else if (!in_text && line.substr(i).starts_with("::")) {
       auto begin = i;
-      while (begin > 0 && (std::isalnum(static_cast<unsigned char>(line[begin - 1])) || line[begin - 1] == '_')) --begin;
+      while (begin > 0 && (std::isalnum(static_cast<unsigned char>(line[begin - 1])) || line[begin - 1] == '_'))
+        --begin;
       const string word(line.substr(begin, i - begin));
       if (rooms.contains(word)) named.insert(word);
     }
@@ -206,8 +207,8 @@ std::set<string, std::less<>> rooms_named_in(string_view line) {
 bool may_name(const string& path, string_view room, const Arrows& arrows) {
   if (room_of(path) == room) return true;
   const auto line = line_for(arrows, path);
-  return line != arrows.end() && std::any_of(line->second.begin(), line->second.end(),
-                                             [&](const string& to) { return room_of(to) == room; });
+  return line != arrows.end() &&
+         std::any_of(line->second.begin(), line->second.end(), [&](const string& to) { return room_of(to) == room; });
 }
 
 /// One cycle of a graph as a sentence, "a -> b -> a"; empty where there is none.

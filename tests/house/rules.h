@@ -17,8 +17,8 @@ struct SourceFile {
 /// The table of ARCHITECTURE.md: each folder, and the folders (or whole rooms) that its sources may include.
 using Arrows = std::map<std::string, std::set<std::string, std::less<>>, std::less<>>;
 
-/// Reads the block "```arrows" of a Markdown page, lines of the form "folder -> folder, folder". Throws std::runtime_error
-/// where there is no such block, and on a line of another form.
+/// Reads the block "```arrows" of a Markdown page, lines of the form "folder -> folder, folder". Throws
+/// std::runtime_error where there is no such block, and on a line of another form.
 Arrows arrows_of(std::string_view page);
 
 /// Everything in `file` that the house rules of ARCHITECTURE.md forbid, one sentence each, with path and line.

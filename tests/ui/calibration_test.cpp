@@ -12,9 +12,9 @@
 
 #include "operator.h"
 #include "shown_board.h"
+#include "tests/places.h"
 #include "ui/calibration/calibration_dialog.h"
 #include "ui/calibration/floor_page.h"
-#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {

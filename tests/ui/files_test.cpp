@@ -8,9 +8,9 @@
 
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "tests/places.h"
 #include "ui/base/dialogs.h"
 #include "ui/editor/experiment_editor.h"
-#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {

@@ -110,7 +110,8 @@ TEST_F(Operator, FindsTheFirstWindowAndEveryDialogInsideTheScreen) {
   EXPECT_LE(first.width(), screen.width());
   EXPECT_LE(first.height(), screen.height());
   start();
-  for (const char* action : {"shortcuts", "about", "edit_experiment", "calibrate_camera"}) find<QAction>(action)->trigger();
+  for (const char* action : {"shortcuts", "about", "edit_experiment", "calibrate_camera"})
+    find<QAction>(action)->trigger();
   QTest::qWait(50);
   for (QDialog* dialog : window.findChildren<QDialog*>()) {
     EXPECT_LE(dialog->width(), screen.width()) << dialog->objectName().toStdString();
@@ -219,7 +220,8 @@ TEST_F(Operator, IsToldWhyAnExperimentDoesNotOpen) {
   window.show();
   window.activateWindow();
   window.open(experiment, false);
-  ASSERT_TRUE(eventually([&] { return window.findChild<MessageDialog*>(QStringLiteral("problem_dialog")) != nullptr; }));
+  ASSERT_TRUE(
+      eventually([&] { return window.findChild<MessageDialog*>(QStringLiteral("problem_dialog")) != nullptr; }));
   auto* box = find<MessageDialog>("problem_dialog");
   EXPECT_TRUE(box->text().contains(QStringLiteral("no-such-camera"))) << box->text().toStdString();
   EXPECT_TRUE(eventually([&] { return arena().scene().banner_alarms; }));

@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "app/experiment/experiment_file.h"
-#include "ui/base/why.h"
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_view.h"
 #include "ui/base/modes.h"
-#include "ui/run/run_history.h"
+#include "ui/base/why.h"
 #include "ui/robots/robots_model.h"
+#include "ui/run/run_history.h"
 #include "ui/status/alert_strip.h"
 
 namespace skein::ui::test {

@@ -170,8 +170,8 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
   };
   const auto move = last<app::events::Move>(1);
   const auto rows = live().history().rows();
-  const auto row =
-      std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r->events.template contains<app::events::Move>(1); });
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [](const auto& r) { return r->events.template contains<app::events::Move>(1); });
   ASSERT_NE(row, rows.end());
   const QString text = read((*row)->t);
   EXPECT_TRUE(text.contains(QStringLiteral("t = "))) << text.toStdString();

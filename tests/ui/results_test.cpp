@@ -52,8 +52,8 @@ TEST_F(Results, AreThoseOfTheCommandLine) {
 TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
   app::Experiment experiment, uncoupled;
   const std::vector<app::TickRecord> rows = run({"duration=40"}, experiment);
-  const std::vector<app::TickRecord> others = run(
-      {"duration=40", "controller.gains.k_xx=0", "controller.gains.k_yy=0", "controller.gains.k_tt=0"}, uncoupled);
+  const std::vector<app::TickRecord> others =
+      run({"duration=40", "controller.gains.k_xx=0", "controller.gains.k_yy=0", "controller.gains.k_tt=0"}, uncoupled);
   ResultPanel panel;
   panel.resize(900, 300);
   panel.show();

@@ -7,9 +7,9 @@
 #include <cstdlib>
 
 #include "operator.h"
+#include "tests/places.h"
 #include "ui/base/dialogs.h"
 #include "ui/robots/robots_model.h"
-#include "tests/places.h"
 
 namespace skein::ui::test {
 namespace {
@@ -107,8 +107,9 @@ TEST_F(Robots, ThatAreSimulatedSayWhyTheyAreNotTested) {
 TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
   const QTemporaryDir dir;
   QProcess robots;
-  robots.start(QString::fromStdString(skein::test::program()), {QStringLiteral("emulate"), QStringLiteral("--robots"),
-                                               QStringLiteral("1"), QStringLiteral("--directory"), dir.path()});
+  robots.start(QString::fromStdString(skein::test::program()),
+               {QStringLiteral("emulate"), QStringLiteral("--robots"), QStringLiteral("1"),
+                QStringLiteral("--directory"), dir.path()});
   const QString device = dir.filePath(QStringLiteral("robot1"));
   ASSERT_TRUE(eventually([&] { return QFile::exists(device); }));
   const QByteArray before = qgetenv("XDG_STATE_HOME");

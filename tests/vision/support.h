@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "vision/frames/frame.h"
 #include "tests/places.h"
+#include "vision/frames/frame.h"
 
 namespace skein::test {
 

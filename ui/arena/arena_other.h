@@ -9,6 +9,7 @@
 namespace skein::ui {
 
 /// The run that this one is compared with: ghosts of its robots, hollow and pale, and their trails.
-void paint_other(QPainter& painter, const OtherRun& other, const ArenaScene& scene, const ArenaMap& map, const Colours& colours);
+void paint_other(QPainter& painter, const OtherRun& other, const ArenaScene& scene, const ArenaMap& map,
+                 const Colours& colours);
 
 }  // namespace skein::ui

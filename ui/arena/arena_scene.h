@@ -83,8 +83,8 @@ struct ArenaScene {
   std::optional<core::Pose> pose(std::size_t i) const;
   /// How large robot i's body is [m].
   double radius(std::size_t i) const { return i < experiment.robots.size() ? experiment.robots[i].radius : 0.0; }
-  /// The robot whose middle is nearest to this point of the floor and within `reach` [m], or on whose body, if `bodies`,
-  /// the point is; -1: none is.
+  /// The robot whose middle is nearest to this point of the floor and within `reach` [m], or on whose body, if
+  /// `bodies`, the point is; -1: none is.
   int robot_at(double x, double y, double reach, bool bodies) const;
   /// The obstacle on this point of the floor, or -1.
   int obstacle_at(double x, double y) const;

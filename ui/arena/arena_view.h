@@ -26,7 +26,7 @@ class ArenaView final : public QWidget {
   void take(const app::TickRecord& record) { scene_.take(record); }
   void take(const app::Picture& picture);
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
-  void set_other(std::optional<OtherRun> other);  ///< drawn pale
+  void set_other(std::optional<OtherRun> other);             ///< drawn pale
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
   void set_hint(const QString& text);

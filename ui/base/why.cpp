@@ -42,8 +42,7 @@ QString limits(const app::RobotRecord& robot) {
         .arg(speed(robot.law.v), turning(robot.law.omega), speed(robot.command.v), turning(robot.command.omega));
   if (robot.limits & app::limit_v)
     return tr("limited by (14): the law asks %1, sent is %2").arg(speed(robot.law.v), speed(robot.command.v));
-  return tr("limited by (14): the law asks %1, sent is %2")
-      .arg(turning(robot.law.omega), turning(robot.command.omega));
+  return tr("limited by (14): the law asks %1, sent is %2").arg(turning(robot.law.omega), turning(robot.command.omega));
 }
 
 }  // namespace
@@ -65,16 +64,16 @@ QString why(const app::TickRecord& record, std::size_t robot) {
     case app::Phase::finished:
       return tr("stands: the run is over");
     case app::Phase::staging:
-      return tr("drives to its start, %1 cm away")
-          .arg(100 * core::distance(place(r), r.nominal.pose), 0, 'f', 1);
+      return tr("drives to its start, %1 cm away").arg(100 * core::distance(place(r), r.nominal.pose), 0, 'f', 1);
     case app::Phase::running:
       break;
   }
   if (r.is(app::stopped)) return tr("stands, out of the group, until it is let go");
   if (r.is(app::shielded)) {
     const QString of = nearest(record, robot);
-    return of.isEmpty() ? tr("the shield sends %1, the law asks %2").arg(speed(r.command.v), speed(r.law.v))
-                        : tr("the shield sends %1 (the law asks %2) for %3").arg(speed(r.command.v), speed(r.law.v), of);
+    return of.isEmpty()
+               ? tr("the shield sends %1, the law asks %2").arg(speed(r.command.v), speed(r.law.v))
+               : tr("the shield sends %1 (the law asks %2) for %3").arg(speed(r.command.v), speed(r.law.v), of);
   }
   if (r.is(app::avoiding)) {
     const QString of = nearest(record, robot);

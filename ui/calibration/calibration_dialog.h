@@ -14,9 +14,9 @@
 #include <memory>
 
 #include "app/tools/camera_calibration.h"
+#include "ui/base/palette.h"
 #include "ui/calibration/calibration_picture.h"
 #include "ui/calibration/floor_page.h"
-#include "ui/base/palette.h"
 
 namespace skein::ui {
 

@@ -15,10 +15,10 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/toml_edit.h"
-#include "ui/editor/editor_form.h"
-#include "ui/editor/toml_text.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/palette.h"
+#include "ui/editor/editor_form.h"
+#include "ui/editor/toml_text.h"
 
 namespace skein::ui {
 namespace {
@@ -176,10 +176,10 @@ bool ExperimentEditor::was_changed_by_others() const {
 }
 
 void ExperimentEditor::ask_overwrite(bool then_open) {
-  auto* box = new QMessageBox(QMessageBox::Warning, tr("Changed meanwhile"),
-                              tr("%1 was changed by somebody else since it was opened here.")
-                                  .arg(QFileInfo(file_).fileName()),
-                              QMessageBox::NoButton, this);
+  auto* box =
+      new QMessageBox(QMessageBox::Warning, tr("Changed meanwhile"),
+                      tr("%1 was changed by somebody else since it was opened here.").arg(QFileInfo(file_).fileName()),
+                      QMessageBox::NoButton, this);
   box->setObjectName(QStringLiteral("editor_overwrite_dialog"));
   auto* overwrite = box->addButton(tr("Overwrite it"), QMessageBox::DestructiveRole);
   auto* reload = box->addButton(tr("Open what is there"), QMessageBox::ResetRole);

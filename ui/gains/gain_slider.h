@@ -42,7 +42,7 @@ class GainSlider final : public QWidget {
   /// A new experiment: the value of its file.
   void reset(double value, double border);
   void set_border(double border, double border_now);
-  void set_now(double value);     ///< what governs the robots now, on its way to the target
+  void set_now(double value);  ///< what governs the robots now, on its way to the target
   /// What the gain is on its way to, whoever has asked for it. What the operator is about to ask for is left alone: a
   /// number that is being typed, a knob that is held, a wish that the session cannot have taken yet.
   void follow_target(double value);

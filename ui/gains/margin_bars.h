@@ -33,7 +33,7 @@ class MarginBars final : public QWidget {
 
   std::size_t robots_ = 0;
   std::vector<core::CommandLimits> limits_;  // of every robot
-  std::vector<Bar> forward_, turning_;  // of every robot
+  std::vector<Bar> forward_, turning_;       // of every robot
 };
 
 }  // namespace skein::ui

@@ -28,9 +28,8 @@ void CalibrationController::calibrate() {
                                            .filePath(name.isEmpty() ? QStringLiteral("camera.toml") : name),
                                        messages_.window());
   connect(dialog, &CalibrationDialog::camera_wanted, this, [this, dialog] { take_camera(dialog); });
-  connect(dialog, &CalibrationDialog::saved, this, [this](const QString& file) {
-    messages_.note(tr("calibration written to %1").arg(file), Severity::good);
-  });
+  connect(dialog, &CalibrationDialog::saved, this,
+          [this](const QString& file) { messages_.note(tr("calibration written to %1").arg(file), Severity::good); });
   dialog->show();
 }
 

@@ -29,9 +29,11 @@ void ComparisonController::build_menu(QMenu* file) {
 }
 
 void ComparisonController::ask() {
-  QFileDialog* dialog = file_dialog(messages_.window(), {tr("Compare with"), QStringLiteral("compare_dialog"),
+  QFileDialog* dialog = file_dialog(messages_.window(), {tr("Compare with"),
+                                                         QStringLiteral("compare_dialog"),
                                                          tr("Recorded runs (*.csv);;All files (*)"),
-                                                         RecordingController::directory(), {}});
+                                                         RecordingController::directory(),
+                                                         {}});
   connect(dialog, &QFileDialog::fileSelected, this, &ComparisonController::load);
   dialog->show();
 }

@@ -22,7 +22,6 @@ bool EditorController::ask_about_changes() const {
   return asked;
 }
 
-
 void EditorController::build_menu(QMenu* file) {
   const auto action = [&](const QString& text, const QString& name, const QKeySequence& keys, auto&& slot) {
     QAction* made = file->addAction(text, this, slot);
@@ -59,8 +58,7 @@ void EditorController::edit_present() {
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = i + 1; j < n; ++j) core::table(gains, name).set(i, j, run.gain_target(name, i, j));
   const auto text = app::text_with_gains(experiment.source, gains);
-  if (!text)
-    return messages_.problem(tr("The gains cannot be written down"), QString::fromStdString(text.error()));
+  if (!text) return messages_.problem(tr("The gains cannot be written down"), QString::fromStdString(text.error()));
   edit(QString::fromStdString(*text), {});
 }
 

@@ -41,10 +41,12 @@ void FileController::build_menu(QMenu* file) {
 }
 
 void FileController::ask() {
-  QFileDialog* dialog = file_dialog(
-      messages_.window(), {tr("Open experiment"), QStringLiteral("open_dialog"),
-                           tr("Experiments and recorded runs (*.toml *.csv);;All files (*)"),
-                           QFileInfo(recent_files().value(0)).path(), {}});
+  QFileDialog* dialog =
+      file_dialog(messages_.window(), {tr("Open experiment"),
+                                       QStringLiteral("open_dialog"),
+                                       tr("Experiments and recorded runs (*.toml *.csv);;All files (*)"),
+                                       QFileInfo(recent_files().value(0)).path(),
+                                       {}});
   connect(dialog, &QFileDialog::fileSelected, this, &FileController::open);
   dialog->show();
 }
@@ -67,8 +69,8 @@ void FileController::open(const QString& file) {
   if (!experiment) {
     QStringList problems;
     for (const app::Problem& problem : experiment.error()) problems << QString::fromStdString(problem.message());
-    const QString title = tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size()))
-                              .arg(QFileInfo(file).fileName());
+    const QString title =
+        tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(file).fileName());
     QFile text(file);
     if (!text.open(QIODevice::ReadOnly))
       return messages_.problem(tr("This experiment cannot be run"), title, problems.join(QLatin1Char('\n')));

@@ -15,7 +15,8 @@ class FileController final : public QObject {
   FileController(LiveRun& live, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* file);
 
-  /// Reads an experiment file; one with errors is to be mended in the editor; of a recorded run (.csv): says that it is wanted.
+  /// Reads an experiment file; one with errors is to be mended in the editor; of a recorded run (.csv): says that it is
+  /// wanted.
   void open(const QString& file);
   void open_recording(const QString& file);
   /// The one file that is dragged; empty: none, or more than one.

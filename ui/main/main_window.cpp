@@ -16,8 +16,8 @@
 #include <QVBoxLayout>
 #include <cmath>
 
-#include "app/run/interrupted.h"
 #include "app/experiment/experiment_file.h"
+#include "app/run/interrupted.h"
 #include "ui/arena/arena_view.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
@@ -94,8 +94,7 @@ MainWindow::MainWindow() {
     if (!action->shortcut().isEmpty()) addAction(action);
   connect_panels();
   connect_session();
-  new StopGuard({[this] { return stop_by_key(); }, [this] { return runs_.live().all_stand(); },
-                 [this] { on_space(); }},
+  new StopGuard({[this] { return stop_by_key(); }, [this] { return runs_.live().all_stand(); }, [this] { on_space(); }},
                 run_bar_->stop_button(), this);
   default_layout();
   restore_settings();
@@ -239,8 +238,7 @@ bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
   if (dock && event->type() == QEvent::Resize && isVisible() && settled_ == size() &&
       QApplication::mouseButtons() != Qt::NoButton) {
     if (sized_in_ != size())
-      for (QDockWidget* other : {gains_dock_, plots_dock_, robots_dock_, log_dock_})
-        dock_sizes_[other] = other->size();
+      for (QDockWidget* other : {gains_dock_, plots_dock_, robots_dock_, log_dock_}) dock_sizes_[other] = other->size();
     dock_sizes_[dock] = dock->size();
     sized_in_ = size();
   }
@@ -255,8 +253,8 @@ void MainWindow::build_menus(QMenuBar* menus) {
   replay_->build_menu(file);
   comparison_->build_menu(file);
   file->addSeparator();
-  save_csv_action_ = add(file, tr("&Save CSV …"), QStringLiteral("save_csv"), QKeySequence::Save,
-                         [this] { recording_->ask_save(); });
+  save_csv_action_ =
+      add(file, tr("&Save CSV …"), QStringLiteral("save_csv"), QKeySequence::Save, [this] { recording_->ask_save(); });
   add(file, tr("Save &plot …"), QStringLiteral("save_plot"), QKeySequence(tr("Ctrl+P")),
       [this] { ask_save_plot(false); });
   file->addSeparator();
@@ -267,24 +265,23 @@ void MainWindow::build_menus(QMenuBar* menus) {
   arena_actions_->build_tool_menu(menus->addMenu(tr("&Arena")));
 
   QMenu* help = menus->addMenu(tr("&Help"));
-  add(help, tr("&Shortcuts"), QStringLiteral("shortcuts"), QKeySequence(tr("F1")),
-      [this] {
+  add(help, tr("&Shortcuts"), QStringLiteral("shortcuts"), QKeySequence(tr("F1")), [this] {
     show_beside(new MessageDialog(QStringLiteral("shortcuts_dialog"), tr("Shortcuts"), shortcuts_text(), this));
   });
-  add(help, tr("&About Skein"), QStringLiteral("about"), {},
-      [this] {
+  add(help, tr("&About Skein"), QStringLiteral("about"), {}, [this] {
     show_beside(new MessageDialog(QStringLiteral("about_dialog"), tr("About Skein"), about_text(), this));
   });
 }
 
 void MainWindow::build_run_menu(QMenu* run) {
-  go_action_ = add(run, tr("Start / &pause / resume"), QStringLiteral("go_action"), QKeySequence(tr("F5")),
-                   [this] { go(); });
+  go_action_ =
+      add(run, tr("Start / &pause / resume"), QStringLiteral("go_action"), QKeySequence(tr("F5")), [this] { go(); });
   add(run, tr("One &tick on"), QStringLiteral("step_action"), QKeySequence(tr("F6")), [this] { step(); });
   add(run, tr("&Faster"), QStringLiteral("faster"), QKeySequence(tr("Ctrl+Up")), [this] { run_bar_->pick_speed(1); });
   add(run, tr("Sl&ower"), QStringLiteral("slower"), QKeySequence(tr("Ctrl+Down")),
       [this] { run_bar_->pick_speed(-1); });
-  new_run_action_ = add(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
+  new_run_action_ =
+      add(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
   branch_->build_menu(run);
   run->addSeparator();
   add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
@@ -299,8 +296,9 @@ void MainWindow::build_run_menu(QMenu* run) {
   redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
   run->addActions({undo, redo});
   run->addSeparator();
-  add_toggle(run, tr("&Check list"), QStringLiteral("view_checks"), [this](bool on) { checks_->set_wanted(on); })
-      ->setShortcut(QKeySequence(tr("Ctrl+L")));
+  add_toggle(run, tr("&Check list"), QStringLiteral("view_checks"), [this](bool on) {
+    checks_->set_wanted(on);
+  })->setShortcut(QKeySequence(tr("Ctrl+L")));
   add(run, tr("Calibrate ca&mera …"), QStringLiteral("calibrate_camera"), {}, [this] { calibration_->calibrate(); });
 }
 
@@ -532,8 +530,7 @@ void MainWindow::show_state() {
   show_numbers();
   if (!run.latest()) return;
   arena_->set_may_be_driving(run.may_be_driving());
-  robots_->robots().take(*run.latest(),
-                         {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
+  robots_->robots().take(*run.latest(), {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
   pairs_->refresh();
 }
 
@@ -541,8 +538,7 @@ void MainWindow::show_numbers() {
   const app::TickRecord* record = runs_.shown().latest();
   if (!record) return pace_->clear();
   QStringList known;
-  if (std::isfinite(record->min_distance))
-    known << tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1);
+  if (std::isfinite(record->min_distance)) known << tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1);
   known << tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);
   if (std::isfinite(record->compute_time)) known << tr("tick %1 µs").arg(record->compute_time * 1e6, 0, 'f', 0);
   pace_->setText(known.join(QStringLiteral("   ·   ")));
@@ -719,8 +715,11 @@ void MainWindow::set_theme(Theme theme) {
 
 void MainWindow::ask_save_plot(bool everything) {
   QFileDialog* dialog =
-      file_dialog(this, {tr("Save plot"), QStringLiteral("save_plot_dialog"), tr("PDF (*.pdf);;PNG (*.png);;CSV (*.csv)"),
-                         {}, QString::fromStdString(runs_.shown().experiment().name) + QStringLiteral("-errors.pdf")});
+      file_dialog(this, {tr("Save plot"),
+                         QStringLiteral("save_plot_dialog"),
+                         tr("PDF (*.pdf);;PNG (*.png);;CSV (*.csv)"),
+                         {},
+                         QString::fromStdString(runs_.shown().experiment().name) + QStringLiteral("-errors.pdf")});
   connect(dialog, &QFileDialog::filterSelected, dialog,
           [dialog](const QString& filter) { dialog->setDefaultSuffix(filter.left(3).toLower()); });
   connect(dialog, &QFileDialog::fileSelected, this,

@@ -151,7 +151,7 @@ class MainWindow final : public QMainWindow {
 
   std::map<QDockWidget*, QSize> dock_sizes_;  // as they were made, in a window of this size:
   QSize sized_in_, settled_;
-  bool restored_ = false;  // the sizes of the last time hold, once the window is seen
+  bool restored_ = false;                           // the sizes of the last time hold, once the window is seen
   bool may_close_ = false;                          // all robots are stopped and the session is gone
   const Theme desktop_at_start_ = desktop_theme();  // before any palette of ours
   bool theme_chosen_ = false;                       // else the desktop's

@@ -22,7 +22,9 @@ void Messages::tell(const RunSource::Done& done) const {
 void Messages::problem(const QString& title, const QString& text, const QString& details) const {
   say(title, Severity::warning);  // also in place of "Reading ..." and the like
   QString body = text.toHtmlEscaped();
-  if (!details.isEmpty()) body += QStringLiteral("<pre style=\"white-space: pre-wrap\">") + details.toHtmlEscaped() + QStringLiteral("</pre>");
+  if (!details.isEmpty())
+    body +=
+        QStringLiteral("<pre style=\"white-space: pre-wrap\">") + details.toHtmlEscaped() + QStringLiteral("</pre>");
   show_beside(new MessageDialog(QStringLiteral("problem_dialog"), title,
                                 QStringLiteral("<p><b>%1</b></p><p>%2</p>").arg(title.toHtmlEscaped(), body), window_));
 }

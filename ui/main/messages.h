@@ -20,7 +20,7 @@ class Messages final {
   /// Why it was refused, if it was.
   void tell(const RunSource::Done& done) const;
   void problem(const QString& title, const QString& text, const QString& details = {}) const;  ///< in a dialog
-  QWidget* window() const { return window_; }  ///< parent for dialogs
+  QWidget* window() const { return window_; }                                                  ///< parent for dialogs
 
  private:
   const Runs& runs_;

@@ -29,15 +29,15 @@ PairController::PairController(Runs& runs, const Messages& messages, GainsPanel*
   connect(gains_, &GainsPanel::wanted, this, [this, &messages](core::GainName gain, double value) {
     messages.tell(runs_.shown().set_gain(gain, value, gains_->ramp()));
   });
-  connect(gains_, &GainsPanel::pair_wanted, this,
-          [this, &messages](core::GainName gain, int i, int j, double value) {
-            messages.tell(runs_.shown().set_gain(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j), value,
-                                                 gains_->ramp()));
-          });
+  connect(gains_, &GainsPanel::pair_wanted, this, [this, &messages](core::GainName gain, int i, int j, double value) {
+    messages.tell(
+        runs_.shown().set_gain(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j), value, gains_->ramp()));
+  });
   connect(gains_, &GainsPanel::couple_wanted, this, [this, &messages](int i, int j, bool on) {
     messages.tell(runs_.shown().couple(static_cast<std::size_t>(i), static_cast<std::size_t>(j), on));
   });
-  connect(gains_, &GainsPanel::refused, this, [&messages](const QString& why) { messages.say(why, Severity::warning); });
+  connect(gains_, &GainsPanel::refused, this,
+          [&messages](const QString& why) { messages.say(why, Severity::warning); });
   connect(arena_, &ArenaView::coupling_clicked, gains_, &GainsPanel::switch_pair);
 }
 

@@ -12,8 +12,7 @@ class PairController final : public QObject {
   Q_OBJECT
 
  public:
-  PairController(Runs& runs, const Messages& messages, GainsPanel* gains, ArenaView* arena,
-                 QObject* parent = nullptr);
+  PairController(Runs& runs, const Messages& messages, GainsPanel* gains, ArenaView* arena, QObject* parent = nullptr);
   void refresh();  ///< five times a second, and whenever the present moment is moved
 
  private:

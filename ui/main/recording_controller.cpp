@@ -58,7 +58,8 @@ QString RecordingController::path(const app::Experiment& experiment, const QStri
 }
 
 QString RecordingController::film_path(const app::Experiment& experiment) const {
-  return records_ && experiment.camera.kind() != app::CameraKind::absent ? path(experiment, QStringLiteral(".mkv")) : QString();
+  return records_ && experiment.camera.kind() != app::CameraKind::absent ? path(experiment, QStringLiteral(".mkv"))
+                                                                         : QString();
 }
 
 void RecordingController::record_if_wanted() {
@@ -82,8 +83,10 @@ void RecordingController::record_to(const QString& file) {
 
 void RecordingController::ask_save() {
   QFileDialog* dialog =
-      file_dialog(messages_.window(), {tr("Save CSV"), QStringLiteral("save_csv_dialog"),
-                                       tr("CSV (*.csv);;All files (*)"), {},
+      file_dialog(messages_.window(), {tr("Save CSV"),
+                                       QStringLiteral("save_csv_dialog"),
+                                       tr("CSV (*.csv);;All files (*)"),
+                                       {},
                                        QString::fromStdString(live_.experiment().name) + QStringLiteral(".csv")});
   connect(dialog, &QFileDialog::fileSelected, this, &RecordingController::save);
   dialog->show();

@@ -14,9 +14,11 @@ ReplayController::ReplayController(Runs& runs, FileController& files, const Mess
 
 void ReplayController::build_menu(QMenu* file) {
   QAction* open = file->addAction(tr("Open &recording …"), this, [this] {
-    QFileDialog* dialog = file_dialog(messages_.window(), {tr("Open recording"), QStringLiteral("open_recording_dialog"),
+    QFileDialog* dialog = file_dialog(messages_.window(), {tr("Open recording"),
+                                                           QStringLiteral("open_recording_dialog"),
                                                            tr("Recorded runs (*.csv);;All files (*)"),
-                                                           RecordingController::directory(), {}});
+                                                           RecordingController::directory(),
+                                                           {}});
     connect(dialog, &QFileDialog::fileSelected, &files_, &FileController::open_recording);
     dialog->show();
   });

@@ -15,8 +15,9 @@
 namespace skein::ui {
 namespace {
 
-constexpr int replot_ms = 60;                    // at most some 16 pictures a second
-constexpr std::size_t most_bytes = 64'000'000;  // of curves: an hour of four robots at 25 Hz; with all else below 200 MB
+constexpr int replot_ms = 60;  // at most some 16 pictures a second
+constexpr std::size_t most_bytes =
+    64'000'000;  // of curves: an hour of four robots at 25 Hz; with all else below 200 MB
 
 std::size_t most_samples(std::size_t curves) {
   constexpr std::size_t least = 49152, most = 524288, sample_bytes = 9;

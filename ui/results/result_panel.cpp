@@ -38,8 +38,8 @@ ResultPanel::ResultPanel(QWidget* parent)
   table_->setObjectName(QStringLiteral("result_table"));
   table_->setAccessibleName(tr("What every kick has shown"));
   table_->setColumnCount(columns);
-  table_->setHorizontalHeaderLabels({tr("t"), tr("Kick"), tr("Formation"), tr("Tracking"), tr("Order"), tr("Closest"),
-                                     tr("Error"), tr("Beside")});
+  table_->setHorizontalHeaderLabels(
+      {tr("t"), tr("Kick"), tr("Formation"), tr("Tracking"), tr("Order"), tr("Closest"), tr("Error"), tr("Beside")});
   const QStringList tips{tr("When [s]"),
                          tr("What was done"),
                          tr("Until the distances in the formation stayed within 1 cm of what they should be"),
@@ -144,14 +144,9 @@ void ResultPanel::show_kicks() {
                                                    .arg(difference(kick.formation, others[k].formation),
                                                         difference(kick.tracking, others[k].tracking))
                                              : QStringLiteral("–");
-    const QStringList cells{QString::number(kick.t, 'f', 2),
-                            kick.what,
-                            settling_text(kick.formation),
-                            settling_text(kick.tracking),
-                            order_of(kick),
-                            centimetres(kick.closest),
-                            centimetres(kick.largest),
-                            beside};
+    const QStringList cells{QString::number(kick.t, 'f', 2), kick.what,      settling_text(kick.formation),
+                            settling_text(kick.tracking),    order_of(kick), centimetres(kick.closest),
+                            centimetres(kick.largest),       beside};
     for (int column = 0; column < columns; ++column) {
       QTableWidgetItem* item = table_->item(static_cast<int>(k), column);
       if (!item) table_->setItem(static_cast<int>(k), column, item = new QTableWidgetItem);

@@ -33,8 +33,7 @@ void RunResults::take(const app::TickRecord& record) {
   over_ = record.phase == app::Phase::finished || record.phase == app::Phase::stopped;
   if (!moves && !(started_ && !record.events.empty())) return;
   statistics_.record(record);
-  if (record.phase != app::Phase::staging)
-    samples_.push_back({record.t, record.min_distance, record.tracking_error()});
+  if (record.phase != app::Phase::staging) samples_.push_back({record.t, record.min_distance, record.tracking_error()});
 }
 
 std::vector<RunResults::Kick> RunResults::kicks() const {

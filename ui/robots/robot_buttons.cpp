@@ -106,13 +106,13 @@ void RobotButtons::dress_test() {
   const bool simulated = !none && specs_[i].link == app::RobotSpec::Link::sim;
   const bool up = !none && i < state_.links.size() && state_.links[i].link == app::LinkState::up;
   const QString text = none ? tr("Test a robot") : tr("Test robot %1").arg(selected_ + 1);
-  const QString why_not = none                          ? tr("Select a robot first: here, or in the arena")
-                          : simulated                   ? tr("This robot is simulated: it has neither link nor battery")
-                          : testing_                    ? tr("One at a time")
-                          : !state_.open                      ? tr("No experiment is open")
+  const QString why_not = none           ? tr("Select a robot first: here, or in the arena")
+                          : simulated    ? tr("This robot is simulated: it has neither link nor battery")
+                          : testing_     ? tr("One at a time")
+                          : !state_.open ? tr("No experiment is open")
                           : state_.phase != app::Phase::ready ? tr("Robots are tested before a start, while they stand")
-                          : !up                         ? tr("Its link is not up")
-                                                        : QString();
+                          : !up                               ? tr("Its link is not up")
+                                                              : QString();
   say(test_, testing_ ? tr("Testing …") : text,
       why_not.isEmpty() ? tr("Turns each wheel about 1 cm forward, and says whether the robot does as it is told")
                         : why_not,

@@ -122,8 +122,8 @@ class LiveRun final : public RunSource {
   void robot_tested(const skein::app::WheelCheck& result);
   void test_failed(const QString& reason);
   void refused(const QString& why);  ///< the session did not take what was asked of it
-  void starting();                  ///< the first row of a run is about to come
-  void rows_missed(int rows);       ///< by this thread, which was away for too long; the record has them
+  void starting();                   ///< the first row of a run is about to come
+  void rows_missed(int rows);        ///< by this thread, which was away for too long; the record has them
   void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
 
  private:

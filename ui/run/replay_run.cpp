@@ -88,7 +88,8 @@ Notice ReplayRun::lasting_alert() const {
 
 std::vector<Notice> ReplayRun::findings() const {
   std::vector<Notice> found;
-  for (const QString& line : verdict()) found.push_back({line, came_out_the_same() ? Severity::good : Severity::warning});
+  for (const QString& line : verdict())
+    found.push_back({line, came_out_the_same() ? Severity::good : Severity::warning});
   return found;
 }
 

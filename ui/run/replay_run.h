@@ -1,8 +1,8 @@
 #pragma once
 
 #include <QElapsedTimer>
-#include <QTimer>
 #include <QStringList>
+#include <QTimer>
 #include <array>
 #include <memory>
 #include <set>
@@ -88,12 +88,12 @@ class ReplayRun final : public RunSource {
   void show_until(std::size_t end);
 
   Recording run_;
-  core::ReferenceDemand demand_;           // of the whole reference
-  std::vector<app::RobotStatus> links_;    // nothing is known of them any more
+  core::ReferenceDemand demand_;         // of the whole reference
+  std::vector<app::RobotStatus> links_;  // nothing is known of them any more
   // At the present moment, by the events until then:
   std::set<std::array<std::size_t, 2>> uncoupled_;  // i < j
   std::set<int> held_;
-  std::size_t next_ = 0;                   // the first row that was not shown
+  std::size_t next_ = 0;  // the first row that was not shown
   double t_ = 0.0, speed_ = 1.0;
   bool playing_ = false;
   QElapsedTimer since_;

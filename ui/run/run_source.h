@@ -44,7 +44,7 @@ class RunSource : public QObject {
   /// What was found out when it was opened, for the log.
   virtual std::vector<Notice> findings() const = 0;
   virtual const std::vector<app::RobotStatus>& robots() const = 0;
-  virtual bool stop_asked() const = 0;  ///< by the operator
+  virtual bool stop_asked() const = 0;            ///< by the operator
   virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator has made to stand
   /// The robots, from 0, that were told to stand and have not acknowledged it: nobody knows that they do.
   virtual std::vector<std::size_t> may_be_driving() const = 0;
@@ -90,7 +90,7 @@ class RunSource : public QObject {
  signals:
   void row_added(const skein::app::TickRecord& record);     ///< to the run, in order
   void record_shown(const skein::app::TickRecord& record);  ///< the present moment has come to it
-  void changed();                                           ///< the present moment was moved by the operator, or plays on
+  void changed();  ///< the present moment was moved by the operator, or plays on
 };
 
 }  // namespace skein::ui

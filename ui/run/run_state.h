@@ -24,11 +24,11 @@ struct RunState {
   /// What the first button does; `again`: sets the experiment up once more, and nothing moves.
   enum class Go { start, pause, resume, play, again };
 
-  QString words;                       ///< "Running", "Replay, paused" ...
-  Severity tone = Severity::note;      ///< of the words
-  bool moves = false;                  ///< time goes by
-  double t = 0.0;                      ///< time of the experiment [s]
-  double speed = 1.0;                  ///< asked for, times real time
+  QString words;                   ///< "Running", "Replay, paused" ...
+  Severity tone = Severity::note;  ///< of the words
+  bool moves = false;              ///< time goes by
+  double t = 0.0;                  ///< time of the experiment [s]
+  double speed = 1.0;              ///< asked for, times real time
   Go go = Go::start;
   bool may_go = false;
   Offer step, change_speed, new_run, record;

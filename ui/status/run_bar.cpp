@@ -133,8 +133,7 @@ void RunBar::resizeEvent(QResizeEvent* event) {
 
 void RunBar::show_time() {
   const QString now = tr("%1 s").arg(t_, 0, 'f', 1);
-  time_->setText(tightness_ >= 2 ? now
-                                 : tr("%1 / −%2 s").arg(now).arg(std::max(0.0, duration_ - t_), 0, 'f', 1));
+  time_->setText(tightness_ >= 2 ? now : tr("%1 / −%2 s").arg(now).arg(std::max(0.0, duration_ - t_), 0, 'f', 1));
 }
 
 void RunBar::show_experiment(const app::Experiment& experiment) {

@@ -1,5 +1,5 @@
-// Three robots in a line behind one another under the coupled law (15) of Kostic et al. 2010, the last of them 15 cm off its place:
-// prints how far the group is from its references, second by second.
+// Three robots in a line behind one another under the coupled law (15) of Kostic et al. 2010, the last of them 15 cm
+// off its place: prints how far the group is from its references, second by second.
 #include <algorithm>
 #include <array>
 #include <cstddef>

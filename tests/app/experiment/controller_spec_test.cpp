@@ -38,8 +38,8 @@ TEST(ControllerSpec, TakesTheParametersThatTheKindDeclares) {
 }
 
 TEST(ControllerSpec, TakesAnyNumbersForAControllerOfOnesOwn) {
-  const LawSpec law = law_of({"controller.command=python3 my.py", "controller.parameters.gain=3", "controller.log=[\"a\"]",
-                              "controller.failure=built_in", "controller.deadline=0.002"});
+  const LawSpec law = law_of({"controller.command=python3 my.py", "controller.parameters.gain=3",
+                              "controller.log=[\"a\"]", "controller.failure=built_in", "controller.deadline=0.002"});
   EXPECT_TRUE(law.own());
   EXPECT_EQ(law.command, "python3 my.py");
   EXPECT_THAT(law.own_parameters, testing::ElementsAre(std::pair<std::string, double>{"gain", 3.0}));
@@ -51,7 +51,8 @@ TEST(ControllerSpec, TakesAnyNumbersForAControllerOfOnesOwn) {
 TEST(ControllerSpec, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal({"controller.command=a", "controller.library=b.so"}),
               HasSubstr("controller.library: found \"b.so\", allowed: one of controller.command"));
-  EXPECT_THAT(refusal({"controller.failure=hold"}), HasSubstr("allowed: with controller.command or controller.library"));
+  EXPECT_THAT(refusal({"controller.failure=hold"}),
+              HasSubstr("allowed: with controller.command or controller.library"));
   EXPECT_THAT(refusal({"controller.log=[\"a\"]"}), HasSubstr("controller.log"));
   EXPECT_THAT(refusal({"controller.command=a", "controller.log=[\"a b\"]"}), HasSubstr("controller.log"));
   EXPECT_THAT(refusal({"controller.command=a", "controller.log=[\"a\", \"a\"]"}), HasSubstr("controller.log"));

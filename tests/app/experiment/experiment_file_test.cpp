@@ -11,8 +11,8 @@
 
 #include "app/record/csv_writer.h"
 #include "tests/app/experiment_texts.h"
-#include "tests/property.h"
 #include "tests/places.h"
+#include "tests/property.h"
 
 namespace skein::app {
 namespace {

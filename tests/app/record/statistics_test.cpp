@@ -258,7 +258,8 @@ TEST(Summary, HasTheTimingCertificateOfARunInRealTime) {
   const std::string lines = as_lines(s);
   EXPECT_NE(lines.find("timing_tick_late_largest: 0.002\n"), std::string::npos) << lines;
   EXPECT_NE(lines.find("timing_bare_thread_late_p999: "), std::string::npos) << lines;
-  EXPECT_NE(lines.find("timing_real_time_priority: none\ntiming_no_priority: not permitted\n"), std::string::npos) << lines;
+  EXPECT_NE(lines.find("timing_real_time_priority: none\ntiming_no_priority: not permitted\n"), std::string::npos)
+      << lines;
   EXPECT_NEAR(nlohmann::json::parse(as_json(s))["timing"]["tick"]["p99"].get<double>(), 1e-4, 5e-6);
   s.timing->priority = 20;
   EXPECT_NE(as_lines(s).find("timing_real_time_priority: 20\n"), std::string::npos);

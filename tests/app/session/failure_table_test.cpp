@@ -179,7 +179,8 @@ TEST(FailureTable, TheOthersKeepClearOfARobotThatRollsOn) {
         const core::Pose &a = row.robots[i].truth, &b = row.robots[2].truth;
         const double gap = core::distance(a, b);
         // What the healthy robot itself adds: it must not drive towards the other within reach.
-        const double towards = row.robots[i].command.v * ((b.x - a.x) * std::cos(a.theta) + (b.y - a.y) * std::sin(a.theta));
+        const double towards =
+            row.robots[i].command.v * ((b.x - a.x) * std::cos(a.theta) + (b.y - a.y) * std::sin(a.theta));
         if (gap >= 0.075 || k <= 10) continue;
         EXPECT_LE(towards, 1e-4) << "start " << seed << ", tick " << k << ", robot " << i;
       }

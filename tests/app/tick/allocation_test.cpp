@@ -59,7 +59,7 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
     for (std::size_t i = 0; i < 4; ++i) {
       core::Pose pose = reference->at(i, now).pose;
       if (k > 200 && i == 1) pose.x += 0.12 * std::sin(0.01 * k);  // through its neighbours
-      if (k > 700 && i == 2) pose.y += pose.y > 0.0 ? -0.6 : 0.6;    // far off, but inside the arena
+      if (k > 700 && i == 2) pose.y += pose.y > 0.0 ? -0.6 : 0.6;  // far off, but inside the arena
       if (k < 900 || i != 3) measurements[i] = {pose, now};
       truth[i] = pose;
     }

@@ -346,8 +346,8 @@ TEST(ControlTick, ARobotTurnedByHandBesideTheEdgeStaysInside) {
     for (int step = 0; step < 750; ++step) {
       bench.step();
       for (const core::SimulatedRobot& r : bench.robots)
-        over = std::max(
-            {over, std::abs(r.pose().x) - 0.75 + core::standard_radius, std::abs(r.pose().y) - 0.55 + core::standard_radius});
+        over = std::max({over, std::abs(r.pose().x) - 0.75 + core::standard_radius,
+                         std::abs(r.pose().y) - 0.55 + core::standard_radius});
     }
   }
   EXPECT_LE(over, 0.0);

@@ -165,7 +165,8 @@ TEST(Laws, AreComparedOnTheSameKicks) {
     rows.emplace_back(name, summarise(other, outcomes));
     EXPECT_EQ(rows.back().second.collisions, 0) << name;
   }
-  EXPECT_THAT(as_table(rows), AllOf(HasSubstr("independent"), HasSubstr("leader_follower"), HasSubstr("virtual_struct")));
+  EXPECT_THAT(as_table(rows),
+              AllOf(HasSubstr("independent"), HasSubstr("leader_follower"), HasSubstr("virtual_struct")));
   EXPECT_THAT(as_json(rows[0].second, rows), HasSubstr("\"compare\": {"));
 }
 

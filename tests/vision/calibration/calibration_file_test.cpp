@@ -1,7 +1,7 @@
+#include "tests/places.h"
 #include "tests/property.h"
 #include "tests/vision/support.h"
 #include "vision/calibration/calibration.h"
-#include "tests/places.h"
 
 namespace skein::vision {
 namespace {

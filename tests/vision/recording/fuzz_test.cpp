@@ -1,11 +1,11 @@
 // The fuzzers' promises (tests/fuzz), on changes at random and for a short while: every suite asks them.
 #include "tests/fuzz/vision_targets.h"
 
+#include "tests/places.h"
 #include "tests/vision/support.h"
 #include "vision/recording/recorder.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/random.h"
-#include "tests/places.h"
 
 namespace skein {
 namespace {
