@@ -13,8 +13,8 @@ namespace skein::comms {
 namespace {
 
 constexpr std::string_view the_stop = "\nD,0,0\n";
-constexpr std::size_t longest_line = 256;
-constexpr double empty_battery = 6.8;  // two cells of 3.4 V [V]
+constexpr std::size_t khepera_answer = 256;
+constexpr double khepera_empty_battery = 6.8;  // two cells of 3.4 V [V]
 
 /// The whole numbers behind "r,"; as far as they go.
 std::vector<std::int64_t> numbers_in(std::string_view text) {
@@ -80,7 +80,7 @@ void KheperaSession::put_request(std::optional<WheelCommand> speeds, Question qu
 void KheperaSession::hear(std::span<const std::uint8_t> bytes, double now) {
   for (const std::uint8_t byte : bytes) {
     if (byte != '\r' && byte != '\n') {
-      if (heard_.size() < longest_line) heard_ += static_cast<char>(byte);
+      if (heard_.size() < khepera_answer) heard_ += static_cast<char>(byte);
       continue;
     }
     const std::string text = std::exchange(heard_, {});
@@ -101,7 +101,7 @@ void KheperaSession::line(std::string_view text, double now) {
     read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, now);
   if (awaited_ == 'v' && numbers.size() == 1) {
     const double volts = 1e-3 * static_cast<double>(numbers[0]);
-    read_battery(Battery{.volts = volts, .low = volts < empty_battery}, now);
+    read_battery(Battery{.volts = volts, .low = volts < khepera_empty_battery}, now);
   }
   awaited_ = 0;
   if (!lines_.empty()) {

@@ -25,10 +25,10 @@ constexpr std::uint16_t get(std::span<const std::uint8_t> bytes, std::size_t at)
 constexpr std::int16_t get_signed(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
   return static_cast<std::int16_t>(get(bytes, at));
 }
-constexpr std::uint8_t low(unsigned value) noexcept {
+constexpr std::uint8_t low_byte(unsigned value) noexcept {
   return static_cast<std::uint8_t>(value & 0xFFu);
 }
-constexpr std::uint8_t high(unsigned value) noexcept {
+constexpr std::uint8_t high_byte(unsigned value) noexcept {
   return static_cast<std::uint8_t>(value >> 8 & 0xFFu);
 }
 
@@ -39,7 +39,7 @@ constexpr auto two_stops = [] {
     std::uint8_t* const frame = bytes.data() + begin;
     frame[0] = 'S', frame[1] = 'k', frame[2] = version, frame[3] = 'X';
     const std::uint16_t sum = check_sum(std::span(frame + 2, head - 2));
-    frame[head] = low(sum), frame[head + 1] = high(sum);
+    frame[head] = low_byte(sum), frame[head + 1] = high_byte(sum);
   }
   return bytes;
 }();
@@ -60,13 +60,13 @@ std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<
                                   'k',
                                   version,
                                   static_cast<std::uint8_t>(kind),
-                                  low(number),
-                                  high(number),
+                                  low_byte(number),
+                                  high_byte(number),
                                   static_cast<std::uint8_t>(payload.size())};
   frame.insert(frame.end(), payload.begin(), payload.end());
   const std::uint16_t sum = check_sum(std::span(frame).subspan(2));
-  frame.push_back(low(sum));
-  frame.push_back(high(sum));
+  frame.push_back(low_byte(sum));
+  frame.push_back(high_byte(sum));
   return frame;
 }
 
@@ -139,7 +139,7 @@ void OpenSession::put_request(std::optional<WheelCommand> speeds, Question quest
   const auto left = static_cast<std::uint16_t>(newest_.left), right = static_cast<std::uint16_t>(newest_.right);
   // A robot that was told nothing since it was stopped is only asked.
   if (speeds || newest_ != WheelCommand{})
-    put('W', std::array{low(left), high(left), low(right), high(right)});
+    put('W', std::array{low_byte(left), high_byte(left), low_byte(right), high_byte(right)});
   else
     put('Q');
   sent_[number_ % sent_.size()] = {number_, newest_};

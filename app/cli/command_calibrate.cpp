@@ -21,7 +21,7 @@
 namespace skein::app {
 namespace {
 
-int complain(const std::string& text, int status) {
+int fail_with(const std::string& text, int status) {
   print_error(fmt::format("skein: {}\n", text));
   return status;
 }
@@ -35,13 +35,13 @@ std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraW
                                           const vision::Calibration* calibration, int& status) {
   auto options = words.read(name);
   if (const std::string wrong = wrong_source(name); !wrong.empty() || !options) {
-    status = complain(wrong.empty() ? options.error() : wrong, wrong_input);
+    status = fail_with(wrong.empty() ? options.error() : wrong, wrong_input);
     return nullptr;
   }
   if (calibration != nullptr) options->width = calibration->width, options->height = calibration->height;
   auto source = vision::open_source(name, *options);
   if (!source) {
-    status = complain(source.error(), device_failed);
+    status = fail_with(source.error(), device_failed);
     return nullptr;
   }
   for (const std::string& notice : (*source)->status().notices) print_error(fmt::format("skein: {}\n", notice));
@@ -68,17 +68,17 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   Looked looked;
   auto calibration = vision::load_calibration(request.camera);
   if (!calibration) {
-    status = complain(calibration.error(), wrong_input);
+    status = fail_with(calibration.error(), wrong_input);
     return {};
   }
   looked.calibration = *calibration;
   if (need_world && !looked.calibration.world_from_camera) {
-    status = complain(request.camera + ": has no world frame yet: skein calibrate floor", wrong_input);
+    status = fail_with(request.camera + ": has no world frame yet: skein calibrate floor", wrong_input);
     return {};
   }
   auto marks = vision::load_floor_marks(request.marks);
   if (!marks) {
-    status = complain(marks.error(), wrong_input);
+    status = fail_with(marks.error(), wrong_input);
     return {};
   }
   looked.marks = std::move(*marks);
@@ -87,7 +87,7 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   auto sight = vision::look_at_floor(*source, looked.calibration, request.frames, [](int) { return !interrupted(); });
   name_skipped(*source);
   if (!sight) {
-    status = complain(sight.error(), device_failed);
+    status = fail_with(sight.error(), device_failed);
     return {};
   }
   looked.sight = std::move(*sight);
@@ -107,7 +107,8 @@ void print_residuals(const vision::FloorCheck& check) {
 }  // namespace
 
 int calibrate_intrinsics(const IntrinsicsRequest& request) {
-  if (const std::string problem = vision::check(request.board); !problem.empty()) return complain(problem, wrong_input);
+  if (const std::string problem = vision::check(request.board); !problem.empty())
+    return fail_with(problem, wrong_input);
   int status = done;
   const auto source = open(request.source, request.words, nullptr, status);
   if (!source) return status;
@@ -130,10 +131,10 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (live && !request.quiet) print_error(fmt::format("{}: show the board\n", source->describe()));
   while (!interrupted() && (!live || static_cast<int>(seen.views().size()) < request.views)) {
     const auto more = source->read(frame);
-    if (!more) return complain(more.error(), device_failed);
+    if (!more) return fail_with(more.error(), device_failed);
     if (!*more) break;
     const auto look = seen.look(frame);
-    if (!look) return complain(look.error(), device_failed);
+    if (!look) return fail_with(look.error(), device_failed);
     const vision::Coverage& first = *seen.coverage();
     if (*look == BoardViews::Look::other_size)
       print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
@@ -144,12 +145,12 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   const std::optional<vision::Coverage>& coverage = seen.coverage();
   std::vector<vision::BoardView> views = std::move(seen.views());
   name_skipped(*source);
-  if (!coverage) return complain(source->describe() + ": no picture", device_failed);
+  if (!coverage) return fail_with(source->describe() + ": no picture", device_failed);
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
   const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
-  if (!result) return complain(result.error(), device_failed);
+  if (!result) return fail_with(result.error(), device_failed);
   if (const auto saved = vision::save_calibration(result->calibration, request.out); !saved)
-    return complain(saved.error(), wrong_input);
+    return fail_with(saved.error(), wrong_input);
   if (request.quiet) return done;
   int rejected = 0;
   int outliers = 0;
@@ -187,11 +188,11 @@ int calibrate_floor(const FloorRequest& request) {
   auto looked = look(request, /*need_world=*/false, status);
   if (!looked) return status;
   auto solved = vision::solve_trusted_floor(looked->calibration, looked->marks);
-  if (!solved) return complain(solved.error() + "; nothing was written", device_failed);
+  if (!solved) return fail_with(solved.error() + "; nothing was written", device_failed);
   vision::Calibration* const result = &solved->calibration;
   if (request.tag_size > 0.0) result->tag_size = request.tag_size;
   if (request.tag_height >= 0.0) result->tag_height = request.tag_height;
-  if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return complain(wrong, wrong_input);
+  if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return fail_with(wrong, wrong_input);
   if (request.measure_height >= 0) {
     const auto& ids = looked->sight.ids;
     const auto found = std::find(ids.begin(), ids.end(), request.measure_height);
@@ -200,16 +201,16 @@ int calibrate_floor(const FloorRequest& request) {
             ? std::nullopt
             : vision::tag_height_of(*result, looked->sight.corners[static_cast<std::size_t>(found - ids.begin())]);
     if (!height)
-      return complain(fmt::format("tag {}: {}", request.measure_height,
-                                  found == ids.end() ? "is not seen"
-                                                     : "its size cannot be explained by any height: check --tag-size"),
-                      device_failed);
+      return fail_with(fmt::format("tag {}: {}", request.measure_height,
+                                   found == ids.end() ? "is not seen"
+                                                      : "its size cannot be explained by any height: check --tag-size"),
+                       device_failed);
     result->tag_height = *height;
   }
   const auto check = vision::check_floor(*result, looked->marks);
-  if (!check) return complain(check.error(), device_failed);
+  if (!check) return fail_with(check.error(), device_failed);
   const std::string out = request.out.empty() ? request.camera : request.out;
-  if (const auto saved = vision::save_calibration(*result, out); !saved) return complain(saved.error(), wrong_input);
+  if (const auto saved = vision::save_calibration(*result, out); !saved) return fail_with(saved.error(), wrong_input);
   if (!request.quiet) {
     print_residuals(*check);
     const Eigen::Vector3d& p = result->world_from_camera->position;
@@ -232,11 +233,11 @@ int calibrate_check(const FloorRequest& request) {
   const auto looked = look(request, /*need_world=*/true, status);
   if (!looked) return status;
   const auto check = vision::check_floor(looked->calibration, looked->marks);
-  if (!check) return complain(check.error(), device_failed);
+  if (!check) return fail_with(check.error(), device_failed);
   if (!request.quiet) print_residuals(*check);
   if (request.limit > 0.0 && check->worst > request.limit)
-    return complain(fmt::format("a mark is off by {:.2f} mm; allowed: {:.2f} mm", mm(check->worst), mm(request.limit)),
-                    expectation_failed);
+    return fail_with(fmt::format("a mark is off by {:.2f} mm; allowed: {:.2f} mm", mm(check->worst), mm(request.limit)),
+                     expectation_failed);
   return done;
 }
 
@@ -267,12 +268,12 @@ int print_tags(const TagsRequest& request) {
     pages = vision::board_sheet(request.board, request.paper);
   } else {
     const std::vector<int> ids = parse_ids(request.ids);
-    if (ids.empty()) return complain(fmt::format("ids \"{}\"; allowed: such as 1-4,7", request.ids), wrong_input);
+    if (ids.empty()) return fail_with(fmt::format("ids \"{}\"; allowed: such as 1-4,7", request.ids), wrong_input);
     pages = vision::tag_sheet({ids, 1e-3 * request.size_mm, request.paper, request.copies});
   }
-  if (!pages) return complain(pages.error(), wrong_input);
+  if (!pages) return fail_with(pages.error(), wrong_input);
   const auto written = vision::write_sheet(*pages, request.out);
-  if (!written) return complain(written.error(), wrong_input);
+  if (!written) return fail_with(written.error(), wrong_input);
   for (const std::string& file : *written) fmt::print("{}\n", file);
   return done;
 }

@@ -14,7 +14,7 @@ int check(const ExperimentRequest& request, bool controller) {
   if (!experiment) return wrong_input;
   if (experiment->camera.kind() != CameraKind::absent)
     if (const auto calibration = camera_calibration(*experiment); !calibration) {
-      fmt::print(stderr, "skein: {}\n", calibration.error());
+      complain(calibration.error());
       return wrong_input;
     }
   const Certificate certificate = certify(*experiment);

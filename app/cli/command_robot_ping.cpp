@@ -12,14 +12,11 @@
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "app/tools/robot_ping.h"
 
 namespace skein::app {
 namespace {
-
-void complain(const std::string& text) {
-  fmt::print(stderr, "skein: {}\n", text);
-}
 
 void print(const RobotPing::Robot& robot, double seconds) {
   const comms::LinkStatus& status = robot.status;
@@ -35,7 +32,7 @@ void print(const RobotPing::Robot& robot, double seconds) {
 int save(const std::string& file, const LinksSpec& links) {
   auto text = read_text(file);
   if (!text) {
-    for (const Problem& problem : text.error()) fmt::print(stderr, "{}\n", problem.message());
+    for (const Problem& problem : text.error()) print_error(problem.message() + "\n");
     return wrong_input;
   }
   for (const auto& [key, value] :

@@ -42,7 +42,7 @@ std::vector<std::string> groups_of_this_process() {
   ids.push_back(::getegid());
   std::vector<std::string> names;
   for (const gid_t id : ids)
-    if (const group* const entry = ::getgrgid(id); entry != nullptr) names.emplace_back(entry->gr_name);
+    if (const ::group* const entry = ::getgrgid(id); entry != nullptr) names.emplace_back(entry->gr_name);
   return names;
 }
 

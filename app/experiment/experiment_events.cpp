@@ -4,13 +4,12 @@
 
 #include <cmath>
 
+#include "app/experiment/longest.h"
 #include "core/avoidance/obstacle.h"
 #include "core/geometry/pose.h"
 
 namespace skein::app {
 namespace {
-
-constexpr double longest_run = 86400.0;  // [s]; later than the end: a run cut short by --duration leaves it out
 
 void read_perturbations(TomlTable& document, Experiment& e) {
   const auto robots = static_cast<std::int64_t>(e.robots.size());

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/experiment/longest.h"
 #include "core/words.h"
 
 namespace skein::app {
@@ -16,8 +17,6 @@ using E = Experiment;
 using Limits = const Experiment&;
 
 // Limits that only a slip of the keyboard exceeds.
-constexpr double longest = 100.0;      // [m]
-constexpr double longest_run = 86400;  // a day [s]
 constexpr std::size_t longest_name = 100;
 constexpr std::size_t longest_command = 4000;
 constexpr double in_flight = 62.0;  // measurements that a simulated robot can have on their way [ticks]
@@ -57,9 +56,11 @@ const std::vector<ExperimentKey>& all_keys() {
        whole<[](E& e) -> auto& { return e.seed; }>(0, std::numeric_limits<std::int64_t>::max())},
 
       {"arena", "width", "along x",
-       NumberKey{[](E& e) -> auto& { return e.arena_width; }, [](Limits) { return between(0.1, longest, "m"); }}},
+       NumberKey{[](E& e) -> auto& { return e.arena_width; },
+                 [](Limits) { return between(0.1, longest_length, "m"); }}},
       {"arena", "height", "along y",
-       NumberKey{[](E& e) -> auto& { return e.arena_height; }, [](Limits) { return between(0.1, longest, "m"); }}},
+       NumberKey{[](E& e) -> auto& { return e.arena_height; },
+                 [](Limits) { return between(0.1, longest_length, "m"); }}},
 
       {"reference", "kind", "all robots on one path, a shape about a centre, or a trajectory for each robot",
        choice<[](E& e) -> auto& { return e.reference.kind; }>()},
@@ -105,9 +106,11 @@ const std::vector<ExperimentKey>& all_keys() {
       {"avoidance", "enabled", "robots go round one another and round obstacles",
        FlagKey{[](E& e) -> auto& { return e.avoidance.enabled; }}},
       {"avoidance", "alpha", "half width of the detection region along x",
-       NumberKey{[](E& e) -> auto& { return e.avoidance.alpha; }, [](Limits) { return above(0.0, longest, "m"); }}},
+       NumberKey{[](E& e) -> auto& { return e.avoidance.alpha; },
+                 [](Limits) { return above(0.0, longest_length, "m"); }}},
       {"avoidance", "beta", "half width of the detection region along y",
-       NumberKey{[](E& e) -> auto& { return e.avoidance.beta; }, [](Limits) { return above(0.0, longest, "m"); }}},
+       NumberKey{[](E& e) -> auto& { return e.avoidance.beta; },
+                 [](Limits) { return above(0.0, longest_length, "m"); }}},
       {"avoidance", "p", "shape of the region: 2 an ellipse, larger more like a rectangle",
        whole<[](E& e) -> auto& { return e.avoidance.p; }>(1, 50)},
       {"avoidance", "K_a", "attraction to the reference",
@@ -121,7 +124,7 @@ const std::vector<ExperimentKey>& all_keys() {
        FlagKey{[](E& e) -> auto& { return e.shield.enabled; }}},
       {"shield", "distance", "midpoints are kept this far apart",
        NumberKey{[](E& e) -> auto& { return e.shield.distance; },
-                 [](Limits) { return between(2.0 * core::standard_radius, longest, "m"); }}},
+                 [](Limits) { return between(2.0 * core::standard_radius, longest_length, "m"); }}},
       {"shield", "gamma", "how fast a gap may close, as a share of what is left of it",
        NumberKey{[](E& e) -> auto& { return e.shield.gamma; },
                  [](Limits e) { return above(0.0, e.rate, "1/s"); }}},  // more would close the whole gap in one tick
@@ -180,7 +183,8 @@ const std::vector<ExperimentKey>& all_keys() {
       {"staging", "automatic", "skein run drives the robots to their starts by itself",
        FlagKey{[](E& e) -> auto& { return e.staging.automatic; }}},
       {"staging", "within", "a robot that is this near to its start stands at it",
-       NumberKey{[](E& e) -> auto& { return e.staging.within; }, [](Limits) { return between(0.02, longest, "m"); }}},
+       NumberKey{[](E& e) -> auto& { return e.staging.within; },
+                 [](Limits) { return between(0.02, longest_length, "m"); }}},
       {"staging", "timeout", "the run fails where somebody has not arrived by then",
        NumberKey{[](E& e) -> auto& { return e.staging.timeout; }, [](Limits) { return above(0.0, longest_run, "s"); }}},
       {"staging", "back", "after the run the robots drive back to their starts",
@@ -188,10 +192,10 @@ const std::vector<ExperimentKey>& all_keys() {
 
       {"expect", "final_error", "at the end no robot is farther than this from its place in the formation",
        OptionalNumberKey{[](E& e) -> auto& { return e.expect.final_error; },
-                         [](Limits) { return between(0.0, longest, "m"); }}},
+                         [](Limits) { return between(0.0, longest_length, "m"); }}},
       {"expect", "min_distance", "no two robots' midpoints ever come closer than this",
        OptionalNumberKey{[](E& e) -> auto& { return e.expect.min_distance; },
-                         [](Limits) { return between(0.0, longest, "m"); }}},
+                         [](Limits) { return between(0.0, longest_length, "m"); }}},
       {"expect", "arrived", "from then on all references rest and no robot is farther than 1 cm from its place",
        OptionalNumberKey{[](E& e) -> auto& { return e.expect.arrived; },
                          [](Limits) { return between(0.0, longest_run, "s"); }}},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/experiment/longest.h"
 #include "core/reference/polyline.h"
 
 namespace skein::app {
@@ -12,7 +13,6 @@ namespace {
 
 using PathShape = PathSpec::Shape;
 
-constexpr double longest = 100.0;  // only a slip of the keyboard exceeds it [m]
 constexpr std::size_t most_points = 1000;
 
 /// One point, [x, y].
@@ -23,10 +23,11 @@ void read_point(TomlTable& t, const char* key, core::Point& point) {
   const auto number = [&](std::size_t k) {
     const bool there = pair && pair->size() == 2 && (*pair)[k].is_number();
     const auto value = there ? (*pair)[k].value<double>() : std::nullopt;
-    return value && std::abs(*value) <= longest ? value : std::nullopt;
+    return value && std::abs(*value) <= longest_length ? value : std::nullopt;
   };
   const auto x = number(0), y = number(1);
-  if (!x || !y) return t.refuse(key, *found, fmt::format("a point [x, y] in m, from {} to {}", -longest, longest));
+  if (!x || !y)
+    return t.refuse(key, *found, fmt::format("a point [x, y] in m, from {} to {}", -longest_length, longest_length));
   point = {*x, *y};
 }
 
@@ -44,9 +45,9 @@ std::size_t fewest_points(const PathSpec& path) noexcept {
 void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points, std::size_t least, std::size_t most) {
   const toml::node* const found = t.node(key);
   if (!found) return;
-  const std::string allowed =
-      fmt::format("{} points [x, y] in m, from {} to {}",
-                  least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most), -longest, longest);
+  const std::string allowed = fmt::format(
+      "{} points [x, y] in m, from {} to {}",
+      least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most), -longest_length, longest_length);
   const toml::array* const array = found->as_array();
   if (!array || array->size() < least || array->size() > most) return t.refuse(key, *found, allowed);
   points.clear();
@@ -55,7 +56,7 @@ void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points
     const auto number = [&](std::size_t k) {
       const bool there = pair && pair->size() == 2 && (*pair)[k].is_number();
       const auto value = there ? (*pair)[k].value<double>() : std::nullopt;
-      return value && std::abs(*value) <= longest ? value : std::nullopt;
+      return value && std::abs(*value) <= longest_length ? value : std::nullopt;
     };
     const auto x = number(0), y = number(1);
     if (!x || !y) {
@@ -83,15 +84,15 @@ void read_path(TomlTable t, PathSpec& path, bool closed) {
   } else {
     read_point(t, "centre", path.centre);
     if (path.shape != PathShape::circle) {
-      t.number("width", path.width, between(0.02, longest, "m"));
-      t.number("height", path.height, between(0.02, longest, "m"));
+      t.number("width", path.width, between(0.02, longest_length, "m"));
+      t.number("height", path.height, between(0.02, longest_length, "m"));
     }
   }
   if (path.shape == PathShape::circle)
     t.require("radius", "the circle's radius in m");  // the default is that of a corner
   if (path.shape == PathShape::rounded_rectangle || path.shape == PathShape::circle ||
       path.shape == PathShape::polyline)
-    t.number("radius", path.radius, between(0.01, longest, "m"));
+    t.number("radius", path.radius, between(0.01, longest_length, "m"));
   t.finish();
 }
 

@@ -9,6 +9,7 @@
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_path.h"
 #include "app/experiment/experiment_trajectory.h"
+#include "app/experiment/longest.h"
 
 namespace skein::app {
 namespace {
@@ -17,13 +18,11 @@ using Kind = ReferenceSpec::Kind;
 using PathShape = PathSpec::Shape;
 
 // Limits that only a slip of the keyboard exceeds.
-constexpr double longest = 100.0;      // [m]
-constexpr double longest_run = 86400;  // a day [s]
 
 /// A shape by name, or the robots' own places.
 void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
   t.choice("shape", shape.shape);
-  t.number("spacing", shape.spacing, above(0.0, longest, "m"));
+  t.number("spacing", shape.spacing, above(0.0, longest_length, "m"));
   shape.offsets.clear();
   read_points(t, "offsets", shape.offsets, robots, robots);
   if (!t.has("offsets")) t.require("shape", "the formation's shape, or offsets = [[x, y], ...] for every robot");
@@ -43,7 +42,7 @@ void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
     c.number("duration", change.duration, above(0.0, longest_run, "s"));
     if (e.reference.kind == Kind::platoon) {
       c.require("spacing", "the new spacing in m, along the path");
-      c.number("spacing", change.shape.spacing, above(0.0, longest, "m"));
+      c.number("spacing", change.shape.spacing, above(0.0, longest_length, "m"));
     } else {
       read_shape(c, change.shape, e.robots.size());
     }
@@ -261,9 +260,9 @@ void read_reference(TomlTable t, Experiment& e, Problems& problems) {
     t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
     t.flag("may_meet", r.may_meet);
   } else {
-    t.number("start", r.start, between(-10.0 * longest, 10.0 * longest, "m"));
+    t.number("start", r.start, between(-10.0 * longest_length, 10.0 * longest_length, "m"));
     if (r.kind == Kind::platoon) {
-      t.number("spacing", r.spacing, above(0.0, longest, "m"));
+      t.number("spacing", r.spacing, above(0.0, longest_length, "m"));
     } else {
       read_shape(t, r.shape, e.robots.size());
     }

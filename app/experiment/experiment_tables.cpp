@@ -9,6 +9,7 @@
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_robots.h"
+#include "app/experiment/longest.h"
 #include "core/controllers/controller_types.h"
 #include "vision/sources/open_source.h"
 
@@ -16,8 +17,6 @@ namespace skein::app {
 namespace {
 
 // Limits that only a slip of the keyboard exceeds.
-constexpr double longest = 100.0;      // [m]
-constexpr double longest_run = 86400;  // a day [s]
 
 void read_run(TomlTable& t, Experiment& e) {
   read_keys(t, "", e);
@@ -206,7 +205,7 @@ void read_obstacles(TomlTable& document, Experiment& e) {
     for (const char* key : {"x", "y", "radius"}) t.require(key, "its place and size in m");
     t.number("x", obstacle.x, between(-0.5 * e.arena_width, 0.5 * e.arena_width, "m"));
     t.number("y", obstacle.y, between(-0.5 * e.arena_height, 0.5 * e.arena_height, "m"));
-    t.number("radius", obstacle.radius, above(0.0, longest, "m"));
+    t.number("radius", obstacle.radius, above(0.0, longest_length, "m"));
     t.finish();
     e.obstacles.push_back(obstacle);
   }

@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "app/experiment/experiment_path.h"
+#include "app/experiment/longest.h"
 
 namespace skein::app {
 namespace {
 
 // Limits that only a slip of the keyboard exceeds.
-constexpr double longest = 1000.0;     // [m]
-constexpr double longest_run = 86400;  // a day [s]
+constexpr double longest_curve = 1000.0;  // [m]
 
 /// What belongs to a drive from rest to rest, and says nothing of one that goes on for ever.
 void refuse_endless(const TrajectorySpec& t, const std::string& key, Problems& problems) {
@@ -131,10 +131,10 @@ void read_trajectory(TomlTable t, TrajectorySpec& trajectory) {
   t.require("path", "the path that the robot drives, { shape = ... }");
   read_path(t.table("path"), trajectory.path, false);
   t.number("t", trajectory.t, between(0.0, longest_run, "s"));
-  t.number("start", trajectory.start, between(-longest, longest, "m"));
+  t.number("start", trajectory.start, between(-longest_curve, longest_curve, "m"));
   t.number("speed", trajectory.speed, between(0.0, 10.0, "m/s"));
   t.number("acceleration", trajectory.acceleration, above(0.0, 100.0, "m/s^2"));
-  t.number("distance", trajectory.distance, above(0.0, longest, "m"));
+  t.number("distance", trajectory.distance, above(0.0, longest_curve, "m"));
   t.number("duration", trajectory.duration, above(0.0, longest_run, "s"));
   t.number("turn_rate", trajectory.turn_rate, between(-100.0, 100.0, "rad/s"));
   if (t.has("speed") && t.has("duration"))

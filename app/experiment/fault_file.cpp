@@ -15,7 +15,7 @@ namespace {
 using comms::Fault;
 using comms::FaultKind;
 
-constexpr double longest = 1e6;  // [s]
+constexpr double longest_time = 1e6;  // [s]
 
 /// What a kind needs besides `kind`, `robot`, `at` and `for`.
 void read_amounts(TomlTable& table, Fault& fault) {
@@ -60,11 +60,11 @@ std::optional<Fault> read_fault(TomlTable& table, std::size_t robots) {
   fault.kind = *kind;
   table.integer("robot", robot, 1, static_cast<std::int64_t>(robots));
   if (robot) fault.robot = static_cast<std::size_t>(*robot - 1);
-  table.number("at", fault.at, between(0.0, longest, "s"));
+  table.number("at", fault.at, between(0.0, longest_time, "s"));
   if (fault.kind == FaultKind::stuck)
     fault.duration = 0.0;  // an instant
   else
-    table.number("for", fault.duration, above(0.0, longest, "s"));
+    table.number("for", fault.duration, above(0.0, longest_time, "s"));
   read_amounts(table, fault);
   table.finish();
   return fault;

@@ -33,7 +33,7 @@ namespace {
 using comms::GuardMessage;
 
 constexpr double stop_timeout = 2.0;                    // [s]
-constexpr int look_every = 100, look_often = 20;        // [ms]
+constexpr int poll_every = 100, poll_often = 20;        // [ms]
 constexpr std::int64_t frozen_after = 800'000'000;      // a guard that has not beaten for so long does not guard [ns]
 constexpr std::int64_t between_guards = 1'000'000'000;  // one that cannot live is not started all the time [ns]
 
@@ -177,7 +177,7 @@ void SafetyNet::Keeper::run() {
   while (!thread_.get_stop_token().stop_requested()) {
     pollfd polled[] = {
         {guard_socket_, POLLIN, 0}, {socket_ ? socket_->descriptor() : -1, POLLIN, 0}, {wake_, POLLIN, 0}};
-    ::poll(polled, std::size(polled), socket_ && socket_->waits() ? look_often : look_every);
+    ::poll(polled, std::size(polled), socket_ && socket_->waits() ? poll_often : poll_every);
     try {
       if (socket_) socket_->turn([this](std::string_view word) { heard(word); }, [this] { return results(); });
       if (!run_.robots.empty()) look_after_guard();

@@ -41,7 +41,7 @@ Experiment simulated(Experiment experiment) {
   return experiment;
 }
 
-std::string share(std::int64_t part, std::int64_t whole) {
+std::string share_text(std::int64_t part, std::int64_t whole) {
   return fmt::format("{} of {} ({:.2f} %)", part, whole,
                      whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0);
 }
@@ -96,11 +96,11 @@ std::string as_lines(const ControllerCheck& c) {
     fmt::format_to(out,
                    "answer_p50: {:.3g} ms\nanswer_p99: {:.3g} ms\nanswer_p99.9: {:.3g} ms\nanswer_max: {:.3g} ms\n",
                    1e3 * c.wait_p50, 1e3 * c.wait_p99, 1e3 * c.wait_p999, 1e3 * c.wait_max);
-    fmt::format_to(out, "late: {}\n", share(c.late, c.ticks));
+    fmt::format_to(out, "late: {}\n", share_text(c.late, c.ticks));
   }
-  fmt::format_to(out, "no_number: {}\n", share(c.no_number, c.commands));
-  fmt::format_to(out, "limited: {}\n", share(c.limited, c.commands));
-  fmt::format_to(out, "shielded: {}\n", share(c.shielded, c.commands));
+  fmt::format_to(out, "no_number: {}\n", share_text(c.no_number, c.commands));
+  fmt::format_to(out, "limited: {}\n", share_text(c.limited, c.commands));
+  fmt::format_to(out, "shielded: {}\n", share_text(c.shielded, c.commands));
   fmt::format_to(out, "collisions: {}\n", c.collisions);
   fmt::format_to(out, "min_distance: {:.4g} m\n", c.min_distance);
   fmt::format_to(out, "outside: {:.4g} m\n", c.outside);

@@ -32,7 +32,7 @@ struct Quantity {
   std::optional<double> (*of)(const RunOutcome&);
   bool times;  ///< else a distance
 };
-constexpr auto known = [](double value) { return std::isnan(value) ? std::nullopt : std::optional<double>(value); };
+constexpr auto if_number = [](double value) { return std::isnan(value) ? std::nullopt : std::optional<double>(value); };
 constexpr std::array quantities{
     Quantity{"recovery", "everybody on his place again after [s]", 1.0, [](const RunOutcome& o) { return o.recovery; },
              true},
@@ -43,11 +43,11 @@ constexpr std::array quantities{
     Quantity{"tracking_settled", "tracking within 1 cm after [s]", 1.0,
              [](const RunOutcome& o) { return o.tracking_settled; }, true},
     Quantity{"min_distance", "smallest distance of two robots [mm]", 1e3,
-             [](const RunOutcome& o) { return known(o.min_distance); }, false},
+             [](const RunOutcome& o) { return if_number(o.min_distance); }, false},
     Quantity{"obstacle_gap", "smallest gap to an obstacle [mm]", 1e3,
-             [](const RunOutcome& o) { return known(o.obstacle_gap); }, false},
+             [](const RunOutcome& o) { return if_number(o.obstacle_gap); }, false},
     Quantity{"final_error", "farthest from its place at the end [mm]", 1e3,
-             [](const RunOutcome& o) { return known(o.final_error); }, false},
+             [](const RunOutcome& o) { return if_number(o.final_error); }, false},
 };
 
 struct Variant {

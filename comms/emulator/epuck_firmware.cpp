@@ -16,7 +16,7 @@ constexpr std::string_view welcome =
     "\f\aWELCOME to the SerCom protocol on e-Puck\r\nthe EPFL education robot type \"H\" for help\r\n";
 
 // The firmware's buffer has room for a small camera image; what a longer line overwrites there is not for us to say.
-constexpr std::size_t longest_line = 3200;
+constexpr std::size_t text_buffer = 3200;
 
 constexpr double empty_battery = 3.4, full_battery = 4.2;  // [V]
 constexpr double raw_per_volt = 819.2;                     // of an e-puck2
@@ -80,7 +80,7 @@ void EpuckFirmware::take(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
       parsing_ = Parsing::line;
       return;
     case Parsing::line:
-      if (line_.size() < longest_line) line_.push_back(static_cast<char>(byte));
+      if (line_.size() < text_buffer) line_.push_back(static_cast<char>(byte));
       if (!ends_line) return;
       parsing_ = Parsing::top;
       run_line(reply);

@@ -10,7 +10,7 @@
 namespace skein::comms {
 namespace {
 
-constexpr std::size_t longest_line = 82;
+constexpr std::size_t khepera_line = 82;
 constexpr double pulses_a_step = 100.0;
 
 }  // namespace
@@ -24,7 +24,7 @@ void KheperaFirmware::boot() noexcept {
 
 void KheperaFirmware::receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) {
   for (const std::uint8_t byte : bytes) {
-    if (byte != '\n' && byte != '\r' && line_.size() < longest_line) {
+    if (byte != '\n' && byte != '\r' && line_.size() < khepera_line) {
       line_ += static_cast<char>(byte);
       continue;
     }

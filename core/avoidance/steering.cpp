@@ -8,13 +8,13 @@
 namespace skein::core {
 namespace {
 
-constexpr double step = 0.2;       // of a trial ride [s]
-constexpr double turn_rate = 4.0;  // how fast a heading error is turned away, before the bounds [1/s]
-constexpr double comfort = 0.02;   // more than must be kept is better, up to this much [m]
-constexpr double nearer = 1e-3;    // a meeting that brings two no nearer than this is none [m]
-constexpr double soon = 0.1;       // share of a step
-constexpr double rounding = 1e-6;  // [m]
-constexpr double approach = 2.0;   // how fast a way ends [1/s]
+constexpr double ride_step = 0.2;         // of a trial ride [s]
+constexpr double turn_rate = 4.0;         // how fast a heading error is turned away, before the bounds [1/s]
+constexpr double comfort = 0.02;          // more than must be kept is better, up to this much [m]
+constexpr double nearer = 1e-3;           // a meeting that brings two no nearer than this is none [m]
+constexpr double soon = 0.1;              // share of a step
+constexpr double length_rounding = 1e-6;  // [m]
+constexpr double end_rate = 2.0;          // how fast a way ends [1/s]
 constexpr int directions = 24;
 
 // What a course costs, against 1 for the way that top speed makes within the horizon. Waiting must cost more than going
@@ -55,7 +55,7 @@ void Steering::look(const Scene& scene, std::size_t i, std::span<const std::uint
   movers_.clear();
   const auto add = [&](double at_x, double at_y, double v_x, double v_y, double keep) {
     const double d = std::hypot(at_x - x, at_y - y);
-    if (d < reach + keep) movers_.push_back({at_x, at_y, v_x, v_y, std::min(keep, d - rounding)});
+    if (d < reach + keep) movers_.push_back({at_x, at_y, v_x, v_y, std::min(keep, d - length_rounding)});
   };
   for (const std::uint32_t j : near) {
     if (j == i) continue;
@@ -90,17 +90,18 @@ Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& fro
   Pose pose = from;
   Ride result{0.0, 0.0, std::numeric_limits<double>::infinity()};
   int steps = 0, held = 0;
-  for (double t = step; t < horizon + 0.5 * step; t += step, ++steps) {
+  for (double t = ride_step; t < horizon + 0.5 * ride_step; t += ride_step, ++steps) {
     const Twist twist = towards(heading, speed, pose.theta, bounds);
     const double off = wrap_angle(heading - pose.theta);
-    pose.theta = std::abs(off) < std::abs(twist.omega) * step ? heading : wrap_angle(pose.theta + twist.omega * step);
-    const double x = pose.x + twist.v * step * std::cos(pose.theta);
-    const double y = pose.y + twist.v * step * std::sin(pose.theta);
+    pose.theta =
+        std::abs(off) < std::abs(twist.omega) * ride_step ? heading : wrap_angle(pose.theta + twist.omega * ride_step);
+    const double x = pose.x + twist.v * ride_step * std::cos(pose.theta);
+    const double y = pose.y + twist.v * ride_step * std::sin(pose.theta);
     double left_over = gap(x, y, t);
     // The shield asks at every moment: a chord may not begin with coming nearer either.
     if (left_over < comfort)
-      left_over =
-          std::min(left_over, gap(pose.x + soon * (x - pose.x), pose.y + soon * (y - pose.y), t - step + soon * step));
+      left_over = std::min(
+          left_over, gap(pose.x + soon * (x - pose.x), pose.y + soon * (y - pose.y), t - ride_step + soon * ride_step));
     result.closest = std::min(result.closest, left_over);
     if (left_over < 0.0 || outside(x, y) > allowed_outside)
       ++held;  // as the shield holds it: it stands, and goes on turning
@@ -124,7 +125,7 @@ Course Steering::choose(const Scene& scene, std::size_t i, std::span<const std::
   const double dx = goal.pose.x + lead * std::cos(goal.pose.theta) - from.x;
   const double dy = goal.pose.y + lead * std::sin(goal.pose.theta) - from.y;
   const double straight = std::hypot(dx, dy) > 1e-6 ? std::atan2(dy, dx) : goal.pose.theta;
-  const double top = std::min(bounds.v, std::abs(goal.twist.v) + approach * left);
+  const double top = std::min(bounds.v, std::abs(goal.twist.v) + end_rate * left);
 
   Course best;
   double least = std::numeric_limits<double>::infinity();
@@ -163,7 +164,7 @@ bool Steering::conflict(const Scene& scene, std::size_t i, std::span<const std::
                         const ReferencePoint& reference, double horizon) noexcept {
   const Pose& here = scene.poses[i];
   const Pose from{here.x, here.y, reference.pose.theta};
-  for (double t = step; t < horizon + 0.5 * step; t += step) {
+  for (double t = ride_step; t < horizon + 0.5 * ride_step; t += ride_step) {
     const Pose there = advance(from, reference.twist, t);
     const auto meets = [&](const Pose& now, const Pose& then, double keep) {
       const double d = distance(there, then);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int most_periods = 64;
 /// An error that is not corrected at all (y beside a reference that stands) has the eigenvalue 1: it does not grow.
-constexpr double rounding = 1e-7;
+constexpr double root_rounding = 1e-7;
 
 /// e' = A e - B u over a time h with u held: e(h) = transition e(0) - input u.
 struct Step {
@@ -73,7 +73,9 @@ double loop_radius(const Gains& gains, std::size_t i, const Twist& reference, do
 }
 
 DelayMargin delay_margin(const Gains& gains, std::size_t i, const Twist& reference, double period) {
-  const auto stable = [&](double delay) { return loop_radius(gains, i, reference, period, delay) <= 1.0 + rounding; };
+  const auto stable = [&](double delay) {
+    return loop_radius(gains, i, reference, period, delay) <= 1.0 + root_rounding;
+  };
   if (!stable(0.0)) return {};
   int periods = 1;
   while (periods <= most_periods && stable(periods * period)) ++periods;

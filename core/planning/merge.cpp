@@ -15,13 +15,13 @@ constexpr double sight = 0.06;         // how far ahead a reference looks that c
 constexpr double turn_gain = 4.0;      // [1/s]
 constexpr double catch_up = 2.0;       // [1/s]
 
-constexpr double look_ahead = 40.0;     // [s]
-constexpr double time_step = 0.25;      // [s]
-constexpr double drives = 0.005;        // whoever is slower stands [m/s]
-constexpr double slow_arc = 0.55;       // of the top speed: a tight arc is driven so fast
-constexpr double goes_straight = 0.12;  // who drives goes on as it does while its couplings are released [s]
-constexpr double rounding = 1e-4;       // [m]
-constexpr double reach = 0.06;          // beyond what is to be kept nobody closes in too fast [m]
+constexpr double merge_look_ahead = 40.0;  // [s]
+constexpr double time_step = 0.25;         // [s]
+constexpr double drives = 0.005;           // whoever is slower stands [m/s]
+constexpr double slow_arc = 0.55;          // of the top speed: a tight arc is driven so fast
+constexpr double goes_straight = 0.12;     // who drives goes on as it does while its couplings are released [s]
+constexpr double merge_rounding = 1e-4;    // [m]
+constexpr double reach = 0.06;             // beyond what is to be kept nobody closes in too fast [m]
 constexpr std::array<double, 2> lane{0.11, -0.11};            // beside the place [m]
 constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};  // [m]
 constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};    // before a way by another point [s]
@@ -176,7 +176,7 @@ bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noe
     if (squared > near * near) continue;
     const double left = std::sqrt(squared) - query_.keep;
     const double was = std::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - query_.keep;
-    if (left < (was > 0.0 ? shrinks * was : was) - rounding) return false;
+    if (left < (was > 0.0 ? shrinks * was : was) - merge_rounding) return false;
   }
   return true;
 }
@@ -226,10 +226,10 @@ bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t mo
   std::fill(next_.begin(), next_.end(), 0.0);
   std::fill(tries_.begin(), tries_.end(), 0);
   Course course;
-  const double end = std::min({look_ahead, best.joins, query_.before});
+  const double end = std::min({merge_look_ahead, best.joins, query_.before});
   for (double t = time_step; t < end && work() < most; t += time_step) {
     const ReferencePoint to = place(t);
-    if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + rounding) continue;
+    if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + merge_rounding) continue;
     trials_.clear();
     for (std::size_t s = first; s < last; ++s)
       for (std::size_t kind = 0; kind < kinds; ++kind) {
@@ -292,12 +292,12 @@ void Merge::go_aside() noexcept {
 /// The soonest way to a point beside the place, with its heading and top speed.
 bool Merge::come_beside(const Start& from, double back, double aside, Start& start) noexcept {
   Course course, soonest;
-  for (double t = from.wait + time_step; t < std::min(look_ahead, query_.before); t += time_step) {
+  for (double t = from.wait + time_step; t < std::min(merge_look_ahead, query_.before); t += time_step) {
     const Pose on = place(t).pose;
     const double c = std::cos(on.theta), n = std::sin(on.theta);
     const ReferencePoint beside{{on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta},
                                 {query_.pace.v, 0.0}};
-    if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + rounding) continue;
+    if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + merge_rounding) continue;
     if (!lattice_->free(beside.pose.x, beside.pose.y)) continue;
     double least = t;
     for (std::size_t kind = 0; kind < kinds; ++kind) {

@@ -9,26 +9,26 @@
 namespace skein::core {
 namespace {
 
-constexpr double comfort = 0.02;        // routes keep so much more than the shield asks for [m]
-constexpr double arrived = 1e-3;        // [m]
-constexpr double longest_way = 300.0;   // [s]
-constexpr double arrived_angle = 0.03;  // [rad]
-constexpr double held_back = 0.10;      // by the shield, from a place that moves: a new plan [m]
-constexpr double too_late = 0.4;        // [s]
-constexpr double put_off = 0.015;       // by the shield, on the last piece of a way [m]
-constexpr double again_after = 1.0;     // at least [s]
-constexpr double pushed_away = 0.008;   // from a place at rest [m]
-constexpr double release = 0.1;         // of couplings [s]
-constexpr double ramp = 0.3;            // of couplings that come back [s]
-constexpr double rate_slope = 2.0;      // of a clock [1/s]
-constexpr double error_free = 0.010;    // behind its route: clocks run on; at `error_stop` they stand [m]
-constexpr double error_stop = 0.025;    // [m]
-constexpr double sees_ahead = 3.0;      // who stands in its way [s]
-constexpr double looks_every = 5;       // ticks
-constexpr double stuck_for = 4.0;       // a clock that hardly runs so long: a new plan for everybody [s]
+constexpr double route_comfort = 0.02;      // routes keep so much more than the shield asks for [m]
+constexpr double arrived = 1e-3;            // [m]
+constexpr double longest_way = 300.0;       // [s]
+constexpr double route_end_angle = 0.03;    // [rad]
+constexpr double held_back = 0.10;          // by the shield, from a place that moves: a new plan [m]
+constexpr double too_late = 0.4;            // [s]
+constexpr double put_off = 0.015;           // by the shield, on the last piece of a way [m]
+constexpr double again_after = 1.0;         // at least [s]
+constexpr double pushed_off_place = 0.008;  // from a place at rest [m]
+constexpr double release = 0.1;             // of couplings [s]
+constexpr double ramp = 0.3;                // of couplings that come back [s]
+constexpr double rate_slope = 2.0;          // of a clock [1/s]
+constexpr double error_free = 0.010;        // behind its route: clocks run on; at `error_stop` they stand [m]
+constexpr double error_stop = 0.025;        // [m]
+constexpr double sees_ahead = 3.0;          // who stands in its way [s]
+constexpr double looks_every = 5;           // ticks
+constexpr double stuck_for = 4.0;           // a clock that hardly runs so long: a new plan for everybody [s]
 
 bool is_at(const Pose& place, const Pose& pose) noexcept {
-  return distance(pose, place) < arrived && std::abs(wrap_angle(pose.theta - place.theta)) < arrived_angle;
+  return distance(pose, place) < arrived && std::abs(wrap_angle(pose.theta - place.theta)) < route_end_angle;
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
   now_ = scene.t;
   spent_ = 0;
   ++tick_;
-  keep_ = setup_.shield_distance + comfort + 2.0 * scene.doubt;
+  keep_ = setup_.shield_distance + route_comfort + 2.0 * scene.doubt;
   const double free = n > 0 ? free_v(gains, 0) : 0.1;
   pace_.v = std::min(0.98 * free, 0.9 * free_omega(gains, 0) / gains.k_y);
   pace_.omega = 0.85 * free_omega(gains, 0);
@@ -214,7 +214,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       // A hand moves a robot within a tick. One that the shield has held up comes back by the law alone, unless that is
       // far: a plan begins with a stop, which would hold up those behind it.
       const bool by_hand = distance(pose, robot.before) > put_elsewhere;
-      const double far = at_rest && rests(i, scene) ? pushed_away : by_hand ? put_elsewhere : held_back;
+      const double far = at_rest && rests(i, scene) ? pushed_off_place : by_hand ? put_elsewhere : held_back;
       if (away > far + 2.0 * scene.doubt) robot.needs_plan = true;
     } else if (robot.state != State::waiting && away > 2.0 * put_elsewhere + 2.0 * scene.doubt) {
       robot.needs_plan = true;

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double all_speed = 0.995;     // of what (18f) leaves
 constexpr double all_turning = 0.97;    // of what (18g) leaves
-constexpr double horizon = 45.0;        // [s]
-constexpr double leaves_within = 2.0;   // so long one without a way yet is taken to stand where it is [s]
+constexpr double merge_horizon = 45.0;  // [s]
+constexpr double merges_within = 2.0;   // so long one without a way yet is taken to stand where it is [s]
 constexpr double may_be_better = 0.6;   // who is so much later than alone asks others to yield [s]
 constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
 constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
@@ -80,7 +80,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
       if (m.yields[j]) traffic_.copy(j, expected_, scene.t, m.delay);
   }
   for (std::size_t k = 0; k < m.count; ++k)
-    traffic_.stands(m.robots[k], group_.from[m.robots[k]].x, group_.from[m.robots[k]].y, leaves_within);
+    traffic_.stands(m.robots[k], group_.from[m.robots[k]].x, group_.from[m.robots[k]].y, merges_within);
   for (std::size_t k = 0; k < m.count; ++k) {
     const std::size_t at = trial.backwards ? m.count - 1 - k : k, i = m.robots[at];
     Merge::Query query = like;
@@ -94,7 +94,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
     m.joins[at] = way.joins;
     total = std::max(total, way.joins);
     like.watched = std::max(like.watched, way.joins);
-    if (k + 1 < m.count) traffic_.joins(i, m.routes[at], 0.0, way.joins, *reference_, scene.t, horizon);
+    if (k + 1 < m.count) traffic_.joins(i, m.routes[at], 0.0, way.joins, *reference_, scene.t, merge_horizon);
   }
   return total;
 }

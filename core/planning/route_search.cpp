@@ -13,7 +13,7 @@ constexpr double weight = 1.05;    // of what is left, against what was driven: 
 constexpr double wait_step = 0.2;  // [s]
 constexpr int most_waits = 60;
 constexpr std::size_t most_nodes = 60000;  // of one search
-constexpr float never = std::numeric_limits<float>::infinity();
+constexpr float unreached = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -122,7 +122,7 @@ void RouteSearch::stamp() noexcept {
 
 /// How far it is from every vertex to the goal, were nobody there.
 void RouteSearch::estimate() noexcept {
-  std::fill(left_.begin(), left_.end(), never);
+  std::fill(left_.begin(), left_.end(), unreached);
   std::fill(is_exit_.begin(), is_exit_.end(), std::uint8_t{0});
   const Lattice::Place to = place(goal());
   open_.clear();
@@ -174,7 +174,7 @@ std::span<const RouteSearch::Interval> RouteSearch::intervals(std::size_t vertex
       const std::size_t end = next(k, true);
       all[count++] = {
           static_cast<float>(Traffic::step * static_cast<double>(k)),
-          end == Traffic::steps ? never : static_cast<float>(Traffic::step * (static_cast<double>(end) - 1.0))};
+          end == Traffic::steps ? unreached : static_cast<float>(Traffic::step * (static_cast<double>(end) - 1.0))};
       k = next(end, false);
     }
   }
@@ -221,7 +221,7 @@ void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t he
     if (arrives > all[k].end) continue;
     double g = arrives;
     if (vertex == goal()) {
-      if (all[k].end < never) continue;  // somebody passes later
+      if (all[k].end < unreached) continue;  // somebody passes later
     }
     const std::size_t state = state_of(vertex, heading, k);
     if (best_of_[state] == search_ && best_[state] <= g) continue;
@@ -257,7 +257,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
   };
   if (begins) {
     lattice_->near(here.x, here.y, attach * lattice_->cell(), [&](std::size_t u) {
-      if (left_[u] < never && lattice_->free(here, lattice_->place(u))) drive(u, headings - 1);
+      if (left_[u] < unreached && lattice_->free(here, lattice_->place(u))) drive(u, headings - 1);
     });
     const Lattice::Place to = place(goal());
     if (std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() && lattice_->free(here, to))
@@ -265,7 +265,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     return;
   }
   for (std::size_t d = 0; d < Lattice::directions; ++d)
-    if (const std::size_t u = lattice_->neighbour(v, d); u != lattice_->size() && left_[u] < never) drive(u, d);
+    if (const std::size_t u = lattice_->neighbour(v, d); u != lattice_->size() && left_[u] < unreached) drive(u, d);
   if (is_exit_[v]) drive(goal(), 0);
 }
 

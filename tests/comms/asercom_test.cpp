@@ -11,7 +11,7 @@ namespace {
 
 using test::Bytes;
 using test::bytes;
-using Kind = Reply::Kind;
+using ReplyKind = Reply::Kind;
 
 std::vector<Reply> all(ReplyParser& parser) {
   std::vector<Reply> replies;
@@ -82,13 +82,13 @@ TEST(ReplyParser, FindsTheStopAmongEverythingARobotSays) {
   EXPECT_TRUE(is_greeting(replies[2].text));
   EXPECT_EQ(replies[3].text, "d");
   EXPECT_EQ(replies[4].text, "z,Command not found");
-  EXPECT_EQ(replies[5].kind, Kind::stopped);
+  EXPECT_EQ(replies[5].kind, ReplyKind::stopped);
 }
 
 TEST(ReplyParser, FindsTheStopBehindALateBinaryAnswer) {
   ReplyParser parser;
   parser.feed(Bytes{0x64, 0x00, 0x38, 0xFF, 's', '\r', '\n'});
-  EXPECT_EQ(parser.next().value().kind, Kind::stopped);
+  EXPECT_EQ(parser.next().value().kind, ReplyKind::stopped);
   EXPECT_EQ(parser.pending(), 0u);
 }
 
@@ -97,12 +97,13 @@ TEST(ReplyParser, ALateAnswerThatLooksLikeAnSIsNone) {
   parser.feed(Bytes{0x00, 's', '\r', 0x00, 's', '\r', '\n'});  // encoders 0x7300, 0x000D
   const auto replies = all(parser);
   ASSERT_EQ(replies.size(), 2u);
-  EXPECT_EQ(replies[0].kind, Kind::line);
-  EXPECT_EQ(replies[1].kind, Kind::stopped);
+  EXPECT_EQ(replies[0].kind, ReplyKind::line);
+  EXPECT_EQ(replies[1].kind, ReplyKind::stopped);
 }
 
 TEST(ReplyParser, LinesThatEndInSAreNoStop) {
-  for (const Reply& reply : lines_of("Proximity sensors\r\nhelps\r\nz,Commands\r\n")) EXPECT_EQ(reply.kind, Kind::line);
+  for (const Reply& reply : lines_of("Proximity sensors\r\nhelps\r\nz,Commands\r\n"))
+    EXPECT_EQ(reply.kind, ReplyKind::line);
   EXPECT_TRUE(lines_of("s").empty());
   EXPECT_TRUE(lines_of("s\r").empty());
 }
@@ -123,7 +124,7 @@ TEST(ReplyParser, AnAnswerHasEightBytesOrTenAndThenNothing) {
   EXPECT_FALSE(parser.next());
   parser.feed(Bytes{0xFF, 'x'});
   const Reply reply = parser.next().value();
-  EXPECT_EQ(reply.kind, Kind::wheels);
+  EXPECT_EQ(reply.kind, ReplyKind::wheels);
   EXPECT_EQ(reply.taken, (WheelCommand{100, -200}));
   EXPECT_EQ(reply.encoders, (Encoders{0x0A0D, -200}));
   EXPECT_FALSE(parser.next());
@@ -155,7 +156,7 @@ TEST(ReplyParser, ChunksDoNotMatter) {
       RC_ASSERT(replies[i].kind == expected[i].kind);
       RC_ASSERT(replies[i].text == expected[i].text);
     }
-    RC_ASSERT(!replies.empty() && replies.back().kind == Kind::stopped);
+    RC_ASSERT(!replies.empty() && replies.back().kind == ReplyKind::stopped);
   });
 }
 

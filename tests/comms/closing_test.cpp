@@ -15,15 +15,14 @@
 
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"
+#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
 
 namespace skein::comms {
 namespace {
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using test::seconds;
 
 sockaddr_in here(int port) {
   sockaddr_in address{};

@@ -66,8 +66,8 @@ TEST(KheperaCodec, PulsesAreHundredthsOfASpeedTimesASecond) {
   EXPECT_FALSE(khepera_acknowledged(test::bytes("r,1,2\r\n$\r\n")));
 }
 
-struct Lab {
-  explicit Lab(LinkOptions options = {}) : session(options) {}
+struct KheperaLab {
+  explicit KheperaLab(LinkOptions options = {}) : session(options) {}
   std::string take() {
     const std::string out(session.output().begin(), session.output().end());
     session.sent(out.size(), now);
@@ -91,7 +91,7 @@ struct Lab {
 };
 
 TEST(KheperaSession, SendsOneLineAtATime) {
-  Lab lab({.battery_period = 1.0, .ask_version = true});
+  KheperaLab lab({.battery_period = 1.0, .ask_version = true});
   lab.session.opened(lab.now);
   EXPECT_EQ(lab.take(), "\nD,0,0\n");
   lab.session.received(test::bytes("d\r\n"), lab.now);
@@ -118,7 +118,7 @@ TEST(KheperaSession, SendsOneLineAtATime) {
 }
 
 TEST(KheperaSession, DrivesAndCounts) {
-  Lab lab;
+  KheperaLab lab;
   lab.session.opened(lab.now);
   lab.exchange();
   ASSERT_TRUE(lab.session.up());
@@ -134,7 +134,7 @@ TEST(KheperaSession, DrivesAndCounts) {
 }
 
 TEST(KheperaSession, ADThatAnswersWhatWasBrokenOffIsNoAcknowledgement) {
-  Lab lab;
+  KheperaLab lab;
   (void)ask(lab.robot, "D,100,10");  // what another host has left behind
   lab.session.opened(lab.now);
   lab.session.received(test::bytes(ask(lab.robot, lab.take())), lab.now);
@@ -146,7 +146,7 @@ TEST(KheperaSession, ADThatAnswersWhatWasBrokenOffIsNoAcknowledgement) {
 }
 
 TEST(KheperaSession, AVersionIsNoAcknowledgementOfAStop) {
-  Lab lab({.ask_version = true});
+  KheperaLab lab({.ask_version = true});
   lab.session.opened(lab.now);
   lab.session.received(test::bytes("b,A,1\r\n"), lab.now);  // what another host had asked
   EXPECT_FALSE(lab.session.up());
@@ -155,7 +155,7 @@ TEST(KheperaSession, AVersionIsNoAcknowledgementOfAStop) {
 }
 
 TEST(KheperaSession, WhatItDoesNotUnderstandLeadsToTheStop) {
-  Lab lab;
+  KheperaLab lab;
   lab.session.opened(lab.now);
   lab.exchange();
   lab.command(300, 300);

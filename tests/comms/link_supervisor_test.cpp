@@ -8,6 +8,7 @@
 
 #include "comms/emulator/pty_emulator.h"
 #include "comms/transport.h"
+#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
 
@@ -18,9 +19,7 @@ using core::MotorModel;
 using core::WheelSpeeds;
 using test::wait_until;
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using test::seconds;
 
 /// No stop by command silence and long patience: for tests of something else, on a machine that may be slow.
 constexpr LinkOptions patient{.reply_timeout = 5.0, .command_silence = 0.0, .heartbeat = 0.0};

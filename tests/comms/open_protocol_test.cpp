@@ -23,6 +23,7 @@
 #include "resources/robots/open_robot/open_robot.h"
 #include "tests/comms/bytes.h"
 #include "tests/comms/radio_faults.h"
+#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/fuzz/open_targets.h"
 
@@ -36,11 +37,9 @@ const core::RobotType& open_type() {
   return *core::find_robot_type("open");
 }
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using test::seconds;
 
-Bytes ask(OpenFirmware& robot, std::span<const std::uint8_t> request) {
+Bytes ask_open(OpenFirmware& robot, std::span<const std::uint8_t> request) {
   Bytes reply;
   robot.receive(request, reply);
   return reply;
@@ -72,50 +71,50 @@ TEST(OpenCodec, FramesAreTheDocumentsBytes) {
 
 TEST(OpenRobot, ObeysOnlyAfterAStopAndNothingOlderThanWhatItObeyed) {
   OpenFirmware robot(open_type());
-  EXPECT_TRUE(status_in(ask(robot, wheels(5, 100, 100))).refused);
+  EXPECT_TRUE(status_in(ask_open(robot, wheels(5, 100, 100))).refused);
   EXPECT_EQ(robot.told(), WheelSpeeds{});
-  EXPECT_FALSE(status_in(ask(robot, open_frame('X', 10))).booted);
-  EXPECT_EQ(status_in(ask(robot, wheels(11, 300, -200))).taken, (WheelCommand{300, -200}));
-  EXPECT_TRUE(status_in(ask(robot, wheels(11, 900, 900))).refused) << "the same number again";
-  EXPECT_TRUE(status_in(ask(robot, wheels(9, 900, 900))).refused) << "a datagram that was overtaken";
+  EXPECT_FALSE(status_in(ask_open(robot, open_frame('X', 10))).booted);
+  EXPECT_EQ(status_in(ask_open(robot, wheels(11, 300, -200))).taken, (WheelCommand{300, -200}));
+  EXPECT_TRUE(status_in(ask_open(robot, wheels(11, 900, 900))).refused) << "the same number again";
+  EXPECT_TRUE(status_in(ask_open(robot, wheels(9, 900, 900))).refused) << "a datagram that was overtaken";
   EXPECT_EQ(robot.told(), (WheelSpeeds{300, -200}));
-  EXPECT_FALSE(status_in(ask(robot, open_frame('X', 65535))).refused);
-  EXPECT_EQ(status_in(ask(robot, wheels(0, 10, 10))).taken, (WheelCommand{10, 10})) << "numbers wrap around";
+  EXPECT_FALSE(status_in(ask_open(robot, open_frame('X', 65535))).refused);
+  EXPECT_EQ(status_in(ask_open(robot, wheels(0, 10, 10))).taken, (WheelCommand{10, 10})) << "numbers wrap around";
 }
 
 TEST(OpenRobot, ItsWatchdogStopsIt200msAfterTheLastSpeeds) {
   OpenFirmware robot(open_type());
-  ask(robot, open_frame('X', 1));
-  ask(robot, wheels(2, 1000, 1000));
+  ask_open(robot, open_frame('X', 1));
+  ask_open(robot, wheels(2, 1000, 1000));
   robot.advance(0.15);
-  ask(robot, wheels(3, 1000, 1000));
+  ask_open(robot, wheels(3, 1000, 1000));
   robot.advance(0.19);
   EXPECT_EQ(robot.told(), (WheelSpeeds{1000, 1000}));
   robot.advance(0.0111);
   EXPECT_EQ(robot.told(), WheelSpeeds{});
-  const OpenStatus said = status_in(ask(robot, open_frame('Q', 4)));
+  const OpenStatus said = status_in(ask_open(robot, open_frame('Q', 4)));
   EXPECT_TRUE(said.timed_out);
   EXPECT_NEAR(said.encoders.left, 350, 2) << "it stood as soon as that, however late anybody looked";
   robot.advance(10.0);
-  EXPECT_NEAR(status_in(ask(robot, open_frame('Q', 5))).encoders.left, 350, 2);
-  ask(robot, wheels(6, 1000, 1000));
+  EXPECT_NEAR(status_in(ask_open(robot, open_frame('Q', 5))).encoders.left, 350, 2);
+  ask_open(robot, wheels(6, 1000, 1000));
   EXPECT_EQ(robot.told(), (WheelSpeeds{1000, 1000})) << "and goes on with the next command";
 }
 
 TEST(OpenRobot, ATwistIsTwoWheels) {
   OpenFirmware robot(open_type());  // 0.1 m between the wheels
-  ask(robot, open_frame('X', 1));
+  ask_open(robot, open_frame('X', 1));
   // 0.1 m/s, 1 rad/s: 0.05 m/s and 0.15 m/s.
-  ask(robot, open_frame('T', 2, Bytes{0xE8, 0x03, 0xE8, 0x03}));
+  ask_open(robot, open_frame('T', 2, Bytes{0xE8, 0x03, 0xE8, 0x03}));
   EXPECT_EQ(robot.told(), (WheelSpeeds{500, 1500}));
-  ask(robot, wheels(3, 32767, -32768));
+  ask_open(robot, wheels(3, 32767, -32768));
   EXPECT_EQ(robot.told(), (WheelSpeeds{5000, -5000})) << "no faster than it can";
 }
 
 TEST(OpenRobot, AStopIsObeyedInAnyVersionAndOthersAreToldWhichItSpeaks) {
   OpenFirmware robot(open_type());
-  ask(robot, open_frame('X', 1));
-  ask(robot, wheels(2, 500, 500));
+  ask_open(robot, open_frame('X', 1));
+  ask_open(robot, wheels(2, 500, 500));
   const auto of_version_2 = [](Bytes frame) {
     frame[2] = 2;
     const std::uint16_t sum = open_robot_crc(frame.data() + 2, frame.size() - 4);
@@ -124,13 +123,13 @@ TEST(OpenRobot, AStopIsObeyedInAnyVersionAndOthersAreToldWhichItSpeaks) {
     return frame;
   };
   OpenParser parser;
-  parser.feed(ask(robot, of_version_2(wheels(3, 900, 900))));
+  parser.feed(ask_open(robot, of_version_2(wheels(3, 900, 900))));
   const auto name = parser.next();
   ASSERT_TRUE(name);
   EXPECT_EQ(name->kind, 'h');
   EXPECT_EQ(std::string(name->payload.begin() + 6, name->payload.end()), "emulated");
   EXPECT_EQ(robot.told(), (WheelSpeeds{500, 500}));
-  ask(robot, of_version_2(open_frame('X', 4)));
+  ask_open(robot, of_version_2(open_frame('X', 4)));
   EXPECT_EQ(robot.told(), WheelSpeeds{});
 }
 
@@ -138,23 +137,23 @@ TEST(OpenRobot, AStopIsUnderstoodBehindAnyFrameThatWasBrokenOff) {
   const Bytes frame = wheels(2, 1000, 1000);
   for (std::size_t cut = 0; cut < frame.size(); ++cut) {
     OpenFirmware robot(open_type());
-    ask(robot, open_frame('X', 1));
-    ask(robot, std::span(frame).first(cut));
-    EXPECT_TRUE(open_acknowledged(ask(robot, open_stop()))) << cut;
+    ask_open(robot, open_frame('X', 1));
+    ask_open(robot, std::span(frame).first(cut));
+    EXPECT_TRUE(open_acknowledged(ask_open(robot, open_stop()))) << cut;
     EXPECT_EQ(robot.told(), WheelSpeeds{});
   }
 }
 
 /// A session and the robot, with the connection in the test's hands.
-struct Lab {
-  explicit Lab(LinkOptions options = {}) : session(options) {}
+struct OpenLab {
+  explicit OpenLab(LinkOptions options = {}) : session(options) {}
   Bytes take() {
     const Bytes out(session.output().begin(), session.output().end());
     session.sent(out.size(), now);
     return out;
   }
   void exchange() {
-    for (int k = 0; k < 8 && !session.output().empty(); ++k) session.received(ask(robot, take()), now);
+    for (int k = 0; k < 8 && !session.output().empty(); ++k) session.received(ask_open(robot, take()), now);
   }
   void pass(double dt) {
     robot.advance(dt);
@@ -176,7 +175,7 @@ struct Lab {
 };
 
 TEST(OpenSession, DrivesReadsAndKeepsTheWatchdogFed) {
-  Lab lab({.battery_period = 1.0, .ask_version = true});
+  OpenLab lab({.battery_period = 1.0, .ask_version = true});
   lab.open();
   for (int tick = 0; tick < 100; ++tick) {
     lab.command(1000, 500);
@@ -193,7 +192,7 @@ TEST(OpenSession, DrivesReadsAndKeepsTheWatchdogFed) {
 }
 
 TEST(OpenSession, ALostDatagramCostsNothing) {
-  Lab lab;
+  OpenLab lab;
   lab.open();
   core::Random random(7, 0);
   int lost = 0;
@@ -204,7 +203,7 @@ TEST(OpenSession, ALostDatagramCostsNothing) {
       const bool there = random.uniform() < 0.9, back = random.uniform() < 0.9;
       lost += !there || !back;
       if (!there) continue;
-      const Bytes reply = ask(lab.robot, request);
+      const Bytes reply = ask_open(lab.robot, request);
       if (back) lab.session.received(reply, lab.now);
     }
     lab.pass(0.04);
@@ -215,13 +214,13 @@ TEST(OpenSession, ALostDatagramCostsNothing) {
 }
 
 TEST(OpenSession, ARobotThatRestartsIsStoppedFirst) {
-  Lab lab;
+  OpenLab lab;
   lab.open();
   lab.command(1000, 1000);
   lab.exchange();
   lab.robot.boot();
   lab.command(1001, 1000);
-  lab.session.received(ask(lab.robot, lab.take()), lab.now);
+  lab.session.received(ask_open(lab.robot, lab.take()), lab.now);
   EXPECT_FALSE(lab.session.up());
   EXPECT_EQ(lab.session.status(lab.now).reason, "the robot restarted");
   lab.exchange();

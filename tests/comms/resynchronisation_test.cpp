@@ -85,11 +85,11 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Resynchronisation,
                                          Kind{MotorModel::epuck2, EpuckProgram::asercom},
                                          Kind{MotorModel::epuck2, EpuckProgram::wifi}));
 
-constexpr LinkOptions patient{.reply_timeout = 0.2, .stop_repeat = 0.2, .command_silence = 0.0};
+constexpr LinkOptions patient_link{.reply_timeout = 0.2, .stop_repeat = 0.2, .command_silence = 0.0};
 
 std::unique_ptr<LinkSession> session_of(EpuckProgram protocol) {
-  if (protocol == EpuckProgram::wifi) return std::make_unique<WifiSession>(patient);
-  return std::make_unique<AsercomSession>(patient);
+  if (protocol == EpuckProgram::wifi) return std::make_unique<WifiSession>(patient_link);
+  return std::make_unique<AsercomSession>(patient_link);
 }
 
 TEST_P(Resynchronisation, StopsARobotAfterAnythingAtAll) {

@@ -6,6 +6,7 @@
 #include "comms/link_supervisor.h"
 #include "comms/wifi_session.h"
 #include "tests/comms/bytes.h"
+#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
 
@@ -92,8 +93,8 @@ TEST(WifiCodec, WhatIsNoPacketIsNoticed) {
 }
 
 /// A session and an emulated robot, with the connection between them in the test's hands.
-struct Lab {
-  explicit Lab(LinkOptions options = {}) : session(options) {}
+struct WifiLab {
+  explicit WifiLab(LinkOptions options = {}) : session(options) {}
   Bytes take() {
     const Bytes out(session.output().begin(), session.output().end());
     session.sent(out.size(), now);
@@ -129,7 +130,7 @@ struct Lab {
 };
 
 TEST(WifiSession, StopsFirstAndIsUpWhenTheCountersStand) {
-  Lab lab;
+  WifiLab lab;
   lab.session.opened(lab.now);
   EXPECT_EQ(lab.take(), the_stop);
   const auto packet = [&](std::int16_t steps) {
@@ -152,7 +153,7 @@ TEST(WifiSession, StopsFirstAndIsUpWhenTheCountersStand) {
 }
 
 TEST(WifiSession, DrivesCountsAndReadsTheBattery) {
-  Lab lab;
+  WifiLab lab;
   lab.robot.set_battery(3.6);
   lab.open();
   for (int k = 0; k < 50; ++k) {
@@ -172,7 +173,7 @@ TEST(WifiSession, DrivesCountsAndReadsTheBattery) {
 }
 
 TEST(WifiSession, APacketThatNobodyAskedForIsWhatTheRobotDoes) {
-  Lab lab;
+  WifiLab lab;
   lab.open();
   lab.rounds(1000);  // 22 s without a command
   EXPECT_TRUE(lab.session.up());
@@ -181,7 +182,7 @@ TEST(WifiSession, APacketThatNobodyAskedForIsWhatTheRobotDoes) {
 }
 
 TEST(WifiSession, CommandSilenceIsAStop) {
-  Lab lab;
+  WifiLab lab;
   lab.open();
   lab.command(500, 500);
   lab.rounds(4);
@@ -193,7 +194,7 @@ TEST(WifiSession, CommandSilenceIsAStop) {
 
 TEST(WifiSession, AStopBehindAPacketThatIsHalfWrittenKeepsThePacketsApart) {
   for (std::size_t written = 0; written <= wifi_command_size; ++written) {
-    Lab lab;
+    WifiLab lab;
     lab.open();
     lab.command(500, 500);
     Bytes packet;
@@ -212,7 +213,7 @@ TEST(WifiSession, AStopBehindAPacketThatIsHalfWrittenKeepsThePacketsApart) {
 
 /// The firmware has about ten sockets and never closes one: a robot that pauses keeps its connection.
 TEST(WifiSession, APauseOfTheStreamStopsTheRobotAndKeepsTheConnection) {
-  Lab lab({.command_silence = 0.0});
+  WifiLab lab({.command_silence = 0.0});
   lab.open();
   lab.command(400, 400);
   lab.rounds(4);
@@ -243,7 +244,7 @@ TEST(WifiFirmware, OfFiveWaitingCommandsOnlyTheNewestIsCarriedOut) {
 
 TEST(WifiSession, AnyChunksAnyCommandsAnyStopsEndStandingAndUp) {
   test::holds("whatever the order of events, one stop stops the robot", [] {
-    Lab lab({.command_silence = 0.0});
+    WifiLab lab({.command_silence = 0.0});
     lab.session.opened(lab.now);
     std::deque<std::uint8_t> to_robot, to_host;
     const auto carry = [&](std::deque<std::uint8_t>& way, std::size_t most) {
@@ -293,9 +294,7 @@ TEST(WifiSession, AnyChunksAnyCommandsAnyStopsEndStandingAndUp) {
 // --- Over TCP
 // ---------------------------------------------------------------------------------------------------------
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using test::seconds;
 
 class OverTcp : public testing::Test {
  protected:

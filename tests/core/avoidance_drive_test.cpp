@@ -16,9 +16,9 @@ namespace {
 using core::Pose;
 using core::Twist;
 
-/// One tick of everything in core, in the order of the control tick, with perfect measurements. Returns the least
-/// distance between two robots.
-double tick(Encounter& e, core::Shield* shield) {
+/// One encounter_tick of everything in core, in the order of the control encounter_tick, with perfect measurements.
+/// Returns the least distance between two robots.
+double encounter_tick(Encounter& e, core::Shield* shield) {
   for (auto& point : e.nominal) point.pose = core::advance(point.pose, point.twist, e.dt);
   e.step();
   const std::vector<Twist> reference = e.twists();
@@ -57,7 +57,7 @@ TEST(AvoidanceDrive, TwoOnACollisionCourseWouldCollideWithoutIt) {
   Encounter e = crossing(0.5 * core::pi, 0.05, 0.01);
   e.parameters.enabled = false;
   double least = 1e9;
-  for (int k = 0; k < 600; ++k) least = std::min(least, tick(e, nullptr));
+  for (int k = 0; k < 600; ++k) least = std::min(least, encounter_tick(e, nullptr));
   EXPECT_LT(least, 2.0 * core::standard_radius);
 }
 
@@ -69,7 +69,7 @@ TEST(AvoidanceDrive, TwoOnACollisionCoursePassAndReturn) {
       double least = 1e9;
       bool avoided = false;
       for (int k = 0; k < 3000; ++k) {  // two minutes
-        least = std::min(least, tick(e, &shield));
+        least = std::min(least, encounter_tick(e, &shield));
         avoided |= e.avoidance.state(0) == core::Avoidance::State::avoiding;
       }
       EXPECT_TRUE(avoided) << angle << ", " << late;
@@ -91,10 +91,10 @@ TEST(AvoidanceDrive, ARobotRoundsAnObstacleOrWaits) {
     core::Shield shield(1, 1);
     double least = 1e9;
     for (int k = 0; k < 1500; ++k) {
-      tick(e, &shield);
+      encounter_tick(e, &shield);
       least = std::min(least, std::hypot(e.poses[0].x, e.poses[0].y - side) - 0.04 - core::standard_radius);
     }
-    EXPECT_GE(least, 0.006) << "8 mm less what turning within a tick costs; side " << side;
+    EXPECT_GE(least, 0.006) << "8 mm less what turning within a encounter_tick costs; side " << side;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/simulation/individual_robot.h"
+#include "lab.h"
 
 namespace skein::test {
 namespace {
@@ -21,8 +22,6 @@ using core::MotorModel;
 using core::Random;
 using core::Twist;
 using core::Unknown;
-
-constexpr double tick = 0.04;
 
 double truth_of(const Individual& robot, Unknown unknown) {
   switch (unknown) {
@@ -71,14 +70,14 @@ IdentificationInput driven(const Individual& individual, std::uint64_t seed, dou
   IdentificationInput input;
   IndividualRobot robot(individual, MotorModel::epuck2, seed);
   core::WheelLog log(MotorModel::epuck2);
-  for (int k = 0; k * tick < seconds; ++k) {
+  for (int k = 0; k * dt < seconds; ++k) {
     if (const auto seen = robot.see()) input.poses.push_back({seen->captured_at, seen->pose});
-    const core::WheelSpeeds speeds = input.believed.wheels(told(k * tick));
+    const core::WheelSpeeds speeds = input.believed.wheels(told(k * dt));
     const core::WheelSpeeds whole{core::nearest_command(MotorModel::epuck2, speeds.left),
                                   core::nearest_command(MotorModel::epuck2, speeds.right)};
     robot.command(whole);
-    log.command(k * tick, whole);
-    robot.step(tick);
+    log.command(k * dt, whole);
+    robot.step(dt);
   }
   input.wheels = std::move(log).finish(seconds);
   return input;

@@ -8,6 +8,7 @@
 
 #include "core/kinematics/unicycle.h"
 #include "draw.h"
+#include "lab.h"
 
 namespace skein::test {
 namespace {
@@ -17,9 +18,6 @@ using core::Pose;
 using core::ReferencePoint;
 using core::Route;
 using core::Twist;
-
-constexpr double dt = 0.04;
-constexpr core::HalfSize arena{1.0, 0.75};
 
 /// Robots on a circle, each 12 cm of arc behind the next.
 class Ring final : public core::Reference {

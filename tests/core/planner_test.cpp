@@ -14,6 +14,7 @@
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
 #include "draw.h"
+#include "lab.h"
 
 namespace skein::test {
 namespace {
@@ -26,9 +27,6 @@ using core::Pose;
 using core::ReferencePoint;
 using core::Route;
 using core::Twist;
-
-constexpr double dt = 0.04;  // 25 Hz
-constexpr core::HalfSize arena{1.0, 0.75};
 
 /// From a start to a place on a straight line, from rest to rest.
 class Lines final : public core::Reference {
@@ -219,9 +217,9 @@ TEST(RouteSearch, SaysWhereThereIsNoWay) {
   EXPECT_EQ(search.status(), core::RouteSearch::Status::none);
 }
 
-class Crowd : public testing::TestWithParam<std::size_t> {};
+class ManyRobots : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(Crowd, EverybodyArrivesAndNobodyTouchesOrLeaves) {
+TEST_P(ManyRobots, EverybodyArrivesAndNobodyTouchesOrLeaves) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Outcome o = run(crowd(GetParam(), seed));
     EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
@@ -232,7 +230,7 @@ TEST_P(Crowd, EverybodyArrivesAndNobodyTouchesOrLeaves) {
     EXPECT_LE(o.most_turning, 0.95 * 1.7) << "(18g)";
   }
 }
-INSTANTIATE_TEST_SUITE_P(Sizes, Crowd, testing::Values(4, 12, 20, 30));
+INSTANTIATE_TEST_SUITE_P(Sizes, ManyRobots, testing::Values(4, 12, 20, 30));
 
 TEST(Planner, RepeatsToTheBit) {
   const Outcome first = run(crowd(16, 7)), again = run(crowd(16, 7));

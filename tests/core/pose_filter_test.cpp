@@ -8,6 +8,7 @@
 #include "core/kinematics/unicycle.h"
 #include "core/simulation/simulated_robot.h"
 #include "draw.h"
+#include "lab.h"
 #include "tests/property.h"
 
 namespace skein::test {
@@ -19,8 +20,6 @@ using core::Measurement;
 using core::Pose;
 using core::PoseFilter;
 using core::SimulatedRobot;
-
-constexpr double dt = 0.04;
 
 /// A robot that drives about at random, its filter, and how both do.
 struct Drive {

@@ -8,6 +8,7 @@
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
 #include "draw.h"
+#include "lab.h"
 #include "tests/property.h"
 
 namespace skein::test {
@@ -19,17 +20,18 @@ using core::Shield;
 using core::ShieldParameters;
 using core::Twist;
 
-constexpr double dt = 0.04;  // 25 Hz
 const ShieldParameters parameters;
 const CommandLimits limits;
 
-/// The heading that the shield is told: the one at the start of the tick, or that of the chord which the robot drives
-/// within it, half the tick's turn further. With the latter its conditions are exact for the sampled robot.
+/// The heading that the shield is told: the one at the start of the drive_tick, or that of the chord which the robot
+/// drives within it, half the drive_tick's turn further. With the latter its conditions are exact for the sampled
+/// robot.
 enum class Heading { at_start, of_chord };
 
-/// One tick: commands through limits and shield, then exact arcs. Returns the least distance of any two afterwards.
-double tick(Shield& shield, std::vector<Pose>& poses, std::vector<Twist>& commands,
-            Heading heading = Heading::at_start) {
+/// One drive_tick: commands through limits and shield, then exact arcs. Returns the least distance of any two
+/// afterwards.
+double drive_tick(Shield& shield, std::vector<Pose>& poses, std::vector<Twist>& commands,
+                  Heading heading = Heading::at_start) {
   const std::size_t n = poses.size();
   std::vector<double> v_limit(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -71,7 +73,7 @@ double least_distance(HeadOn two, Heading heading) {
   double least = 1e9;
   for (int k = 0; k < 250; ++k) {  // 10 s
     std::vector<Twist> commands{{0.1, two.omega[0]}, {0.1, two.omega[1]}};
-    least = std::min(least, tick(shield, two.poses, commands, heading));
+    least = std::min(least, drive_tick(shield, two.poses, commands, heading));
   }
   return least;
 }
@@ -84,8 +86,9 @@ TEST(ShieldDrive, TwoHeadOnAtFullSpeedStopInTime) {
 }
 
 TEST(ShieldDrive, TwoHeadOnThatTurnLoseLittle) {
-  // Each time a robot turns through the direction across the line between the two, the tick in which it does so may
-  // close v omega dt^2 / 2 = 0.14 mm that its heading at the start did not tell; 10 s of circling add a few of these.
+  // Each time a robot turns through the direction across the line between the two, the drive_tick in which it does so
+  // may close v omega dt^2 / 2 = 0.14 mm that its heading at the start did not tell; 10 s of circling add a few of
+  // these.
   holds("turning all the time, they never come within D - 3 mm", [] {
     Draw draw(any_seed());
     const double least = least_distance(random_head_on(draw, true), Heading::at_start);
@@ -95,7 +98,7 @@ TEST(ShieldDrive, TwoHeadOnThatTurnLoseLittle) {
 }
 
 TEST(ShieldDrive, TwoHeadOnThatTurnLoseNothingWithTheHeadingOfTheChord) {
-  holds("told the heading half a tick's turn ahead, they never come within D", [] {
+  holds("told the heading half a drive_tick's turn ahead, they never come within D", [] {
     Draw draw(any_seed());
     const double least = least_distance(random_head_on(draw, true), Heading::of_chord);
     RC_LOG() << "least distance " << least << " m\n";
@@ -108,7 +111,7 @@ TEST(ShieldDrive, ExactlyHeadOnTheyStopAtD) {
   Shield shield(2, 0);
   for (int k = 0; k < 1000; ++k) {
     std::vector<Twist> commands{{0.1, 0.0}, {0.1, 0.0}};
-    tick(shield, poses, commands);
+    drive_tick(shield, poses, commands);
     ASSERT_GE(core::distance(poses[0], poses[1]), parameters.distance - 1e-9);
   }
   EXPECT_NEAR(core::distance(poses[0], poses[1]), parameters.distance, 1e-6) << "and no sooner than they must";
@@ -131,7 +134,7 @@ double erratic_crowd(std::uint64_t seed, Heading heading) {
         const double home = std::atan2(0.12 - poses[i].y, 0.12 - poses[i].x);
         commands[i] = {0.1, 4.0 * core::wrap_angle(home - poses[i].theta)};
       }
-    least = std::min(least, tick(shield, poses, commands, heading));
+    least = std::min(least, drive_tick(shield, poses, commands, heading));
   }
   return least;
 }
@@ -152,7 +155,7 @@ TEST(ShieldDrive, ARobotThatIsTooNearIsFreeToLeave) {
   std::vector<Pose> poses{{0.0, 0.0, 0.0}, {0.072, 0.0, core::pi}};  // nose to nose, 6 mm too near
   Shield shield(2, 0);
   std::vector<Twist> commands{{-0.1, 0.0}, {0.0, 0.0}};
-  tick(shield, poses, commands);
+  drive_tick(shield, poses, commands);
   EXPECT_EQ(commands[0].v, -0.1);
   EXPECT_NEAR(core::distance(poses[0], poses[1]), 0.076, 1e-12);
 }

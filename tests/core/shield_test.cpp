@@ -27,11 +27,11 @@ Shielded shield(const Crowd& crowd) {
 
 // A change below 1e-9 m/s is not made (see `touched`), by either robot of a pair, and a condition broken by less counts
 // as held.
-constexpr double rounding = 4e-9;
+constexpr double shield_rounding = 4e-9;
 
 void keeps_its_promises(const Crowd& crowd) {
   const Shielded result = shield(crowd);
-  RC_ASSERT(violation(conditions(crowd), speeds(result.commands)) <= rounding);
+  RC_ASSERT(violation(conditions(crowd), speeds(result.commands)) <= shield_rounding);
   for (std::size_t i = 0; i < crowd.robots(); ++i) {
     RC_ASSERT(std::abs(result.commands[i].v) <= crowd.v_limit[i]);
     RC_ASSERT(result.commands[i].omega == crowd.wanted[i].omega);

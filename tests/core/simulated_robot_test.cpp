@@ -8,6 +8,7 @@
 
 #include "core/kinematics/unicycle.h"
 #include "draw.h"
+#include "lab.h"
 #include "tests/property.h"
 
 namespace skein::test {
@@ -20,7 +21,6 @@ using core::MotorModel;
 using core::Pose;
 using core::SimulatedRobot;
 
-constexpr double tick = 0.04;
 constexpr Imperfection every_fault{0.003, 0.02, 0.08, 0.1, 0.05};
 
 struct Trace {
@@ -32,9 +32,9 @@ Trace drive(std::uint64_t seed, std::uint64_t stream, const Imperfection& imperf
   SimulatedRobot robot({}, MotorModel::epuck1, imperfection, seed, stream);
   Trace trace;
   for (int k = 0; k < ticks; ++k) {
-    trace.measured.push_back(robot.measure(tick * k));
+    trace.measured.push_back(robot.measure(dt * k));
     robot.command({300.0 + k, 500.0 - 2.0 * k});
-    robot.step(tick);
+    robot.step(dt);
     trace.truth.push_back(robot.pose());
   }
   return trace;
@@ -81,12 +81,12 @@ TEST(SimulatedRobot, OfIdealMakeIsWhereTheArcsLead) {
   Pose expected = robot.pose();
   for (int k = 0; k < 100; ++k) {
     robot.command({100.5 + k, 350.25 - k});
-    robot.step(tick);
-    expected = core::advance(expected, DifferentialDrive{}.twist({100.5 + k, 350.25 - k}), tick);
+    robot.step(dt);
+    expected = core::advance(expected, DifferentialDrive{}.twist({100.5 + k, 350.25 - k}), dt);
     EXPECT_EQ(robot.pose(), expected);
-    const Measurement seen = robot.measure(tick * (k + 1));
+    const Measurement seen = robot.measure(dt * (k + 1));
     EXPECT_EQ(seen.pose, robot.pose());
-    EXPECT_EQ(seen.captured_at, tick * (k + 1));
+    EXPECT_EQ(seen.captured_at, dt * (k + 1));
   }
 }
 
@@ -103,7 +103,7 @@ TEST(SimulatedRobot, DeliversPosesWholeTicksLate) {
         if (k < late) {
           ASSERT_LT(newest.captured_at, -1e8) << "nothing has arrived yet";
         } else {
-          ASSERT_EQ(newest.captured_at, (k - late) / rate) << "rate " << rate << ", late by " << late << ", tick " << k;
+          ASSERT_EQ(newest.captured_at, (k - late) / rate) << "rate " << rate << ", late by " << late << ", dt " << k;
           ASSERT_EQ(newest.pose, stood_at[static_cast<std::size_t>(k - late)]);
         }
         robot.step(1.0 / rate);
@@ -112,11 +112,11 @@ TEST(SimulatedRobot, DeliversPosesWholeTicksLate) {
 }
 
 TEST(SimulatedRobot, RoundsALatencyBetweenTicksUp) {
-  SimulatedRobot robot({}, MotorModel::ideal, {.latency = 1.5 * tick}, 1, 0);
+  SimulatedRobot robot({}, MotorModel::ideal, {.latency = 1.5 * dt}, 1, 0);
   for (int k = 0; k < 50; ++k) {
-    const Measurement newest = robot.measure(tick * k);
+    const Measurement newest = robot.measure(dt * k);
     if (k >= 2) {
-      ASSERT_EQ(newest.captured_at, tick * (k - 2));
+      ASSERT_EQ(newest.captured_at, dt * (k - 2));
     }
   }
 }
@@ -126,7 +126,7 @@ TEST(SimulatedRobot, LosesTheShareOfMeasurementsAskedFor) {
   for (const double dropout : {0.0, 0.05, 0.3, 0.9, 1.0}) {
     SimulatedRobot robot({}, MotorModel::ideal, {.dropout = dropout}, 9, 0);
     int fresh = 0;
-    for (int k = 0; k < count; ++k) fresh += robot.measure(tick * k).captured_at == tick * k;
+    for (int k = 0; k < count; ++k) fresh += robot.measure(dt * k).captured_at == dt * k;
     // Five standard deviations of a binomial count.
     EXPECT_NEAR(fresh, (1.0 - dropout) * count, 5.0 * std::sqrt(dropout * (1.0 - dropout) * count)) << dropout;
   }
@@ -139,17 +139,17 @@ TEST(SimulatedRobot, KeepsTheLastPoseWhileMeasurementsAreLost) {
   double last = -1e9;
   for (int k = 0; k < 1000; ++k) {
     stood_at.push_back(robot.pose());
-    const Measurement newest = robot.measure(tick * k);
+    const Measurement newest = robot.measure(dt * k);
     ASSERT_GE(newest.captured_at, last) << "never an older pose after a newer one";
-    ASSERT_LE(newest.captured_at, tick * k - 0.08 + 1e-9);
+    ASSERT_LE(newest.captured_at, dt * k - 0.08 + 1e-9);
     if (newest.captured_at >= 0.0) {
-      const auto captured = static_cast<std::size_t>(std::lround(newest.captured_at / tick));
+      const auto captured = static_cast<std::size_t>(std::lround(newest.captured_at / dt));
       ASSERT_EQ(newest.pose, stood_at[captured]) << "pose and capture time belong together";
     }
     last = newest.captured_at;
-    robot.step(tick);
+    robot.step(dt);
   }
-  EXPECT_GT(last, 900 * tick);
+  EXPECT_GT(last, 900 * dt);
 }
 
 TEST(SimulatedRobot, AddsNoiseOfTheSizeAskedFor) {
@@ -158,7 +158,7 @@ TEST(SimulatedRobot, AddsNoiseOfTheSizeAskedFor) {
   robot.place({0.5, -0.5, core::pi});  // on the seam of the headings
   double x = 0.0, y = 0.0, theta = 0.0, mean_x = 0.0, cross = 0.0;
   for (int k = 0; k < count; ++k) {
-    const Pose seen = robot.measure(tick * k).pose;
+    const Pose seen = robot.measure(dt * k).pose;
     ASSERT_GT(seen.theta, -core::pi);
     ASSERT_LE(seen.theta, core::pi);
     const double dx = seen.x - 0.5, dy = seen.y + 0.5;
@@ -178,11 +178,11 @@ TEST(SimulatedRobot, SlipsByTheShareAskedFor) {
   constexpr int count = 40000;
   SimulatedRobot robot({}, MotorModel::ideal, {.slip = 0.1}, 6, 0);
   robot.command({400.0, 400.0});
-  const double way = 400.0 * DifferentialDrive{}.metres_per_step() * tick;
+  const double way = 400.0 * DifferentialDrive{}.metres_per_step() * dt;
   double spread = 0.0, turn = 0.0;
   for (int k = 0; k < count; ++k) {
     robot.place({});
-    robot.step(tick);
+    robot.step(dt);
     spread += std::pow(robot.pose().x / way - 1.0, 2);
     turn += std::pow(robot.pose().theta, 2);
   }
@@ -190,7 +190,7 @@ TEST(SimulatedRobot, SlipsByTheShareAskedFor) {
   EXPECT_NEAR(std::sqrt(spread / count), 0.1 / std::sqrt(2.0), 0.1 * 0.018);
   EXPECT_NEAR(std::sqrt(turn / count), std::sqrt(2.0) * 0.1 * way / 0.053, 0.018 * 0.142 * way / 0.053);
   SimulatedRobot still({}, MotorModel::ideal, {.slip = 0.1}, 6, 0);
-  still.step(tick);
+  still.step(dt);
   EXPECT_EQ(still.pose(), Pose{}) << "wheels that stand do not slip";
 }
 
@@ -199,13 +199,13 @@ TEST(SimulatedRobot, SlipsAndSeesIndependently) {
   constexpr int count = 10000;
   SimulatedRobot robot({}, MotorModel::ideal, {.pose_noise = 0.002, .slip = 0.1}, 8, 0);
   robot.command({400.0, 400.0});
-  const double way = 400.0 * DifferentialDrive{}.metres_per_step() * tick;
+  const double way = 400.0 * DifferentialDrive{}.metres_per_step() * dt;
   double product = 0.0;
   for (int k = 0; k < count; ++k) {
     robot.place({});
-    robot.step(tick);
+    robot.step(dt);
     const double slip = (robot.pose().x / way - 1.0) / (0.1 / std::sqrt(2.0));
-    const double noise = (robot.measure(tick * k).pose.x - robot.pose().x) / 0.002;
+    const double noise = (robot.measure(dt * k).pose.x - robot.pose().x) / 0.002;
     product += slip * noise;
   }
   EXPECT_NEAR(product / count, 0.0, 5.0 / std::sqrt(count));
@@ -229,7 +229,7 @@ TEST(SimulatedRobot, AHandStopsASlide) {
   SimulatedRobot robot({}, MotorModel::ideal, {}, 1, 0);
   robot.kick(0.5, 0.0);
   robot.place({0.1, 0.2, 0.0});
-  robot.step(tick);
+  robot.step(dt);
   EXPECT_EQ(robot.pose(), (Pose{0.1, 0.2, 0.0}));
 }
 

@@ -10,6 +10,7 @@
 #include "core/kinematics/unicycle.h"
 #include "core/safety/shield.h"
 #include "draw.h"
+#include "lab.h"
 #include "tests/property.h"
 
 namespace skein::test {
@@ -19,8 +20,6 @@ using core::Pose;
 using core::ShieldParameters;
 using core::Sizes;
 using core::Twist;
-
-constexpr double dt = 0.04;
 
 /// Robots that all drive at full speed to where they look, for some seconds: the least gap that a pair had beside the
 /// one that it must keep, and the farthest that a body was over the edge. [m]

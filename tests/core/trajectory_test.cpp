@@ -47,7 +47,7 @@ TEST(Travel, TakesNoLongerThanItMust) {
   EXPECT_EQ(Travel(0.0, 0.1, 0.1).duration(), 0.0);
 }
 
-std::vector<Point> random_points(Draw& draw) {
+std::vector<Point> random_waypoints(Draw& draw) {
   std::vector<Point> points;
   const int n = static_cast<int>(draw.whole(3, 7));
   // Ever further to the right: no corner turns back.
@@ -58,7 +58,7 @@ std::vector<Point> random_points(Draw& draw) {
 TEST(OpenPath, RunsFromItsFirstPointToItsLastAtUnitSpeed) {
   holds("an open polyline and an open spline", [] {
     Draw draw(any_seed());
-    const std::vector<Point> points = random_points(draw);
+    const std::vector<Point> points = random_waypoints(draw);
     const bool line = draw.chance(0.5);
     std::shared_ptr<const core::Path> path;
     if (line)

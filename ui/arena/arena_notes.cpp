@@ -1,5 +1,4 @@
 // What is written and drawn over the arena: what a gesture would do, ruler, scale, legend, banner.
-#include <QCoreApplication>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,15 +6,9 @@
 #include "ui/arena/arena_painter.h"
 #include "ui/arena/arena_pens.h"
 #include "ui/base/modes.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
-namespace {
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("ArenaPainter", text);
-}
-
-}  // namespace
 
 void ArenaPainter::ghost() {
   if (!scene_.ghost) return;

@@ -1,6 +1,5 @@
 #include "ui/arena/arena_painter.h"
 
-#include <QCoreApplication>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,15 +8,12 @@
 #include "ui/arena/arena_other.h"
 #include "ui/arena/arena_pens.h"
 #include "ui/base/modes.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
 namespace {
 
 constexpr std::size_t many = 8;  // robots: of more, thin lines
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("ArenaPainter", text);
-}
 
 }  // namespace
 

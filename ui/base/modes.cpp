@@ -1,16 +1,10 @@
 #include "ui/base/modes.h"
 
-#include <QCoreApplication>
 #include <QStringList>
 
+#include "ui/base/tr.h"
+
 namespace skein::ui {
-namespace {
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("modes", text);
-}
-
-}  // namespace
 
 ModeLook look(std::uint8_t mode, const Colours& c) {
   if (mode & app::lost) return {app::lost, QStringLiteral("?"), tr("lost"), c.alarm};

@@ -1,25 +1,18 @@
 #include "ui/base/why.h"
+#include "ui/base/place.h"
+#include "ui/base/tr.h"
 
-#include <QCoreApplication>
 #include <cmath>
 #include <optional>
 
 namespace skein::ui {
 namespace {
 
-QString tr(const char* text) {
-  return QCoreApplication::translate("why", text);
-}
-
 QString speed(double v) {
   return tr("%1 m/s").arg(v, 0, 'f', 3);
 }
 QString turning(double omega) {
   return tr("%1 rad/s").arg(omega, 0, 'f', 2);
-}
-
-core::Pose place(const app::RobotRecord& robot) {
-  return std::isfinite(robot.truth.x) ? robot.truth : robot.pose;
 }
 
 /// The robot that is nearest, and how far away it is, in words; empty: there is no other whose place is known.

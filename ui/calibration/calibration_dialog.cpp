@@ -13,7 +13,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int frame_ms = 50;
+constexpr int picture_ms = 50;
 constexpr double good_error = 0.5;      // [px]: a lens and a flat board do better
 constexpr double enough_covered = 0.6;  // of the picture: distortion is a guess elsewhere
 
@@ -234,7 +234,7 @@ void CalibrationDialog::look() {
   calibration_.reset();  // before the new one: both want the same camera
   calibration_ = std::make_unique<app::CameraCalibration>(camera(), board);
   note_.clear();
-  timer_.start(frame_ms);
+  timer_.start(picture_ms);
   refresh();
 }
 

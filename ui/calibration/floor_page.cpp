@@ -10,7 +10,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int look_ms = 100;
+constexpr int survey_ms = 100;
 
 QPushButton* button(QWidget* parent, const QString& text, const QString& name, const QString& tip) {
   auto* made = new QPushButton(text, parent);
@@ -178,7 +178,7 @@ void FloorPage::look(const app::CalibratedCamera& camera, const QString& calibra
   question.tag_size = 1e-3 * size_->value();
   question.tag_height = 1e-3 * height_->value();
   survey_ = std::async(std::launch::async, [question, this] { return app::survey_floor(question, ends_); });
-  timer_.start(look_ms);
+  timer_.start(survey_ms);
 }
 
 void FloorPage::refuse(const QString& why) {

@@ -1,19 +1,15 @@
 #include "ui/gains/gain_presets.h"
 
-#include <QCoreApplication>
 #include <QSettings>
 #include <QStringList>
 
 #include "ui/base/settings.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
 namespace {
 
 const QString group = QStringLiteral("gain_presets");
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("GainPresets", text);
-}
 
 std::array<double, 3> largest(const core::CouplingGains& gains) {
   return {gains.k_xx.largest(), gains.k_tt.largest(), gains.k_yy.largest()};

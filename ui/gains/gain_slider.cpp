@@ -14,7 +14,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int rest_ms = 120;
+constexpr int settle_ms = 120;
 constexpr int taken_ms = 1000;  // the session has taken a wish by then, and says where the gain goes
 constexpr double room_beyond_border = 1.25;
 
@@ -166,7 +166,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   layout->setColumnStretch(1, 1);
 
   rest_.setSingleShot(true);
-  rest_.setInterval(rest_ms);
+  rest_.setInterval(settle_ms);
   connect(&rest_, &QTimer::timeout, this, [this] {
     asked_.start();
     emit wanted(gain_, spin_->value());

@@ -1,15 +1,8 @@
 #include "ui/main/help.h"
 
-#include <QCoreApplication>
+#include "ui/base/tr.h"
 
 namespace skein::ui {
-namespace {
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("help", text);
-}
-
-}  // namespace
 
 QString shortcuts_text() {
   const QString row = QStringLiteral(

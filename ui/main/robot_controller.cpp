@@ -5,17 +5,10 @@
 #include <cmath>
 
 #include "ui/arena/arena_scene.h"
+#include "ui/base/place.h"
 #include "ui/robots/robot_buttons.h"
 
 namespace skein::ui {
-namespace {
-
-/// Where a robot is: the truth where there is one.
-core::Pose place(const app::RobotRecord& robot) {
-  return std::isfinite(robot.truth.x) ? robot.truth : robot.pose;
-}
-
-}  // namespace
 
 RobotController::RobotController(Runs& runs, const Messages& messages, RobotButtons* buttons, QObject* parent)
     : QObject(parent), runs_(runs), messages_(messages), buttons_(buttons) {

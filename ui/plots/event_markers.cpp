@@ -7,8 +7,8 @@
 namespace skein::ui {
 namespace {
 
-constexpr std::size_t most = 200;  // each is a line in every plot
-constexpr double reach = 5.0;      // [px]
+constexpr std::size_t most_markers = 200;  // each is a line in every plot
+constexpr double reach = 5.0;              // [px]
 
 }  // namespace
 
@@ -19,7 +19,7 @@ void EventMarkers::add(double t, const QString& text, const QColor& colour) {
   }
   markers_.push_back({t, text, colour, {}});
   draw(markers_.back());
-  while (markers_.size() > most) remove_first();
+  while (markers_.size() > most_markers) remove_first();
 }
 
 void EventMarkers::draw(Marker& marker) {

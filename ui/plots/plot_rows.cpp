@@ -1,9 +1,9 @@
 #include "ui/plots/plot_rows.h"
 
-#include <QCoreApplication>
 #include <algorithm>
 
 #include "core/geometry/pose.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
 namespace {
@@ -17,10 +17,6 @@ std::vector<double> limits_of(const app::Experiment& experiment, Limit&& limit) 
     if (std::find(all.begin(), all.end(), most) == all.end()) all.insert(all.end(), {-most, most});
   }
   return all;
-}
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("PlotRows", text);
 }
 
 using app::TickRecord;

@@ -22,10 +22,6 @@ QString difference(const std::optional<double>& here, const std::optional<double
                      : ResultPanel::tr("%1 s later").arg(later, 0, 'f', 2);
 }
 
-QString centimetres(double metres) {
-  return std::isfinite(metres) ? ResultPanel::tr("%1 cm").arg(100 * metres, 0, 'f', 1) : QStringLiteral("–");
-}
-
 }  // namespace
 
 ResultPanel::ResultPanel(QWidget* parent)

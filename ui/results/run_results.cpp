@@ -1,19 +1,12 @@
 #include "ui/results/run_results.h"
 
-#include <QCoreApplication>
 #include <QStringList>
 #include <cmath>
 
+#include "ui/base/tr.h"
+
 namespace skein::ui {
 namespace {
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("RunResults", text);
-}
-
-QString centimetres(double metres) {
-  return std::isfinite(metres) ? tr("%1 cm").arg(100 * metres, 0, 'f', 1) : QStringLiteral("–");
-}
 
 /// The sentence of those that failed for this key of [expect]; empty: none did.
 QString failure_of(const std::vector<std::string>& failed, const char* key) {
@@ -24,6 +17,10 @@ QString failure_of(const std::vector<std::string>& failed, const char* key) {
 }
 
 }  // namespace
+
+QString centimetres(double metres) {
+  return std::isfinite(metres) ? tr("%1 cm").arg(100 * metres, 0, 'f', 1) : QStringLiteral("–");
+}
 
 RunResults::RunResults(const app::Experiment& experiment) : experiment_(experiment), statistics_(experiment) {}
 

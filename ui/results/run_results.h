@@ -52,6 +52,8 @@ class RunResults {
 QString order_of(const RunResults::Kick& kick);
 /// A duration for people: "1.52 s", "not yet".
 QString settling_text(const std::optional<double>& seconds);
+/// "7.2 cm"; a dash where there is no number. [m]
+QString centimetres(double metres);
 
 /// Every kick a line, then closest approach, largest error and what was expected; for mail and notes.
 QString as_text(const QString& name, const RunResults& results);

@@ -6,7 +6,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int frame_ms = 33;
+constexpr int replay_frame_ms = 33;
 
 std::size_t rows_until(const app::RecordedRun& run, double t) {
   const auto after = std::partition_point(run.rows.begin(), run.rows.end(),
@@ -139,7 +139,7 @@ void ReplayRun::play() {
   if (t_ >= last_time()) seek(first_time());
   playing_ = true;
   since_.start();
-  timer_.start(frame_ms);
+  timer_.start(replay_frame_ms);
 }
 
 void ReplayRun::pause() {

@@ -1,20 +1,13 @@
 #include "ui/run/run_history.h"
 
-#include <QCoreApplication>
 #include <QSaveFile>
 #include <algorithm>
 #include <sstream>
 
 #include "app/record/csv_writer.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
-namespace {
-
-QString tr(const char* text) {
-  return QCoreApplication::translate("RunHistory", text);
-}
-
-}  // namespace
 
 void RunHistory::clear() {
   rows_.clear();

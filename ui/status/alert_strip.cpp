@@ -12,7 +12,7 @@ constexpr qint64 read_ms =
     3000;  // so long a warning stays before lesser news may take its place, or a state comes back
 
 /// The events that the strip shows, in words for people; the log has all of them in those of the CSV.
-QString words(const app::Event& event, double t) {
+QString sentence(const app::Event& event, double t) {
   using namespace app::events;
   using app::one_of;
   const auto tr = [](const char* text, int n = -1) { return AlertStrip::tr(text, nullptr, n); };
@@ -112,7 +112,7 @@ void AlertStrip::take(const app::TickRecord& record) {
     if (const auto* const found = std::get_if<app::events::Found>(&event))
       lost_.erase(static_cast<int>(found->robot) + 1);
     if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
-    const QString text = words(event, record.t);
+    const QString text = sentence(event, record.t);
     if (!text.isEmpty()) say(text, ui::severity(event));
   }
   watch(record);

@@ -13,25 +13,25 @@ namespace {
 
 using What = app::Check::What;
 
-struct Words {
+struct Entry {
   const char *name, *title, *mend, *tip;
 };
 
 /// In the order of `Check::What`.
-constexpr std::array words{
-    Words{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "Calibrate …"),
+constexpr std::array entries{
+    Entry{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "Calibrate …"),
           QT_TRANSLATE_NOOP("CheckList", "Looks at a board with the camera, and writes the calibration file")},
-    Words{"tags", QT_TRANSLATE_NOOP("CheckList", "All tags seen"), QT_TRANSLATE_NOOP("CheckList", "Show picture"),
+    Entry{"tags", QT_TRANSLATE_NOOP("CheckList", "All tags seen"), QT_TRANSLATE_NOOP("CheckList", "Show picture"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the camera's picture, to find the robot that is missing in it")},
-    Words{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),
+    Entry{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),
           QT_TRANSLATE_NOOP("CheckList", "Sets the experiment up again, and connects to every robot anew")},
-    Words{"batteries", QT_TRANSLATE_NOOP("CheckList", "Batteries"), QT_TRANSLATE_NOOP("CheckList", "Show robot"),
+    Entry{"batteries", QT_TRANSLATE_NOOP("CheckList", "Batteries"), QT_TRANSLATE_NOOP("CheckList", "Show robot"),
           QT_TRANSLATE_NOOP("CheckList", "Selects the robot whose battery is low: change it, and connect again")},
-    Words{"gains", QT_TRANSLATE_NOOP("CheckList", "Gains certified"), QT_TRANSLATE_NOOP("CheckList", "Show gains"),
+    Entry{"gains", QT_TRANSLATE_NOOP("CheckList", "Gains certified"), QT_TRANSLATE_NOOP("CheckList", "Show gains"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the gains and what they leave to tracking")},
-    Words{"reference", QT_TRANSLATE_NOOP("CheckList", "Reference feasible"), QT_TRANSLATE_NOOP("CheckList", "Edit …"),
+    Entry{"reference", QT_TRANSLATE_NOOP("CheckList", "Reference feasible"), QT_TRANSLATE_NOOP("CheckList", "Edit …"),
           QT_TRANSLATE_NOOP("CheckList", "Opens the experiment: a slower reference, or a larger path")},
-    Words{"places", QT_TRANSLATE_NOOP("CheckList", "Robots in their places"), QT_TRANSLATE_NOOP("CheckList", "Place"),
+    Entry{"places", QT_TRANSLATE_NOOP("CheckList", "Robots in their places"), QT_TRANSLATE_NOOP("CheckList", "Place"),
           QT_TRANSLATE_NOOP("CheckList", "Brings every robot to its start")},
 };
 
@@ -56,8 +56,8 @@ CheckList::CheckList(QWidget* parent)
   layout->setContentsMargins(10, 6, 10, 6);
   layout->setHorizontalSpacing(10);
   layout->setVerticalSpacing(2);
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const Words& w = words[k];
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    const Entry& w = entries[k];
     const QString name = QString::fromLatin1(w.name);
     Row row{new QLabel(this), new QLabel(tr(w.title), this), new QLabel(this), nullptr};
     row.mark->setObjectName(QStringLiteral("check_mark_") + name);
@@ -90,7 +90,7 @@ CheckList::CheckList(QWidget* parent)
   anyway_->setAccessibleName(anyway_->text());
   anyway_->setToolTip(tr("Starts although not everything is as it should be; what endangers nobody may be overruled"));
   connect(anyway_, &QPushButton::clicked, this, &CheckList::start_anyway);
-  layout->addWidget(anyway_, static_cast<int>(words.size()) - 2, 3);
+  layout->addWidget(anyway_, static_cast<int>(entries.size()) - 2, 3);
 }
 
 QSize CheckList::sizeHint() const {

@@ -12,19 +12,19 @@ namespace {
 
 using test::Folder;
 
-void keep(const Folder& runs, const std::string& id, const std::string& story) {
+void keep_run(const Folder& runs, const std::string& id, const std::string& story) {
   std::filesystem::create_directories(runs / id);
   std::ofstream(runs / (id + "/" + run_files::story)) << story;
 }
 
-void keep(const Folder& runs, int number, double k_xx, int collisions) {
+void keep_run(const Folder& runs, int number, double k_xx, int collisions) {
   const std::string id = "2026-11-0" + std::to_string(number) + "_120000_platoon";
-  keep(runs, id,
-       R"({"id":")" + id + R"(","state":"finished","began":"2026-11-0)" + std::to_string(number) +
-           R"(T12:00:00.000+01:00","machine":{"host":"lab)" + std::to_string(number % 2) +
-           R"("},"experiment":{"controller.gains.k_xx":)" + std::to_string(k_xx) +
-           R"(,"robot.1.v_max":1,"controller.v_max":0.1,"controller.saturation":"tanh"},"summary":{"collisions":)" +
-           std::to_string(collisions) + R"(,"arrived":null,"stopped":false}})");
+  keep_run(runs, id,
+           R"({"id":")" + id + R"(","state":"finished","began":"2026-11-0)" + std::to_string(number) +
+               R"(T12:00:00.000+01:00","machine":{"host":"lab)" + std::to_string(number % 2) +
+               R"("},"experiment":{"controller.gains.k_xx":)" + std::to_string(k_xx) +
+               R"(,"robot.1.v_max":1,"controller.v_max":0.1,"controller.saturation":"tanh"},"summary":{"collisions":)" +
+               std::to_string(collisions) + R"(,"arrived":null,"stopped":false}})");
 }
 
 std::vector<std::string> found(RunIndex& index, const std::string& text) {
@@ -43,10 +43,10 @@ using Days = std::vector<std::string>;
 struct FourRuns {
   Folder runs;
   FourRuns() {
-    keep(runs, 1, 0.005, 0);
-    keep(runs, 2, 0.02, 0);
-    keep(runs, 3, 0.03, 2);
-    keep(runs, 4, 0.01, 0);
+    keep_run(runs, 1, 0.005, 0);
+    keep_run(runs, 2, 0.02, 0);
+    keep_run(runs, 3, 0.03, 2);
+    keep_run(runs, 4, 0.01, 0);
   }
 };
 
@@ -85,8 +85,8 @@ TEST(RunIndex, FollowsTheFoldersAndMayBeThrownAway) {
   FourRuns four;
   { const auto index = RunIndex::open(four.runs.path).value(); }
   std::filesystem::remove_all(four.runs / "2026-11-02_120000_platoon");
-  keep(four.runs, 5, 0.5, 0);
-  keep(four.runs, 4, 0.4, 7);  // has come to its end meanwhile
+  keep_run(four.runs, 5, 0.5, 0);
+  keep_run(four.runs, 4, 0.4, 7);  // has come to its end meanwhile
   const auto look = [&] {
     auto index = RunIndex::open(four.runs.path).value();
     EXPECT_EQ(found(index, "k_xx > 0.008"), (Days{"3", "4", "5"}));
@@ -103,7 +103,7 @@ TEST(RunIndex, FollowsTheFoldersAndMayBeThrownAway) {
 
 TEST(RunIndex, ARunThatCannotBeReadIsNamedAndHidesNoOther) {
   FourRuns four;
-  keep(four.runs, "2026-11-06_120000_torn", "{\"id\":");
+  keep_run(four.runs, "2026-11-06_120000_torn", "{\"id\":");
   auto index = RunIndex::open(four.runs.path).value();
   EXPECT_EQ(index.size(), 4u);
   ASSERT_EQ(index.problems().size(), 1u);

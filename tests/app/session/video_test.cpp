@@ -20,7 +20,7 @@ namespace {
 
 using test::Rows;
 
-Experiment short_run(const std::vector<std::string>& more = {}) {
+Experiment short_film_run(const std::vector<std::string>& more = {}) {
   std::vector<std::string> sets{"camera.source=synthetic", "duration=0.4", "perturb=[]", "expect={}"};
   sets.insert(sets.end(), more.begin(), more.end());
   auto experiment = parse_experiment(paper_experiment().source, "platoon.toml", sets);
@@ -30,7 +30,7 @@ Experiment short_run(const std::vector<std::string>& more = {}) {
 
 TEST(Video, GivesTheSamePosesAgain) {
   const auto path = std::filesystem::temp_directory_path() / ("skein_video_" + std::to_string(::getpid()) + ".mkv");
-  const Experiment experiment = short_run();
+  const Experiment experiment = short_film_run();
   Rows sink;
   {
     SessionOptions options;
@@ -75,7 +75,7 @@ TEST(Video, GivesTheSamePosesAgain) {
 /// Film and CSV of a run, replayed: vision and tick say the same to the bit, and a changed pose is found.
 TEST(Video, ReplaysWithItsLogBitForBit) {
   const auto path = std::filesystem::temp_directory_path() / ("skein_replay_" + std::to_string(::getpid()) + ".mkv");
-  const Experiment experiment = short_run({"robot_defaults.model=epuck1"});
+  const Experiment experiment = short_film_run({"robot_defaults.model=epuck1"});
   std::ostringstream csv;
   {
     CsvWriter file(csv, experiment);
@@ -96,7 +96,7 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
   EXPECT_EQ(result->missing_frames, 0);
 
   // Another run's film: the robots' starts are the same, what happens then is not.
-  const Experiment other = short_run({"robot_defaults.model=epuck1", "seed=2"});
+  const Experiment other = short_film_run({"robot_defaults.model=epuck1", "seed=2"});
   std::ostringstream other_csv;
   {
     CsvWriter file(other_csv, other);
@@ -133,7 +133,7 @@ TEST(Video, ADiskThatIsFullDoesNotStopTheRun) {
   SessionOptions options;
   options.video = "/dev/full";
   options.sinks = {&sink};
-  auto session = Session::open(short_run(), Session::Clock::virtual_, options);
+  auto session = Session::open(short_film_run(), Session::Clock::virtual_, options);
   ASSERT_TRUE(session) << session.error();
   sink.session = session->get();
   EXPECT_EQ((*session)->run(), Phase::finished);
@@ -150,7 +150,7 @@ TEST(Video, ADiskThatIsFullDoesNotStopTheRun) {
 TEST(Video, NeedsACamera) {
   SessionOptions options;
   options.video = "run.mkv";
-  const auto session = Session::open(short_run({"camera.source=none"}), Session::Clock::virtual_, options);
+  const auto session = Session::open(short_film_run({"camera.source=none"}), Session::Clock::virtual_, options);
   ASSERT_FALSE(session);
   EXPECT_EQ(session.error(), "run.mkv: there is no camera to make a film of (camera.source = \"none\")");
 }

@@ -15,11 +15,11 @@ namespace skein::vision {
 namespace {
 
 /// A camera that is calibrated for 60 mm tags, and what it shows.
-struct Lab {
+struct DiagnosisLab {
   Calibration calibration = overhead_calibration(2.0, 1.5);
   Frame frame;
 
-  Lab() { calibration.tag_size = 0.06; }
+  DiagnosisLab() { calibration.tag_size = 0.06; }
   void show(const std::vector<SyntheticTag>& tags, const SceneOptions& scene = {}) {
     SyntheticCamera(calibration, scene, 5).render(tags, 0.0, frame);
   }
@@ -32,7 +32,7 @@ struct Lab {
 };
 
 TEST(Diagnosis, WrongSizeIsSaidInMillimetres) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.04}});
   ASSERT_FALSE(lab.tracked());
   const TagDiagnosis found = lab.diagnosis();
@@ -48,7 +48,7 @@ TEST(Diagnosis, WrongSizeIsSaidInMillimetres) {
 }
 
 TEST(Diagnosis, LargerTagToo) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.calibration.tag_size = 0.04;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}});
   ASSERT_FALSE(lab.tracked());
@@ -56,7 +56,7 @@ TEST(Diagnosis, LargerTagToo) {
 }
 
 TEST(Diagnosis, TwoRobotsWithOneTag) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}, {3, {-0.5, 0.1, 2.0}, 0.06}});
   ASSERT_FALSE(lab.tracked());
   EXPECT_EQ(lab.diagnosis().why, NotSeen::doubled);
@@ -66,7 +66,7 @@ TEST(Diagnosis, TwoRobotsWithOneTag) {
 }
 
 TEST(Diagnosis, MirroredFrames) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}});
   for (int v = 0; v < lab.frame.height; ++v) std::reverse(lab.frame.row(v), lab.frame.row(v) + lab.frame.width);
   ASSERT_FALSE(lab.tracked());
@@ -74,7 +74,7 @@ TEST(Diagnosis, MirroredFrames) {
 }
 
 TEST(Diagnosis, TagThatTheBorderCuts) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({});
   const core::Pose out = {-1.02, 0.0, 0.0};
   const auto at = pixel_from_world(lab.calibration, {out.x, out.y, lab.calibration.tag_height});
@@ -84,7 +84,7 @@ TEST(Diagnosis, TagThatTheBorderCuts) {
 }
 
 TEST(Diagnosis, TooLittleAndTooMuchLight) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.noise_sigma = 1.0, .brightness = 0.02});
   ASSERT_FALSE(lab.tracked());
   EXPECT_EQ(lab.diagnosis().why, NotSeen::in_shadow);
@@ -94,7 +94,7 @@ TEST(Diagnosis, TooLittleAndTooMuchLight) {
 }
 
 TEST(Diagnosis, TagsWithTooFewPixels) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.calibration.tag_size = 0.012;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.012}});
   ASSERT_FALSE(lab.tracked());
@@ -103,7 +103,7 @@ TEST(Diagnosis, TagsWithTooFewPixels) {
 }
 
 TEST(Diagnosis, TagOfAnotherFamily) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({});
   apriltag_family_t* family = tag25h9_create();
   image_u8_t* picture = apriltag_to_image(family, 3);
@@ -120,7 +120,7 @@ TEST(Diagnosis, TagOfAnotherFamily) {
 }
 
 TEST(Diagnosis, EmptyFloorHasNoTag) {
-  Lab lab;
+  DiagnosisLab lab;
   lab.show({});
   EXPECT_EQ(lab.diagnosis().why, NotSeen::not_found);
   EXPECT_EQ(lab.said(), "no tag 3 is in the picture");

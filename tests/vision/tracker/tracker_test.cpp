@@ -34,8 +34,8 @@ struct Errors {
 };
 
 /// A scene, its camera and its tracker.
-struct Lab {
-  explicit Lab(TrackerOptions options, const SceneOptions& scene = {}, double tag_size = default_tag_size)
+struct TrackerLab {
+  explicit TrackerLab(TrackerOptions options, const SceneOptions& scene = {}, double tag_size = default_tag_size)
       : calibration(make(tag_size)), camera(calibration, scene, 17), tracker(calibration, std::move(options)) {}
 
   static Calibration make(double tag_size) {
@@ -77,7 +77,7 @@ std::vector<SyntheticTag> roundabout(double t, double size) {
 }
 
 void follow_roundabout(double tag_size, Errors& errors) {
-  Lab lab({.tags = first_ids(12)}, {}, tag_size);
+  TrackerLab lab({.tags = first_ids(12)}, {}, tag_size);
   const int frames = test::sanitized ? 30 : 240;  // 9.6 s: each robot once around
   for (int k = 0; k < frames; ++k) {
     const auto tags = roundabout(k * frame_time, tag_size);
@@ -118,7 +118,7 @@ TEST(TagTracker, FollowsSmallTagsToo) {
 
 TEST(TagTracker, IsRightAtEveryPlaceAndHeading) {
   // Robots that are put somewhere else in every frame: nothing can be predicted, everything is searched.
-  Lab lab({.tags = first_ids(6), .search_parts = 1});
+  TrackerLab lab({.tags = first_ids(6), .search_parts = 1});
   detail::Random random(3);
   Errors errors;
   const int frames = test::sanitized ? 10 : 72;
@@ -144,14 +144,14 @@ TEST(TagTracker, IsRightAtEveryPlaceAndHeading) {
 }
 
 TEST(TagTracker, SeesInDimLightAfterAMoment) {
-  Lab lab({.tags = first_ids(12)}, {.noise_sigma = 2.0, .brightness = 0.15}, 0.06);
+  TrackerLab lab({.tags = first_ids(12)}, {.noise_sigma = 2.0, .brightness = 0.15}, 0.06);
   int seen = 0;
   for (int k = 0; k < 12; ++k) seen = static_cast<int>(lab.step(roundabout(k * frame_time, 0.06)).size());
   EXPECT_EQ(seen, 12);
 }
 
 TEST(TagTracker, AMissingTagIsNotReportedAndComesBack) {
-  Lab lab({.tags = {3, 4}});
+  TrackerLab lab({.tags = {3, 4}});
   const SyntheticTag stays{3, {0.5, 0.0, 0.3}};
   for (int k = 0; k < 60; ++k) {
     const SyntheticTag goes{4, {k < 20 ? -0.5 : -0.2, 0.2, -1.0}};  // and comes back elsewhere
@@ -175,7 +175,7 @@ TEST(TagTracker, AMissingTagIsNotReportedAndComesBack) {
 }
 
 TEST(TagTracker, ACoveredTagIsNotReported) {
-  Lab lab({.tags = {4}});
+  TrackerLab lab({.tags = {4}});
   const SyntheticTag tag{4, {0.1, 0.2, 0.6}};
   EXPECT_EQ(lab.step({tag}).size(), 1U);
   EXPECT_EQ(lab.step({tag, {-1, {0.1, 0.2, 0.0}, 0.08}}).size(), 0U) << "paper over it";
@@ -186,14 +186,14 @@ TEST(TagTracker, ACoveredTagIsNotReported) {
 }
 
 TEST(TagTracker, ATagThatIsGoneForGoodCostsFewSearches) {
-  Lab lab({.tags = {1, 2, 500}});
+  TrackerLab lab({.tags = {1, 2, 500}});
   for (int k = 0; k < 51; ++k) EXPECT_EQ(lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}}).size(), 2U);
   EXPECT_EQ(lab.tracker.counters().full_searches, 1) << "the first one";
   EXPECT_EQ(lab.tracker.counters().part_searches, 50) << "a forty-eighth of the frame each";
 }
 
 TEST(TagTracker, TheGateSeesTagsAtThePicturesVeryEdge) {
-  Lab lab({.tags = {1, 2}});
+  TrackerLab lab({.tags = {1, 2}});
   const SyntheticTag one{1, {-0.5, -0.3, 0.3}};
   for (int k = 0; k < 5; ++k) lab.step({one});
   EXPECT_EQ(lab.tracker.counters().full_searches, 1);
@@ -212,7 +212,7 @@ TEST(TagTracker, TheGateSeesTagsAtThePicturesVeryEdge) {
 TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
   // In a shadow so deep that the other tag's light tells the gate nothing.
   TrackerOptions options{.tags = {1, 2}};
-  Lab lab(options, {.noise_sigma = 2.0});
+  TrackerLab lab(options, {.noise_sigma = 2.0});
   const SyntheticTag one{1, {-0.5, -0.3, 0.3}};
   const SyntheticTag two{2, {0.5, 0.3, 0.3}};
   std::size_t seen = 0;
@@ -234,7 +234,7 @@ TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
 }
 
 TEST(TagTracker, OfTwoCopiesNoneIsReported) {
-  Lab lab({.tags = {1, 2}});
+  TrackerLab lab({.tags = {1, 2}});
   const SyntheticTag one{1, {0.5, 0.0, 0.3}};
   const SyntheticTag two{2, {-0.5, 0.0, 0.3}};
   const SyntheticTag copy{1, {0.0, 0.5, 2.0}};
@@ -256,7 +256,7 @@ TEST(TagTracker, OfTwoCopiesNoneIsReported) {
 }
 
 TEST(TagTracker, ACopyBesideATagIsAGhostWithinAnAudit) {
-  Lab lab({.tags = {1}}, {}, 0.04);
+  TrackerLab lab({.tags = {1}}, {}, 0.04);
   const SyntheticTag one{1, {0.5, 0.0, 0.0}, 0.04};
   EXPECT_EQ(lab.step({one}).size(), 1U);
   const auto last = [&] {
@@ -272,7 +272,7 @@ TEST(TagTracker, ACopyBesideATagIsAGhostWithinAnAudit) {
 TEST(TagTracker, ARollingShutterSaysWhenEachRowWasRead) {
   // 25 us a row: 24 ms over the frame, in which a robot at full speed drives 3 mm.
   const double row_time = 25e-6;
-  Calibration calibration = Lab::make(0.06);
+  Calibration calibration = TrackerLab::make(0.06);
   calibration.row_time = row_time;
   EXPECT_EQ(parse_calibration(format_calibration(calibration), "again").value(), calibration);
   SyntheticCamera camera(calibration, {}, 3);
@@ -302,13 +302,13 @@ TEST(TagTracker, ARollingShutterSaysWhenEachRowWasRead) {
 }
 
 TEST(TagTracker, TagsOfTheWrongSizeAreRejected) {
-  Lab lab({.tags = {1}});
+  TrackerLab lab({.tags = {1}});
   EXPECT_EQ(lab.step({{1, {0.5, 0.0, 0.3}, 0.09}}).size(), 0U) << "held up to the camera, as it were";
   EXPECT_GE(lab.tracker.counters().rejected, 1);
 }
 
 TEST(TagTracker, OtherTagsAreNotReported) {
-  Lab lab({.tags = {2, 2}});  // wanted twice is wanted once
+  TrackerLab lab({.tags = {2, 2}});  // wanted twice is wanted once
   const auto& poses = lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}});
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_EQ(poses[0].tag, 2);
@@ -317,7 +317,7 @@ TEST(TagTracker, OtherTagsAreNotReported) {
 }
 
 TEST(TagTracker, FramesOfAnotherSizeAreCountedAndPassedOver) {
-  Lab lab({.tags = {1}});
+  TrackerLab lab({.tags = {1}});
   EXPECT_EQ(lab.tracker.process(test::uniform_frame(640, 480, 100)).size(), 0U);
   EXPECT_EQ(lab.tracker.counters().wrong_frames, 1);
 }

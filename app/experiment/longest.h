@@ -1,0 +1,9 @@
+#pragma once
+
+namespace skein::app {
+
+/// What only a slip of the keyboard exceeds.
+inline constexpr double longest_length = 100.0;  ///< [m]
+inline constexpr double longest_run = 86400.0;   ///< a day [s]
+
+}  // namespace skein::app
