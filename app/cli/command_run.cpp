@@ -168,8 +168,7 @@ int run(const RunRequest& request) {
 
   Statistics::Summary summary = statistics.summary();
   summary.stopped = end != Phase::finished;
-  if (const LawSpec& law = experiment->controller.law; !law.own() && law.kind == core::ControllerKind::kostic)
-    summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
+  if (experiment->controller.law.of_the_paper()) summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
   summary.timing = (*session)->timing();
   summary.failure = (*session)->failure().value_or("");
   const vision::SourceStatus camera = (*session)->camera();

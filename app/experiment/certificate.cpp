@@ -165,7 +165,7 @@ Certificate certify(const Experiment& experiment) {
   certificate.v_max = experiment.controller.v_max;
   certificate.omega_max = experiment.controller.omega_max;
   certificate.rate = experiment.rate;
-  if (const LawSpec& law = experiment.controller.law; law.own() || law.kind != core::ControllerKind::kostic)
+  if (const LawSpec& law = experiment.controller.law; !law.of_the_paper())
     certificate.other_law = law.own() ? law.command + law.library : std::string(word(law.kind));
   certificate.coupling = gains.coupling;
   Certificate::Robot start;

@@ -21,6 +21,8 @@ struct LawSpec {
   std::string command;  ///< words as of a shell, without anything that only a shell can do
   std::string library;  ///< path, relative to the experiment file
   bool own() const noexcept { return !command.empty() || !library.empty(); }
+  /// The law that the gains of [controller] are made for, and of which (18) to (20) speak.
+  bool of_the_paper() const noexcept { return !own() && kind == core::ControllerKind::kostic; }
   std::vector<std::pair<std::string, double>> own_parameters;  ///< as the file has them
   std::vector<std::string> log;                                ///< what of that which it logs stands in the CSV
 

@@ -453,7 +453,7 @@ void TickState::watch_descent() noexcept {
   for (const Event& event : record.events)
     if (may_raise_v(event)) explained_until = record.now + experiment.simulation.latency + settles;
   if (std::any_of(trust.begin(), trust.end(), [](double t) { return t < 1.0; })) explained_until = record.now + settles;
-  if (!running() || record.now < explained_until || !law_of_the_paper()) watch.forget();
+  if (!running() || record.now < explained_until || !experiment.controller.law.of_the_paper()) watch.forget();
   const double rise = watch.step(gains, poses, followed, errors, record.period);
   if (rise > 0.0) note(events::VRise{rise});
 }
@@ -500,7 +500,7 @@ void TickState::account(const TickInput& input) noexcept {
   record.pair_gains[1] = gains.k_tt;
   record.pair_gains[2] = gains.k_yy;
   record.V = core::lyapunov(gains, errors);
-  record.V_dot = law_of_the_paper() ? core::lyapunov_rate(gains, errors) : none;
+  record.V_dot = experiment.controller.law.of_the_paper() ? core::lyapunov_rate(gains, errors) : none;
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     robot.truth = input.truth.empty() ? core::Pose{none, none, none} : input.truth[i];

@@ -53,11 +53,6 @@ struct TickState {
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
   /// errors count for nobody.
-  /// The law that the gains of [controller] are made for, and of which (18) to (20) speak.
-  bool law_of_the_paper() const noexcept {
-    const LawSpec& spec = experiment.controller.law;
-    return !spec.own() && spec.kind == core::ControllerKind::kostic;
-  }
   bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i] || trust[i] == 0.0; }
   void hear_links(const TickInput& input) noexcept;
   void measure_twist(std::size_t i) noexcept;

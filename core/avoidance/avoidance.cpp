@@ -15,7 +15,6 @@ constexpr double pushed_away = 0.01;       // from a place at rest: it drives ba
 constexpr double close_by = 0.06;          // a robot that came straight here turns along its moving place [m]
 constexpr double approach = 2.0;           // how fast a straight way back ends [1/s]
 constexpr double look_ahead = 3.0;         // of a detour, where the experiment says nothing else [s]
-constexpr double way_is_free = 0.4;        // so long, before a detour ends [s]
 constexpr double most_ahead = 0.1;         // that a detour's heading may be of the robot's [rad]
 constexpr double standing = 0.2;           // share of the top speed below which a robot stands
 constexpr double precedence = 0.05;        // how much sooner each robot gives way than the one before it

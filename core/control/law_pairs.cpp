@@ -89,7 +89,11 @@ SKEIN_INLINE void add_row(const Gains& gains, LawPairs& pairs, std::size_t i, st
   double *const term_v = pairs.term_v.data(), *const term_omega = pairs.term_omega.data();
   const std::size_t partners = robots - i - 1;
 
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
   for (std::size_t p = 0; p < partners; ++p) {
     const std::size_t j = p + 1;
     const Fraction x_phi = phi<saturation>(c_xx[p], x[0], x[j], x_exp[0], x_exp[j], x_expm1[0], x_expm1[j]);
