@@ -102,10 +102,11 @@ std::optional<Manoeuvre> follow(const std::string& file) {
       }};
 }
 
-/// UMBmark: a square to the left, one to the right, with turns on the spot; blindly, as it is driven.
-Manoeuvre umbmark(double way, double speed) {
+/// UMBmark: a square to the left, one to the right, with turns on the spot; blindly, as it is driven. As far as another
+/// manoeuvre comes, and in the same time.
+Manoeuvre umbmark(double way, double seconds) {
   constexpr double turning = 1.0;  // [rad/s]
-  const double side = way / 8.0, straight = side / speed, turn = 0.5 * core::pi / turning;
+  const double turn = 0.5 * core::pi / turning, straight = seconds / 8.0 - turn, speed = way / (8.0 * straight);
   return {"umbmark", 8.0 * (straight + turn), {}, [=](double t, const core::Pose&) {
             const int leg = static_cast<int>(t / (straight + turn));
             if (leg >= 8) return core::Twist{};
@@ -244,9 +245,8 @@ int bench_identify(const IdentifyBench& bench) {
   if (!recommended || !lap || bench.runs < 1) return wrong_input;
   const core::Individual exact;
   core::Identification way = core::identify(drive(*recommended, exact, bench.seed));
-  constexpr double speed = 0.09;  // of the recommended one
   bool good = true;
-  for (const Manoeuvre& manoeuvre : {*recommended, umbmark(way.driven, speed), *lap}) {
+  for (const Manoeuvre& manoeuvre : {*recommended, umbmark(way.driven, recommended->seconds), *lap}) {
     const std::vector<Outcome> outcomes = study(manoeuvre, bench);
     if (interrupted()) return expectation_failed;
     const bool holds = print(manoeuvre, bench, outcomes);

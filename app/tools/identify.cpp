@@ -50,7 +50,7 @@ double largest_persistence(const std::vector<core::Innovation>& innovations) {
 }  // namespace
 
 RunHistory::RunHistory(const Experiment& experiment) : experiment_(experiment) {
-  for (const RobotSpec& spec : experiment_.robots) robots_.push_back({.log = core::WheelLog(spec.motor)});
+  for (const RobotSpec& spec : experiment_.robots) robots_.emplace_back(spec.motor);
 }
 
 /// Where hands were at work.

@@ -35,6 +35,8 @@ class RunHistory final : public RecordSink {
 
  private:
   struct Robot {
+    explicit Robot(core::MotorModel motor) : log(motor) {}
+
     core::WheelLog log;
     core::WheelSpeeds commanded{none, none};  ///< newest in `log`
     double commanded_at = -1e9;

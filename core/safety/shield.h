@@ -15,7 +15,7 @@ struct ShieldParameters {
   bool enabled = true;
   double distance = 0.078;  ///< midpoints of standard bodies are kept this far apart [m]: an e-puck's 70 mm, and 8 mm
                             ///< for what sampling and wheels lose; others keep the same gap
-  double gamma = 4.0;  ///< how fast the gap may close, as a share of what is left of it [1/s]
+  double gamma = 4.0;       ///< how fast the gap may close, as a share of what is left of it [1/s]
   /// Half the arena's size, centred on the origin: a body keeps as far from its edge as from an obstacle. [m]
   double half_width = std::numeric_limits<double>::infinity();
   double half_height = std::numeric_limits<double>::infinity();

@@ -25,7 +25,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Experiment shipped(const std::string& name, const std::vector<std::string>& sets = {}) {
+Experiment shipped_experiment(const std::string& name, const std::vector<std::string>& sets = {}) {
   auto experiment = load_experiment(test::in_source("resources/experiments/" + name), sets);
   EXPECT_TRUE(experiment) << (experiment ? "" : experiment.error().front().message());
   return *experiment;
@@ -57,7 +57,7 @@ const std::vector<std::string> wrong_robots{
     "robot.3.truth={wheel_ratio=1.03, actuation_delay=0.08}", "robot.4.truth={wheel_diameter=0.0415, track=0.0522}"};
 
 TEST(Identify, TellsFromTheRecommendedMinuteWhatTheRobotsAre) {
-  const Experiment experiment = shipped("identify.toml", wrong_robots);
+  const Experiment experiment = shipped_experiment("identify.toml", wrong_robots);
   const std::vector<IdentifiedRobot> found = identify_robots(history_of(experiment));
   ASSERT_EQ(found.size(), 4u);
   int held = 0;
@@ -80,7 +80,7 @@ TEST(Identify, TellsFromTheRecommendedMinuteWhatTheRobotsAre) {
 
 TEST(Identify, ReadsFromACsvWhatTheSessionHad) {
   test::Folder folder;
-  const Experiment experiment = shipped("identify.toml", {"duration=5"});
+  const Experiment experiment = shipped_experiment("identify.toml", {"duration=5"});
   RunHistory direct(experiment);
   {
     std::ofstream file(folder / "run.csv");
@@ -105,32 +105,40 @@ TEST(Identify, ReadsFromACsvWhatTheSessionHad) {
   EXPECT_FALSE(read_history(folder / "none.csv"));
 }
 
-/// How far off its reference the robot really is at the end of a lap that nobody corrects. [m]
+/// How far off its reference the robot really is at the end of a way on which nobody corrects it. [m]
 double blind_drift(const std::vector<std::string>& sets) {
-  const std::vector<TickRecord> rows = rows_of(shipped("open-loop.toml", sets));
+  const std::vector<TickRecord> rows = rows_of(shipped_experiment("open-loop.toml", sets));
   EXPECT_GT(rows.size(), 1000u);
   if (rows.empty()) return none;
   const RobotRecord& robot = rows.back().robots[0];
   return std::hypot(robot.truth.x - robot.nominal.pose.x, robot.truth.y - robot.nominal.pose.y);
 }
 
-/// The control is the same robot, driven by somebody who has not looked.
+/// The control is the same robot, driven by somebody who has not looked. What a minute tells depends on how the wheels
+/// happened to slip: four of them are taken together.
 TEST(Identify, CutsTheDriftOfARobotThatNobodyCorrects) {
-  const std::string truth = "robot.1.truth={wheel_diameter=0.04223, wheel_ratio=1.02, track=0.0515}";
+  const std::string truth = "robot.1.truth={wheel_diameter=0.04223, wheel_ratio=1.03, track=0.0515}";
   for (const std::string link : {"sim", "loopback"}) {
     const std::vector<std::string> robot{truth, "robot.1.model=epuck2", "robot.1.link=" + link};
-    auto learning = robot;
-    learning.insert(learning.end(), {"robot.2.link=sim"});
-    const std::vector<IdentifiedRobot> found = identify_robots(history_of(shipped("identify.toml", learning)));
-    ASSERT_FALSE(found.empty());
-    auto knowing = robot;
-    for (const auto& [key, value] : values_to_keep(found[0])) knowing.push_back("robot.1." + key + "=" + value);
-    ASSERT_EQ(knowing.size(), robot.size() + 4) << "diameter, ratio, track and delay were found";
-    const double before = blind_drift(robot), after = blind_drift(knowing);
-    std::cout << "drift_" << link << ": " << 1e3 * before << " mm without, " << 1e3 * after << " mm with, "
-              << before / after << " times less\n";
+    const double before = blind_drift(robot);
     EXPECT_GT(before, 0.1);
-    EXPECT_GE(before / after, 20.0) << link;
+    for (const int first : {1, 5, 9}) {
+      std::vector<RobotHistory> history;
+      for (int minute = first; minute < first + 4; ++minute) {
+        auto learning = robot;
+        learning.push_back("seed=" + std::to_string(minute));
+        append(history, history_of(shipped_experiment("identify.toml", learning)));
+      }
+      const IdentifiedRobot found = identify_robots({history.front()}).front();
+      auto knowing = robot;
+      for (const auto& [key, value] : values_to_keep(found)) knowing.push_back("robot.1." + key + "=" + value);
+      ASSERT_EQ(knowing.size(), robot.size() + 4) << "diameter, ratio, track and delay were found";
+      const double after = blind_drift(knowing);
+      std::cout << "drift_" << link << ": " << 1e3 * before << " mm without, " << 1e3 * after << " mm with, "
+                << before / after << " times less\n";
+      EXPECT_GE(before / after, 20.0) << link << ", minutes from " << first;
+      if (link == "loopback") break;
+    }
   }
 }
 
@@ -140,7 +148,7 @@ TEST(Identify, PassesOverHands) {
        {"perturb.1={t=20, robot=1, dx=0.1, dtheta=0.5}", "operator.1={t=30, does=\"kick r1 vx=0.4 vy=0\"}",
         "operator.2={t=40, does=\"move r1 x=-0.5 y=0.3 theta=1\"}"})
     sets.emplace_back(set);
-  const Experiment experiment = shipped("identify.toml", sets);
+  const Experiment experiment = shipped_experiment("identify.toml", sets);
   std::vector<RobotHistory> history = history_of(experiment);
   EXPECT_GE(history[0].carried, 3u);
   EXPECT_EQ(history[1].carried, 0u);
@@ -154,10 +162,10 @@ TEST(Identify, PassesOverHands) {
 }
 
 TEST(Identify, SeveralRunsTellMoreThanOne) {
-  std::vector<RobotHistory> one = history_of(shipped("identify.toml", wrong_robots)), both = one;
+  std::vector<RobotHistory> one = history_of(shipped_experiment("identify.toml", wrong_robots)), both = one;
   auto later = wrong_robots;
   later.emplace_back("seed=2");
-  append(both, history_of(shipped("identify.toml", later)));
+  append(both, history_of(shipped_experiment("identify.toml", later)));
   ASSERT_EQ(both.size(), 4u);
   EXPECT_EQ(both[2].runs, 2u);
   const auto alone = identify_robots(std::move(one)), together = identify_robots(std::move(both));
@@ -172,17 +180,17 @@ TEST(Identify, SeveralRunsTellMoreThanOne) {
 TEST(Identify, SaysWhatARunCannotTell) {
   const std::vector<std::string> straight{
       "duration=12", "robot.1.trajectory={path={shape=\"line\", from=[-0.5, 0.0], to=[0.5, 0.0]}}"};
-  Experiment experiment = shipped("open-loop.toml", straight);
+  Experiment experiment = shipped_experiment("open-loop.toml", straight);
   experiment.simulation = {.pose_noise = 0.0005, .heading_noise = 0.006, .slip = 0.02};
   const auto found = identify_robots(history_of(experiment));
-  ASSERT_EQ(found.size(), 1u);
+  ASSERT_EQ(found.size(), 2u);
   EXPECT_THAT(doubts(found[0]), ::testing::Contains(HasSubstr("cannot tell the track")));
   for (const auto& [key, value] : values_to_keep(found[0])) EXPECT_NE(key, "track") << value;
 
-  const Experiment standing = shipped(
+  const Experiment standing = shipped_experiment(
       "open-loop.toml", {"duration=3", "robot.1.trajectory={t=100, path={shape=\"line\", from=[0,0], to=[1,0]}}"});
   const auto stood = identify_robots(history_of(standing));
-  ASSERT_EQ(stood.size(), 1u);
+  ASSERT_EQ(stood.size(), 2u);
   EXPECT_THAT(doubts(stood[0]), ElementsAre(HasSubstr("it never drove")));
   EXPECT_THAT(values_to_keep(stood[0]), IsEmpty());
 }
@@ -190,10 +198,10 @@ TEST(Identify, SaysWhatARunCannotTell) {
 /// A link writes a tick's speeds a little later, which is part of the delay; but when it holds them back, they count
 /// from when they were written, and what it did not write does not count.
 TEST(Identify, GoesByWhatTheLinkHasSent) {
-  Experiment experiment = shipped("open-loop.toml");
+  Experiment experiment = shipped_experiment("open-loop.toml");
   RunHistory history(experiment);
   TickRecord row;
-  row.robots.resize(1);
+  row.robots.resize(2);
   RobotRecord& robot = row.robots[0];
   const auto tick = [&](double now, double told, double sent, double sent_at) {
     row.now = now;
