@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -250,6 +251,7 @@ int bench_identify(const IdentifyBench& bench) {
     const std::vector<Outcome> outcomes = study(manoeuvre, bench);
     if (interrupted()) return expectation_failed;
     const bool holds = print(manoeuvre, bench, outcomes);
+    std::fflush(stdout);  // a thousand robots take minutes
     if (manoeuvre.name == recommended->name) good = holds;
   }
   return good ? done : expectation_failed;
