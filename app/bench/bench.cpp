@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "app/bench/bench_links.h"
 #include "app/bench/bench_publish.h"
 #include "app/bench/bench_radio.h"
+#include "app/bench/identify_study.h"
 #include "app/manual/manual.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -48,6 +50,12 @@ int report_controllers(double seconds) {
   return bench_controllers(controllers);
 }
 
+IdentifyBench identification;
+
+int report_identify(double) {
+  return bench_identify(identification);
+}
+
 constexpr Bench table[] = {
     {"tick", "one control tick, and the law alone", [](double) { register_tick_benchmarks(); }},
     {"control", "law, avoidance and shield for 4 to 1,000 robots", [](double) { register_control_benchmarks(); }},
@@ -56,6 +64,8 @@ constexpr Bench table[] = {
      report_vision},
     {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", [](double) {},
      report_controllers, /*unasked=*/false},
+    {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
+     /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios and faults", [](double) { register_radio_benchmarks(); }},
     {"publish", "`--publish` to a receiver that stalls, 30 robots in real time", register_publish_benchmark},
@@ -77,7 +87,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
-  program.add_option("what", what, "one of those below; default: all but controllers and ui")
+  program.add_option("what", what, "one of those below; default: all but controllers, identify and ui")
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
@@ -85,10 +95,14 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
                   "how long each measurement takes, where it does not know by itself: links, publish, ui")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
-  program.add_option("--runs", controllers.runs, "controllers: runs under adversaries; 0: none")
+  std::optional<std::int64_t> runs;
+  program
+      .add_option("--runs", runs,
+                  "controllers: runs under adversaries, 0: none; identify: robots; default: 140, and 1000")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
-      ->capture_default_str();
-  program.add_option("--seed", controllers.seed, "controllers: of the first of them; the next ones count on")
+      ->type_name("N");
+  std::uint64_t seed = 1;
+  program.add_option("--seed", seed, "controllers, identify: of the first of them; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
@@ -109,6 +123,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     if (!written) complain(written.error());
     return written ? done : wrong_input;
   }
+  controllers.runs = runs.value_or(controllers.runs);
+  identification.runs = runs.value_or(identification.runs);
+  controllers.seed = identification.seed = seed;
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (what == window) {

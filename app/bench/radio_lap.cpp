@@ -27,7 +27,7 @@ class LappingRobot {
       : options_(link_options(experiment)),
         session_(options_),
         firmware_(motor(experiment, i), 0.0, comms::faults_of(options.faults, i), options.seed * 64 + i),
-        floor_(experiment.robots[i].drive, motor(experiment, i), experiment.simulation, experiment.seed, i) {
+        floor_(experiment.robots[i].true_drive(), motor(experiment, i), experiment.simulation, experiment.seed, i) {
     firmware_.connect(adapter, i % comms::RadioAdapter::most_robots);
   }
 

@@ -44,6 +44,29 @@ void RunCommands::add_to(CLI::App& program) {
   report_->add_flag("--force", page_request_.force, "overwrite a file that is there");
   add_runs_directory(*report_, page_request_.directory);
 
+  identify_ = program.add_subcommand("identify",
+                                     "Says what the robots of recorded runs really are: wheels, track, delay, slip and "
+                                     "more, each with a 95 % interval "
+                                     "(docs/robots.md); exit status 1 where the runs cannot tell");
+  identify_
+      ->add_option(
+          "run", identify_request_.runs,
+          "CSVs of runs, or runs that were kept: their names, their folders, or last; several runs of one robot "
+          "tell more")
+      ->required();
+  identify_->add_flag(
+      "--save", identify_request_.save,
+      "put wheel_diameter, wheel_ratio, track and actuation_delay, where they can be told, into the file "
+      "of robots");
+  identify_
+      ->add_option("--file", identify_request_.file,
+                   "of robots; default: robots.toml here, else $XDG_CONFIG_HOME/skein/robots.toml")
+      ->type_name("ROBOTS.TOML");
+  identify_->add_option("--report", identify_request_.report, "residuals as tables and figures, there")
+      ->type_name("DIR");
+  identify_->add_flag("--json", identify_request_.json, "print it as JSON");
+  add_runs_directory(*identify_, identify_request_.directory);
+
   CLI::App& runs =
       *program.add_subcommand("runs", "Looks after runs that were kept (`skein run --keep`, docs/runs.md)");
   runs.require_subcommand(1);
@@ -91,6 +114,7 @@ std::optional<int> RunCommands::run() {
     return export_file(export_request_);
   }
   if (*report_) return write_page(page_request_);
+  if (*identify_) return identify(identify_request_);
   if (*list_) return list_runs(runs_request_);
   if (*show_) return show_run(runs_request_);
   if (*find_) return find_runs(runs_request_);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -18,6 +19,17 @@ struct ExportRequest {
 /// Turns a run's CSV into a file for other programs.
 int export_file(const ExportRequest& request);
 
+struct IdentifyRequest {
+  std::vector<std::string> runs;  ///< CSVs, or kept runs
+  std::string directory;          ///< of kept runs; empty: runs_directory() says which
+  std::string file;               ///< of robots; empty: known_robots_file() says which
+  std::string report;             ///< folder for residuals; empty: none
+  bool save = false;              ///< into the file of robots
+  bool json = false;
+};
+/// Says what the robots of runs really are. See identify.h. `expectation_failed` where the runs cannot tell.
+int identify(const IdentifyRequest& request);
+
 /// --runs-dir of a command.
 void add_runs_directory(CLI::App& command, std::string& directory);
 
@@ -32,7 +44,8 @@ class RunCommands {
   void add_export(CLI::App& to);
 
   CLI::App *export_ = nullptr, *export_kept_ = nullptr;
-  CLI::App* report_ = nullptr;
+  CLI::App *report_ = nullptr, *identify_ = nullptr;
+  IdentifyRequest identify_request_;
   PageRequest page_request_;
   bool html_ = false;
   CLI::App *list_ = nullptr, *show_ = nullptr, *find_ = nullptr, *compare_ = nullptr, *verify_ = nullptr;

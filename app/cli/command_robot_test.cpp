@@ -1,13 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <atomic>
 #include <filesystem>
 
 #include "app/cli/commands.h"
 #include "app/experiment/known_robots.h"
-#include "app/experiment/text_file.h"
-#include "app/experiment/toml_edit.h"
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -36,42 +33,16 @@ void print(const RobotTestResult& result, const Experiment& experiment, std::siz
   for (const std::string& note : result.notes) complain(robot_name(experiment, robot) + ": " + note);
 }
 
-/// Puts what was found into the file of robots.
-int save(const std::string& path, const Experiment& experiment,
-         const std::vector<std::pair<std::size_t, RobotTestResult>>& results) {
-  const auto known = load_known_robots(path);
-  const auto text = read_text(path);
-  if (!known || !text) {
-    for (const Problem& problem : known ? text.error() : known.error())
-      print_error(fmt::format("{}\n", problem.message()));
-    return wrong_input;
-  }
-  std::string changed = *text;
-  for (const auto& [robot, result] : results) {
-    const RobotSpec& spec = experiment.robots[robot];
-    const auto found = std::find_if(known->begin(), known->end(), [&](const KnownRobot& k) { return is(k, spec); });
-    if (found == known->end()) {
-      complain(fmt::format("{} is not in {}: nothing of it was saved", robot_name(experiment, robot), path));
-      continue;
-    }
-    const auto set = [&, n = found - known->begin() + 1](const char* key, const std::string& value) {
-      auto with = with_toml_value(changed, fmt::format("robot.{}.{}", n, key), value);
-      if (with) changed = std::move(*with);
-      if (!with) complain(fmt::format("{}: {}", path, with.error()));
-    };
-    if (result.tag >= 0) set("tag", std::to_string(result.tag));
-    if (!result.status.version.empty()) set("version", fmt::format("\"{}\"", result.status.version));
-    if (result.wheel_diameter) set("wheel_diameter", fmt::format("{:.5f}", *result.wheel_diameter));
-    if (result.watchdog) set("watchdog", fmt::format("{:.2f}", *result.watchdog));
-    if (result.track) set("track", fmt::format("{:.5f}", *result.track));
-  }
-  if (changed == *text) return done;
-  if (const auto saved = save_known_robots(path, changed); !saved) {
-    complain(saved.error());
-    return wrong_input;
-  }
-  fmt::print("# saved in {}\n", path);
-  return done;
+/// What of it the file of robots keeps.
+FoundRobot to_keep(const Experiment& experiment, std::size_t robot, const RobotTestResult& result) {
+  FoundRobot found{experiment.robots[robot], robot_name(experiment, robot), {}};
+  const auto keep = [&](const char* key, std::string value) { found.values.emplace_back(key, std::move(value)); };
+  if (result.tag >= 0) keep("tag", std::to_string(result.tag));
+  if (!result.status.version.empty()) keep("version", fmt::format("\"{}\"", result.status.version));
+  if (result.wheel_diameter) keep("wheel_diameter", fmt::format("{:.5f}", *result.wheel_diameter));
+  if (result.watchdog) keep("watchdog", fmt::format("{:.2f}", *result.watchdog));
+  if (result.track) keep("track", fmt::format("{:.5f}", *result.track));
+  return found;
 }
 
 }  // namespace
@@ -109,7 +80,7 @@ int test_robots(const RobotsRequest& request) {
     net->on_stop([&] { stop_asked = true, (*plant)->stop(); },
                  [&] { return stop_results(experiment, (*plant)->robots()); });
   RobotTest test(**plant, clock, experiment, [&] { return !interrupted() && !stop_asked; });
-  std::vector<std::pair<std::size_t, RobotTestResult>> results;
+  std::vector<FoundRobot> found;
   bool good = true;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     if (experiment.robots[i].link == RobotSpec::Link::sim) continue;
@@ -121,7 +92,7 @@ int test_robots(const RobotsRequest& request) {
     }
     print(*result, experiment, i);
     good = good && result->faults.empty();
-    results.emplace_back(i, std::move(*result));
+    found.push_back(to_keep(experiment, i, *result));
   }
   if (net) net->on_stop({}, {});
   (*plant)->close();
@@ -132,7 +103,7 @@ int test_robots(const RobotsRequest& request) {
     complain(robot_name(experiment, i) + " has NOT acknowledged its stop and may still be driving");
     good = false;
   }
-  const int saved = request.save ? save(known_robots_file(request.file), experiment, results) : done;
+  const int saved = request.save ? save_found(known_robots_file(request.file), found) : done;
   return saved != done ? saved : good ? done : device_failed;
 }
 

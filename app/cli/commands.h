@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/experiment/experiment.h"
@@ -97,6 +98,15 @@ int ping_robots(const RobotsRequest& request);
 /// Asks robots who they are, turns their wheels a little, and names what is wrong with them; `device_failed` if
 /// something is. See robot_test.h.
 int test_robots(const RobotsRequest& request);
+
+/// What was found out about a robot: keys of the file of robots with their values, as TOML has them.
+struct FoundRobot {
+  RobotSpec spec;
+  std::string name;  ///< what messages call it
+  std::vector<std::pair<std::string, std::string>> values;
+};
+/// Puts it into the file of robots, everything else as it was; says which robots that file does not have.
+int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
 
 /// Says on stderr which runs ended without stopping their robots, if any did, and offers to stop them where somebody
 /// sits at a terminal.

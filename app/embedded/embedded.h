@@ -9,6 +9,7 @@ namespace skein::app::embedded {
 extern const std::string_view platoon_toml;  ///< resources/experiments/platoon.toml
 extern const std::string_view figure3_gp;    ///< resources/figures/figure3.gp
 extern const std::string_view figure4_gp;    ///< resources/figures/figure4.gp
+extern const std::string_view residuals_gp;  ///< resources/figures/residuals.gp
 extern const std::string_view page_html;     ///< resources/report/page.html
 
 // Figures of a study: resources/figures/distributions.gp, shares.gp and worst.gp.

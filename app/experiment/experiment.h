@@ -163,7 +163,17 @@ struct RobotSpec {
   std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
   /// How long after the last byte it stops by itself, as `robots test` has found; 0: never; empty: not known. [s]
   std::optional<double> watchdog;
-  core::DifferentialDrive drive;  ///< keys wheel_diameter, track; the rest follows from the type
+  core::DifferentialDrive drive;  ///< keys wheel_diameter, wheel_ratio, track; the rest follows from the type
+  /// From the tick to the moment at which its wheels obey, as `skein identify` has found; empty: as [estimation] says.
+  std::optional<double> actuation_delay;
+
+  /// What a simulated robot is really like, where that is not what everybody believes of it: `drive`, and no delay.
+  struct Truth {
+    core::DifferentialDrive drive;
+    double actuation_delay = 0.0;  ///< [s]
+  };
+  std::optional<Truth> truth;
+  const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
   bool simulated() const noexcept { return link != Link::device; }
 };

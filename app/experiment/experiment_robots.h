@@ -13,7 +13,13 @@ namespace skein::app {
 struct RobotKeys {
   RobotSpec spec;
   const core::RobotType* model = nullptr;  ///< null: not said
-  std::optional<double> radius, wheel_diameter, track;
+  std::optional<double> radius, wheel_diameter, wheel_ratio, track;
+  /// [robot.truth]: of what is not said, the truth is what is believed.
+  struct Truth {
+    std::optional<double> wheel_diameter, wheel_ratio, track;
+    double actuation_delay = 0.0;
+  };
+  std::optional<Truth> truth;
   std::string model_key;  ///< where it came from
 };
 

@@ -9,7 +9,8 @@ SimulatedWorld::SimulatedWorld(const Experiment& experiment) {
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     const RobotSpec& spec = experiment.robots[i];
     simulated_.push_back(spec.simulated());
-    robots_.emplace_back(spec.drive, spec.motor, experiment.simulation, experiment.seed, i);
+    robots_.emplace_back(spec.true_drive(), spec.motor, experiment.simulation, experiment.seed, i);
+    if (spec.truth) robots_.back().delay_commands(spec.truth->actuation_delay);
     robots_.back().place(spec.simulated() ? spec.start.value_or(reference->at(i, 0.0).pose)
                                           : core::Pose{none, none, none});
   }

@@ -217,8 +217,9 @@ void TickState::estimate(const TickInput& input) noexcept {
     robot.measurement = input.measurements[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
     const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+    const auto& known = experiment.robots[i].actuation_delay;
     robot.actuation_delay =
-        experiment.estimation.actuation_delay.value_or(input.delays.empty() ? 0.0 : input.delays[i]);
+        (known ? known : experiment.estimation.actuation_delay).value_or(input.delays.empty() ? 0.0 : input.delays[i]);
     if (seen) look(i);
     robot.pose = poses[i] = seen ? filters[i].predict(input.now + robot.actuation_delay) : core::Pose{none, none, none};
     robot.sigma_xy = seen ? filters[i].sigma_xy() : none;

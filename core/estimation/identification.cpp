@@ -47,10 +47,10 @@ constexpr double finest_xy = 2e-5, finest_theta = 2e-4;
 struct Prior {
   Parameters mean, sigma;
 };
-Prior prior_of(const TwoWheels& believed) {
+Prior prior_of(const DifferentialDrive& believed) {
   Prior p;
   //        left           right            track                delay slip           tag: heading, ahead, left  noise
-  p.mean << std::log(believed.left_diameter), std::log(believed.right_diameter), std::log(believed.track), 0.1,
+  p.mean << std::log(believed.left_diameter()), std::log(believed.right_diameter()), std::log(believed.track), 0.1,
       std::log(0.02), 0.0, 0.0, 0.0, std::log(1e-3), std::log(5e-3);
   p.sigma << 0.2, 0.2, 0.3, 0.3, 3.0, 0.2, 0.01, 0.01, 4.0, 4.0;
   return p;
@@ -296,12 +296,11 @@ std::vector<WheelKnot> WheelLog::finish(double t) && {
   return std::move(knots_);
 }
 
-TwoWheels Identification::wheels(const TwoWheels& believed) const {
-  TwoWheels wheels = believed;
-  wheels.left_diameter = (*this)[Unknown::left_diameter].value;
-  wheels.right_diameter = (*this)[Unknown::right_diameter].value;
-  wheels.track = (*this)[Unknown::track].value;
-  return wheels;
+DifferentialDrive Identification::drive(const DifferentialDrive& believed) const {
+  DifferentialDrive drive = believed;
+  drive.set_diameters((*this)[Unknown::left_diameter].value, (*this)[Unknown::right_diameter].value);
+  drive.track = (*this)[Unknown::track].value;
+  return drive;
 }
 
 double useful_width(Unknown unknown, double value) noexcept {
@@ -328,9 +327,11 @@ double useful_width(Unknown unknown, double value) noexcept {
 Identification identify(const IdentificationInput& input) {
   Identification result;
   result.correlation.setIdentity();
+  const double step = pi / input.believed.steps_per_turn;
+  const double left_step = step * input.believed.left_diameter(), right_step = step * input.believed.right_diameter();
   for (std::size_t k = 1; k < input.wheels.size(); ++k) {
-    const double left = (input.wheels[k].left - input.wheels[k - 1].left) * input.believed.left_step();
-    const double right = (input.wheels[k].right - input.wheels[k - 1].right) * input.believed.right_step();
+    const double left = (input.wheels[k].left - input.wheels[k - 1].left) * left_step;
+    const double right = (input.wheels[k].right - input.wheels[k - 1].right) * right_step;
     result.driven += std::abs(0.5 * (left + right));
     result.turned += std::abs(right - left) / input.believed.track;
   }
@@ -342,9 +343,9 @@ Identification identify(const IdentificationInput& input) {
   Search search(input, innovations);
   Parameters p = search.prior().mean;
   // The delay first, coarsely: from too far away the search may find another fit of commands to poses.
-  constexpr double step = 0.05, last = 0.6;
+  constexpr double stride = 0.05, last = 0.6;
   double best = std::numeric_limits<double>::infinity();
-  for (double delay = -0.1; delay <= last; delay += step) {
+  for (double delay = -0.1; delay <= last; delay += stride) {
     Parameters there = search.prior().mean;
     there[at(Unknown::delay)] = delay;
     if (const double cost = search.cost(there); cost < best) best = cost, p = there;
@@ -355,6 +356,9 @@ Identification identify(const IdentificationInput& input) {
 
   const Information covariance = search.information().inverse();
   constexpr double z = 1.959963984540054;  // 95 %
+  const auto within = [&](Estimate& e, double width) {
+    e.known = result.converged && std::max(e.high - e.value, e.value - e.low) <= width;
+  };
   for (std::size_t i = 0; i < unknowns; ++i) {
     const auto unknown = static_cast<Unknown>(i);
     const double sigma = std::sqrt(covariance(i, i));
@@ -362,10 +366,27 @@ Identification identify(const IdentificationInput& input) {
     const auto value = [&](double parameter) { return logarithmic(unknown) ? std::exp(parameter) : parameter; };
     e = {value(p[i]), value(p[i] - z * sigma), value(p[i] + z * sigma),
          1.0 - std::pow(sigma / search.prior().sigma[i], 2)};
-    e.known = result.converged && std::max(e.high - e.value, e.value - e.low) <= useful_width(unknown, e.value);
+    within(e, useful_width(unknown, e.value));
     for (std::size_t j = 0; j < unknowns; ++j)
       result.correlation(i, j) = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
   }
+
+  // Mean and ratio by their logarithms as well: what both wheels have in common, and in what they differ.
+  const auto of_both = [&](double share_left, double share_right) {
+    const std::size_t l = at(Unknown::left_diameter), r = at(Unknown::right_diameter);
+    const auto variance = [&](double left, double right, double both) {
+      return share_left * share_left * left + share_right * share_right * right + 2.0 * share_left * share_right * both;
+    };
+    const double sigma = std::sqrt(variance(covariance(l, l), covariance(r, r), covariance(l, r)));
+    const Parameters& before = search.prior().sigma;
+    const double value = share_left * p[l] + share_right * p[r];
+    return Estimate{std::exp(value), std::exp(value - z * sigma), std::exp(value + z * sigma),
+                    1.0 - sigma * sigma / variance(before[l] * before[l], before[r] * before[r], 0.0)};
+  };
+  result.wheel_diameter = of_both(0.5, 0.5);
+  within(result.wheel_diameter, useful_width(Unknown::left_diameter, result.wheel_diameter.value));
+  result.wheel_ratio = of_both(-1.0, 1.0);
+  within(result.wheel_ratio, useful_ratio);
 
   std::vector<Found> found;
   std::vector<double> headings;

@@ -11,7 +11,6 @@
 #include "core/geometry/pose.h"
 #include "core/kinematics/differential_drive.h"
 #include "core/kinematics/step_motor.h"
-#include "core/kinematics/two_wheels.h"
 
 namespace skein::core {
 
@@ -91,7 +90,7 @@ constexpr std::string_view word(Unknown unknown) noexcept {
 inline constexpr std::size_t unknowns = 10;
 
 struct IdentificationInput {
-  TwoWheels believed;  ///< where the search begins; the prior is wide about it (20 %, track 30 %)
+  DifferentialDrive believed;  ///< where the search begins; the prior is wide about it (20 %, track 30 %)
   std::vector<WheelKnot> wheels;
   std::vector<SeenPose> poses;  ///< in the order of their times
   double slip_period = 0.04;    ///< [s]
@@ -116,6 +115,8 @@ struct Innovation {
 
 struct Identification {
   std::array<Estimate, unknowns> estimates;
+  Estimate wheel_diameter;  ///< the mean of both [m]
+  Estimate wheel_ratio;     ///< the right wheel's diameter over the left one's: often known far better than either
   Eigen::Matrix<double, unknowns, unknowns> correlation;  ///< of the estimates' errors
   std::vector<Innovation> innovations;
   double driven = 0.0;  ///< [m]
@@ -124,12 +125,14 @@ struct Identification {
   bool converged = false;  ///< false: nothing of it can be believed
 
   const Estimate& operator[](Unknown unknown) const { return estimates[static_cast<std::size_t>(unknown)]; }
-  TwoWheels wheels(const TwoWheels& believed) const;  ///< what was found
+  DifferentialDrive drive(const DifferentialDrive& believed) const;  ///< what was found
 };
 
 /// Half an interval of use is at most so wide: 1 % of a diameter and of the track, 20 ms, half and twice the slip,
 /// 2 degrees, 3 mm; half and twice the noise.
 double useful_width(Unknown unknown, double value) noexcept;
+/// Of the wheels' ratio 0.3 %: over a metre of a straight line an e-puck turns by 3 degrees.
+inline constexpr double useful_ratio = 0.003;
 
 /// Fewer than 20 poses, or wheels that never turned: not converged.
 Identification identify(const IdentificationInput& input);

@@ -5,15 +5,15 @@
 #include <optional>
 
 #include "core/estimation/measurement.h"
+#include "core/kinematics/differential_drive.h"
 #include "core/kinematics/step_motor.h"
-#include "core/kinematics/two_wheels.h"
 #include "core/simulation/random.h"
 
 namespace skein::core {
 
 /// What tells one robot, and how it is seen, from the drawing.
 struct Individual {
-  TwoWheels wheels;
+  DifferentialDrive wheels;
   double actuation_delay = 0.0;  ///< from a command to the moment at which the motors hear of it [s]
   double camera_delay = 0.0;     ///< the camera says a pose was taken so much later than it was [s]
   double slip = 0.0;             ///< standard deviation of each wheel's way in a step, as a share of it

@@ -22,16 +22,12 @@ void SimulatedRobot::command(const WheelSpeeds& commanded) noexcept {
 
 void SimulatedRobot::turn(const WheelSpeeds& commanded) noexcept {
   commanded_ = commanded;
-  left_.command(commanded.left);
-  right_.command(commanded.right);
+  if (!(actuation_delay_ > 0.0)) return obey(commanded);
+  told_[given_++ % in_flight] = {clock_ + actuation_delay_, commanded};
+  if (given_ - heard_ > in_flight) heard_ = given_ - in_flight;
 }
 
-void SimulatedRobot::step(double dt) noexcept {
-  double left_share = 1.0, right_share = 1.0;
-  if (imperfection_.slip > 0.0) {
-    left_share += imperfection_.slip * slip_random_.gaussian();
-    right_share += imperfection_.slip * slip_random_.gaussian();
-  }
+void SimulatedRobot::roll(double dt, double left_share, double right_share) noexcept {
   // An arc for each stretch in which neither wheel changes its rate.
   for (double left = dt; left > 0.0;) {
     const double seconds = std::min({left, left_.rate_lasts(), right_.rate_lasts()});
@@ -42,6 +38,24 @@ void SimulatedRobot::step(double dt) noexcept {
     right_.advance(seconds);
     left = seconds < left ? left - seconds : 0.0;
   }
+}
+
+void SimulatedRobot::step(double dt) noexcept {
+  double left_share = 1.0, right_share = 1.0;
+  if (imperfection_.slip > 0.0) {
+    left_share += imperfection_.slip * slip_random_.gaussian();
+    right_share += imperfection_.slip * slip_random_.gaussian();
+  }
+  double rolled = 0.0;
+  for (; heard_ < given_ && told_[heard_ % in_flight].due <= clock_ + dt; ++heard_) {
+    const Told& told = told_[heard_ % in_flight];
+    const double until = std::max(rolled, told.due - clock_);
+    roll(until - rolled, left_share, right_share);
+    rolled = until;
+    obey(told.speeds);
+  }
+  roll(rolled > 0.0 ? dt - rolled : dt, left_share, right_share);
+  clock_ += dt;
 
   const double slide = std::hypot(slide_x_, slide_y_);
   if (!(slide > 0.0)) return;

@@ -27,6 +27,9 @@ class SimulatedRobot {
   SimulatedRobot(const DifferentialDrive& drive, MotorModel motor, const Imperfection& imperfection, std::uint64_t seed,
                  std::uint64_t stream);
 
+  /// From now on its motors hear of commands so much later [s]; of the newest 64 that are on their way.
+  void delay_commands(double seconds) noexcept { actuation_delay_ = seconds; }
+
   const Pose& pose() const noexcept { return pose_; }
   /// Puts the robot somewhere, as a hand does: there it stands still, but for its wheels.
   void place(const Pose& pose) noexcept { pose_ = pose, slide_x_ = slide_y_ = 0.0; }
@@ -56,12 +59,25 @@ class SimulatedRobot {
  private:
   static constexpr std::size_t in_flight = 64;
 
+  void obey(const WheelSpeeds& speeds) noexcept {
+    left_.command(speeds.left);
+    right_.command(speeds.right);
+  }
+  void roll(double dt, double left_share, double right_share) noexcept;
+
+  struct Told {
+    double due = 0.0;  // on the robot's own clock [s]
+    WheelSpeeds speeds;
+  };
   DifferentialDrive drive_;
   Imperfection imperfection_;
   Random slip_random_, sensor_random_;
   Pose pose_;
   StepMotor left_, right_;
   WheelSpeeds commanded_;
+  double actuation_delay_ = 0.0, clock_ = 0.0;  // [s]
+  std::array<Told, in_flight> told_{};          // commands on their way; number k lives at k % in_flight
+  std::size_t given_ = 0, heard_ = 0;
   double slide_x_ = 0.0, slide_y_ = 0.0;        // of a kick [m/s]
   std::array<Measurement, in_flight> queue_{};  // measurements on their way; number k lives at k % in_flight
   std::size_t taken_ = 0, arrived_ = 0;

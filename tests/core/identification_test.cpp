@@ -26,9 +26,9 @@ using core::Unknown;
 double truth_of(const Individual& robot, Unknown unknown) {
   switch (unknown) {
     case Unknown::left_diameter:
-      return robot.wheels.left_diameter;
+      return robot.wheels.left_diameter();
     case Unknown::right_diameter:
-      return robot.wheels.right_diameter;
+      return robot.wheels.right_diameter();
     case Unknown::track:
       return robot.wheels.track;
     case Unknown::delay:
@@ -53,8 +53,8 @@ Individual drawn(std::uint64_t seed) {
   Random dice(seed, 777);
   const auto span = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
   Individual robot;
-  robot.wheels.left_diameter *= span(0.97, 1.03);
-  robot.wheels.right_diameter *= span(0.97, 1.03);
+  const double left = span(0.97, 1.03), right = span(0.97, 1.03);
+  robot.wheels.set_diameters(left * 0.041, right * 0.041);
   robot.wheels.track *= span(0.97, 1.03);
   robot.actuation_delay = span(0.02, 0.1), robot.camera_delay = span(-0.02, 0.02);
   robot.slip = span(0.01, 0.05);
@@ -128,11 +128,9 @@ TEST(Identification, IsExactWhereNothingIsNoisy) {
   EXPECT_NEAR(found[Unknown::right_diameter].value / truth_of(truth, Unknown::right_diameter), 1.0, 1e-3);
   EXPECT_NEAR(found[Unknown::track].value / truth.wheels.track, 1.0, 1e-3);
   EXPECT_NEAR(found[Unknown::delay].value, 0.07, 1e-3);
-  const core::TwoWheels wheels = found.wheels({});
-  EXPECT_NEAR(wheels.ratio(), truth.wheels.ratio(), 1e-3);
-  const Twist twist{0.05, 0.7}, back = wheels.twist(wheels.wheels(twist));
-  EXPECT_NEAR(back.v, twist.v, 1e-15);
-  EXPECT_NEAR(back.omega, twist.omega, 1e-14);
+  const core::DifferentialDrive drive = found.drive({});
+  EXPECT_NEAR(drive.wheel_ratio, truth.wheels.wheel_ratio, 1e-3);
+  EXPECT_NEAR(drive.left_diameter() / truth.wheels.left_diameter(), 1.0, 1e-3);
 }
 
 TEST(Identification, SaysWhatTheDataCannotTell) {

@@ -132,6 +132,22 @@ TEST(DifferentialDrive, TurnsTwistsIntoWheelsAndBack) {
   });
 }
 
+TEST(DifferentialDrive, HasWheelsThatNeedNotBeAlike) {
+  DifferentialDrive drive;
+  drive.set_diameters(0.040, 0.042);
+  EXPECT_NEAR(drive.left_diameter(), 0.040, 1e-17);
+  EXPECT_NEAR(drive.right_diameter(), 0.042, 1e-17);
+  EXPECT_NEAR(drive.wheel_diameter, 0.041, 1e-17);
+  // Both wheels a turn a second: each comes as far as its own circumference says.
+  const core::Twist twist = drive.twist({1000.0, 1000.0});
+  EXPECT_NEAR(twist.v, core::pi * 0.041, 1e-15);
+  EXPECT_NEAR(twist.omega, core::pi * 0.002 / drive.track, 1e-14);
+  const core::Twist wanted{0.05, 0.7}, back = drive.twist(drive.wheels(wanted));
+  EXPECT_NEAR(back.v, wanted.v, 1e-16);
+  EXPECT_NEAR(back.omega, wanted.omega, 1e-15);
+  EXPECT_NEAR(drive.max_wheel_speed(), core::pi * 0.040, 1e-15) << "what the slower rim can do, both can";
+}
+
 TEST(DifferentialDrive, TurnsLeftWithTheRightWheelAhead) {
   const DifferentialDrive drive;
   const auto straight = drive.wheels({0.05, 0.0});

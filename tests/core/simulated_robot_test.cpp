@@ -233,5 +233,23 @@ TEST(SimulatedRobot, AHandStopsASlide) {
   EXPECT_EQ(robot.pose(), (Pose{0.1, 0.2, 0.0}));
 }
 
+TEST(SimulatedRobot, HearsOfCommandsAsLateAsItIsTold) {
+  const auto way_after = [](double delay, int steps) {
+    core::SimulatedRobot robot(DifferentialDrive{}, core::MotorModel::ideal, {}, 1, 0);
+    robot.place({});
+    if (delay > 0.0) robot.delay_commands(delay);
+    robot.command({100.0, 100.0});
+    for (int k = 0; k < steps; ++k) {
+      if (k == 5) robot.command({200.0, 200.0});
+      robot.step(0.04);
+    }
+    return robot.pose().x / DifferentialDrive{}.metres_per_step();
+  };
+  EXPECT_NEAR(way_after(0.0, 10), 100.0 * 0.2 + 200.0 * 0.2, 1e-9);
+  EXPECT_NEAR(way_after(0.05, 10), 100.0 * 0.2 + 200.0 * 0.15, 1e-9);
+  EXPECT_NEAR(way_after(0.09, 2), 0.0, 1e-12);
+  EXPECT_NEAR(way_after(0.09, 3), 100.0 * 0.03, 1e-9);
+}
+
 }  // namespace
 }  // namespace skein::test

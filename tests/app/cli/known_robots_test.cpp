@@ -9,10 +9,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/cli/command_line_runs.h"
 #include "app/cli/commands.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
 #include "app/run/exit_status.h"
+#include "app/session/session.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/link_supervisor.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -56,6 +61,49 @@ TEST_F(KnownRobotsCommands, TestedOnesAreSaved) {
   EXPECT_EQ(known->at(0).spec.tag, 9);
   EXPECT_NEAR(known->at(0).spec.drive.wheel_diameter / 0.0415, 1.0, 0.005);
   EXPECT_NEAR(known->at(0).spec.drive.track / 0.053, 1.0, 0.005);
+}
+
+TEST_F(KnownRobotsCommands, AreIdentifiedFromARunAndTheNextRunKnows) {
+  const auto e =
+      load_experiment(test::in_source("resources/experiments/identify.toml"),
+                      {"robot.1.name=anna", "robot.2.name=carl", "robot.1.model=epuck1",
+                       "robot.1.truth={wheel_diameter=0.0422, wheel_ratio=1.01, track=0.0515, actuation_delay=0.05}"});
+  ASSERT_TRUE(e) << e.error().front().message();
+  {
+    std::ofstream file(path("run.csv"));
+    CsvWriter writer(file, *e);
+    auto session = Session::open(*e, Session::Clock::virtual_, {false, {&writer}});
+    ASSERT_TRUE(session) << session.error();
+    (*session)->run();
+  }
+  IdentifyRequest request;
+  request.runs = {path("run.csv")};
+  request.file = path("robots.toml");
+  request.report = path("residuals");
+  request.save = true;
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(identify(request), done);
+  const std::string said = testing::internal::GetCapturedStdout(), errors = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("robot 1 (anna)\nruns: 1\nposes: 15"));
+  EXPECT_THAT(said, HasSubstr("believed 0.041"));
+  EXPECT_THAT(errors, HasSubstr("robot 2 (carl) is not in " + path("robots.toml") + ": nothing of it was saved"));
+  EXPECT_GT(fs::file_size(path("residuals/residuals_1.svg")), 10000u);
+
+  write("e.toml", "robots_file = \"robots.toml\"\n[[robot]]\nname = \"anna\"\nlink = \"sim\"\n[[robot]]\ntag = 2\n");
+  const auto next = load_experiment(path("e.toml"));
+  ASSERT_TRUE(next) << next.error().front().message();
+  const RobotSpec& anna = next->robots.at(0);
+  EXPECT_NEAR(anna.drive.wheel_diameter / 0.0422, 1.0, 0.003);
+  EXPECT_NEAR(anna.drive.wheel_ratio / 1.01, 1.0, 0.003);
+  EXPECT_NEAR(anna.drive.track / 0.0515, 1.0, 0.01);
+  EXPECT_NEAR(anna.actuation_delay.value_or(0.0), 0.05, 0.01);
+  EXPECT_EQ(next->robots.at(1).drive.wheel_ratio, 1.0);
+
+  request.runs = {path("robots.toml")};
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(identify(request), wrong_input);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("robots.toml"));
 }
 
 TEST_F(KnownRobotsCommands, AreStoppedByNameAndAllOfThem) {

@@ -75,6 +75,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "e.toml:2:9: robot.1.model: found \"epuck3\", allowed: \"ideal\", \"epuck1\", \"epuck2\""},
         Refused{"[[robot]]\nadapter = 'usb'", "e.toml:2:11: robot.1.adapter: adapter \"usb\" is neither"},
         Refused{"[[robot]]\ntrack = 5.3", "e.toml:2:9: robot.1.track: found 5.3, allowed: a number from 0.01 to 0.5 m"},
+        Refused{"[robot_defaults]\ntruth = {}", "e.toml:2:1: robot_defaults.truth: unknown key"},
+        Refused{"[[robot]]\nwheel_ratio = 2",
+                "e.toml:2:15: robot.1.wheel_ratio: found 2, allowed: a number from 0.8 to 1.25"},
+        Refused{"[[robot]]\ntruth = {wheel = 1}", "e.toml:2:10: robot.1.truth.wheel: unknown key"},
+        Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'c.toml'\n[[robot]]\nlink = 'tcp:a'\ntruth = "
+                "{track = 0.05}",
+                "e.toml:6:9: robot.1.truth: found one of a real robot"},
         Refused{"[robot_defaults]\ntag = 3", "e.toml:2:1: robot_defaults.tag: unknown key"},
         Refused{"[camera]\nsource = 'webcam'",
                 "e.toml:2:10: camera.source: found \"webcam\", allowed: \"none\", \"synth"},

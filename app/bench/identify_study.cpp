@@ -1,0 +1,260 @@
+#include "app/bench/identify_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/experiment/experiment_file.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/run/output.h"
+#include "app/run/resources.h"
+#include "core/controllers/independent.h"
+#include "core/estimation/identification.h"
+#include "core/kinematics/step_rate.h"
+#include "core/kinematics/unicycle.h"
+#include "core/safety/limits.h"
+#include "core/simulation/individual_robot.h"
+#include "core/words.h"
+
+namespace skein::app {
+namespace {
+
+using core::Individual;
+using core::Unknown;
+
+constexpr double frame_period = 0.04;
+constexpr core::MotorModel stepper = core::MotorModel::epuck2;
+
+/// A robot as it may come out of the box, and a camera as it may hang in a lab.
+Individual drawn(std::uint64_t seed) {
+  core::Random dice(seed, 777);
+  const auto span = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
+  Individual robot;
+  const double left = span(0.97, 1.03), right = span(0.97, 1.03);
+  robot.wheels.set_diameters(left * robot.wheels.wheel_diameter, right * robot.wheels.wheel_diameter);
+  robot.wheels.track *= span(0.97, 1.03);
+  robot.actuation_delay = span(0.02, 0.1), robot.camera_delay = span(-0.02, 0.02);
+  robot.slip = span(0.01, 0.05);
+  robot.tag_heading = span(-0.03, 0.03), robot.tag_ahead = span(-0.003, 0.003), robot.tag_left = span(-0.003, 0.003);
+  robot.pose_noise = span(3e-4, 1e-3), robot.heading_noise = span(0.003, 0.015);
+  robot.dropout = 0.05;
+  return robot;
+}
+
+double truth_of(const Individual& robot, Unknown unknown) {
+  switch (unknown) {
+    case Unknown::left_diameter:
+      return robot.wheels.left_diameter();
+    case Unknown::right_diameter:
+      return robot.wheels.right_diameter();
+    case Unknown::track:
+      return robot.wheels.track;
+    case Unknown::delay:
+      return robot.actuation_delay + robot.camera_delay;
+    case Unknown::slip:
+      return robot.slip;
+    case Unknown::tag_heading:
+      return robot.tag_heading;
+    case Unknown::tag_ahead:
+      return robot.tag_ahead;
+    case Unknown::tag_left:
+      return robot.tag_left;
+    case Unknown::sigma_xy:
+      return robot.pose_noise;
+    case Unknown::sigma_theta:
+      return robot.heading_noise;
+  }
+  return 0.0;
+}
+
+/// What a robot is asked for at time t; `seen` is where it was seen last.
+struct Manoeuvre {
+  std::string name;
+  double seconds = 0.0;
+  core::Pose start;
+  std::function<core::Twist(double t, const core::Pose& seen)> twist;
+};
+
+/// Robot 1 of an experiment, which follows its reference as its file says, without the others.
+std::optional<Manoeuvre> follow(const std::string& file) {
+  auto experiment = load_experiment(find_resource("experiments", file));
+  if (!experiment) {
+    complain(experiment.error().front().message());
+    return {};
+  }
+  const std::shared_ptr<const core::Reference> reference = make_reference(*experiment);
+  const core::Gains gains = make_gains(*experiment);
+  const core::CommandLimits limits{gains.v_max[0], gains.omega_max[0], experiment->robots[0].drive};
+  return Manoeuvre{
+      file, experiment->duration, reference->at(0, 0.0).pose,
+      [reference, gains, limits](double t, const core::Pose& seen) {
+        const core::ReferencePoint point = reference->at(0, t);
+        return limits.limit(core::track_alone(gains, 0, core::tracking_error(point.pose, seen), point.twist));
+      }};
+}
+
+/// UMBmark: a square to the left, one to the right, with turns on the spot; blindly, as it is driven. As far as another
+/// manoeuvre comes, and in the same time.
+Manoeuvre umbmark(double way, double seconds) {
+  constexpr double turning = 1.0;  // [rad/s]
+  const double turn = 0.5 * core::pi / turning, straight = seconds / 8.0 - turn, speed = way / (8.0 * straight);
+  return {"umbmark", 8.0 * (straight + turn), {}, [=](double t, const core::Pose&) {
+            const int leg = static_cast<int>(t / (straight + turn));
+            if (leg >= 8) return core::Twist{};
+            if (t - leg * (straight + turn) < straight) return core::Twist{speed, 0.0};
+            return core::Twist{0.0, leg < 4 ? turning : -turning};
+          }};
+}
+
+core::IdentificationInput drive(const Manoeuvre& manoeuvre, const Individual& individual, std::uint64_t seed) {
+  core::IdentificationInput input;
+  core::IndividualRobot robot(individual, stepper, seed);
+  core::WheelLog log(stepper);
+  core::WheelSpeeds told;
+  robot.place(manoeuvre.start);
+  core::Pose seen = manoeuvre.start;
+  for (int k = 0; k * frame_period < manoeuvre.seconds; ++k) {
+    if (const auto measured = robot.see()) {
+      seen = measured->pose;
+      input.poses.push_back({measured->captured_at, measured->pose});
+    }
+    const core::WheelSpeeds speeds = input.believed.wheels(manoeuvre.twist(k * frame_period, seen));
+    const core::WheelSpeeds whole{core::nearest_command(stepper, speeds.left),
+                                  core::nearest_command(stepper, speeds.right)};
+    if (k == 0 || whole != told) {
+      robot.command(whole);
+      log.command(k * frame_period, whole);
+      told = whole;
+    }
+    robot.step(frame_period);
+  }
+  input.wheels = std::move(log).finish(manoeuvre.seconds);
+  return input;
+}
+
+/// How far off it is after a minute of bends to both sides, driven blindly by somebody who takes its wheels for these;
+/// without slip, which is chance and known to nobody. [m]
+double drift(const core::DifferentialDrive& believed, const core::DifferentialDrive& really) {
+  constexpr double seconds = 60.0, v = 0.05;
+  core::Pose wanted, pose;
+  for (int k = 0; k * frame_period < seconds; ++k) {
+    const core::Twist twist{v, 0.6 * std::sin(2.0 * core::pi * k * frame_period / 20.0)};  // bends to both sides
+    wanted = core::advance(wanted, twist, frame_period);
+    pose = core::advance(pose, really.twist(believed.wheels(twist)), frame_period);
+  }
+  return std::hypot(pose.x - wanted.x, pose.y - wanted.y);
+}
+
+struct Outcome {
+  core::Identification found;
+  double drift_before = 0.0, drift_after = 0.0;
+};
+
+std::vector<Outcome> study(const Manoeuvre& manoeuvre, const IdentifyBench& bench) {
+  std::vector<Outcome> outcomes(static_cast<std::size_t>(bench.runs));
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t k = next++; k < outcomes.size() && !interrupted(); k = next++) {
+      const std::uint64_t seed = bench.seed + k;
+      const Individual truth = drawn(seed);
+      Outcome& outcome = outcomes[k];
+      outcome.found = core::identify(drive(manoeuvre, truth, seed));
+      outcome.found.innovations.clear();
+      outcome.drift_before = drift({}, truth.wheels);
+      outcome.drift_after = drift(outcome.found.drive({}), truth.wheels);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned k = 1; k < std::max(1U, std::thread::hardware_concurrency()); ++k) threads.emplace_back(work);
+  work();
+  threads.clear();
+  return outcomes;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// True where all intervals hold as often as they say.
+bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::vector<Outcome>& outcomes) {
+  constexpr double fewest = 0.93, most = 0.97;
+  std::vector<double> ways, turns, before, after, shares;
+  std::int64_t failed = 0;
+  for (const Outcome& o : outcomes) {
+    failed += !o.found.converged;
+    ways.push_back(o.found.driven), turns.push_back(o.found.turned);
+    before.push_back(o.drift_before), after.push_back(o.drift_after);
+    shares.push_back(o.drift_before / o.drift_after);
+  }
+  fmt::print("\nmanoeuvre: {}\nruns: {}\nseconds: {:.1f}\ndriven: {:.2f} m\nturned: {:.1f} rad\nnot_converged: {}\n",
+             manoeuvre.name, outcomes.size(), manoeuvre.seconds, median(ways), median(turns), failed);
+  fmt::print("{:<15} {:>9} {:>12} {:>14} {:>7}\n", "parameter", "covered", "half width", "largest", "known");
+  bool good = failed == 0;
+  const auto row = [&](std::string_view name, const auto& estimate_of, const auto& truth, bool relative) {
+    std::int64_t covered = 0, known = 0;
+    std::vector<double> widths;
+    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+      const core::Estimate& e = estimate_of(outcomes[k].found);
+      const double real = truth(drawn(bench.seed + k));
+      covered += e.low <= real && real <= e.high;
+      known += e.known;
+      widths.push_back(0.5 * (e.high - e.low) / (relative ? e.value : 1.0));
+    }
+    const double all = static_cast<double>(outcomes.size()), share = static_cast<double>(covered) / all;
+    good = good && share >= fewest && share <= most;
+    const double unit = relative ? 100.0 : 1.0, half = unit * median(widths);
+    const double largest = unit * *std::max_element(widths.begin(), widths.end());
+    fmt::print("{:<15} {:>7.1f} % {:>10.3g} {} {:>12.3g} {} {:>5.0f} %\n", name, 100.0 * share, half,
+               relative ? '%' : ' ', largest, relative ? '%' : ' ', 100.0 * static_cast<double>(known) / all);
+  };
+  row(
+      "wheel_ratio", [](const auto& found) -> const auto& { return found.wheel_ratio; },
+      [](const Individual& robot) { return robot.wheels.wheel_ratio; }, true);
+  for (const Unknown unknown : core::all_of<Unknown>()) {
+    const bool relative = unknown == Unknown::left_diameter || unknown == Unknown::right_diameter ||
+                          unknown == Unknown::track || unknown == Unknown::slip || unknown == Unknown::sigma_xy ||
+                          unknown == Unknown::sigma_theta;
+    row(
+        word(unknown), [&](const auto& found) -> const auto& { return found[unknown]; },
+        [&](const Individual& robot) { return truth_of(robot, unknown); }, relative);
+  }
+  fmt::print("drift_60_s: {:.1f} mm as drawn, {:.2f} mm as identified: {:.0f} times less (medians)\n",
+             1e3 * median(before), 1e3 * median(after), median(before) / median(after));
+  fmt::print("drift_cut_20_times: {:.1f} % of the robots\n",
+             100.0 *
+                 static_cast<double>(std::count_if(shares.begin(), shares.end(), [](double s) { return s >= 20.0; })) /
+                 static_cast<double>(shares.size()));
+  return good;
+}
+
+}  // namespace
+
+int bench_identify(const IdentifyBench& bench) {
+  const auto recommended = follow("identify"), lap = follow("platoon");
+  if (!recommended || !lap || bench.runs < 1) return wrong_input;
+  const core::Individual exact;
+  core::Identification way = core::identify(drive(*recommended, exact, bench.seed));
+  bool good = true;
+  for (const Manoeuvre& manoeuvre : {*recommended, umbmark(way.driven, recommended->seconds), *lap}) {
+    const std::vector<Outcome> outcomes = study(manoeuvre, bench);
+    if (interrupted()) return expectation_failed;
+    const bool holds = print(manoeuvre, bench, outcomes);
+    std::fflush(stdout);  // a thousand robots take minutes
+    if (manoeuvre.name == recommended->name) good = holds;
+  }
+  return good ? done : expectation_failed;
+}
+
+}  // namespace skein::app

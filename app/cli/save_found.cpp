@@ -1,0 +1,46 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/cli/commands.h"
+#include "app/experiment/known_robots.h"
+#include "app/experiment/text_file.h"
+#include "app/experiment/toml_edit.h"
+#include "app/run/exit_status.h"
+#include "app/run/output.h"
+
+namespace skein::app {
+
+int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
+  const auto known = load_known_robots(file);
+  const auto text = read_text(file);
+  if (!known || !text) {
+    for (const Problem& problem : known ? text.error() : known.error())
+      print_error(fmt::format("{}\n", problem.message()));
+    return wrong_input;
+  }
+  std::string changed = *text;
+  for (const FoundRobot& robot : robots) {
+    const auto there = std::find_if(known->begin(), known->end(), [&](const auto& k) { return is(k, robot.spec); });
+    if (there == known->end()) {
+      complain(fmt::format("{} is not in {}: nothing of it was saved", robot.name, file));
+      continue;
+    }
+    for (const auto& [key, value] : robot.values) {
+      auto with = with_toml_value(changed, fmt::format("robot.{}.{}", there - known->begin() + 1, key), value);
+      if (with)
+        changed = std::move(*with);
+      else
+        complain(fmt::format("{}: {}", file, with.error()));
+    }
+  }
+  if (changed == *text) return done;
+  if (const auto saved = save_known_robots(file, changed); !saved) {
+    complain(saved.error());
+    return wrong_input;
+  }
+  fmt::print("# saved in {}\n", file);
+  return done;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,279 @@
+#include "app/tools/identify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <thread>
+
+#include "app/embedded/embedded.h"
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_reader.h"
+#include "app/record/gnuplot.h"
+
+namespace skein::app {
+namespace {
+
+namespace fs = std::filesystem;
+using core::Unknown;
+
+constexpr double rounding = 1e-9;  // of times that are k / rate [s]
+constexpr double slides = 1.0;     // a kicked robot, at most [s]
+constexpr double between_runs = 10.0;
+
+std::string key_of(const RobotSpec& spec) {
+  return spec.name.empty() ? fmt::format("tag {}", spec.tag) : spec.name;
+}
+
+double largest_persistence(const std::vector<core::Innovation>& innovations) {
+  double largest = 0.0;
+  for (double core::Innovation::*const residual :
+       {&core::Innovation::ahead, &core::Innovation::left, &core::Innovation::theta}) {
+    double products = 0.0, squares = 0.0;
+    for (std::size_t k = 1; k < innovations.size(); ++k) {
+      if (!innovations[k].used || !innovations[k - 1].used) continue;
+      products += innovations[k].*residual * innovations[k - 1].*residual;
+      squares += innovations[k].*residual * innovations[k].*residual;
+    }
+    const double correlation = squares > 0.0 ? products / squares : 0.0;
+    if (std::abs(correlation) > std::abs(largest)) largest = correlation;
+  }
+  return largest;
+}
+
+}  // namespace
+
+RunHistory::RunHistory(const Experiment& experiment) : experiment_(experiment) {
+  for (const RobotSpec& spec : experiment_.robots) robots_.emplace_back(spec.motor);
+}
+
+/// Where hands were at work.
+void RunHistory::hear(const TickRecord& row) {
+  const double period = experiment_.period();
+  for (const Event& event : row.events) {
+    const bool placed = is<events::Perturb, events::Move>(event), kicked = is<events::Kick>(event);
+    if (!placed && !kicked && !is<events::Kidnap>(event)) continue;
+    Robot& robot = robots_[*robot_of(event)];
+    ++robot.carried;
+    // A jump is noticed when it is seen, and that pose is the first after it. What the file or the operator does to a
+    // simulated robot happens about this tick.
+    const double from = is<events::Kidnap>(event) ? row.robots[*robot_of(event)].measurement.captured_at
+                                                  : (std::isnan(before_) ? row.now : before_);
+    const double to = is<events::Kidnap>(event) ? from : row.now + (kicked ? slides : 0.5 * period);
+    robot.moved_from = robot.moved ? std::min(robot.moved_from, from) : from;
+    robot.moved_to = robot.moved ? std::max(robot.moved_to, to) : to;
+    robot.moved = true;
+  }
+}
+
+/// What the wheels were told, and when: at the tick, unless the link held it back.
+void RunHistory::drive(Robot& robot, const TickRecord& row, const RobotRecord& record) const {
+  core::WheelSpeeds speeds = record.wheels;
+  double at = row.now;
+  if (const LinkInput& link = record.link.input; !std::isnan(link.sent_at)) {
+    speeds = link.sent;
+    at = link.sent == robot.told && !std::isnan(before_) ? before_ : link.sent_at;
+  }
+  robot.told = record.wheels;
+  // Links do not send what the robot has been told already.
+  if (std::isnan(speeds.left) || std::isnan(speeds.right) || speeds == robot.commanded) return;
+  robot.commanded = speeds;
+  robot.commanded_at = std::max(robot.commanded_at, at);
+  robot.log.command(robot.commanded_at, speeds);
+}
+
+void RunHistory::see(Robot& robot, const TickRecord& row, std::size_t i) const {
+  const core::Measurement& seen = row.robots[i].measurement;
+  if (!(seen.captured_at > core::Measurement{}.captured_at)) return;
+  if (!robot.poses.empty() && !(seen.captured_at > robot.poses.back().t)) return;
+  const bool anew = robot.moved && seen.captured_at >= robot.moved_from - rounding;
+  if (anew && seen.captured_at >= robot.moved_to - rounding) robot.moved = false;
+  robot.poses.push_back({seen.captured_at, seen.pose, anew});
+}
+
+void RunHistory::record(const TickRecord& row) {
+  hear(row);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    drive(robots_[i], row, row.robots[i]);
+    see(robots_[i], row, i);
+    if (const double delay = row.robots[i].actuation_delay; !std::isnan(delay)) {
+      robots_[i].delays += delay;
+      ++robots_[i].delays_known;
+    }
+  }
+  before_ = row.now;
+}
+
+std::vector<RobotHistory> RunHistory::finish() && {
+  std::vector<RobotHistory> all;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Robot& robot = robots_[i];
+    if (robot.poses.empty()) continue;
+    RobotHistory history;
+    history.spec = experiment_.robots[i];
+    history.key = key_of(history.spec);
+    history.name = robot_name(experiment_, i);
+    history.input.believed = history.spec.drive;
+    history.input.slip_period = experiment_.period();
+    history.input.wheels = std::move(robot.log).finish(std::max(before_, robot.commanded_at) + experiment_.period());
+    history.input.poses = std::move(robot.poses);
+    history.believed_delay = robot.delays / std::max(1.0, robot.delays_known);
+    history.runs = 1;
+    history.carried = robot.carried;
+    all.push_back(std::move(history));
+  }
+  return all;
+}
+
+tl::expected<std::vector<RobotHistory>, std::string> read_history(const std::string& csv) {
+  std::ifstream file(csv, std::ios::binary);
+  if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", csv, std::strerror(errno)));
+  auto reader = CsvReader::open(file, csv);
+  if (!reader) return tl::unexpected(reader.error());
+  const auto experiment = parse_experiment(reader->head().source, csv + " (experiment)");
+  if (!experiment) return tl::unexpected(experiment.error().front().message());
+  if (experiment->robots.size() != reader->robots())
+    return tl::unexpected(fmt::format("{}: {} robots in its experiment, but {} in its columns", csv,
+                                      experiment->robots.size(), reader->robots()));
+  RunHistory history(*experiment);
+  for (TickRecord row;;) {
+    const auto more = reader->next(row);
+    if (!more) return tl::unexpected(more.error());
+    if (!*more) return std::move(history).finish();
+    history.record(row);
+  }
+}
+
+void append(std::vector<RobotHistory>& robots, std::vector<RobotHistory> more) {
+  for (RobotHistory& next : more) {
+    const auto same = std::find_if(robots.begin(), robots.end(), [&](const auto& r) { return r.key == next.key; });
+    if (same == robots.end()) {
+      robots.push_back(std::move(next));
+      continue;
+    }
+    core::IdentificationInput& all = same->input;
+    core::IdentificationInput& later = next.input;
+    const auto first_time = [](const core::IdentificationInput& input) {
+      return std::min(input.poses.front().t, input.wheels.empty() ? input.poses.front().t : input.wheels.front().t);
+    };
+    const double end = std::max(all.poses.back().t, all.wheels.empty() ? all.poses.back().t : all.wheels.back().t);
+    const double shift = end + between_runs - first_time(later);
+    const core::WheelKnot turned = all.wheels.empty() ? core::WheelKnot{} : all.wheels.back();
+    for (const core::WheelKnot& knot : later.wheels)
+      all.wheels.push_back({knot.t + shift, knot.left + turned.left, knot.right + turned.right});
+    later.poses.front().anew = true;
+    for (core::SeenPose seen : later.poses) {
+      seen.t += shift;
+      all.poses.push_back(seen);
+    }
+    all.believed = later.believed;
+    same->spec = std::move(next.spec);
+    same->believed_delay = next.believed_delay;
+    same->runs += next.runs;
+    same->carried += next.carried + 1;
+  }
+}
+
+std::vector<IdentifiedRobot> identify_robots(std::vector<RobotHistory> robots) {
+  std::vector<IdentifiedRobot> all(robots.size());
+  const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+  std::vector<std::future<void>> work;
+  for (std::size_t thread = 0; thread < std::min(threads, robots.size()); ++thread)
+    work.push_back(std::async(std::launch::async, [&, thread] {
+      for (std::size_t i = thread; i < robots.size(); i += threads) {
+        all[i].history = std::move(robots[i]);
+        all[i].found = core::identify(all[i].history.input);
+        all[i].persistence = largest_persistence(all[i].found.innovations);
+        all[i].outliers =
+            static_cast<std::size_t>(std::count_if(all[i].found.innovations.begin(), all[i].found.innovations.end(),
+                                                   [](const auto& innovation) { return !innovation.used; }));
+      }
+    }));
+  for (std::future<void>& one : work) one.get();
+  return all;
+}
+
+std::vector<std::string> doubts(const IdentifiedRobot& robot) {
+  const core::Identification& found = robot.found;
+  std::vector<std::string> sentences;
+  const std::size_t poses = robot.history.input.poses.size();
+  if (!found.converged) {
+    sentences.push_back(
+        found.driven + found.turned > 0.0
+            ? fmt::format("{} poses over {:.2f} m tell nothing: record a run that drives", poses, found.driven)
+            : fmt::format("it never drove, in {} poses: nothing can be told", poses));
+    return sentences;
+  }
+  const auto interval = [](const core::Estimate& e) { return fmt::format("{:.3g} to {:.3g}", e.low, e.high); };
+  if (!found.wheel_diameter.known)
+    sentences.push_back(fmt::format("the data cannot tell the wheels' diameters ({} m): drive farther than {:.2f} m",
+                                    interval(found.wheel_diameter), found.driven));
+  if (!found.wheel_ratio.known)
+    sentences.push_back(
+        fmt::format("the data cannot tell in what the wheels differ (ratio {}): drive farther than {:.2f} m",
+                    interval(found.wheel_ratio), found.driven));
+  if (!found[Unknown::track].known)
+    sentences.push_back(fmt::format("the data cannot tell the track ({} m): turn more than {:.1f} rad",
+                                    interval(found[Unknown::track]), found.turned));
+  if (!found[Unknown::delay].known)
+    sentences.push_back(fmt::format("the data cannot tell the delay ({} s): change speed and turning rate more often",
+                                    interval(found[Unknown::delay])));
+  constexpr double hangs_together = 0.25, many = 0.02;
+  if (std::abs(robot.persistence) > hangs_together)
+    sentences.push_back(
+        fmt::format("residuals hang together (correlation {:.2f} from one to the next): something else "
+                    "moves the robot or its tag, and the intervals are too narrow",
+                    robot.persistence));
+  if (static_cast<double>(robot.outliers) > many * static_cast<double>(found.innovations.size()))
+    sentences.push_back(fmt::format("{} of {} poses do not fit: look at the tags and at who touched the robot",
+                                    robot.outliers, found.innovations.size()));
+  return sentences;
+}
+
+std::vector<std::pair<std::string, std::string>> values_to_keep(const IdentifiedRobot& robot) {
+  std::vector<std::pair<std::string, std::string>> values;
+  const core::Identification& found = robot.found;
+  const core::DifferentialDrive drive = found.drive(robot.history.input.believed);
+  const auto keep = [&](const char* key, const core::Estimate& estimate, const std::string& value) {
+    if (estimate.known) values.emplace_back(key, value);
+  };
+  keep("wheel_diameter", found.wheel_diameter, fmt::format("{:.6f}", drive.wheel_diameter));
+  keep("wheel_ratio", found.wheel_ratio, fmt::format("{:.5f}", drive.wheel_ratio));
+  keep("track", found[Unknown::track], fmt::format("{:.6f}", drive.track));
+  keep("actuation_delay", found[Unknown::delay], fmt::format("{:.4f}", std::max(0.0, found[Unknown::delay].value)));
+  return values;
+}
+
+tl::expected<void, std::string> write_residuals(const std::string& folder, const std::vector<IdentifiedRobot>& robots) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return tl::unexpected(fmt::format("{}: cannot be made: {}", folder, error.message()));
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const std::string name = fmt::format("residuals_{}", i + 1);
+    std::string table = "t,ahead,left,theta,normalised,used\n";
+    for (const core::Innovation& innovation : robots[i].found.innovations)
+      table += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", innovation.t, innovation.ahead, innovation.left,
+                           innovation.theta, innovation.normalised, innovation.used ? 1 : 0);
+    const fs::path path = fs::path(folder) / name;
+    std::string title = robots[i].history.name;
+    std::replace_if(
+        title.begin(), title.end(), [](char c) { return c == '"' || c == '\\'; }, '\'');
+    const std::string head = fmt::format(
+        "# Residuals of {0}, drawn by skein {1}. To draw it again, edit this and run: gnuplot {2}.gp\n"
+        "name = \"{2}\"\nrobot = \"{0}\"\n",
+        title, SKEIN_VERSION, name);
+    auto done = write_file(path.string() + ".csv", table);
+    if (done) done = write_file(path.string() + ".gp", head + std::string(embedded::residuals_gp));
+    if (done && !robots[i].found.innovations.empty()) done = gnuplot(folder, (name + ".gp").c_str());
+    if (!done) return done;
+  }
+  return {};
+}
+
+}  // namespace skein::app

@@ -1,0 +1,230 @@
+// `skein identify`: runs tell what their robots really are, and a run that knows it drives as much better.
+#include "app/tools/identify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
+#include "app/session/session.h"
+#include "tests/app/folder.h"
+#include "tests/app/rows.h"
+#include "tests/places.h"
+
+namespace skein::app {
+namespace {
+
+using core::Estimate;
+using core::Unknown;
+using test::Rows;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Experiment shipped_experiment(const std::string& name, const std::vector<std::string>& sets = {}) {
+  auto experiment = load_experiment(test::in_source("resources/experiments/" + name), sets);
+  EXPECT_TRUE(experiment) << (experiment ? "" : experiment.error().front().message());
+  return *experiment;
+}
+
+std::vector<TickRecord> rows_of(const Experiment& experiment) {
+  Rows sink;
+  auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&sink}});
+  EXPECT_TRUE(session) << (session ? "" : session.error());
+  if (session) (*session)->run();
+  return std::move(sink.rows);
+}
+
+std::vector<RobotHistory> history_of(const Experiment& experiment) {
+  RunHistory history(experiment);
+  for (const TickRecord& row : rows_of(experiment)) history.record(row);
+  return std::move(history).finish();
+}
+
+bool holds(const Estimate& e, double truth) {
+  return e.low <= truth && truth <= e.high;
+}
+
+/// Four robots whose wheels are up to 3 % wrong, each in a way of its own, and obey late.
+const std::vector<std::string> wrong_robots{
+    "robot_defaults.model=epuck2",
+    "robot.1.truth={wheel_diameter=0.04223, wheel_ratio=1.01, track=0.0515, actuation_delay=0.05}",
+    "robot.2.truth={wheel_diameter=0.0398, wheel_ratio=0.97, track=0.0545, actuation_delay=0.03}",
+    "robot.3.truth={wheel_ratio=1.03, actuation_delay=0.08}", "robot.4.truth={wheel_diameter=0.0415, track=0.0522}"};
+
+TEST(Identify, TellsFromTheRecommendedMinuteWhatTheRobotsAre) {
+  const Experiment experiment = shipped_experiment("identify.toml", wrong_robots);
+  const std::vector<IdentifiedRobot> found = identify_robots(history_of(experiment));
+  ASSERT_EQ(found.size(), 4u);
+  int held = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const core::Identification& robot = found[i].found;
+    const core::DifferentialDrive& truth = experiment.robots[i].true_drive();
+    EXPECT_EQ(found[i].history.name, robot_name(experiment, i));
+    EXPECT_THAT(doubts(found[i]), IsEmpty());
+    EXPECT_NEAR(robot.wheel_diameter.value / truth.wheel_diameter, 1.0, 0.003);
+    EXPECT_NEAR(robot.wheel_ratio.value / truth.wheel_ratio, 1.0, 0.003);
+    EXPECT_NEAR(robot[Unknown::track].value / truth.track, 1.0, 0.01);
+    EXPECT_NEAR(robot[Unknown::delay].value, experiment.robots[i].truth->actuation_delay, 0.01);
+    EXPECT_NEAR(robot[Unknown::slip].value, experiment.simulation.slip, 0.006);
+    held += holds(robot.wheel_diameter, truth.wheel_diameter) + holds(robot.wheel_ratio, truth.wheel_ratio) +
+            holds(robot[Unknown::track], truth.track) +
+            holds(robot[Unknown::delay], experiment.robots[i].truth->actuation_delay);
+  }
+  EXPECT_GE(held, 13) << "of 16 intervals of 95 %";
+}
+
+TEST(Identify, ReadsFromACsvWhatTheSessionHad) {
+  test::Folder folder;
+  const Experiment experiment = shipped_experiment("identify.toml", {"duration=5"});
+  RunHistory direct(experiment);
+  {
+    std::ofstream file(folder / "run.csv");
+    CsvWriter writer(file, experiment);
+    for (const TickRecord& row : rows_of(experiment)) {
+      writer.record(row);
+      direct.record(row);
+    }
+  }
+  const auto read = read_history(folder / "run.csv");
+  ASSERT_TRUE(read) << read.error();
+  const std::vector<RobotHistory> expected = std::move(direct).finish();
+  ASSERT_EQ(read->size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_EQ((*read)[i].input.poses.size(), expected[i].input.poses.size());
+    ASSERT_EQ((*read)[i].input.wheels.size(), expected[i].input.wheels.size());
+    EXPECT_EQ((*read)[i].input.poses.back().t, expected[i].input.poses.back().t);
+    EXPECT_EQ((*read)[i].input.poses.back().pose.x, expected[i].input.poses.back().pose.x);
+    EXPECT_EQ((*read)[i].input.wheels.back().left, expected[i].input.wheels.back().left);
+    EXPECT_EQ((*read)[i].key, "tag " + std::to_string(i + 1));
+  }
+  EXPECT_FALSE(read_history(folder / "none.csv"));
+}
+
+/// How far off its reference the robot really is at the end of a way on which nobody corrects it. [m]
+double blind_drift(const std::vector<std::string>& sets) {
+  const std::vector<TickRecord> rows = rows_of(shipped_experiment("open-loop.toml", sets));
+  EXPECT_GT(rows.size(), 1000u);
+  if (rows.empty()) return none;
+  const RobotRecord& robot = rows.back().robots[0];
+  return std::hypot(robot.truth.x - robot.nominal.pose.x, robot.truth.y - robot.nominal.pose.y);
+}
+
+/// The control is the same robot, driven by somebody who has not looked. What a minute tells depends on how the wheels
+/// happened to slip: several are tried, each by itself.
+TEST(Identify, CutsTheDriftOfARobotThatNobodyCorrects) {
+  const std::string truth = "robot.1.truth={wheel_diameter=0.04223, wheel_ratio=1.03, track=0.0515}";
+  for (const std::string link : {"sim", "loopback"}) {
+    const std::vector<std::string> robot{truth, "robot.1.model=epuck2", "robot.1.link=" + link};
+    const double before = blind_drift(robot);
+    EXPECT_GT(before, 0.5);
+    for (int minute = 1; minute <= (link == "sim" ? 8 : 1); ++minute) {
+      auto learning = robot;
+      learning.push_back("seed=" + std::to_string(minute));
+      std::vector<RobotHistory> history = history_of(shipped_experiment("identify.toml", learning));
+      ASSERT_EQ(history.size(), 4u);
+      history.resize(1);
+      const IdentifiedRobot found = identify_robots(std::move(history)).front();
+      auto knowing = robot;
+      for (const auto& [key, value] : values_to_keep(found)) knowing.push_back("robot.1." + key + "=" + value);
+      ASSERT_EQ(knowing.size(), robot.size() + 4) << "diameter, ratio, track and delay were found";
+      const double after = blind_drift(knowing);
+      std::cout << "drift_" << link << ": " << 1e3 * before << " mm without, " << 1e3 * after << " mm with, "
+                << before / after << " times less\n";
+      EXPECT_GE(before / after, 20.0) << link << ", seed " << minute;
+    }
+  }
+}
+
+TEST(Identify, PassesOverHands) {
+  auto sets = wrong_robots;
+  for (const char* set :
+       {"perturb.1={t=20, robot=1, dx=0.1, dtheta=0.5}", "operator.1={t=30, does=\"kick r1 vx=0.4 vy=0\"}",
+        "operator.2={t=40, does=\"move r1 x=-0.5 y=0.3 theta=1\"}"})
+    sets.emplace_back(set);
+  const Experiment experiment = shipped_experiment("identify.toml", sets);
+  std::vector<RobotHistory> history = history_of(experiment);
+  EXPECT_GE(history[0].carried, 3u);
+  EXPECT_EQ(history[1].carried, 0u);
+  history.resize(1);
+  const IdentifiedRobot found = identify_robots(std::move(history)).front();
+  const core::DifferentialDrive& truth = experiment.robots[0].true_drive();
+  EXPECT_THAT(doubts(found), IsEmpty());
+  EXPECT_EQ(found.outliers, 0u);
+  EXPECT_NEAR(found.found.wheel_diameter.value / truth.wheel_diameter, 1.0, 0.003);
+  EXPECT_NEAR(found.found[Unknown::track].value / truth.track, 1.0, 0.01);
+}
+
+TEST(Identify, SeveralRunsTellMoreThanOne) {
+  std::vector<RobotHistory> one = history_of(shipped_experiment("identify.toml", wrong_robots)), both = one;
+  auto later = wrong_robots;
+  later.emplace_back("seed=2");
+  append(both, history_of(shipped_experiment("identify.toml", later)));
+  ASSERT_EQ(both.size(), 4u);
+  EXPECT_EQ(both[2].runs, 2u);
+  const auto alone = identify_robots(std::move(one)), together = identify_robots(std::move(both));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto width = [](const Estimate& e) { return e.high - e.low; };
+    EXPECT_NEAR(width(together[i].found[Unknown::track]) / width(alone[i].found[Unknown::track]), std::sqrt(0.5), 0.1);
+    EXPECT_NEAR(together[i].found.driven / alone[i].found.driven, 2.0, 0.02);
+    EXPECT_EQ(together[i].outliers, 0u) << "the way from one run to the next is nobody's";
+  }
+}
+
+TEST(Identify, SaysWhatARunCannotTell) {
+  const std::vector<std::string> straight{
+      "duration=12", "robot.1.trajectory={path={shape=\"line\", from=[-0.5, 0.0], to=[0.5, 0.0]}}"};
+  Experiment experiment = shipped_experiment("open-loop.toml", straight);
+  experiment.simulation = {.pose_noise = 0.0005, .heading_noise = 0.006, .slip = 0.02};
+  const auto found = identify_robots(history_of(experiment));
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_THAT(doubts(found[0]), ::testing::Contains(HasSubstr("cannot tell the track")));
+  for (const auto& [key, value] : values_to_keep(found[0])) EXPECT_NE(key, "track") << value;
+
+  const Experiment standing = shipped_experiment(
+      "open-loop.toml", {"duration=3", "robot.1.trajectory={t=100, path={shape=\"line\", from=[0,0], to=[1,0]}}"});
+  const auto stood = identify_robots(history_of(standing));
+  ASSERT_EQ(stood.size(), 2u);
+  EXPECT_THAT(doubts(stood[0]), ElementsAre(HasSubstr("it never drove")));
+  EXPECT_THAT(values_to_keep(stood[0]), IsEmpty());
+}
+
+/// A link writes a tick's speeds a little later, which is part of the delay; but when it holds them back, they count
+/// from when they were written, and what it did not write does not count.
+TEST(Identify, GoesByWhatTheLinkHasSent) {
+  Experiment experiment = shipped_experiment("open-loop.toml");
+  RunHistory history(experiment);
+  TickRecord row;
+  row.robots.resize(2);
+  RobotRecord& robot = row.robots[0];
+  const auto tick = [&](double now, double told, double sent, double sent_at) {
+    row.now = now;
+    robot.wheels = {told, told};
+    robot.link.input = {.linked = true, .sent = {sent, sent}, .sent_at = sent_at, .blind_way = 0.0};
+    robot.measurement = {{now, 0.0, 0.0}, now, 0.0, 0.0};
+    history.record(row);
+  };
+  tick(0.0, 100, none, none);
+  tick(1.0, 200, 100, 0.1);
+  tick(2.0, 300, 200, 1.1);
+  tick(3.0, 300, 0, 2.4);  // stopped by the link
+  tick(4.0, 300, 0, 2.4);
+  const std::vector<RobotHistory> all = std::move(history).finish();
+  ASSERT_EQ(all.size(), 1u);
+  const auto way_by = [&](double t) {
+    double way = 0.0;
+    for (const core::WheelKnot& knot : all[0].input.wheels)
+      if (knot.t <= t + 1e-9) way = knot.left;
+    return way;
+  };
+  EXPECT_NEAR(way_by(1.0), 100.0, 5.0);
+  EXPECT_NEAR(way_by(2.4), 100.0 + 1.4 * 200.0, 5.0);
+  EXPECT_NEAR(way_by(4.0), 100.0 + 1.4 * 200.0, 5.0);
+}
+
+}  // namespace
+}  // namespace skein::app
