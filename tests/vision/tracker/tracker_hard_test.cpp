@@ -75,6 +75,7 @@ Tally run(detail::BenchScene scene, int frames, bool baseline = false) {
 TEST(TrackerInHardScenes, Sixteen) {
   const Tally tally = run(scene_called("n=16"), 60);
   EXPECT_EQ(tally.recall(), 1.0);
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
   EXPECT_LT(tally.xy_mm(), 0.03);
   EXPECT_LT(tally.theta_deg(), 0.05);
@@ -97,18 +98,21 @@ TEST(TrackerInHardScenes, Teleports) {
 TEST(TrackerInHardScenes, MotionBlur) {
   const Tally tally = run(scene_called("motion blur 5 px"), 60);
   EXPECT_GE(tally.recall(), 0.995);
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
 }
 
 TEST(TrackerInHardScenes, DimLightAndANoisySensor) {
   const Tally tally = run(scene_called("contrast 43 sigma 6"), 60);
   EXPECT_GE(tally.recall(), 0.95) << "the first frame or two teach it the light";
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
 }
 
 TEST(TrackerInHardScenes, AnArmOverThem) {
   const Tally tally = run(scene_called("occluder"), 125);
   EXPECT_GE(tally.recall(), 0.995);
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
 }
 
