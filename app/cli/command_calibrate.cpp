@@ -149,8 +149,10 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
   const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
   if (!result) return fail_with(result.error(), device_failed);
-  if (const auto saved = vision::save_calibration(result->calibration, request.out); !saved)
-    return fail_with(saved.error(), wrong_input);
+  const auto old = vision::replace_calibration(result->calibration, request.out);
+  if (!old) return fail_with(old.error(), wrong_input);
+  if (!old->empty())
+    print_error(fmt::format("skein: {} was written over; as it was: {}\n", request.out, old->string()));
   if (request.quiet) return done;
   int rejected = 0;
   int outliers = 0;
@@ -175,6 +177,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (result->focal_sigma > 0.01 * c.fx)
     print_error(fmt::format("skein: the focal length is known to {:.0f} px only: show the board tilted, near and far\n",
                             result->focal_sigma));
+  if (const std::string why = vision::uneven_focal_lengths(*result); !why.empty())
+    print_error(fmt::format("skein: {}\n", why));
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,
@@ -210,7 +214,9 @@ int calibrate_floor(const FloorRequest& request) {
   const auto check = vision::check_floor(*result, looked->marks);
   if (!check) return fail_with(check.error(), device_failed);
   const std::string out = request.out.empty() ? request.camera : request.out;
-  if (const auto saved = vision::save_calibration(*result, out); !saved) return fail_with(saved.error(), wrong_input);
+  const auto old = vision::replace_calibration(*result, out);
+  if (!old) return fail_with(old.error(), wrong_input);
+  if (!old->empty()) print_error(fmt::format("skein: {} was written over; as it was: {}\n", out, old->string()));
   if (!request.quiet) {
     print_residuals(*check);
     const Eigen::Vector3d& p = result->world_from_camera->position;

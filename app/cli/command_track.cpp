@@ -68,6 +68,7 @@ int track(const TrackRequest& request) {
   }
   for (const std::string& notice : summary->status.notices) complain(notice);
   if (summary->status.outages > 0) print_error(fmt::format("skein: the last outage: {}\n", summary->status.reason));
+  if (!summary->other_family.empty()) complain(summary->other_family);
   for (const std::string& skipped : summary->skipped) print_error(fmt::format("skein: skipped {}\n", skipped));
   if (!request.quiet) {
     // With the rows on stdout the summary must not stand among them.

@@ -193,6 +193,10 @@ struct CameraSpec {
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
   /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
+  /// For practice: so long after the session was opened the synthetic camera is tilted by `bump` degrees, and hangs
+  /// that way from then on; empty: never. [s]
+  std::optional<double> bump_at;
+  double bump = 1.0;
 
   CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }
 };
@@ -226,6 +230,11 @@ struct FailureSpec {
     others_go_on,  ///< that robot is held, until the operator releases it
   };
   LinkLost link_lost = LinkLost::all_stop;
+  enum class CameraMoved {
+    all_stop,  ///< STOP for everybody
+    go_on,     ///< an event says so, and the run goes on by poses that are wrong
+  };
+  CameraMoved camera_moved = CameraMoved::all_stop;
   /// A link that has not been up for longer than this is lost [s]; one whose connection is gone is lost at once. Until
   /// then its robot is stopped and the others keep clear of it. Longer than the second for which an e-puck2's WiFi
   /// program may pause.
@@ -239,6 +248,16 @@ constexpr std::string_view word(FailureSpec::LinkLost then) noexcept {
       return "all_stop";
     case FailureSpec::LinkLost::others_go_on:
       return "others_go_on";
+  }
+  return {};
+}
+
+constexpr std::string_view word(FailureSpec::CameraMoved then) noexcept {
+  switch (then) {
+    case FailureSpec::CameraMoved::all_stop:
+      return "all_stop";
+    case FailureSpec::CameraMoved::go_on:
+      return "go_on";
   }
   return {};
 }

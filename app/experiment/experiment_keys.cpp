@@ -140,6 +140,12 @@ const std::vector<ExperimentKey>& all_keys() {
       {"camera", "focus", "in the units of the camera's driver",
        NumberKey{[](E& e) -> auto& { return e.camera.focus; }, [](Limits) { return between(0.0, 1e6); }}},
 
+      {"camera", "bump_at", "for practice: the synthetic camera is bumped so long after it was opened",
+       OptionalNumberKey{[](E& e) -> auto& { return e.camera.bump_at; },
+                         [](Limits) { return between(0.0, longest_run, "s"); }}},
+      {"camera", "bump", "for practice: by so much it is tilted then",
+       NumberKey{[](E& e) -> auto& { return e.camera.bump; }, [](Limits) { return between(-45.0, 45.0, "deg"); }}},
+
       {"links", "blind_distance", "how far a robot may drive on commands that no answer has confirmed",
        NumberKey{[](E& e) -> auto& { return e.links.blind_distance; },
                  [](Limits) { return between(0.005, 1.0, "m"); }}},
@@ -151,6 +157,8 @@ const std::vector<ExperimentKey>& all_keys() {
 
       {"failure", "link_lost", "what the group does when a robot's link is lost",
        choice<[](E& e) -> auto& { return e.failure.link_lost; }>()},
+      {"failure", "camera_moved", "what the group does when the camera was bumped",
+       choice<[](E& e) -> auto& { return e.failure.camera_moved; }>()},
       {"failure", "link_bridge", "a link that has not been up for longer than this is lost",
        NumberKey{[](E& e) -> auto& { return e.failure.link_bridge; }, [](Limits) { return between(0.05, 10.0, "s"); }}},
 

@@ -91,12 +91,21 @@ void fields(auto& io, one_of<Outside> auto& e) {
   io.bare(e.over);
 }
 
+void fields(auto& io, one_of<CameraMoved> auto& e) {
+  io.named("tags", e.tags), io.named("by", e.by), io.named("turn", e.turn);
+}
+
 void fields(auto& io, one_of<VRise> auto& e) {
   io.bare(e.rise);
 }
 
 void fields(auto& io, one_of<events::Controller> auto& e) {
   io.word_of(e.state);
+}
+
+void fields(auto& io, one_of<events::NotSeen> auto& e) {
+  io.number_of('r', e.robot);
+  io.word_of(e.why);
 }
 
 void fields(auto& io, one_of<events::Link> auto& e) {
@@ -110,7 +119,7 @@ class Printer {
   explicit Printer(std::string& text) : text_(text) {}
 
   void number_of(char letter, std::size_t number) { append(" {}{}", letter, number + 1); }
-  void named(std::string_view name, double value) { append(" {}={}", name, value); }
+  void named(std::string_view name, auto value) { append(" {}={}", name, value); }
   void optional(std::string_view name, double value) {
     if (value > 0.0) named(name, value);
   }
@@ -144,7 +153,7 @@ class Reader {
     ok_ = ok_ && good;
     if (good) number = from_one - 1;
   }
-  void named(std::string_view name, double& value) {
+  void named(std::string_view name, auto& value) {
     std::string_view part = next();
     const bool good = part.starts_with(name) && part.substr(name.size()).starts_with('=');
     ok_ = ok_ && good && read(part.substr(name.size() + 1), value);
@@ -197,7 +206,7 @@ std::optional<Event> parse(std::string_view text, std::index_sequence<k...>) {
 struct Finite {
   bool all = true;
   void number_of(char, std::size_t) {}
-  void named(std::string_view, double value) { all = all && std::isfinite(value); }
+  void named(std::string_view, auto value) { all = all && std::isfinite(static_cast<double>(value)); }
   void optional(std::string_view, double value) { all = all && std::isfinite(value); }
   void change(double from, double to) { all = all && std::isfinite(from) && std::isfinite(to); }
   void bare(double value) { all = all && std::isfinite(value); }
@@ -236,7 +245,9 @@ bool is_action(const Event& event) noexcept {
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
                           Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
-                          events::Link, FilmBroken, events::Controller, NoNumber> auto&) { return false; },
+                          events::Link, CameraMoved, events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) {
+            return false;
+          },
       },
       event);
 }

@@ -14,6 +14,7 @@
 #include "app/run/link_state.h"
 #include "core/avoidance/obstacle.h"
 #include "core/control/gain_schedule.h"
+#include "core/estimation/not_seen.h"
 #include "core/geometry/pose.h"
 
 namespace skein::app {
@@ -201,6 +202,17 @@ struct Link {  ///< a robot's link has been lost for longer than the bridge time
   std::size_t robot = 0;
   LinkState state = LinkState::up;
 };
+struct CameraMoved {  ///< all tags that were seen moved by one rigid motion, which no robot has made
+  static constexpr std::string_view word = "camera_moved";
+  std::size_t tags = 0;
+  double by = 0.0;    ///< their mean way [m]
+  double turn = 0.0;  ///< counter-clockwise [rad]
+};
+struct NotSeen {  ///< why its tag has not been seen for half a second
+  static constexpr std::string_view word = "not_seen";
+  std::size_t robot = 0;
+  core::NotSeen why = core::NotSeen::not_found;
+};
 struct FilmBroken {  ///< the disk took no more of the camera's film; the run goes on without
   static constexpr std::string_view word = "film_broken";
 };
@@ -238,8 +250,8 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
                            events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
                            events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
-                           events::FilmBroken, events::NoWay, events::NoProgress, events::Outside, events::Controller,
-                           events::NoNumber>;
+                           events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
+                           events::Outside, events::Controller, events::NoNumber>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -34,7 +34,9 @@ std::optional<OperatorCommand> command_of(const Event& event) noexcept {
           },
           [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, GainHeld, PairGainHeld, Lost, Found, Avoid,
                           Clear, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link,
-                          FilmBroken, Controller, NoNumber> auto&) -> Command { return std::nullopt; },
+                          CameraMoved, events::NotSeen, FilmBroken, Controller, NoNumber> auto&) -> Command {
+            return std::nullopt;
+          },
       },
       event);
 }

@@ -4,12 +4,14 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "vision/sources/open_source.h"
 
@@ -53,6 +55,9 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
   std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
   if (experiment.camera.kind() == CameraKind::synthetic) {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
+    if (experiment.camera.bump_at)
+      rig->bumped_ = std::make_unique<vision::SyntheticCamera>(vision::tilted(*calibration, experiment.camera.bump),
+                                                               vision::SceneOptions{}, experiment.seed);
   } else {
     rig->live_ = experiment.camera.kind() == CameraKind::live;
     if (const auto opened = rig->open_source(); !opened) {
@@ -101,7 +106,8 @@ CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, Simulate
       poses_(experiment.robots.size()),
       seen_{std::vector<core::Measurement>(wanted_.size()), {}},
       sights_(seen_),
-      ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+      ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      told_of_(experiment.robots.size()) {}
 
 CameraRig::~CameraRig() {
   end();
@@ -125,12 +131,14 @@ VideoStatus CameraRig::video() const {
 }
 
 void CameraRig::tell(EventList& events) noexcept {
+  for (events::NotSeen absence; events.room() > 0 && absences_.pop(absence);) events.add(absence);
   if (!recorder_ || told_of_film_ || !recorder_->broken()) return;
   events.add(events::FilmBroken{});
   told_of_film_ = true;
 }
 
 void CameraRig::start() {
+  explainer_ = std::jthread([this](const std::stop_token& stop) { explainer(stop); });
   thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
 }
 
@@ -148,6 +156,8 @@ void CameraRig::end() {
   ending_.store(true, std::memory_order_relaxed);
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
+  explainer_.request_stop();
+  if (explainer_.joinable()) explainer_.join();
   if (recorder_) recorder_->finish();
 }
 
@@ -186,7 +196,7 @@ bool CameraRig::capture() {
     tags_.clear();
     for (std::size_t i = 0; i < poses_.size(); ++i)
       if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
-    synthetic_->render(tags_, now, frame_);
+    (bumped_ && now >= *experiment_.camera.bump_at ? bumped_ : synthetic_)->render(tags_, now, frame_);
     seen_.times = {now, clock_.now(), none, none};
     seen_.times.grey_at = seen_.times.arrived_at;
     return true;
@@ -238,9 +248,74 @@ std::vector<std::string> CameraRig::why_not_seen() {
   return sentences;
 }
 
+/// Whoever was seen and has not been seen for half a second is asked about, once. A frame tells of all of them.
+void CameraRig::explain_absences() {
+  constexpr double absent_for = 0.5, between = 2.0;  // [s]
+  const double now = frame_.captured_at;
+  missing_.clear();
+  bool news = false;
+  for (std::size_t i = 0; i < told_of_.size(); ++i) {
+    const core::Measurement& tag = seen_.tags[i];
+    if (tag.captured_at >= now) told_of_[i] = false;
+    if (tag.captured_at == core::Measurement{}.captured_at || now - tag.captured_at <= absent_for || told_of_[i])
+      continue;
+    news = true;
+    missing_.push_back({wanted_[i], tag.pose});
+  }
+  if (!news || now < next_absence_) return;
+  if (clock_.wall()) {
+    const std::unique_lock lock(absence_mutex_, std::try_to_lock);
+    if (!lock || absence_) return;
+    absence_.emplace(Question{frame_, missing_});
+    absent_.notify_all();
+    next_absence_ = now + between;
+  }
+  for (std::size_t i = 0; i < told_of_.size(); ++i)
+    for (const vision::MissingTag& tag : missing_)
+      if (wanted_[i] == tag.tag) told_of_[i] = true;
+  if (!clock_.wall()) explain(frame_, missing_);
+}
+
+void CameraRig::explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing) {
+  if (frame.width != calibration_.width || frame.height != calibration_.height) return;
+  std::vector<std::string> sentences;
+  for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration_, missing)) {
+    const auto robot = std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin();
+    absences_.push({static_cast<std::size_t>(robot), tag.why});
+    sentences.push_back(fmt::format("robot {} is lost: {}", robot + 1, vision::sentence(tag, calibration_)));
+  }
+  const std::lock_guard lock(absence_mutex_);
+  alarms_.insert(alarms_.end(), sentences.begin(), sentences.end());
+}
+
+void CameraRig::explainer(const std::stop_token& stop) {
+  constexpr int lowest_priority = 19;
+  ::setpriority(PRIO_PROCESS, 0, lowest_priority);  // of this thread: nobody waits for it
+  std::unique_lock lock(absence_mutex_);
+  while (absent_.wait(lock, stop, [this] { return absence_.has_value(); })) {
+    const Question question = *absence_;
+    lock.unlock();
+    try {
+      explain(question.frame, question.missing);
+    } catch (const std::exception& error) {
+      lock.lock();
+      alarms_.push_back(fmt::format("why a tag is not seen cannot be told: {}", error.what()));
+      lock.unlock();
+    }
+    lock.lock();
+    absence_.reset();
+  }
+}
+
+std::vector<std::string> CameraRig::alarms() {
+  const std::lock_guard lock(absence_mutex_);
+  return std::exchange(alarms_, {});
+}
+
 void CameraRig::work_off() {
   take(tracker_.process(frame_), wanted_, seen_.tags);
   answer_question();
+  explain_absences();
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -58,7 +60,8 @@ class CameraRig {
   /// Any thread.
   VideoStatus video() const;
   vision::SourceStatus camera() const;
-  /// An event, once, when the film has broken off. The control thread's.
+  /// Events: the film has broken off, once; why a robot that was seen has not been seen for half a second. The control
+  /// thread's.
   void tell(EventList& events) noexcept;
 
   /// Wall clock: starts the thread.
@@ -79,6 +82,9 @@ class CameraRig {
   /// time.
   std::vector<std::string> why_not_seen();
 
+  /// Sentences about robots that were lost, as `why_not_seen` has them, each once. Any thread, one caller at a time.
+  std::vector<std::string> alarms();
+
   bool picture(Picture& out);
   std::array<double, 2> pixel(double x, double y) const;
 
@@ -95,6 +101,9 @@ class CameraRig {
   bool capture();  // false: the stream is over or broken, reason_ says which
   void work_off();
   void answer_question();
+  void explain_absences();
+  void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
+  void explainer(const std::stop_token& stop);
 
   const Experiment& experiment_;
   SessionClock& clock_;
@@ -102,10 +111,10 @@ class CameraRig {
   vision::Calibration calibration_;
   std::vector<int> wanted_;
   vision::TagTracker tracker_;
-  std::unique_ptr<vision::SyntheticCamera> synthetic_;
-  std::unique_ptr<vision::FrameSource> source_;  // null: synthetic, or not open yet
-  std::atomic<bool> awaited_{false};             // a real camera that has not opened yet; then the thread owns source_
-  std::string why_awaited_;                      // set before the thread begins
+  std::unique_ptr<vision::SyntheticCamera> synthetic_, bumped_;  // the second: as it hangs from camera.bump_at on
+  std::unique_ptr<vision::FrameSource> source_;                  // null: synthetic, or not open yet
+  std::atomic<bool> awaited_{false};  // a real camera that has not opened yet; then the thread owns source_
+  std::string why_awaited_;           // set before the thread begins
   std::unique_ptr<vision::Recorder> recorder_;
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
@@ -131,9 +140,19 @@ class CameraRig {
   std::condition_variable answered_;
   bool asked_ = false;  // the next frame is wanted
   Question answer_;
+  // Why robots are lost: asked by the camera's side, answered in time on the virtual clock and by a thread on the wall
+  // clock.
+  std::vector<bool> told_of_;  // the camera side's: of robots that are not seen
+  double next_absence_ = none;
+  std::vector<vision::MissingTag> missing_;
+  std::mutex absence_mutex_;  // of what follows
+  std::condition_variable_any absent_;
+  std::optional<Question> absence_;
+  std::vector<std::string> alarms_;
+  boost::lockfree::spsc_queue<events::NotSeen, boost::lockfree::capacity<256>> absences_;
   std::string reason_;
   std::atomic<bool> failed_{false}, ending_{false};
-  std::jthread thread_;
+  std::jthread explainer_, thread_;
 };
 
 }  // namespace skein::app

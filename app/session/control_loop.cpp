@@ -84,6 +84,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   const TickRecord& record = tick_.decide(input);
   decided_at_ = clock_.now();
 
+  heed_camera(record);
   for (std::size_t i = 0; i < wheels_.size(); ++i) wheels_[i] = record.robots[i].wheels;
   plant_.act(wheels_);
 
@@ -126,6 +127,19 @@ void ControlLoop::ask_controller() noexcept {
   input_.law = controller_->law();
   input_.logged = controller_->logged();
   input_.controller = controller_->state();
+}
+
+/// Where the tick has stopped everybody for a bumped camera, so do the links.
+void ControlLoop::heed_camera(const TickRecord& record) noexcept {
+  if (record.phase != Phase::stopped || camera_moved_.load(std::memory_order_relaxed)) return;
+  for (const Event& event : record.events)
+    if (const auto* const moved = std::get_if<events::CameraMoved>(&event)) {
+      motion_ = *moved;
+      camera_moved_.store(true, std::memory_order_release);
+      stop();
+      plant_.stop();
+      return;
+    }
 }
 
 /// The tick before this one: by now its commands are written and answered, or late.

@@ -4,6 +4,7 @@
 #include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -72,6 +73,10 @@ class ControlLoop {
   /// For how long the control thread stood still when that was a STOP [s]; 0: it was not. Only with real robots: they
   /// have been stopped meanwhile by their links or the guard, and nobody drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
+  /// What the tags did when the camera was bumped and everybody was stopped for it; empty: it was not.
+  std::optional<events::CameraMoved> camera_moved() const noexcept {
+    return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
+  }
   /// Set when the control thread died; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
@@ -91,6 +96,7 @@ class ControlLoop {
   bool asked() const noexcept;
   void cycle(double now, int elapsed);
   void ask_controller() noexcept;
+  void heed_camera(const TickRecord& record) noexcept;
   void complete_latency() noexcept;
   void take_commands(const EventList& events);
   std::size_t room_for_events(const EventList& events) const noexcept;
@@ -124,7 +130,8 @@ class ControlLoop {
   std::size_t next_perturbation_ = 0, next_action_ = 0;
   std::int64_t virtual_ticks_ = 0;
 
-  std::atomic<bool> stop_{false}, failed_{false}, away_{false};
+  std::atomic<bool> stop_{false}, failed_{false}, away_{false}, camera_moved_{false};
+  events::CameraMoved motion_;  // written once, before camera_moved_
   std::atomic<double> speed_{1.0}, stood_still_{0.0};
   std::atomic<int> steps_{0};
   bool stepping_ = false;  // the next tick ends a step

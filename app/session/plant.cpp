@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <thread>
 
 #include "app/guard/safety_net.h"
@@ -227,6 +228,14 @@ std::string stood_still_sentence(double seconds) {
   return fmt::format(
       "the program stood still for {:.1f} s (suspended, stopped by a debugger, or the machine was too busy): STOP",
       seconds);
+}
+
+std::string camera_moved_sentence(const events::CameraMoved& moved) {
+  return fmt::format(
+      "the camera moved (or the floor under it): all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once: "
+      "STOP. "
+      "Poses are wrong until the floor is calibrated again (skein calibrate floor)",
+      moved.tags, 1e3 * moved.by, std::abs(moved.turn) * 180.0 / std::numbers::pi);
 }
 
 std::optional<std::string> Plant::failure() {

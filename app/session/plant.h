@@ -102,5 +102,7 @@ class Plant {
 
 /// Why a run ends after its program stood still.
 std::string stood_still_sentence(double seconds);
+/// Why it ends after its camera was bumped.
+std::string camera_moved_sentence(const events::CameraMoved& moved);
 
 }  // namespace skein::app

@@ -127,6 +127,8 @@ std::vector<std::string> Session::alarms() {
     const std::lock_guard lock(wiring_->failure_mutex);
     all.swap(wiring_->alarms);
   }
+  if (has_camera())
+    for (std::string& sentence : wiring_->plant->camera()->alarms()) all.push_back(std::move(sentence));
   if (wiring_->net)
     for (std::string& sentence : wiring_->net->alarms()) all.push_back(std::move(sentence));
   if (wiring_->sleep)
@@ -196,6 +198,7 @@ Phase Session::run(const std::function<bool()>& keep_on) {
   ask_or_fail("start", start());
   while (!over() && !i.loop->failed()) turn();
   if (i.experiment.staging.back && i.loop->phase() == Phase::finished) drive_to_starts();
+  i.heed_camera();
   return i.loop->phase();
 }
 

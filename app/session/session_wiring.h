@@ -141,8 +141,13 @@ struct SessionWiring {
     sleep->hold(phase == Phase::running || phase == Phase::staging);
   }
 
+  void heed_camera() {
+    if (const auto moved = loop->camera_moved()) fail(camera_moved_sentence(*moved));
+  }
+
   void watch() {
     const Phase phase = loop->phase();
+    heed_camera();
     if (loop->failed()) fail(loop->reason());
     if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;

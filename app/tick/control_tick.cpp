@@ -25,6 +25,9 @@ constexpr double settles = 0.5;
 /// How many standard deviations a pose is trusted to be off at most.
 constexpr double trusted_deviations = 3.0;
 
+/// What a hand does to a robot is over by then. [s]
+constexpr double slides_for = 1.0;
+
 /// The shield keeps bodies inside the arena as well.
 core::ShieldParameters shield_of(const Experiment& e) {
   core::ShieldParameters parameters = e.shield;
@@ -64,6 +67,7 @@ TickState::TickState(const Experiment& e)
       reference(make_reference(e)),
       demand(reference->demand(e.controller.k_y)),
       shield_parameters(shield_of(e)),
+      has_camera(e.camera.kind() != CameraKind::absent),
       beyond(sizes_beyond(e)),
       gains(make_gains(e)),
       couplings(e, gains, demand),
@@ -79,6 +83,7 @@ TickState::TickState(const Experiment& e)
       progress(e.robots.size()),
       outside(e.robots.size()),
       had_no_way(e.robots.size()),
+      camera_watch(e.robots.size()),
       adrift(new bool[e.robots.size()]()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
@@ -157,10 +162,24 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
 /// One robot's newest measurement. A jump that nobody announced is a perturbation like those of the file.
 void TickState::look(std::size_t i) noexcept {
   const core::Measurement& m = record.robots[i].measurement;
+  if (has_camera) camera_watch.see(i, filters[i], experiment.estimation.filter, m);
   const std::optional<core::Pose> expected = filters[i].see(experiment.estimation.filter, m);
   if (!expected || !running()) return;
   note(events::Kidnap{i, m.pose.x - expected->x, m.pose.y - expected->y,
                       core::wrap_angle(m.pose.theta - expected->theta)});
+}
+
+/// A camera that was bumped makes every pose wrong at once: nobody drives by them. Before a start robots are placed by
+/// hands, and where the run is paused two of them may be carried.
+void TickState::watch_camera(const TickInput& input) noexcept {
+  if (!has_camera || input.recorded) return;
+  constexpr std::size_t least_driving = 2, least_paused = 3;
+  const std::optional<core::CommonMotion> motion = camera_watch.moved(moving() ? least_driving : least_paused);
+  if (!motion || !(moving() || record.phase == Phase::paused)) return;
+  note(events::CameraMoved{motion->tags, motion->distance, motion->turn});
+  if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return;
+  note(events::Stop{});
+  record.phase = Phase::stopped;
 }
 
 /// What the links have made of the tick before: prediction goes by what was sent, and a robot is trusted with its speed
@@ -210,7 +229,10 @@ void TickState::measure_twist(std::size_t i) noexcept {
 /// lost.
 void TickState::estimate(const TickInput& input) noexcept {
   for (const Event& event : input.events)
-    if (is<events::Perturb, events::Move>(event)) filters[*robot_of(event)].displaced(input.now);
+    if (is<events::Perturb, events::Move, events::Kick>(event)) {
+      if (!is<events::Kick>(event)) filters[*robot_of(event)].displaced(input.now);
+      camera_watch.excuse(*robot_of(event), input.now + experiment.simulation.latency + slides_for);
+    }
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     const bool was_lost = robot.is(lost);
@@ -236,6 +258,7 @@ void TickState::estimate(const TickInput& input) noexcept {
     driving[i] = commands[i];
     if (seen) measure_twist(i);
   }
+  watch_camera(input);
 }
 
 /// The coupling gains of this tick: the file's changes and the operator's, ramped.
@@ -439,9 +462,8 @@ bool may_raise_v(const Event& event) noexcept {
           [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
                           Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, FilmBroken, events::Controller, NoNumber> auto&) {
-            return false;
-          },
+                          DeadlineMissed, VRise, events::Link, CameraMoved, events::NotSeen, FilmBroken,
+                          events::Controller, NoNumber> auto&) { return false; },
       },
       event);
 }

@@ -13,6 +13,7 @@
 #include "core/control/descent_watch.h"
 #include "core/controllers/controller_types.h"
 #include "core/controllers/kostic.h"
+#include "core/estimation/camera_watch.h"
 #include "core/estimation/pose_filter.h"
 #include "core/planning/planner.h"
 #include "core/safety/progress_watch.h"
@@ -31,8 +32,10 @@ struct TickState {
   /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
   void forget_history() noexcept {
     for (core::PoseFilter& filter : filters) filter.forget();
+    camera_watch.forget();
   }
   void look(std::size_t i) noexcept;
+  void watch_camera(const TickInput& input) noexcept;
   void estimate(const TickInput& input) noexcept;
   void schedule_gains() noexcept;
   void follow_reference() noexcept;
@@ -73,6 +76,7 @@ struct TickState {
   const std::unique_ptr<const core::Reference> reference;
   const core::ReferenceDemand demand;
   const core::ShieldParameters shield_parameters;  // with the arena's edge
+  const bool has_camera;
   std::vector<core::CommandLimits> limits;
   const std::vector<double> beyond;  // bodies, against standard ones [m]
   const core::Sizes sizes{beyond};
@@ -103,6 +107,7 @@ struct TickState {
   std::vector<bool> had_no_way;
   double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
   std::vector<core::PoseFilter> filters;
+  core::CameraWatch camera_watch;
   std::vector<bool> seen_before;
   std::vector<bool> held;               // made to stand by the operator
   std::vector<bool> off_nominal;        // follows a modified reference

@@ -29,6 +29,9 @@ class PoseFilter {
   /// instead, where the robot has been carried elsewhere: then the filter begins anew from the measurement.
   std::optional<Pose> see(const FilterParameters& parameters, const Measurement& measurement) noexcept;
 
+  /// Whether a measurement was taken in, and how far the robot was told to drive from the newest one to `time`. [s]
+  bool known() const noexcept { return known_; }
+  Predictor::Way way_to(double time) const noexcept { return predictor_.way(captured_at_, time); }
   /// The pose at `time`; requires one measurement. [s]
   Pose predict(double time) const noexcept { return predictor_.predict(pose_, captured_at_, time); }
   /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].

@@ -74,9 +74,11 @@ Severity severity(const app::Event& event) {
   using app::one_of;
   return std::visit(
       app::Overloaded{
-          [](const one_of<Stop, Lost, Outside> auto&) { return Severity::alarm; },
-          [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link, FilmBroken,
-                          NoWay, NoProgress, Controller, NoNumber> auto&) { return Severity::warning; },
+          [](const one_of<Stop, Lost, Outside, CameraMoved> auto&) { return Severity::alarm; },
+          [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link,
+                          app::events::NotSeen, FilmBroken, NoWay, NoProgress, Controller, NoNumber> auto&) {
+            return Severity::warning;
+          },
           [](const one_of<Found> auto&) { return Severity::good; },
           [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Couple, Uncouple, Schedule,
                           Pause, Resume> auto&) { return Severity::notice; },

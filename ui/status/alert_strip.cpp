@@ -38,6 +38,17 @@ QString sentence(const app::Event& event, double t) {
           },
           [&](const Couple& e) { return tr("Robots %1 and %2 are coupled again").arg(e.i + 1).arg(e.j + 1); },
           [&](const Uncouple& e) { return tr("Robots %1 and %2 are not coupled any more").arg(e.i + 1).arg(e.j + 1); },
+          [&](const CameraMoved& e) {
+            return tr("The camera moved, or the floor under it: all %1 tags moved by %2 mm at once. Poses are wrong "
+                      "until the camera is calibrated again")
+                .arg(e.tags)
+                .arg(1000.0 * e.by, 0, 'f', 0);
+          },
+          [&](const app::events::NotSeen& e) {
+            return tr("The camera does not see robot %1: %2")
+                .arg(e.robot + 1)
+                .arg(QString::fromUtf8(word(e.why).data(), static_cast<qsizetype>(word(e.why).size())));
+          },
           [&](const FilmBroken&) {
             return tr("The film broke off (is the disk full?): no more frames are kept, the run goes on");
           },

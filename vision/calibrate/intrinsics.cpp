@@ -106,6 +106,16 @@ std::string Coverage::text() const {
   return picture;
 }
 
+std::string uneven_focal_lengths(const Intrinsics& intrinsics) {
+  constexpr double share = 0.003, deviations = 4.0;
+  const double fx = intrinsics.calibration.fx, fy = intrinsics.calibration.fy, apart = std::abs(fx - fy);
+  if (apart <= share * std::min(fx, fy) || apart <= deviations * std::sqrt(2.0) * intrinsics.focal_sigma) return {};
+  return fmt::format(
+      "fx and fy differ by {:.1f} %, but cameras have square pixels: the board is probably longer one way than it "
+      "should be; measure ten of its squares both ways, print it without scaling, and show it turned by 90 deg as well",
+      100.0 * apart / std::min(fx, fy));
+}
+
 tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> views, int width, int height) {
   const auto module = boards();
   if (!module) return tl::unexpected(module.error());

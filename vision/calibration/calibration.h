@@ -59,10 +59,18 @@ std::string format_calibration(const Calibration& calibration);
 /// Writes format_calibration to a file; the error names the file and the reason.
 tl::expected<void, std::string> save_calibration(const Calibration& calibration, const std::filesystem::path& path);
 
+/// The same over a file that may be there: what stood in it is kept beside it, as `path` with ".old" behind, whose name
+/// is the answer; empty: there was none, or it said the same.
+tl::expected<std::filesystem::path, std::string> replace_calibration(const Calibration& calibration,
+                                                                     const std::filesystem::path& path);
+
 /// The synthetic scene's camera: 1280x960, hung over the origin just high enough to see the whole arena (width along x,
 /// height along y [m]) and the robots that stand on its edge. A degree of tilt and a lens with mild barrel distortion
 /// keep the geometry from being trivial.
 Calibration overhead_calibration(double arena_width, double arena_height);
+
+/// The same camera tilted about its own x axis, as a bump does. The calibration must have a world frame. [deg]
+Calibration tilted(Calibration calibration, double degrees);
 
 /// Where a world point [m] falls in the picture [px], inside it or not. None without a world frame, for a point behind
 /// the lens, and so far off the axis that the distortion's polynomial turns back.

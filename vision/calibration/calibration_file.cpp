@@ -131,6 +131,24 @@ std::string format_calibration(const Calibration& calibration) {
   return text;
 }
 
+tl::expected<std::filesystem::path, std::string> replace_calibration(const Calibration& calibration,
+                                                                     const std::filesystem::path& path) {
+  std::filesystem::path old;
+  std::ostringstream before;
+  if (std::ifstream file(path, std::ios::binary); file) before << file.rdbuf();
+  if (!before.str().empty() && before.str() != format_calibration(calibration)) {
+    old = path;
+    old += ".old";
+    std::error_code error;
+    std::filesystem::copy_file(path, old, std::filesystem::copy_options::overwrite_existing, error);
+    if (error)
+      return tl::unexpected(fmt::format("{}: what {} said cannot be kept there ({}); nothing was written", old.string(),
+                                        path.string(), error.message()));
+  }
+  if (auto saved = save_calibration(calibration, path); !saved) return tl::unexpected(saved.error());
+  return old;
+}
+
 tl::expected<void, std::string> save_calibration(const Calibration& calibration, const std::filesystem::path& path) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file << format_calibration(calibration);

@@ -75,4 +75,10 @@ Calibration overhead_calibration(double arena_width, double arena_height) {
   return camera;
 }
 
+Calibration tilted(Calibration calibration, double degrees) {
+  calibration.world_from_camera->rotation *=
+      Eigen::AngleAxisd(degrees * degree, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  return calibration;
+}
+
 }  // namespace skein::vision

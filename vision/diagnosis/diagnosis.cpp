@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <string_view>
 
 #include "vision/tags/detection.h"
 #include "vision/tags/tag_plane.h"
@@ -20,6 +21,9 @@ namespace {
 
 // The tracker's own tolerance for shapes (TrackerOptions::shape_tolerance).
 constexpr double size_tolerance = 0.06;
+
+// A tag that looks so much larger than the others is above them. AprilTag's corners tell edges of 25 px to a hundredth.
+constexpr double lift_tolerance = 0.012;
 
 // Of a square's edge: how far its corners may be from a square's on the plane of the tags.
 constexpr double misfit_tolerance = 0.03;
@@ -108,6 +112,23 @@ NotSeen reason_of(const Detection& seen, const Frame& frame, const Calibration& 
   return answer.contrast < least_contrast ? NotSeen::in_shadow : NotSeen::covered;
 }
 
+/// The middle of the edges, as a part of tag_size, of the tags that are not asked about; none where there are no two.
+std::optional<double> usual_edge(const std::vector<Detection>& found, std::span<const MissingTag> missing,
+                                 const Calibration& calibration) {
+  std::vector<double> edges;
+  for (const Detection& seen : found) {
+    const bool asked =
+        std::any_of(missing.begin(), missing.end(), [&](const MissingTag& tag) { return tag.tag == seen.tag; });
+    const auto place = place_on_plane(calibration, seen.corners);
+    if (!asked && place && std::abs(place->edge / calibration.tag_size - 1.0) < size_tolerance)
+      edges.push_back(place->edge / calibration.tag_size);
+  }
+  if (edges.size() < 2) return {};
+  const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(edges.size() / 2);
+  std::nth_element(edges.begin(), middle, edges.end());
+  return *middle;
+}
+
 struct OtherFamily {
   const char* name;
   apriltag_family_t* (*create)();
@@ -120,36 +141,45 @@ constexpr std::array other_families{
     OtherFamily{"16h5", tag16h5_create, tag16h5_destroy},
 };
 
-/// The family in which one of the tags is found, with no bit corrected and a clear contrast, since the small families
-/// find ghosts in any texture.
-void look_for_other_families(const Frame& frame, const Calibration& calibration, std::vector<TagDiagnosis>& answers) {
+/// Tags of another family, with no bit corrected and a clear contrast, since the small families find ghosts in any
+/// texture.
+std::vector<Detection> clear_tags_of(const OtherFamily& other, const Frame& frame) {
   constexpr double clear_margin = 30.0;
-  for (const OtherFamily& other : other_families) {
-    const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(other.create(), other.destroy);
-    const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector(apriltag_detector_create(),
-                                                                                        apriltag_detector_destroy);
-    apriltag_detector_add_family_bits(detector.get(), family.get(), 0);
-    detector->quad_decimate = 1.0F;
-    // AprilTag only reads the pixels.
-    image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
-    zarray_t* found = apriltag_detector_detect(detector.get(), &image);
-    for (int i = 0; i < zarray_size(found); ++i) {
-      apriltag_detection_t* seen = nullptr;
-      zarray_get(found, i, &seen);
+  const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(other.create(), other.destroy);
+  const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector(apriltag_detector_create(),
+                                                                                      apriltag_detector_destroy);
+  apriltag_detector_add_family_bits(detector.get(), family.get(), 0);
+  detector->quad_decimate = 1.0F;
+  // AprilTag only reads the pixels.
+  image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
+  zarray_t* found = apriltag_detector_detect(detector.get(), &image);
+  std::vector<Detection> clear;
+  for (int i = 0; i < zarray_size(found); ++i) {
+    apriltag_detection_t* seen = nullptr;
+    zarray_get(found, i, &seen);
+    if (static_cast<double>(seen->decision_margin) < clear_margin) continue;
+    Detection& detection = clear.emplace_back();
+    detection.tag = seen->id;
+    detection.decision_margin = static_cast<double>(seen->decision_margin);
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      detection.corners[corner] = {seen->p[corner][0] - 0.5, seen->p[corner][1] - 0.5};
+  }
+  apriltag_detections_destroy(found);
+  return clear;
+}
+
+/// The family in which one of the tags is found.
+void look_for_other_families(const Frame& frame, const Calibration& calibration, std::vector<TagDiagnosis>& answers) {
+  for (const OtherFamily& other : other_families)
+    for (const Detection& seen : clear_tags_of(other, frame)) {
       const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
-        return a.tag == seen->id && a.why == NotSeen::not_found;
+        return a.tag == seen.tag && a.why == NotSeen::not_found;
       });
-      if (answer == answers.end() || static_cast<double>(seen->decision_margin) < clear_margin) continue;
-      Detection detection;
-      detection.decision_margin = static_cast<double>(seen->decision_margin);
-      for (std::size_t corner = 0; corner < 4; ++corner)
-        detection.corners[corner] = {seen->p[corner][0] - 0.5, seen->p[corner][1] - 0.5};
-      describe(detection, calibration, *answer);
+      if (answer == answers.end()) continue;
+      describe(seen, calibration, *answer);
       answer->why = NotSeen::other_family;
       answer->family = other.name;
     }
-    apriltag_detections_destroy(found);
-  }
 }
 
 struct Light {
@@ -194,6 +224,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   constexpr int faint = 2;
   TagDetector detector({.decimate = 1.0, .min_white_black_diff = faint});
   const std::vector<Detection> found = detector.detect(frame);
+  const std::optional<double> usual = usual_edge(found, missing, calibration);
   for (TagDiagnosis& answer : answers) {
     const Detection* one = nullptr;
     int times = 0;
@@ -204,6 +235,12 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       describe(seen, calibration, answer);
     }
     if (times == 1) answer.why = reason_of(*one, frame, calibration, answer);
+    if (answer.why == NotSeen::covered && usual &&
+        answer.size > (1.0 + lift_tolerance) * *usual * calibration.tag_size) {
+      const double nearer = 1.0 - *usual * calibration.tag_size / answer.size;
+      answer.above = nearer * (calibration.world_from_camera->position.z() - calibration.tag_height);
+      answer.why = NotSeen::lifted;
+    }
     if (times > 1) answer.why = NotSeen::doubled;
   }
   if (any_not_found(answers)) {
@@ -237,6 +274,25 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   return answers;
 }
 
+std::string other_family(const Frame& frame) {
+  // A single one of 16 bits may be a ghost.
+  constexpr std::string_view smallest = "16h5";
+  std::vector<Detection> most;
+  std::string_view family;
+  for (const OtherFamily& other : other_families) {
+    std::vector<Detection> found = clear_tags_of(other, frame);
+    if (found.size() <= most.size() || (other.name == smallest && found.size() < 2)) continue;
+    most = std::move(found);
+    family = other.name;
+  }
+  if (most.empty()) return {};
+  std::vector<int> ids;
+  for (const Detection& tag : most) ids.push_back(tag.tag);
+  std::sort(ids.begin(), ids.end());
+  return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),
+                     ids.size() == 1 ? "s" : "", family, fmt::join(ids, ", "), ids.size() == 1 ? "it" : "them");
+}
+
 std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
   switch (d.why) {
     case NotSeen::not_found:
@@ -250,6 +306,12 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
           d.tag, millimetres(edge), 100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger",
           millimetres(calibration.tag_size));
     }
+    case NotSeen::lifted:
+      return fmt::format(
+          "tag {} is there, but looks larger than the other tags: it is about {:.0f} mm above them. Is the robot held "
+          "up, "
+          "or its tag on another plate?",
+          d.tag, 1e3 * d.above);
     case NotSeen::tilted:
       return fmt::format("tag {} is there, but does not lie flat at [tags] height {}", d.tag,
                          millimetres(calibration.tag_height));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/estimation/not_seen.h"
 #include "core/geometry/pose.h"
 #include "vision/calibration/calibration.h"
 #include "vision/detector/detector.h"
@@ -14,20 +15,7 @@
 
 namespace skein::vision {
 
-/// Why the tracker reports no pose of a tag.
-enum class NotSeen {
-  not_found,     // nothing in the frame decodes as this tag
-  wrong_size,    // it is there, but larger or smaller than the calibration's tag_size on the plane of the tags
-  tilted,        // it is there, but no square on the plane of the tags
-  doubled,       // it is there twice
-  covered,       // it is there, but part of it is hidden or blurred
-  at_border,     // the border of the frame cuts it, or did when it was last seen
-  too_small,     // this camera gives tags of tag_size too few pixels to be decoded
-  too_bright,    // much of the frame is as bright as the camera can show
-  in_shadow,     // ink and paper differ by too few grey levels
-  mirrored,      // the camera mirrors its frames
-  other_family,  // a tag of another family has this id
-};
+using core::NotSeen;
 
 /// A tag that was not reported.
 struct MissingTag {
@@ -39,6 +27,7 @@ struct TagDiagnosis {
   int tag = 0;
   NotSeen why = NotSeen::not_found;
   std::vector<Eigen::Vector2d> places{};  // of its middle in the world, as far as it was found [m]
+  double above = 0.0;                     // of lifted: how far over the others [m]
   double size = 0.0;                      // its edge on the plane of the tags [m]; 0: it was not found
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found
@@ -50,6 +39,10 @@ struct TagDiagnosis {
 /// tracker reports none. The calibration must have a world frame and hold for frames of this size.
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
                                    std::span<const MissingTag> missing);
+
+/// What to do about a frame in which no tag of 36h11 is: "no tag is of the family 36h11, but 4 look like 25h9 (1, 2, 3,
+/// 4): print them anew in 36h11"; empty where there is none of another family either. As slow as `diagnose`.
+std::string other_family(const Frame& frame);
 
 /// One sentence without a full stop, for people: "tag 3 is there, but its edge is 40 mm, 33 % smaller than [tags] size
 /// 60 mm".

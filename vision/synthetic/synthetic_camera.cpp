@@ -167,9 +167,8 @@ void SyntheticCamera::Parts::paint_disc(const core::Pose& at, double radius, dou
 }
 
 void SyntheticCamera::Parts::draw_tag(const SyntheticTag& tag) {
-  const double module = tag.size / 8.0;
-  const Box box =
-      painter.box_around(tag.pose.x, tag.pose.y, module * cells / std::numbers::sqrt2, calibration.tag_height);
+  const double module = tag.size / 8.0, height = calibration.tag_height + tag.lifted;
+  const Box box = painter.box_around(tag.pose.x, tag.pose.y, module * cells / std::numbers::sqrt2, height);
   const float ink = detail::paper_grey + static_cast<float>(options.contrast) * (detail::ink_grey - detail::paper_grey);
   const bool known = tag.tag >= 0 && static_cast<std::size_t>(tag.tag) < pattern_of.size();
   const detail::TagPattern* pattern = known ? &pattern_of[static_cast<std::size_t>(tag.tag)] : nullptr;
@@ -177,7 +176,7 @@ void SyntheticCamera::Parts::draw_tag(const SyntheticTag& tag) {
   const auto y = static_cast<float>(tag.pose.y);
   const auto c = static_cast<float>(std::cos(tag.pose.theta) / module);
   const auto s = static_cast<float>(std::sin(tag.pose.theta) / module);
-  painter.paint<16>(sharp, box, calibration.tag_height, [=](float px, float py) {
+  painter.paint<16>(sharp, box, height, [=](float px, float py) {
     const float column = 0.5F * cells + c * (px - x) + s * (py - y);
     const float row = 0.5F * cells + s * (px - x) - c * (py - y);  // downwards
     if (!(column >= 0.0F && column < cells && row >= 0.0F && row < cells)) return Shade{};

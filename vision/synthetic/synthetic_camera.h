@@ -16,6 +16,7 @@ struct SyntheticTag {
   int tag = 0;                     // id in the family 36h11, 0..586; another id is drawn as blank paper
   core::Pose pose;                 // centre of the tag in the world [m, rad]
   double size = default_tag_size;  // edge of the black square [m]; the paper is 10/8 of it
+  double lifted = 0.0;             // it is held so far above tag_height [m]
   double smear = 0.0;  // how far it drives ahead while the shutter is open; `pose` is where it is halfway [m]
 };
 

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "vision/detector/detector.h"
+#include "vision/diagnosis/diagnosis.h"
 #include "vision/frames/frame.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/detection.h"
@@ -210,6 +211,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
     if (options.keep_going && !options.keep_going(summary.frames)) break;
   }
 
+  if (summary.frames > 0 && summary.detections == 0) summary.other_family = other_family(frame);
   if (*recorder) summary.recording = (*recorder)->finish();
   if (options.csv != nullptr && !options.csv->flush()) return tl::unexpected(std::string("the CSV cannot be written"));
   summary.status = (*source)->status();

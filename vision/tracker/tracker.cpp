@@ -164,6 +164,7 @@ double TrackerParts::seen_at(const Frame& frame, const Corners& corners) const {
 void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit& fit) {
   tag.found = true;
   tag.stretch = fit.stretch;
+  tag.stretch_sigma = fit.stretch_sigma;
   tag.edge_px = fit.edge_px;
   tag.contrast = fit.contrast;
   tag.pose.tag = tag.tag;
@@ -175,11 +176,31 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
   tag.pose.corners = fit.corners;
 }
 
+/// Whether the newest fit shows the tag nearer to the camera, or farther from it, than the seconds before did. What
+/// stays so for long is no hand, and becomes what is usual.
+bool WantedTag::lifted(double tolerance) noexcept {
+  constexpr int remembered = 100, enough = 25, long_enough = 250;  // [frames]
+  constexpr double deviations = 4.0;
+  const bool off = stretches >= enough && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
+  off_stretch = off ? off_stretch + 1 : 0;
+  if (off && off_stretch < long_enough) return true;
+  if (off) stretches = 0;
+  stretches = std::min(stretches + 1, remembered);
+  usual_stretch += (*stretch - usual_stretch) / stretches;
+  return false;
+}
+
 /// A tag that seems larger than all the others is nearer to the camera than they are: somebody holds it.
 void TrackerParts::compare_shapes() {
   stretches.clear();
-  for (const WantedTag& tag : wanted)
-    if (tag.found && tag.stretch) stretches.push_back(*tag.stretch);
+  for (WantedTag& tag : wanted) {
+    if (!tag.found || !tag.stretch) continue;
+    stretches.push_back(*tag.stretch);
+    if (!tag.lifted(options.lift_tolerance)) continue;
+    tag.found = false;
+    ++counters.rejected;
+    ++counters.lifted;
+  }
   if (stretches.size() < 3) return;
   const double usual = median(stretches);
   for (WantedTag& tag : wanted) {

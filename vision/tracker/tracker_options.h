@@ -22,6 +22,9 @@ struct TrackerOptions {
                                    // pose says: it is held up (10 cm under a camera at 1.7 m), tilted or misprinted
   double group_tolerance = 0.025;  // the same, compared with the other tags, where three and more are seen: what is
                                    // wrong with all of them is the calibration's tag_size or tag_height
+  double lift_tolerance = 0.012;   // the same, compared with what the tag itself has shown for the last seconds: it
+                                   // was lifted, by 22 mm under a camera at 1.8 m. The picture has tilt and lens errors
+                                   // of its own, but they change slowly while a robot drives
   int threads = 1;                 // of a full search
   bool baseline = false;           // only the instructions that every x86-64 has, as where there is no AVX2
 };
@@ -34,6 +37,7 @@ struct TrackerCounters {
   std::int64_t poses = 0;          // reported
   std::int64_t ghosts = 0;         // times that a wanted id was seen twice in a frame and therefore not reported
   std::int64_t rejected = 0;       // wanted tags not lying flat at tag_height, or not of tag_size
+  std::int64_t lifted = 0;         // of these, the ones that looked as usual until they came nearer to the camera
   std::int64_t wrong_frames = 0;   // frames whose size is not the calibration's: nothing is looked for in them
   std::int64_t fits = 0;           // photometric fits that found their tag
   std::int64_t failed_fits = 0;    // and that did not

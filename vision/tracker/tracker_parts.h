@@ -26,7 +26,10 @@ struct WantedTag {
   int missed = 0;       // frames since
   core::Pose velocity;  // per second, from the last two poses; zero where there are no two
   double edge_px = 0.0;
-  double contrast = 0.0;  // between its ink and its paper [grey levels]
+  double contrast = 0.0;       // between its ink and its paper [grey levels]
+  double usual_stretch = 0.0;  // of its fits, a moving mean
+  int stretches = 0;           // that went into it, as far as they matter
+  int off_stretch = 0;         // frames for which it was not as usual
 
   // of this frame
   bool found = false;
@@ -34,9 +37,11 @@ struct WantedTag {
   bool ghost = false;
   TagPose pose;
   std::optional<double> stretch;  // of its fit
+  double stretch_sigma = 0.0;
 
   WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
   bool missing() const { return !found && !ghost; }
+  bool lifted(double tolerance) noexcept;
 };
 
 /// The tracker's state and its stages.

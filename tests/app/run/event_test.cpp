@@ -42,6 +42,8 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::DeadlineMissed{3}, "deadline_missed 3"},
     {events::VRise{0.06}, "v_rise 0.06"},
     {events::Link{2, LinkState::stale}, "link r3 stale"},
+    {events::CameraMoved{4, 0.037, -0.02}, "camera_moved tags=4 by=0.037 turn=-0.02"},
+    {events::NotSeen{2, core::NotSeen::lifted}, "not_seen r3 lifted"},
     {events::FilmBroken{}, "film_broken"},
     {events::NoWay{1}, "no_way r2"},
     {events::NoProgress{1, 0.31, Hindrance::shield}, "no_progress r2 0.31 shield"},

@@ -1,6 +1,7 @@
 // Why a robot's tag is not seen, asked of a camera that runs, and calibrations that are missing.
 #include "app/session/camera_rig.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -62,6 +63,54 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
   EXPECT_TRUE(why[0].starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << why[0];
   EXPECT_EQ(why[1], "no tag 2 is in the picture");
+}
+
+TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
+  // Robots 1 to 3 stand; after a second, 2 is held up and a hand lies on 3.
+  const Lab lab;
+  const auto film = lab.folder / "lost";
+  fs::create_directories(film);
+  const vision::Calibration calibration = *vision::load_calibration(lab.folder / "cal.toml");
+  vision::SyntheticCamera camera(calibration);
+  std::vector<vision::SyntheticTag> tags{{1, {0.3, -0.2, 0.4}, 0.06},
+                                         {2, {-0.5, 0.3, 1.0}, 0.06},
+                                         {3, {-0.1, -0.4, 2.0}, 0.06},
+                                         {4, {0.6, 0.3, 3.0}, 0.06}};
+  vision::Frame frame;
+  constexpr int fine = 40, frames = 70;
+  for (int k = 0; k < frames; ++k) {
+    std::vector<vision::SyntheticDisc> discs;
+    if (k >= fine) tags[1].lifted = 0.04, discs.push_back({-0.1, -0.4});
+    camera.render(tags, discs, 0.0, frame);
+    std::ofstream picture(film / fmt::format("{:03}.pgm", k), std::ios::binary);
+    picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
+    picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
+  }
+  const auto experiment =
+      parse_experiment(paper_experiment().source, "platoon.toml",
+                       std::vector<std::string>{"camera.source=images:" + film.string(),
+                                                "camera.calibration=" + (lab.folder / "cal.toml").string()});
+  ASSERT_TRUE(experiment);
+  SessionClock clock(false);
+  SimulatedWorld world(*experiment);
+  auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
+  ASSERT_TRUE(rig) << rig.error();
+  std::vector<std::string> events, sentences;
+  int said_at = 0;
+  for (int k = 0; k < frames; ++k) {
+    clock.set(0.04 * k);
+    (*rig)->look();
+    EventList list(16);
+    (*rig)->tell(list);
+    for (const Event& event : list) events.push_back(describe(event)), said_at = k;
+    for (const std::string& sentence : (*rig)->alarms()) sentences.push_back(sentence);
+  }
+  EXPECT_EQ(events, (std::vector<std::string>{"not_seen r2 lifted", "not_seen r3 not_found"}));
+  EXPECT_NEAR(said_at, fine + 13, 1) << "half a second later, and once";
+  ASSERT_EQ(sentences.size(), 2U);
+  EXPECT_TRUE(sentences[0].starts_with("robot 2 is lost: tag 2 is there, but looks larger than the other tags"))
+      << sentences[0];
+  EXPECT_EQ(sentences[1], "robot 3 is lost: no tag 3 is in the picture");
 }
 
 TEST(CameraRig, NamesAMissingCalibration) {

@@ -41,6 +41,8 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   change[core::GainName::k_xx] = core::PairTable(4, 0.002);
   change[core::GainName::l_xx] = core::PairTable(4, 150.0);
   experiment.gain_changes = {change};
+  experiment.camera.source = "synthetic";  // which is bumped in the end
+  experiment.failure.camera_moved = FailureSpec::CameraMoved::go_on;
   ControlTick tick(experiment);
   RecordChannel channel(8, tick.record());
   const auto reference = make_reference(experiment);
@@ -53,14 +55,15 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
                                    commands::Couple{1, 2, false}, commands::Couple{2, 1, true}};
 
   const long before = allocations.load();
-  int avoided = 0, shielded_ticks = 0, limited_ticks = 0, lost_ticks = 0;
+  int avoided = 0, shielded_ticks = 0, limited_ticks = 0, lost_ticks = 0, bumps = 0;
   for (int k = 0; k < 1500; ++k) {
     const double now = k / 25.0;
     for (std::size_t i = 0; i < 4; ++i) {
       core::Pose pose = reference->at(i, now).pose;
       if (k > 200 && i == 1) pose.x += 0.12 * std::sin(0.01 * k);  // through its neighbours
       if (k > 700 && i == 2) pose.y += pose.y > 0.0 ? -0.6 : 0.6;  // far off, but inside the arena
-      if (k < 900 || i != 3) measurements[i] = {pose, now};
+      const core::Pose seen{k < 1300 ? pose.x : pose.x + 0.05, pose.y, pose.theta};
+      if (k < 900 || i != 3) measurements[i] = {seen, now};
       truth[i] = pose;
     }
     TickInput input;
@@ -71,6 +74,7 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
     if (k == 500) input.commands = {&gain, 1};
     if (k >= 501 && k < 504) input.commands = {&pairs[k - 501], 1};
     const TickRecord& record = tick.step(input);
+    bumps += record.events.contains<events::CameraMoved>() ? 1 : 0;
     channel.push(record);
     channel.drain([](const TickRecord&) {});
     for (const RobotRecord& robot : record.robots) {
@@ -85,6 +89,7 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   EXPECT_GT(shielded_ticks, 0);
   EXPECT_GT(limited_ticks, 0);
   EXPECT_GT(lost_ticks, 0);
+  EXPECT_EQ(bumps, 1);
 }
 
 /// Every kind of reference, with everything that it can be busy with.

@@ -30,12 +30,14 @@ double gauss(detail::Random& random) {
   return sum;
 }
 
-/// How `camera` sees a board that is tilted and shifted at random.
-BoardView view_of(const Calibration& camera, const Board& board, detail::Random& random, double noise) {
+/// How `camera` sees a board that is tilted and shifted at random, turned by at most `turn`, and printed higher than it
+/// should be.
+BoardView view_of(const Calibration& camera, const Board& board, detail::Random& random, double noise,
+                  double turn = 3.0, double stretch = 1.0) {
   Calibration placed = camera;
   const Eigen::Matrix3d tilt = (Eigen::AngleAxisd(random.between(-0.6, 0.6), Eigen::Vector3d::UnitX()) *
                                 Eigen::AngleAxisd(random.between(-0.6, 0.6), Eigen::Vector3d::UnitY()) *
-                                Eigen::AngleAxisd(random.between(-3.0, 3.0), Eigen::Vector3d::UnitZ()))
+                                Eigen::AngleAxisd(random.between(-turn, turn), Eigen::Vector3d::UnitZ()))
                                    .toRotationMatrix();
   const Eigen::Vector3d away(random.between(-0.15, 0.15), random.between(-0.1, 0.1), random.between(0.35, 0.6));
   placed.world_from_camera = CameraPose{tilt.transpose(), -(tilt.transpose() * away)};
@@ -43,8 +45,8 @@ BoardView view_of(const Calibration& camera, const Board& board, detail::Random&
   for (int id = 0; id < board.inner_corners(); ++id) {
     const double x = (id % (board.columns - 1) + 1) * board.square;
     const double y = (id / (board.columns - 1) + 1) * board.square;
-    const auto at =
-        pixel_from_world(placed, {x - 0.5 * board.columns * board.square, y - 0.5 * board.rows * board.square, 0.0});
+    const auto at = pixel_from_world(
+        placed, {x - 0.5 * board.columns * board.square, stretch * (y - 0.5 * board.rows * board.square), 0.0});
     if (!at || at->x() < 0.0 || at->y() < 0.0 || at->x() > camera.width || at->y() > camera.height) continue;
     view.corners.push_back({id, x, y, at->x() + noise * gauss(random), at->y() + noise * gauss(random)});
   }
@@ -100,6 +102,29 @@ TEST(Intrinsics, ABoardThatIsAnotherOneIsAnError) {
   const auto result = solve_intrinsics(views, 1280, 960);
   ASSERT_FALSE(result);
   EXPECT_NE(result.error().find("Is the board described as it was printed"), std::string::npos) << result.error();
+}
+
+TEST(Intrinsics, SayThatABoardIsPrintedLongerOneWay) {
+  // Held upright, as people hold it: its stretch is then the camera's, and no residual tells.
+  const auto solved = [](double stretch) {
+    std::vector<BoardView> views;
+    detail::Random random(5);
+    while (views.size() < 20) {
+      Board printed;
+      BoardView view = view_of(lens(), printed, random, 0.05, 0.1, stretch);
+      if (view.corners.size() < 30) continue;
+      view.source = std::to_string(views.size());
+      views.push_back(std::move(view));
+    }
+    return solve_intrinsics(views, 1280, 960);
+  };
+  const auto good = solved(1.0), bad = solved(1.01);
+  ASSERT_TRUE(good && bad);
+  EXPECT_EQ(uneven_focal_lengths(*good), "");
+  EXPECT_LT(bad->rms, 2.0 * good->rms) << "the control: the residual does not say it";
+  EXPECT_TRUE(uneven_focal_lengths(*bad).starts_with("fx and fy differ by 0.") ||
+              uneven_focal_lengths(*bad).starts_with("fx and fy differ by 1."))
+      << uneven_focal_lengths(*bad);
 }
 
 TEST(Intrinsics, NeedThreeViews) {

@@ -1,3 +1,7 @@
+#include <unistd.h>
+
+#include <filesystem>
+
 #include "tests/places.h"
 #include "tests/property.h"
 #include "tests/vision/support.h"
@@ -127,6 +131,27 @@ TEST(CalibrationFile, FilesThatCannotBeUsedAreNamed) {
   ASSERT_FALSE(saved);
   EXPECT_EQ(saved.error(), "/nowhere/cal.toml: the calibration file cannot be written");
   EXPECT_FALSE(load_calibration("/tmp")) << "a folder";
+}
+
+TEST(CalibrationFile, WhatIsWrittenOverIsKept) {
+  const auto file = std::filesystem::temp_directory_path() / ("skein_replaced_" + std::to_string(::getpid()) + ".toml");
+  auto old = file;
+  old += ".old";
+  const Calibration first = *parse_calibration(good, "cal.toml"), second = *parse_calibration(with("2.5", "2.6"), "");
+  EXPECT_EQ(*replace_calibration(first, file), "") << "there was none";
+  EXPECT_EQ(*replace_calibration(first, file), "") << "it said the same";
+  EXPECT_FALSE(std::filesystem::exists(old));
+  EXPECT_EQ(*replace_calibration(second, file), old);
+  EXPECT_EQ(*load_calibration(file), second);
+  EXPECT_EQ(*load_calibration(old), first);
+  std::filesystem::remove(old);
+  std::filesystem::create_directory(old);
+  const auto refused = replace_calibration(first, file);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("nothing was written"), std::string::npos) << refused.error();
+  EXPECT_EQ(*load_calibration(file), second);
+  std::filesystem::remove(old);
+  std::filesystem::remove(file);
 }
 
 TEST(CalibrationFile, TheOneThatIsHandedOutIsTheSyntheticCamera) {

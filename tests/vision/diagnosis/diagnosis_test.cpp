@@ -55,6 +55,22 @@ TEST(Diagnosis, LargerTagToo) {
   EXPECT_NE(lab.said().find("its edge is 60 mm, 50 % larger than [tags] size 40 mm"), std::string::npos) << lab.said();
 }
 
+TEST(Diagnosis, ARobotThatIsHeldUp) {
+  DiagnosisLab lab;
+  SyntheticTag lifted{3, {0.3, -0.2, 0.4}, 0.06};
+  lifted.lifted = 0.04;
+  lab.show({lifted, {1, {-0.4, 0.3, 1.0}, 0.06}, {2, {-0.2, -0.5, 2.0}, 0.06}});
+  const TagDiagnosis found = lab.diagnosis();
+  EXPECT_EQ(found.why, NotSeen::lifted);
+  EXPECT_NEAR(found.above, 0.04, 0.012);
+  EXPECT_NE(lab.said().find("mm above them. Is the robot held up"), std::string::npos) << lab.said();
+  // Controls: on the floor it is not, and nobody knows where there is nothing to compare it with.
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}, {1, {-0.4, 0.3, 1.0}, 0.06}, {2, {-0.2, -0.5, 2.0}, 0.06}});
+  EXPECT_NE(lab.diagnosis().why, NotSeen::lifted);
+  lab.show({lifted});
+  EXPECT_NE(lab.diagnosis().why, NotSeen::lifted);
+}
+
 TEST(Diagnosis, TwoRobotsWithOneTag) {
   DiagnosisLab lab;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}, {3, {-0.5, 0.1, 2.0}, 0.06}});
@@ -117,6 +133,10 @@ TEST(Diagnosis, TagOfAnotherFamily) {
   ASSERT_FALSE(lab.tracked());
   EXPECT_EQ(lab.diagnosis().why, NotSeen::other_family);
   EXPECT_EQ(lab.said(), "tag 3 looks like 3 of the family 25h9: print it anew in 36h11");
+  EXPECT_EQ(other_family(lab.frame),
+            "no tag is of the family 36h11, but 1 looks like 25h9 (3): print it anew in 36h11");
+  lab.show({});
+  EXPECT_EQ(other_family(lab.frame), "") << "the control: a floor with clutter";
 }
 
 TEST(Diagnosis, EmptyFloorHasNoTag) {

@@ -75,6 +75,7 @@ Tally run(detail::BenchScene scene, int frames, bool baseline = false) {
 TEST(TrackerInHardScenes, Sixteen) {
   const Tally tally = run(scene_called("n=16"), 60);
   EXPECT_EQ(tally.recall(), 1.0);
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
   EXPECT_LT(tally.xy_mm(), 0.03);
   EXPECT_LT(tally.theta_deg(), 0.05);
@@ -97,18 +98,21 @@ TEST(TrackerInHardScenes, Teleports) {
 TEST(TrackerInHardScenes, MotionBlur) {
   const Tally tally = run(scene_called("motion blur 5 px"), 60);
   EXPECT_GE(tally.recall(), 0.995);
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
 }
 
 TEST(TrackerInHardScenes, DimLightAndANoisySensor) {
   const Tally tally = run(scene_called("contrast 43 sigma 6"), 60);
   EXPECT_GE(tally.recall(), 0.95) << "the first frame or two teach it the light";
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
 }
 
 TEST(TrackerInHardScenes, AnArmOverThem) {
   const Tally tally = run(scene_called("occluder"), 125);
   EXPECT_GE(tally.recall(), 0.995);
+  EXPECT_EQ(tally.counters.lifted, 0) << "nobody was";
   EXPECT_EQ(tally.wrong, 0);
 }
 
@@ -183,6 +187,41 @@ TEST(TrackerInHardScenes, ATagCarriedByHand) {
                             static_cast<int>(std::count_if(tally.poses.begin(), tally.poses.end(),
                                                            [](const TagPose& p) { return p.tag == 5; })))
       << "the others are seen all the time";
+}
+
+TEST(TrackerInHardScenes, ARobotLiftedBy4cmIsNoRobotOnTheFloor) {
+  // With the control: the tracker without a memory of how large each tag looks.
+  const auto poses_of_the_lifted = [](double tolerance, double& most_off, TrackerCounters& counters) {
+    detail::BenchScene scene = scene_called("n=16");
+    SyntheticCamera camera(scene.calibration, scene.options, 3);
+    TagTracker tracker(scene.calibration, {.tags = {5, 6}, .lift_tolerance = tolerance});
+    Frame frame;
+    int reported = 0;
+    for (int k = 0; k < 80; ++k) {
+      detail::BenchMoment moment = scene.moment(k);
+      if (k >= 40 && k < 70) moment.tags[5].lifted = 0.04;
+      camera.render(moment.tags, moment.discs, detail::bench_period * k, frame);
+      for (const TagPose& pose : tracker.process(frame)) {
+        const double off = core::distance(pose.pose, moment.tags[static_cast<std::size_t>(pose.tag)].pose);
+        if (pose.tag == 6 || k < 40 || k >= 72) {
+          EXPECT_LT(off, 1e-3) << k;
+        }
+        if (pose.tag != 5 || k < 40 || k >= 70) continue;
+        ++reported;
+        most_off = std::max(most_off, off);
+      }
+    }
+    counters = tracker.counters();
+    return reported;
+  };
+  double off = 0.0, off_without = 0.0;
+  TrackerCounters counters, without;
+  EXPECT_EQ(poses_of_the_lifted(1.0, off_without, without), 30);
+  EXPECT_GT(off_without, 4e-3) << "near the middle of the picture";
+  EXPECT_EQ(poses_of_the_lifted(TrackerOptions{}.lift_tolerance, off, counters), 0);
+  EXPECT_GE(counters.lifted, 30);
+  EXPECT_EQ(without.lifted, 0);
+  EXPECT_EQ(counters.poses, 160 - 30);
 }
 
 TEST(TrackerInHardScenes, AnotherTagOnTheSameRobot) {
