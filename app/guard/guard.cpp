@@ -302,7 +302,7 @@ int guard(const std::string& marker, int descriptor) {
     if (line.stands) stand.push_back(line.address);
     line.close();
   }
-  if (watched.dismissed()) return done;  // `skein robots forget`
+  if (watched.dismissed()) return done;                          // `skein robots forget`
   if (auto now = RunMarker::read(marker)) run = std::move(now);  // the run may have named fewer since
   if (!run) {
     tell(run.error());

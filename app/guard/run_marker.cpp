@@ -195,8 +195,8 @@ tl::expected<WrittenMarker, std::string> write_marker(RunMarker& marker) {
     if (!trustworthy(spare)) continue;
     marker.path = (spare / name).string();
     if (const auto other = write_there(marker))
-      return WrittenMarker{*other, fmt::format("{}; it is {}, which may not outlive the machine", lock.error(),
-                                               marker.path)};
+      return WrittenMarker{*other,
+                           fmt::format("{}; it is {}, which may not outlive the machine", lock.error(), marker.path)};
   }
   return tl::unexpected(lock.error());
 }

@@ -41,10 +41,10 @@ struct WrittenMarker {
   std::string problem;  ///< why it is not in the state directory; empty: it is
 };
 
-/// Makes a new marker, on disk, locks it, and sets its path: a name in the state directory that no other run has, now or
-/// later, since process numbers repeat, in containers and after a boot. Where it cannot be written there it goes where
-/// all_markers() looks as well: the user's runtime directory, /dev/shm or /tmp. Names of hosts in it are resolved:
-/// whoever needs it may have no name service.
+/// Makes a new marker, on disk, locks it, and sets its path: a name in the state directory that no other run has, now
+/// or later, since process numbers repeat, in containers and after a boot. Where it cannot be written there it goes
+/// where all_markers() looks as well: the user's runtime directory, /dev/shm or /tmp. Names of hosts in it are
+/// resolved: whoever needs it may have no name service.
 tl::expected<WrittenMarker, std::string> write_marker(RunMarker& marker);
 
 /// Leaves only these robots in a marker that this descriptor holds.
