@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_controllers.h"
 #include "app/bench/bench_links.h"
+#include "app/bench/bench_motors.h"
 #include "app/bench/bench_publish.h"
 #include "app/bench/bench_radio.h"
 #include "app/manual/manual.h"
@@ -48,6 +50,12 @@ int report_controllers(double seconds) {
   return bench_controllers(controllers);
 }
 
+RadioBench radio;  // as the command line says
+
+int report_radio(double) {
+  return report_radio_faults(radio);
+}
+
 constexpr Bench table[] = {
     {"tick", "one control tick, and the law alone", [](double) { register_tick_benchmarks(); }},
     {"control", "law, avoidance and shield for 4 to 1,000 robots", [](double) { register_control_benchmarks(); }},
@@ -57,7 +65,10 @@ constexpr Bench table[] = {
     {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", [](double) {},
      report_controllers, /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
-    {"radio", "the paper's lap over slow radios and faults", [](double) { register_radio_benchmarks(); }},
+    {"radio", "the paper's lap over slow radios; --faults at random", [](double) { register_radio_benchmarks(); },
+     report_radio},
+    {"motors", "steady tracking error of emulated e-pucks at 0.05 m/s", [](double) {},
+     [](double) { return bench_motors(); }},
     {"publish", "`--publish` to a receiver that stalls, 30 robots in real time", register_publish_benchmark},
     {"runs", "a search in 10,000 kept runs", [](double) { register_runs_benchmark(); }},
     {"loopback", "camera, tracker and protocol in real time (84 s)", [](double) { register_loopback_benchmark(); }},
@@ -85,10 +96,17 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
                   "how long each measurement takes, where it does not know by itself: links, publish, ui")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
+  double hours = 0.0;
+  program.add_option("--hours", hours, "ui: its memory in a run of so many hours instead, 50 times as fast")
+      ->check(CLI::Range(0.0, 24.0));
   program.add_option("--runs", controllers.runs, "controllers: runs under adversaries; 0: none")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->capture_default_str();
-  program.add_option("--seed", controllers.seed, "controllers: of the first of them; the next ones count on")
+  program.add_option("--faults", radio.faults, "radio: random fault sequences; 0: none")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  std::uint64_t seed = 1;
+  program.add_option("--seed", seed, "controllers, radio: of the first run; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
@@ -109,10 +127,11 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     if (!written) complain(written.error());
     return written ? done : wrong_input;
   }
+  controllers.seed = radio.seed = seed;
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (what == window) {
-    if (bench_window) return bench_window(seconds, argc, argv);
+    if (bench_window) return bench_window(seconds, hours, argc, argv);
     complain("this program was built without a window");
     return wrong_input;
   }
