@@ -13,6 +13,9 @@ namespace {
 // margin lets runs through whose own clock goes faster than ours.
 constexpr double jump_margin = 2000;  // [steps]
 
+// A stop is repeated at least so often: what a robot drives after its radio has come back. [s]
+constexpr double longest_stop_wait = 0.2;
+
 }  // namespace
 
 double LinkSession::speed_of(WheelCommand command) const noexcept {
@@ -62,7 +65,7 @@ void LinkSession::stop(double now) {
 }
 
 void LinkSession::send_stop(double now) {
-  stop_wait_ = phase_ == Phase::synchronising ? std::min(2.0 * stop_wait_, options_.reply_timeout)
+  stop_wait_ = phase_ == Phase::synchronising ? std::min({2.0 * stop_wait_, longest_stop_wait, options_.reply_timeout})
                                               : std::min(options_.stop_repeat, options_.reply_timeout);
   if (phase_ == Phase::up && !question_) silent_since_ = now;
   if (up()) down_since_ = now;
@@ -230,7 +233,10 @@ double LinkSession::blind_way(double now) const noexcept {
 
 double LinkSession::blind_deadline(double share) const noexcept {
   if (options_.blind_distance <= 0.0 || !moving_allowed_ || fastest_ <= 0.0) return never;
-  return way_at_ + (share * options_.blind_distance - (way_ - confirmed_way_)) / fastest_ - stop_flight_;
+  const double used_up = way_at_ + (share * options_.blind_distance - (way_ - confirmed_way_)) / fastest_;
+  // A stop may take as long as the answer that has not come yet.
+  const bool answers_known = question_ && stop_flight_ > 0.0;
+  return std::min(used_up - stop_flight_, answers_known ? 0.5 * (used_up + asked_at_) : never);
 }
 
 // --- Time -----------------------------------------------------------------------------------------------------------

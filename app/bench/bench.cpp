@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_controllers.h"
 #include "app/bench/bench_links.h"
+#include "app/bench/bench_motors.h"
 #include "app/bench/bench_publish.h"
 #include "app/bench/bench_radio.h"
 #include "app/bench/identify_study.h"
@@ -56,6 +58,12 @@ int report_identify(double) {
   return bench_identify(identification);
 }
 
+RadioBench radio;  // as the command line says
+
+int report_radio(double) {
+  return report_radio_faults(radio);
+}
+
 constexpr Bench table[] = {
     {"tick", "one control tick, and the law alone", [](double) { register_tick_benchmarks(); }},
     {"control", "law, avoidance and shield for 4 to 1,000 robots", [](double) { register_control_benchmarks(); }},
@@ -67,7 +75,10 @@ constexpr Bench table[] = {
     {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
      /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
-    {"radio", "the paper's lap over slow radios and faults", [](double) { register_radio_benchmarks(); }},
+    {"radio", "the paper's lap over slow radios; --faults at random", [](double) { register_radio_benchmarks(); },
+     report_radio},
+    {"motors", "steady tracking error of emulated e-pucks at 0.05 m/s", [](double) {},
+     [](double) { return bench_motors(); }},
     {"publish", "`--publish` to a receiver that stalls, 30 robots in real time", register_publish_benchmark},
     {"runs", "a search in 10,000 kept runs", [](double) { register_runs_benchmark(); }},
     {"loopback", "camera, tracker and protocol in real time (84 s)", [](double) { register_loopback_benchmark(); }},
@@ -101,8 +112,14 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
                   "controllers: runs under adversaries, 0: none; identify: robots; default: 140, and 1000")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->type_name("N");
+  double hours = 0.0;
+  program.add_option("--hours", hours, "ui: its memory in a run of so many hours instead, 50 times as fast")
+      ->check(CLI::Range(0.0, 24.0));
+  program.add_option("--faults", radio.faults, "radio: random fault sequences; 0: none")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
   std::uint64_t seed = 1;
-  program.add_option("--seed", seed, "controllers, identify: of the first of them; the next ones count on")
+  program.add_option("--seed", seed, "controllers, identify, radio: of the first of them; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
@@ -125,11 +142,11 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   }
   controllers.runs = runs.value_or(controllers.runs);
   identification.runs = runs.value_or(identification.runs);
-  controllers.seed = identification.seed = seed;
+  controllers.seed = identification.seed = radio.seed = seed;
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (what == window) {
-    if (bench_window) return bench_window(seconds, argc, argv);
+    if (bench_window) return bench_window(seconds, hours, argc, argv);
     complain("this program was built without a window");
     return wrong_input;
   }

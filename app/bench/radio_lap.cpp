@@ -19,6 +19,23 @@ namespace {
 constexpr double look_every = 0.02;  // at the links' status [s]
 constexpr double metres_per_step = 1.288e-4;
 
+/// How far a wheel has rolled since the newest question that was answered had been sent. [m]
+struct BlindWay {
+  double way = 0.0, when_asked = 0.0, worst = 0.0;
+  bool counted = false;
+
+  /// `counts`: what follows counts.
+  void add(double rolled, bool counts) noexcept {
+    if (counted) way += rolled;
+    counted = counts;
+    if (!counted) forget();
+    worst = std::max(worst, way);
+  }
+  void asked() noexcept { when_asked = way; }
+  void confirmed() noexcept { way = std::max(0.0, way - when_asked); }
+  void forget() noexcept { way = when_asked = 0.0; }
+};
+
 /// One robot: its place on the floor, its firmware, and the conversation with it.
 class LappingRobot {
  public:
@@ -26,8 +43,10 @@ class LappingRobot {
                comms::RadioAdapter& adapter)
       : options_(link_options(experiment)),
         session_(options_),
-        firmware_(motor(experiment, i), 0.0, comms::faults_of(options.faults, i), options.seed * 64 + i),
-        floor_(experiment.robots[i].true_drive(), motor(experiment, i), experiment.simulation, experiment.seed, i) {
+        firmware_(options.motors.value_or(motor(experiment, i)), 0.0, comms::faults_of(options.faults, i),
+                  options.seed * 64 + i),
+        floor_(experiment.robots[i].true_drive(), options.motors.value_or(motor(experiment, i)), experiment.simulation,
+               experiment.seed, i) {
     firmware_.connect(adapter, i % comms::RadioAdapter::most_robots);
   }
 
@@ -86,7 +105,8 @@ class LappingRobot {
   }
   core::SimulatedRobot& floor() { return floor_; }
   double share_written() const { return static_cast<double>(written_) / std::max(1.0, static_cast<double>(commands_)); }
-  double blind_way() const { return worst_blind_; }
+  double blind_way() const { return blind_.worst; }
+  double held_up_way() const { return blind_or_held_up_.worst; }
 
  private:
   static comms::LinkOptions link_options(const Experiment& experiment) {
@@ -107,7 +127,7 @@ class LappingRobot {
       session_.sent(bytes.size(), now);
       written_at_ = now;
       constexpr std::size_t speeds_alone = 6, longest_request = 9;
-      if (bytes.size() != speeds_alone && bytes.size() <= longest_request) asked_blind_ = blind_;
+      if (bytes.size() != speeds_alone && bytes.size() <= longest_request) for_both(&BlindWay::asked);
       firmware_.receive(bytes, now);
     }
   }
@@ -115,21 +135,27 @@ class LappingRobot {
     floor_to(now);
     floor_.turn(firmware_.told());
   }
-  /// How far its wheels have rolled since the host had its last proof, while a stop could have been carried.
+  /// How far its wheels have rolled since the host had its last proof, while nothing could lose a stop. That one is on
+  /// its way slowly is no excuse, unless a fault holds it up: that is counted for itself.
   void judge(double now) {
     const double speed = metres_per_step * std::max(std::abs(rolling_.left), std::abs(rolling_.right));
     rolling_ = firmware_.wheels();
-    if (able_) blind_ += speed * (now - judged_at_);
+    const double way = speed * (now - judged_at_);
     judged_at_ = now;
-    able_ = session_.open() && firmware_.carries();
-    if (!able_) blind_ = asked_blind_ = 0.0;
-    worst_blind_ = std::max(worst_blind_, blind_);
+    const bool able = session_.open() && !firmware_.loses();
+    blind_.add(way, able && !firmware_.delays());
+    blind_or_held_up_.add(way, able);
   }
   /// A question that was answered proves what was true when it was sent.
   void confirm(double now) {
     const std::uint64_t exchanges = session_.status(now).exchanges;
-    if (std::exchange(exchanges_, exchanges) != exchanges) blind_ = std::max(0.0, blind_ - asked_blind_);
-    if (session_.stop_acknowledged()) blind_ = asked_blind_ = 0.0;
+    if (std::exchange(exchanges_, exchanges) != exchanges) for_both(&BlindWay::confirmed);
+    if (session_.stop_acknowledged()) for_both(&BlindWay::forget);
+  }
+
+  void for_both(void (BlindWay::*what)() noexcept) noexcept {
+    (blind_.*what)();
+    (blind_or_held_up_.*what)();
   }
 
   comms::LinkOptions options_;
@@ -140,8 +166,8 @@ class LappingRobot {
   std::uint64_t breaks_ = 0, told_ = 0, commands_ = 0, written_ = 0, exchanges_ = 0;
   std::uint16_t ticket_ = 0;
   core::WheelSpeeds rolling_;
-  bool able_ = false;
-  double judged_at_ = 0.0, blind_ = 0.0, asked_blind_ = 0.0, worst_blind_ = 0.0;
+  double judged_at_ = 0.0;
+  BlindWay blind_, blind_or_held_up_;
 };
 
 }  // namespace
@@ -168,6 +194,8 @@ RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options)
   std::vector<LinkInput> links(n);
   std::size_t next_perturbation = 0;
   std::uint64_t late_ticks = 0, ticks = 0;
+  std::vector<double> squares(n);  // of x_e, once it is steady
+  double steady_ticks = 0.0;
   // The links come up first, as in a session.
   constexpr double opening = 5.0;  // [s]
   bool started = false;
@@ -219,6 +247,14 @@ RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options)
     if (!std::exchange(started, true)) input.commands = {&start, 1};
     const TickRecord& record = tick.step(input);
     if (record.phase == Phase::running) statistics.record(record);
+    if (t >= experiment.duration - options.steady) {
+      ++steady_ticks;
+      for (std::size_t i = 0; i < n; ++i) {
+        const double x_e = record.robots[i].error.x;
+        squares[i] += x_e * x_e;
+        lap.largest_x_e = std::fmax(lap.largest_x_e, std::abs(x_e));
+      }
+    }
     for (std::size_t i = 0; i < n; ++i) {
       if (record.phase == Phase::running) {
         late_ticks += record.robots[i].is(late) ? 1u : 0u;
@@ -228,6 +264,8 @@ RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options)
     }
     ++k;
   }
+  for (const double sum : squares)
+    lap.steady_x_e = std::fmax(lap.steady_x_e, std::sqrt(sum / std::max(1.0, steady_ticks)));
   const Statistics::Summary summary = statistics.summary();
   lap.perturbations = summary.perturbations.size();
   lap.final_error = summary.final_error;
@@ -244,6 +282,7 @@ RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options)
     lap.timeouts += status.timeouts;
     lap.wrong_speeds += status.wrong_speeds;
     lap.blind_way = std::max(lap.blind_way, robot.blind_way());
+    lap.held_up_way = std::max(lap.held_up_way, robot.held_up_way());
   }
   lap.late_ticks = static_cast<double>(late_ticks) / std::max(1.0, static_cast<double>(ticks));
   return lap;

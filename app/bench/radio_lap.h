@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/experiment/experiment.h"
 #include "comms/emulator/radio.h"
 #include "comms/emulator/radio_faults.h"
+#include "core/kinematics/step_rate.h"
 
 namespace skein::app {
 
@@ -18,6 +20,9 @@ struct RadioLapOptions {
   comms::RadioParameters radio;
   std::vector<comms::Fault> faults;
   std::uint64_t seed = 1;
+  /// What the robots' motors are, where the tick takes them for others than they are; else as the experiment says.
+  std::optional<core::MotorModel> motors;
+  double steady = 20.0;  ///< the last so many seconds count as steady [s]
 };
 
 struct RadioLap {
@@ -31,10 +36,17 @@ struct RadioLap {
   double late_ticks = 0.0;        ///< share of robots' ticks that were slowed or held because of the link
   std::uint64_t blind_stops = 0;  ///< times that a blind distance was used up, and that an answer was too late
   std::uint64_t timeouts = 0, wrong_speeds = 0;
-  /// The longest way of a wheel since the newest confirmed question had been sent, as far as a stop could have been
-  /// carried in that time. [m]
+  /// The longest way of a wheel since the newest confirmed question had been sent, as far as no fault could lose or
+  /// hold up a stop in that time. [m]
   double blind_way = 0.0;
+  double held_up_way = 0.0;  ///< the same with the time in which a `latency` fault held up what was sent
+  double steady_x_e = 0.0, largest_x_e = 0.0;  ///< of the worst robot at the end: root mean square, largest [m]
 };
+
+/// As quick as a pseudo-terminal, and never disturbed.
+constexpr comms::RadioParameters quick_radio() {
+  return {.median = 0.002, .p999 = 0.005, .burst_every = 1e9, .sniff_after = 1e9};
+}
 
 RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options);
 

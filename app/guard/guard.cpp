@@ -17,6 +17,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -164,8 +165,25 @@ struct Orphan {
   }
 };
 
+/// A marker that a person may dismiss, also while nobody listens at the stop socket. That it is gone says nothing:
+/// somebody may have tidied up.
+class WatchedMarker {
+ public:
+  explicit WatchedMarker(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {}
+  bool dismissed() const noexcept {
+    std::array<char, RunMarker::dismissal.size()> begin{};
+    return descriptor_ >= 0 &&
+           ::pread(descriptor_, begin.data(), begin.size(), 0) == static_cast<ssize_t>(begin.size()) &&
+           std::string_view(begin.data(), begin.size()) == RunMarker::dismissal;
+  }
+
+ private:
+  int descriptor_;  // as long as the process lives
+};
+
 /// Reaches the robots anew, each on a thread of its own, until all are known to stand. False: somebody said otherwise.
-bool reach(const RunMarker& run, const std::vector<comms::LinkAddress>& robots) {
+bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<comms::LinkAddress>& robots) {
   auto orphans = std::make_shared<std::vector<std::unique_ptr<Orphan>>>();  // threads may outlive this function
   for (const comms::LinkAddress& address : robots) {
     orphans->push_back(std::make_unique<Orphan>());
@@ -193,7 +211,7 @@ bool reach(const RunMarker& run, const std::vector<comms::LinkAddress>& robots) 
     for (const auto& orphan : *orphans) all.push_back(orphan->result());
     return all;
   };
-  for (std::int64_t told = comms::monotonic_ns(), since = told; !forget;) {
+  for (std::int64_t told = comms::monotonic_ns(), since = told; !forget && !marker.dismissed();) {
     pollfd caller{socket ? socket->descriptor() : -1, POLLIN, 0};
     ::poll(&caller, 1, look_every);
     const auto all_stand = [&] {
@@ -231,6 +249,7 @@ int guard(const std::string& marker, int descriptor) {
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   // Whoever waits for the end of the run's output must not wait for the guard.
   if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) ::dup2(nowhere, STDOUT_FILENO);
+  const WatchedMarker watched(marker);
   auto run = RunMarker::read(marker);  // now: it must not depend on a disk later
 
   Watch watch(descriptor);
@@ -283,6 +302,7 @@ int guard(const std::string& marker, int descriptor) {
     if (line.stands) stand.push_back(line.address);
     line.close();
   }
+  if (watched.dismissed()) return done;                          // `skein robots forget`
   if (auto now = RunMarker::read(marker)) run = std::move(now);  // the run may have named fewer since
   if (!run) {
     tell(run.error());
@@ -297,7 +317,7 @@ int guard(const std::string& marker, int descriptor) {
     run->forget();
     return done;
   }
-  return reach(*run, rest) ? done : device_failed;
+  return reach(*run, watched, rest) ? done : device_failed;
 }
 
 }  // namespace skein::app

@@ -43,6 +43,23 @@ bool trustworthy(const fs::path& directory) {
   return S_ISDIR(found.st_mode) && owned(found);
 }
 
+/// Where markers go, and are looked for, beside the state directory: when its disk is full or read-only a run must be
+/// guarded all the same. The names depend on the state directory, so that who has another sees other runs.
+std::vector<fs::path> spare_directories(const std::string& state) {
+  std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
+  for (const char c : state) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  const auto user = ::geteuid();
+  std::vector<fs::path> bases{fmt::format("/run/user/{}", user), "/dev/shm", "/tmp"};
+  if (const char* const runtime = std::getenv("XDG_RUNTIME_DIR"); runtime && *runtime == '/')
+    bases.insert(bases.begin(), runtime);
+  std::vector<fs::path> spare;
+  for (const fs::path& base : bases)
+    if (fs::path there = base / fmt::format("skein-{}-{:016x}", user, hash);
+        fs::is_directory(base) && std::find(spare.begin(), spare.end(), there) == spare.end())
+      spare.push_back(std::move(there));
+  return spare;
+}
+
 std::string marker_text(const RunMarker& marker) {
   std::string text = fmt::format("{}{}\n", first_line, marker.experiment);
   for (const comms::LinkAddress& robot : marker.robots) {
@@ -90,6 +107,14 @@ void RunMarker::forget() const {
   ::unlink(path.c_str());
 }
 
+void RunMarker::dismiss() const {
+  if (const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); file >= 0) {
+    [[maybe_unused]] const auto written = ::pwrite(file, dismissal.data(), dismissal.size(), 0);
+    ::close(file);
+  }
+  forget();
+}
+
 tl::expected<RunMarker, std::string> RunMarker::read(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   struct stat found {};
@@ -128,14 +153,15 @@ tl::expected<RunMarker, std::string> RunMarker::read(const std::string& path) {
   return marker;
 }
 
-std::string new_marker_path() {
+namespace {
+
+std::string new_name() {
   std::uint64_t random = 0;
   if (::getrandom(&random, sizeof random, 0) != sizeof random) random = static_cast<std::uint64_t>(::getpid());
-  return fmt::format("{}/{}{:%Y%m%d-%H%M%S}-{:016x}", state_directory(), prefix, fmt::gmtime(std::time(nullptr)),
-                     random);
+  return fmt::format("{}{:%Y%m%d-%H%M%S}-{:016x}", prefix, fmt::gmtime(std::time(nullptr)), random);
 }
 
-tl::expected<int, std::string> write_marker(const RunMarker& marker) {
+tl::expected<int, std::string> write_there(const RunMarker& marker) {
   const auto failed = [&] {
     return tl::unexpected(fmt::format("{}: cannot be written: {}", marker.path, std::strerror(errno)));
   };
@@ -158,6 +184,23 @@ tl::expected<int, std::string> write_marker(const RunMarker& marker) {
   return file;
 }
 
+}  // namespace
+
+tl::expected<WrittenMarker, std::string> write_marker(RunMarker& marker) {
+  const std::string state = state_directory(), name = new_name();
+  marker.path = state + "/" + name;
+  const auto lock = write_there(marker);
+  if (lock) return WrittenMarker{*lock, {}};
+  for (const fs::path& spare : spare_directories(state)) {
+    if (!trustworthy(spare)) continue;
+    marker.path = (spare / name).string();
+    if (const auto other = write_there(marker))
+      return WrittenMarker{*other,
+                           fmt::format("{}; it is {}, which may not outlive the machine", lock.error(), marker.path)};
+  }
+  return tl::unexpected(lock.error());
+}
+
 void rewrite_marker(int descriptor, const RunMarker& marker) noexcept {
   try {
     const std::string text = marker_text(marker);
@@ -171,13 +214,18 @@ void rewrite_marker(int descriptor, const RunMarker& marker) noexcept {
 
 std::vector<RunMarker> all_markers() {
   std::vector<std::pair<fs::file_time_type, RunMarker>> found;
+  const std::string state = state_directory();
+  std::vector<fs::path> directories = spare_directories(state);
+  std::erase_if(directories, [](const fs::path& spare) { return !fs::is_directory(spare) || !trustworthy(spare); });
+  directories.insert(directories.begin(), state);
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(state_directory(), error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix) || name.ends_with(socket_end)) continue;
-    if (auto marker = RunMarker::read(entry.path().string()))
-      found.emplace_back(entry.last_write_time(error), std::move(*marker));
-  }
+  for (const fs::path& directory : directories)
+    for (const auto& entry : fs::directory_iterator(directory, error)) {
+      const std::string name = entry.path().filename().string();
+      if (!name.starts_with(prefix) || name.ends_with(socket_end)) continue;
+      if (auto marker = RunMarker::read(entry.path().string()))
+        found.emplace_back(entry.last_write_time(error), std::move(*marker));
+    }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<RunMarker> markers;
   for (auto& [when, marker] : found) markers.push_back(std::move(marker));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -26,18 +27,25 @@ struct RunMarker {
   std::string names() const;
   bool alive() const;   ///< the run that wrote it is still there
   void forget() const;  ///< removes it, and the socket
+  /// forget(), and its guard stops nobody any more, since a person has said so. The guard keeps the file open and reads
+  /// `dismissal` at its beginning.
+  void dismiss() const;
+  static constexpr std::string_view dismissal = "skein dismissed\n";
 
   /// The error: it cannot be read, or is no marker.
   static tl::expected<RunMarker, std::string> read(const std::string& path);
 };
 
-/// A name in the state directory that no other run has, now or later: process numbers repeat, in containers and after a
-/// boot.
-std::string new_marker_path();
+struct WrittenMarker {
+  int lock = -1;        ///< the descriptor that holds the marker's lock
+  std::string problem;  ///< why it is not in the state directory; empty: it is
+};
 
-/// Makes a new marker, on disk, and locks it. Names of hosts in it are resolved: whoever needs it may have no name
-/// service. The descriptor that holds the lock, or the error.
-tl::expected<int, std::string> write_marker(const RunMarker& marker);
+/// Makes a new marker, on disk, locks it, and sets its path: a name in the state directory that no other run has, now
+/// or later, since process numbers repeat, in containers and after a boot. Where it cannot be written there it goes
+/// where all_markers() looks as well: the user's runtime directory, /dev/shm or /tmp. Names of hosts in it are
+/// resolved: whoever needs it may have no name service.
+tl::expected<WrittenMarker, std::string> write_marker(RunMarker& marker);
 
 /// Leaves only these robots in a marker that this descriptor holds.
 void rewrite_marker(int descriptor, const RunMarker& marker) noexcept;

@@ -91,10 +91,11 @@ class SafetyNet::Keeper {
 
 tl::expected<void, std::string> SafetyNet::Keeper::begin() {
   wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-  marker_ = {new_marker_path(), run_.name, run_.robots};
-  const auto lock = write_marker(marker_);
-  if (!lock) return tl::unexpected(lock.error());
-  lock_ = *lock;
+  marker_ = {{}, run_.name, run_.robots};
+  const auto written = write_marker(marker_);
+  if (!written) return tl::unexpected(written.error());
+  lock_ = written->lock;
+  if (!written->problem.empty()) alarm(written->problem);
   if (auto socket = StopSocket::listen(marker_.socket()))
     socket_ = std::move(*socket);
   else

@@ -140,7 +140,7 @@ int forget_runs() {
   for (const RunMarker& run : all_markers()) {
     if (run.alive()) continue;
     ask_run(run.socket(), "forget", hears_within);
-    run.forget();
+    run.dismiss();
     print_out(fmt::format("the run \"{}\" is forgotten:", run.experiment));
     for (const comms::LinkAddress& robot : run.robots) print_out(" " + comms::to_text(robot));
     print_out("\n");

@@ -10,8 +10,8 @@
 int main(int argc, char** argv) {
   skein::app::set_commit(SKEIN_COMMIT);
 #ifdef SKEIN_GUI
-  const auto window = [](double seconds, int& count, char** words) {
-    return skein::ui::bench_window(count, words, seconds);
+  const auto window = [](double seconds, double hours, int& count, char** words) {
+    return skein::ui::bench_window(count, words, seconds, hours);
   };
   return skein::app::bench(argc, argv, window);
 #else

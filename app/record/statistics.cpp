@@ -12,7 +12,7 @@ namespace {
 constexpr double touch_hysteresis = 1e-3;  // a pair that rubs along is one collision [m]
 constexpr double one_disturbance = 0.2;    // [s]
 constexpr double arrived_within = 0.01;    // [m]
-constexpr std::size_t most_exact = 20'000, most_events = 10'000;
+constexpr std::size_t most_exact = 20'000, most_events = 10'000, most_described = 1000;
 
 /// Where a robot is, as well as it is known; nothing of one that was never seen.
 core::Pose place(const RobotRecord& robot) noexcept {
@@ -131,6 +131,7 @@ void Statistics::count_collisions(const TickRecord& record) {
 void Statistics::disturb(double t, const Event& event) {
   const std::string what = describe(event);
   const int robot = static_cast<int>(robot_of(event).value());
+  if (disturbances_.size() > most_events) return;  // one more than are told: it ends the last of them
   const bool first = disturbances_.empty();
   if (first || t - disturbances_.back().t > one_disturbance) {
     if (!first) disturbances_.back().settling = bands_.since(disturbances_.back().t);
@@ -145,7 +146,10 @@ void Statistics::disturb(double t, const Event& event) {
   bands_ = {};
   Disturbance& same = disturbances_.back();
   same.t = t;
-  same.what = same.robot == robot ? what : same.what + "; " + what;
+  if (same.robot == robot)
+    same.what = what;
+  else if (same.what.size() < most_described)
+    same.what += "; " + what;
   same.robot = robot;
 }
 
@@ -186,8 +190,10 @@ double Statistics::Durations::median() const {
 
 Statistics::Summary Statistics::summary() const {
   Summary summary = so_far_;
-  for (const Disturbance& d : disturbances_) summary.perturbations.push_back({d.t, d.robot, d.what, d.settling});
-  if (!disturbances_.empty()) summary.perturbations.back().settling = bands_.since(disturbances_.back().t);
+  for (const Disturbance& d : disturbances_)
+    if (summary.perturbations.size() < most_events) summary.perturbations.push_back({d.t, d.robot, d.what, d.settling});
+  if (!disturbances_.empty() && disturbances_.size() <= most_events)
+    summary.perturbations.back().settling = bands_.since(disturbances_.back().t);
   summary.median_compute = compute_times_.median();
   if (compute_times_.all.total() > 0) summary.largest_compute = compute_times_.all.largest();
   summary.loop_delay = loop_delays_.median();

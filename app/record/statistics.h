@@ -39,7 +39,7 @@ struct PerturbationResult {
 };
 
 /// The sum of a run, gathered row by row, in a memory that does not grow with its length (but for its first 10,000
-/// events). Perturbations and moves less than 0.2 s apart count as one, from the last of
+/// events and perturbations). Perturbations and moves less than 0.2 s apart count as one, from the last of
 /// them on: a hand that carries a robot is one disturbance.
 class Statistics final : public RecordSink {
  public:

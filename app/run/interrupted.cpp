@@ -23,6 +23,10 @@ void catch_interrupts() noexcept {
   // A reader of our output that has gone, a file that has grown too large, a terminal that lets nobody write from the
   // background: errors of writing, not the end of a run, nor its standstill.
   for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
+  // Whoever started the program may have held signals back, and that is inherited: it could not be stopped.
+  sigset_t all;
+  sigfillset(&all);
+  ::sigprocmask(SIG_UNBLOCK, &all, nullptr);
 }
 
 void interrupt() noexcept {

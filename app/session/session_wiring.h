@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <future>
@@ -138,7 +139,15 @@ struct SessionWiring {
   void keep_awake() {
     if (!sleep) return;
     const Phase phase = loop->phase();
-    sleep->hold(phase == Phase::running || phase == Phase::staging);
+    const bool moves = phase == Phase::running || phase == Phase::staging;
+    const bool over = phase == Phase::stopped || phase == Phase::finished;
+    sleep->hold(moves || (over && sleep->held() && !all_acknowledged()));
+  }
+
+  /// Every real robot has said that it stands.
+  bool all_acknowledged() const {
+    const std::vector<StopResult> robots = stop_results(experiment, plant->robots());
+    return std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
   }
 
   void heed_camera() {

@@ -54,17 +54,23 @@ const Fault* EmulatedEpuck::active(FaultKind kind) const noexcept {
 bool EmulatedEpuck::carries() const noexcept {
   // Nobody overtakes in a stream: a message that is late holds up the next.
   if (!to_robot_.empty() && to_robot_.back().due > time_ + noticeable_latency) return false;
+  if (loses() || active(FaultKind::stall)) return false;
   return std::none_of(active_.begin(), active_.end(), [](const Fault& fault) {
+    return fault.kind == FaultKind::latency && fault.p99 > noticeable_latency;
+  });
+}
+
+bool EmulatedEpuck::loses() const noexcept {
+  return std::any_of(active_.begin(), active_.end(), [](const Fault& fault) {
     switch (fault.kind) {
-      case FaultKind::latency:
-        return fault.p99 > noticeable_latency;
       case FaultKind::loss:
       case FaultKind::burst:
       case FaultKind::corruption:
       case FaultKind::disconnect:
       case FaultKind::reboot:
-      case FaultKind::stall:
         return true;
+      case FaultKind::latency:
+      case FaultKind::stall:
       case FaultKind::stuck:
       case FaultKind::ring:
       case FaultKind::battery:
@@ -198,6 +204,7 @@ void EmulatedEpuck::send(std::deque<Message>& way, std::span<const std::uint8_t>
   if (const Fault* latency = active(FaultKind::latency)) {
     const double sigma = std::log(latency->p99 / latency->median) / sigmas_to_p99;
     message.due += 0.5 * latency->median * std::exp(sigma * random_.gaussian());
+    if (&way == &to_robot_) held_up_until_ = std::max(held_up_until_, message.due);
   }
   if (adapter_) message.due = std::max(message.due, adapter_->arrival(place_, &way == &to_robot_, bytes.size(), now));
   if (!way.empty()) message.due = std::max(message.due, way.back().due);  // a stream: nobody overtakes

@@ -47,6 +47,10 @@ class EmulatedEpuck {
   std::uint64_t breaks() const noexcept { return breaks_; }  ///< times that the connection broke
   /// True: a message sent now arrives whole, and within a tick. False: one of the faults may prevent that.
   bool carries() const noexcept;
+  /// True: one of the faults may lose or change a message sent now. False: it arrives whole, however late.
+  bool loses() const noexcept;
+  /// True: a `latency` fault holds up, or may hold up, what is sent to the robot now.
+  bool delays() const noexcept { return active(FaultKind::latency) != nullptr || time_ < held_up_until_; }
   /// Off and on again within an instant.
   void reboot();
   /// A host has connected: what the last one left half said is forgotten where the protocol lets it (WiFi does, asercom
@@ -83,7 +87,8 @@ class EmulatedEpuck {
   std::size_t place_ = 0;
   core::Random random_;
   double start_;
-  double time_;  // how far the robot's time has come
+  double held_up_until_ = 0.0;  // by a latency fault, on the way to the robot
+  double time_;                 // how far the robot's time has come
   std::uint64_t breaks_ = 0;
 
   std::deque<Message> to_robot_, to_host_;  // in the air

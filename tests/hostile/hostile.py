@@ -3,6 +3,7 @@ import ctypes
 import fcntl
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -136,6 +137,19 @@ def tostop(lab):
     return robots.blind(since)
 
 
+@case("Ctrl-S on the terminal, 2 s of progress, then Ctrl-C")
+def ctrl_s(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, terminal=True)
+    os.write(lab.master, b"\x13")
+    time.sleep(2.0)
+    since = time.monotonic()
+    os.write(lab.master, b"\x03")
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
 # --- The process ------------------------------------------------------------------------------------------------
 
 @case("SIGSTOP (debugger, frozen host), then continued")
@@ -178,6 +192,136 @@ def sigint(lab):
     since = kill(run, signal.SIGINT)
     stands(robots)
     ends(run)
+    return robots.blind(since)
+
+
+# --- What runs out ----------------------------------------------------------------------------------------------
+
+@case("no more file descriptors (pictures are files too), then a link is lost")
+def descriptor_limit(lab):
+    robots = lab.emulate(faults='[[fault]]\nkind = "disconnect"\nrobot = 2\nat = 8.0\nfor = 3.0\n')
+    run = lab.run(robots)
+    resource.prlimit(run.pid, resource.RLIMIT_NOFILE, (3, 3))
+    wait_until("the line of robot 2 hangs up", lambda: time.monotonic() > robots.offset + 8.0)
+    wait_until("robot 1 stands since robot 2 is lost", lambda: not robots.drives(1), 20.0)
+    ends(run)
+    stands(robots)
+    return robots.blind(robots.offset + 8.0, whose=[1])
+
+
+@case("no more file descriptors, the guard killed, then SIGINT")
+def descriptor_limit_guard(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    resource.prlimit(run.pid, resource.RLIMIT_NOFILE, (3, 3))
+    kill(lab.guard_of(run))
+    wait_until("the operator is told that there is no guard", lambda: "no guard" in lab.log(), 5.0)
+    since = kill(run, signal.SIGINT)
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("no more memory, 3 s later SIGINT")
+def memory_limit(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, "--csv", lab.case / "run.csv")
+    resource.prlimit(run.pid, resource.RLIMIT_AS, (1, 1))
+    resource.prlimit(run.pid, resource.RLIMIT_DATA, (1, 1))
+    since = time.monotonic()
+    time.sleep(3.0)
+    if run.poll() is None and not robots.all_stand():
+        since = kill(run, signal.SIGINT)
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("the state directory cannot be written, then SIGKILL")
+def no_state_directory(lab):
+    lab.environment["XDG_STATE_HOME"] = "/proc/nowhere"
+    robots = lab.emulate()
+    run = lab.run(robots)
+    if "/proc/nowhere/skein" not in lab.log():
+        raise Failed("the operator was not told: " + lab.log())
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("the state directory is removed in the middle, then SIGKILL")
+def state_directory_removed(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    shutil.rmtree(lab.case / "state")
+    since = kill(run)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("the machine would go to sleep: held awake as long as robots drive")
+def sleep_inhibited(lab):
+    logind = lab.logind()
+    if logind is None:
+        return None
+    robots = lab.emulate()
+    run = lab.run(robots)
+    wait_until("the machine is kept awake", lambda: logind.inhibitors == 1, 5.0)
+    since = kill(run, signal.SIGINT)
+    stands(robots)
+    ends(run)
+    wait_until("the machine may sleep again", lambda: logind.inhibitors == 0, 5.0)
+    return robots.blind(since)
+
+
+@case("likewise: a robot that does not acknowledge its stop")
+def sleep_inhibited_longer(lab):
+    logind = lab.logind()
+    if logind is None:
+        return None
+    robots = lab.emulate(faults='[[fault]]\nkind = "burst"\nrobot = 2\nat = 8.0\nfor = 4.0\n')
+    run = lab.run(robots)
+    wait_until("robot 2 is out of reach", lambda: time.monotonic() > robots.offset + 8.0)
+    wait_until("robot 1 stands since robot 2 is lost", lambda: not robots.drives(1), 20.0)
+    time.sleep(0.5)
+    if run.poll() is None and robots.drives(2) and logind.inhibitors != 1:
+        raise Failed("the machine may sleep while a robot drives")
+    ends(run)
+    stands(robots)
+    return robots.blind(robots.offset + 8.0, whose=[1])
+
+
+@case("started with every signal blocked, then SIGTERM")
+def blocked_signals(lab):
+    robots = lab.emulate()
+    run = lab.run(robots, setup=lambda: signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals()))
+    since = kill(run, signal.SIGTERM)
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("started with SIGINT and SIGTERM ignored (`trap '' INT TERM`), then SIGTERM")
+def ignored_signals(lab):
+    robots = lab.emulate()
+
+    def ignore():
+        for what in (signal.SIGINT, signal.SIGTERM, signal.SIGCHLD, signal.SIGPIPE):
+            signal.signal(what, signal.SIG_IGN)
+
+    run = lab.run(robots, setup=ignore)
+    since = kill(run, signal.SIGTERM)
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("a signal that nobody expects (SIGUSR1)")
+def unexpected_signal(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run, signal.SIGUSR1)
+    stands(robots)
     return robots.blind(since)
 
 
@@ -404,12 +548,12 @@ def same_process_number(lab):
     return max(robots.blind(since) for robots in groups)
 
 
-def main(skein, pictures, wanted):
+def main(skein, pictures, logind, wanted):
     unknown = [word for word in wanted if word not in cases]
     if unknown:
         fail(f"hostile: no case {unknown[0]}; allowed: {' '.join(cases)}")
         return 2
-    lab = Lab(os.path.abspath(skein), os.path.abspath(pictures))
+    lab = Lab(os.path.abspath(skein), os.path.abspath(pictures), os.path.abspath(logind))
     began = time.monotonic()
     print(f"{'case':<24} {'what is done':<74} {'blind s':>8} {'way mm':>7} {'at 0.1 m/s':>10}", flush=True)
     failed = driving = skipped = 0
@@ -451,4 +595,4 @@ def main(skein, pictures, wanted):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3:]))
+    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3], sys.argv[4:]))

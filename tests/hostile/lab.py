@@ -95,11 +95,30 @@ class Robots:
         self.process.wait()
 
 
+class Logind:
+    """A message bus with a logind that grants every inhibitor."""
+
+    def __init__(self, program):
+        self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+        self.inhibitors = 0
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.inhibitors = int(line)
+
+    def end(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
 class Lab:
     """A folder with experiment, pictures and state of its own."""
 
-    def __init__(self, skein, pictures):
+    def __init__(self, skein, pictures, logind):
         self.skein = skein
+        self.logind_program = logind
         self.files = tempfile.TemporaryDirectory(prefix="skein-hostile-")
         self.folder = pathlib.Path(self.files.name)
         source = pathlib.Path(__file__).parent / "experiment.toml"
@@ -110,6 +129,7 @@ class Lab:
         self.text = source.read_text()
         self.processes = []
         self.robots = []
+        self.bus = None
         self.cases = 0
 
     def start_case(self):
@@ -123,6 +143,14 @@ class Lab:
         robots = Robots(self.skein, self.case, **words)
         self.robots.append(robots)
         return robots
+
+    def logind(self):
+        """From now on runs speak to this one; None: there is no dbus-daemon."""
+        self.bus = Logind(self.logind_program)
+        if not self.bus.address:
+            return None
+        self.environment["DBUS_SYSTEM_BUS_ADDRESS"] = self.bus.address
+        return self.bus
 
     def experiment(self, robots, name="experiment.toml"):
         path = self.case / name
@@ -220,6 +248,9 @@ class Lab:
                 pass
         for robots in self.robots:
             robots.end()
+        if self.bus:
+            self.bus.end()
+            self.bus = None
         self.processes, self.robots = [], []
 
 

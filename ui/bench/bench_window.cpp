@@ -24,13 +24,14 @@
 #include "ui/bench/bench_display.h"
 #include "ui/main/main_window.h"
 #include "ui/plots/plots_panel.h"
+#include "ui/status/run_bar.h"
 #include "ui/window.h"
 
 namespace skein::ui {
 namespace {
 
 constexpr double half_an_hour = 1800.0, four_hours = 14400.0;  // what the plots hold before anything is measured [s]
-constexpr int status_device_failed = 3;
+constexpr int status_expectation_failed = 1, status_device_failed = 3;
 
 double seconds(clockid_t clock) {
   timespec now{};
@@ -90,6 +91,14 @@ app::Experiment group_of(std::size_t robots, double duration) {
   gains.k_tt = core::PairTable(robots, k_tt * share);
   gains.k_yy = core::PairTable(robots, k_yy * share);
   return experiment;
+}
+
+/// What this process has in memory now. [MB]
+double resident() {
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("VmRSS:")) return std::stod(line.substr(6)) / 1024.0;
+  return 0.0;
 }
 
 class Recording final : public app::RecordSink {
@@ -252,15 +261,51 @@ double first_frame() {
   return paint.age;
 }
 
+/// A whole run in the window, with all plots and a kick a minute, as fast as a simulation may go.
+int measure_memory(double hours) {
+  constexpr double limit = 200.0;  // [MB]
+  app::Experiment experiment = group_of(4, 3600.0 * hours);
+  for (double t = 60.0; t < experiment.duration; t += 60.0)
+    experiment.perturbations.push_back({.t = t, .robot = 1, .dy = 0.05});
+  MainWindow window;
+  window.resize(1280, 800);
+  window.show();
+  window.open(experiment, true);
+  window.findChild<PlotsPanel*>()->show_all_plots();
+  const LiveRun& live = window.live();
+  double largest = 0.0, next = std::min(1.0, 0.125 * hours);
+  bool fast = false;
+  report("resident at the start", resident(), "MB");
+  const auto over = [&live] { return live.phase() == app::Phase::finished || live.phase() == app::Phase::stopped; };
+  while (!over()) {
+    wait(0.1);
+    if (!fast && live.phase() == app::Phase::running) {
+      fast = true;
+      emit window.findChild<RunBar*>()->speed_wanted(50.0);
+    }
+    largest = std::max(largest, resident());
+    if (live.t() < 3600.0 * next && !over()) continue;
+    std::printf("after %5.2f h:", live.t() / 3600.0);
+    report("resident", resident(), "MB");
+    next += std::min(1.0, 0.125 * hours);
+  }
+  report("largest", largest, "MB", "<= 200");
+  const bool whole = live.phase() == app::Phase::finished;
+  window.close();
+  for (int k = 0; k < 100 && window.isVisible(); ++k) wait(0.05);
+  return whole && largest <= limit ? 0 : status_expectation_failed;
+}
+
 }  // namespace
 
-int bench_window(int& argc, char** argv, double how_long) {
+int bench_window(int& argc, char** argv, double how_long, double hours) {
   const BenchDisplay display;
   TimedApplication application(argc, argv);
   const QTemporaryDir settings;  // the user's own stay as they are
   if (!settings.isValid()) return status_device_failed;
   QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
   prepare(application);
+  if (hours > 0.0) return measure_memory(hours);
 
   report("start to first frame", first_frame(), "s", "<= 1");
   std::printf("platform: %s, each measurement %g s\n", qPrintable(QApplication::platformName()), how_long);

@@ -3,7 +3,8 @@
 namespace skein::ui {
 
 /// Measures the window, with half an hour of data in it, and the control thread beside it, and prints figures with
-/// their targets. `seconds`: how long each measurement takes. Returns an exit status.
-int bench_window(int& argc, char** argv, double seconds);
+/// their targets. `seconds`: how long each measurement takes. `hours`: above 0, the memory of the
+/// window during a run of so many hours instead, which takes a fiftieth of them. Returns an exit status.
+int bench_window(int& argc, char** argv, double seconds, double hours);
 
 }  // namespace skein::ui

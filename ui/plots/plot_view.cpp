@@ -172,7 +172,7 @@ void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t cur
   graph->data()->set(drawn_points, true);
 }
 
-void PlotView::draw(const PlotHistory& history, const PlotHistory* other, const QRect& within) {
+void PlotView::draw_history(const PlotHistory& history, const PlotHistory* other, const QRect& within) {
   for (Shown& s : shown_) {
     const PlotRow& row = rows_[s.row];
     const QRect place = s.rect->outerRect();  // empty: it was not laid out yet, and the next picture may be the last

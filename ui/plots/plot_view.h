@@ -32,7 +32,7 @@ class PlotView final : public QCustomPlot {
   QCPRange time() const;
   /// Takes the curves of what is seen now; `other`: a run to compare with, or nothing. Rows that lie outside `within`,
   /// in pixels of this widget, are left out; empty: none is.
-  void draw(const PlotHistory& history, const PlotHistory* other, const QRect& within = {});
+  void draw_history(const PlotHistory& history, const PlotHistory* other, const QRect& within = {});
 
   EventMarkers& markers() { return markers_; }
   /// A line through all plots; none: no line.

@@ -184,7 +184,7 @@ void PlotsPanel::replot_now() {
   since_replot_.start();
   if (live_) follow_time();
   const QRect seen(view_->mapFrom(scroll_->viewport(), QPoint()), scroll_->viewport()->size());
-  view_->draw(history_, other_ ? &*other_ : nullptr, seen);
+  view_->draw_history(history_, other_ ? &*other_ : nullptr, seen);
   view_->replot(QCustomPlot::rpQueuedRefresh);
   cost_ms_ = 1e-6 * static_cast<double>(since_replot_.nsecsElapsed());
 }

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "app/experiment/experiment_file.h"
 
 namespace skein::app {
@@ -43,6 +47,41 @@ TEST(RadioLap, NoRandomFaultsLetARobotDriveMoreThanItsBlindDistance) {
     options.faults = comms::random_faults(experiment.robots.size(), 11.0, 4.0, seed);
     EXPECT_LE(radio_lap(experiment, options).blind_way, experiment.links.blind_distance) << seed;
   }
+}
+
+/// The control: without the blind distance the same sequences let robots drive farther.
+TEST(RadioLap, WithoutItsBlindDistanceTheSameFaultsLetARobotDriveFarther) {
+  Experiment experiment = lap_with({"failure.link_lost=others_go_on"});
+  experiment.duration = 6.0;
+  experiment.reference.speed = 0.09;
+  experiment.perturbations.clear();
+  experiment.links.blind_distance = 1e3;
+  double worst = 0.0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    RadioLapOptions options;
+    options.seed = seed;
+    options.faults = comms::random_faults(experiment.robots.size(), 11.0, 4.0, seed);
+    worst = std::max(worst, radio_lap(experiment, options).blind_way);
+  }
+  EXPECT_GT(worst, LinksSpec{}.blind_distance);
+}
+
+double steady_x_e(core::MotorModel motors, core::MotorModel taken_for) {
+  Experiment experiment = lap_with({"robot_defaults.model=" + std::string(word(taken_for))});
+  experiment.perturbations.clear();
+  RadioLapOptions options;
+  options.radio = quick_radio();
+  options.motors = motors;
+  return radio_lap(experiment, options).steady_x_e;
+}
+
+/// The control: the same motors where nobody reckons with what a speed command costs them.
+TEST(RadioLap, SteadyErrorsAreSmallerWhereMotorsAreTakenForWhatTheyAre) {
+  using enum core::MotorModel;
+  EXPECT_LT(steady_x_e(epuck2, epuck2), 0.05e-3);
+  EXPECT_GT(steady_x_e(epuck2, ideal), 0.1e-3);
+  EXPECT_LT(steady_x_e(epuck1, epuck1), 0.7e-3);
+  EXPECT_GT(steady_x_e(epuck1, ideal), steady_x_e(epuck1, epuck1));
 }
 
 }  // namespace

@@ -59,7 +59,20 @@ class DyingProgram : public testing::Test {
     testing::internal::CaptureStdout();
     forget_runs();
     testing::internal::GetCapturedStdout();
+    EXPECT_TRUE(eventually([this] { return guards() == 0; })) << "a guard goes on after its robots have been forgotten";
     fs::remove_all(state_);
+  }
+  /// How many guards of this test's runs there are.
+  int guards() const {
+    int count = 0;
+    std::error_code gone;
+    for (const auto& process : fs::directory_iterator("/proc", gone)) {
+      std::ifstream file(process.path() / "cmdline");
+      const std::string words((std::istreambuf_iterator<char>(file)), {});
+      const std::string guard("guard\0", 6);
+      if (words.find(guard + state_.string()) != std::string::npos) ++count;
+    }
+    return count;
   }
 
   /// Starts the victim and waits until all robots drive.
@@ -291,9 +304,31 @@ TEST(Output, NeitherThrowsNorWaitsForAReaderThatDoesNotRead) {
 
 TEST_F(DyingProgram, WhereTheMarkerCannotBeWrittenTheReasonIsSaid) {
   ::setenv("XDG_STATE_HOME", "/proc/nowhere", 1);
-  const auto net = SafetyNet::spread({"x", {{comms::LinkKind::serial, "/dev/a"}}, test::program()});
-  ASSERT_FALSE(net);
-  EXPECT_NE(net.error().find("/proc/nowhere/skein/run-"), std::string::npos) << net.error();
+  EXPECT_TRUE(all_markers().empty());
+  auto net = SafetyNet::spread({"x", {{comms::LinkKind::serial, "/dev/a"}}, test::program()});
+  ASSERT_TRUE(net) << net.error();
+  const std::vector<std::string> alarms = net->alarms();
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_NE(alarms[0].find("/proc/nowhere/skein/run-"), std::string::npos) << alarms[0];
+  EXPECT_GT(net->guard_process(), 0) << "it is guarded all the same";
+  EXPECT_EQ(all_markers().size(), 1u) << "and found by the next start";
+  ::setenv("XDG_STATE_HOME", state_.c_str(), 1);
+  EXPECT_TRUE(all_markers().empty()) << "of whoever has the same state directory";
+  ::setenv("XDG_STATE_HOME", "/proc/nowhere", 1);
+  net->done({{"serial:/dev/a", true}});
+  EXPECT_TRUE(all_markers().empty());
+}
+
+TEST_F(DyingProgram, AGuardIsForgottenAlsoWhileItStopsTheRobotsOnTheirLines) {
+  start(test::program());
+  if (HasFatalFailure()) return;
+  ptys.silence(0, true);  // it will never acknowledge
+  ::kill(pid_, SIGKILL);
+  wait_for_the_end();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(forget_runs(), done);
+  testing::internal::GetCapturedStdout();
+  EXPECT_TRUE(eventually([this] { return guards() == 0; }));
 }
 
 }  // namespace

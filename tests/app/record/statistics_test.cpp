@@ -2,6 +2,7 @@
 #include "app/record/statistics.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <nlohmann/json.hpp>
 
@@ -118,6 +119,35 @@ TEST(Statistics, TrackingIsMeasuredAgainstTheFormationNotAgainstWhatAvoidanceMad
   r.robots[0].error = {0.0, 0.0, 0.0};
   h.add(r);
   EXPECT_DOUBLE_EQ(h.summary().final_error, 0.3);
+}
+
+/// Bytes that the program has taken from the heap.
+std::size_t heap() {
+  return ::mallinfo2().uordblks;
+}
+
+/// How many bytes eight hours of kidnaps take more than the first of them. `ticks`: from one to the next.
+std::int64_t growth_after_one_hour(int ticks) {
+  constexpr int hour = 3600 * 25;
+  History history;
+  TickRecord row = history.row();
+  row.compute_time = 1e-5;
+  std::size_t after_one_hour = 0;
+  for (int k = 0; k < 8 * hour; ++k) {
+    row.tick = k;
+    row.t = k / 25.0;
+    row.robots[0].pose_age = 0.03;
+    row.events.clear();
+    if (k % ticks == 0) row.events.add(events::Kidnap{static_cast<std::size_t>(k / ticks % 2), 0.2, 0.0, 0.0});
+    history.add(row);
+    if (k == hour) after_one_hour = heap();
+  }
+  return static_cast<std::int64_t>(heap()) - static_cast<std::int64_t>(after_one_hour);
+}
+
+TEST(Statistics, TakeNoMoreMemoryAfterEightHoursThanAfterOne) {
+  EXPECT_LE(growth_after_one_hour(8), 64 * 1024) << "one disturbance after the other";
+  EXPECT_LE(growth_after_one_hour(2), 64 * 1024) << "a single one that does not end";
 }
 
 TEST(Statistics, CountsEveryTouchOnce) {

@@ -1,0 +1,79 @@
+#include "tests/comms/fake_logind.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace skein::test {
+namespace {
+
+/// Whoever held the other end has let it go.
+bool let_go(int lock) {
+  pollfd ready{lock, POLLIN, 0};
+  return ::poll(&ready, 1, 0) > 0 && (ready.revents & POLLHUP) != 0;
+}
+
+}  // namespace
+
+FakeLogind::FakeLogind(const PrivateBus& bus, std::string refusal) : refusal_(std::move(refusal)) {
+  sd_bus_new(&bus_);
+  sd_bus_set_address(bus_, bus.address().c_str());
+  sd_bus_set_bus_client(bus_, 1);
+  sd_bus_negotiate_fds(bus_, 1);
+  sd_bus_start(bus_);
+  sd_bus_add_object(bus_, nullptr, "/org/freedesktop/login1", on_message, this);
+  sd_bus_request_name(bus_, "org.freedesktop.login1", 0);
+  thread_ = std::thread([this] {
+    while (!ending_)
+      if (sd_bus_process(bus_, nullptr) == 0) sd_bus_wait(bus_, 10'000);
+  });
+}
+
+FakeLogind::~FakeLogind() {
+  ending_ = true;
+  thread_.join();
+  for (const int lock : locks_) ::close(lock);
+  sd_bus_flush_close_unref(bus_);
+}
+
+int FakeLogind::on_message(sd_bus_message* m, void* self, sd_bus_error* error) {
+  if (sd_bus_message_is_method_call(m, "org.freedesktop.login1.Manager", "Inhibit") <= 0) return 0;
+  return static_cast<FakeLogind*>(self)->inhibit(m, error);
+}
+
+int FakeLogind::inhibit(sd_bus_message* m, sd_bus_error* error) {
+  std::array<const char*, 4> words{};
+  sd_bus_message_read(m, "ssss", &words[0], &words[1], &words[2], &words[3]);
+  const std::lock_guard lock(mutex_);
+  ++asked_;
+  newest_.assign(words.begin(), words.end());
+  if (!refusal_.empty()) return sd_bus_error_set(error, SD_BUS_ERROR_ACCESS_DENIED, refusal_.c_str());
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return -1;
+  locks_.push_back(ends[0]);
+  const int sent = sd_bus_reply_method_return(m, "h", ends[1]);
+  ::close(ends[1]);
+  return sent;
+}
+
+int FakeLogind::inhibitors() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(std::count_if(locks_.begin(), locks_.end(), [](int one) { return !let_go(one); }));
+}
+
+int FakeLogind::asked() const {
+  const std::lock_guard lock(mutex_);
+  return asked_;
+}
+
+std::vector<std::string> FakeLogind::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+}  // namespace skein::test

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <systemd/sd-bus.h>
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/comms/fake_bluez.h"
+
+namespace skein::test {
+
+/// org.freedesktop.login1 on a bus, as far as Skein speaks with it: inhibitors, each a descriptor that whoever asked
+/// keeps open. On a thread of its own.
+class FakeLogind {
+ public:
+  /// `refusal`: what it says to whoever asks; empty: it grants.
+  explicit FakeLogind(const PrivateBus& bus, std::string refusal = {});
+  ~FakeLogind();
+  FakeLogind(const FakeLogind&) = delete;
+  FakeLogind& operator=(const FakeLogind&) = delete;
+
+  int inhibitors() const;                   ///< held now
+  int asked() const;                        ///< times that somebody asked
+  std::vector<std::string> newest() const;  ///< what, who, why and mode of the newest
+
+ private:
+  static int on_message(sd_bus_message* m, void* self, sd_bus_error* error);
+  int inhibit(sd_bus_message* m, sd_bus_error* error);
+
+  const std::string refusal_;
+  mutable std::mutex mutex_;
+  std::vector<std::string> newest_;  // guarded by mutex_
+  std::vector<int> locks_;           // guarded by mutex_; reading ends: at their end once they are let go
+  int asked_ = 0;                    // guarded by mutex_
+  sd_bus* bus_ = nullptr;
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace skein::test

@@ -1,0 +1,67 @@
+// Against a message bus of its own with a logind that grants or refuses.
+#include "comms/sleep_inhibitor.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/comms/fake_logind.h"
+#include "tests/eventually.h"
+
+namespace skein::comms {
+namespace {
+
+using test::eventually;
+using test::FakeLogind;
+using test::PrivateBus;
+
+class SleepInhibition : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!bus.running()) GTEST_SKIP() << "there is no dbus-daemon";
+  }
+  PrivateBus bus;
+};
+
+TEST_F(SleepInhibition, IsAskedForWhileItIsWantedAndNoLonger) {
+  const FakeLogind logind(bus);
+  SleepInhibitor inhibitor("platoon");
+  EXPECT_EQ(logind.asked(), 0) << "nobody drives";
+  for (int times = 1; times <= 2; ++times) {
+    inhibitor.hold(true);
+    EXPECT_TRUE(eventually([&] { return inhibitor.held() && logind.inhibitors() == 1; }));
+    EXPECT_EQ(logind.newest(), (std::vector<std::string>{"sleep", "skein", "platoon", "block"}));
+    inhibitor.hold(true);
+    EXPECT_EQ(logind.asked(), times) << "once";
+    inhibitor.hold(false);
+    EXPECT_TRUE(eventually([&] { return !inhibitor.held() && logind.inhibitors() == 0; }));
+  }
+  EXPECT_EQ(inhibitor.problem(), "");
+}
+
+TEST_F(SleepInhibition, EndsWithItsOwner) {
+  const FakeLogind logind(bus);
+  {
+    SleepInhibitor inhibitor("platoon");
+    inhibitor.hold(true);
+    EXPECT_TRUE(eventually([&] { return logind.inhibitors() == 1; }));
+  }
+  EXPECT_EQ(logind.inhibitors(), 0);
+}
+
+TEST_F(SleepInhibition, IsRefusedInLogindsOwnWords) {
+  const FakeLogind logind(bus, "Access denied");
+  SleepInhibitor inhibitor("platoon");
+  inhibitor.hold(true);
+  EXPECT_TRUE(eventually([&] { return !inhibitor.problem().empty(); }));
+  EXPECT_EQ(inhibitor.problem(), "Access denied");
+  EXPECT_FALSE(inhibitor.held());
+}
+
+TEST_F(SleepInhibition, WithoutLogindThereIsAReason) {
+  SleepInhibitor inhibitor("platoon");
+  inhibitor.hold(true);
+  EXPECT_TRUE(eventually([&] { return !inhibitor.problem().empty(); }));
+  EXPECT_NE(inhibitor.problem().find("org.freedesktop.login1"), std::string::npos) << inhibitor.problem();
+}
+
+}  // namespace
+}  // namespace skein::comms
