@@ -1,10 +1,12 @@
 // The table of robots: what it says of each, and what can be done with one of them.
+#include <sys/resource.h>
+
 #include <QAbstractItemView>
 #include <QAction>
 #include <QLabel>
 #include <QProcess>
 #include <QToolButton>
-#include <cstdlib>
+#include <csignal>
 
 #include "operator.h"
 #include "tests/places.h"
@@ -112,8 +114,6 @@ TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
                 QStringLiteral("--directory"), dir.path()});
   const QString device = dir.filePath(QStringLiteral("robot1"));
   ASSERT_TRUE(eventually([&] { return QFile::exists(device); }));
-  const QByteArray before = qgetenv("XDG_STATE_HOME");
-  qputenv("XDG_STATE_HOME", "/dev/null/nowhere");  // a marker cannot be written there
   QImage floor(1280, 960, QImage::Format_Grayscale8);
   floor.fill(128);
   for (int k = 0; k < 60; ++k) ASSERT_TRUE(floor.save(dir.filePath(QStringLiteral("floor%1.png").arg(k, 3))));
@@ -123,6 +123,11 @@ TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
                                           "one.toml");
   ASSERT_TRUE(experiment) << experiment.error().front().message();
   experiment->directory = skein::test::in_source("resources/cameras");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit nothing{0, before.rlim_max};
+  std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &nothing), 0);  // a marker cannot be written anywhere
   window.show();
   window.activateWindow();
   window.open(*experiment, false);
@@ -130,7 +135,7 @@ TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
       << live().failure().value_or(QString()).toStdString();
   EXPECT_TRUE(eventually([&] { return !log_line(QStringLiteral("NO GUARD")).isEmpty(); }));
   EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("NO GUARD")); }));
-  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
+  EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   window.close();
   EXPECT_TRUE(eventually([&] { return !window.isVisible(); }));
   robots.terminate();
