@@ -199,6 +199,28 @@ TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
   EXPECT_FALSE(drive(2.0, 2.1, app::tracking).contains(QStringLiteral("Limits"))) << "it is over";
 }
 
+TEST(AlertStrip, SaysWhyARobotIsNotSeenAsLongAsItIsLost) {
+  for (const core::NotSeen why : core::all_of<core::NotSeen>()) {
+    AlertStrip strip;
+    app::TickRecord record;
+    record.phase = app::Phase::running;
+    record.robots.resize(2);
+    const auto take = [&](app::Event event) {
+      record.events.clear();
+      record.events.add(event);
+      strip.take(record);
+      return strip.text();
+    };
+    const QString unexplained = take(app::events::Lost{1});
+    const QString explained = take(app::events::NotSeen{1, why});
+    EXPECT_TRUE(explained.startsWith(QStringLiteral("LOST: robot 2 ("))) << explained.toStdString();
+    EXPECT_GT(explained.size(), unexplained.size() + 15) << "a sentence, not a word: " << explained.toStdString();
+    EXPECT_EQ(strip.severity(), Severity::alarm);
+    EXPECT_EQ(strip.lost_robots(), QStringLiteral("2"));
+    EXPECT_FALSE(take(app::events::Found{1}).contains(QStringLiteral("LOST")));
+  }
+}
+
 TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   AlertStrip strip;
   app::TickRecord record;

@@ -11,6 +11,36 @@ constexpr qint64 fade_ms = 12000;
 constexpr qint64 read_ms =
     3000;  // so long a warning stays before lesser news may take its place, or a state comes back
 
+QString reason(core::NotSeen why) {
+  switch (why) {
+    case core::NotSeen::not_found:
+      return AlertStrip::tr("its tag is nowhere in the picture");
+    case core::NotSeen::wrong_size:
+      return AlertStrip::tr("its tag has another size than the calibration says");
+    case core::NotSeen::lifted:
+      return AlertStrip::tr("it is held up, its tag is nearer to the camera than the others");
+    case core::NotSeen::tilted:
+      return AlertStrip::tr("its tag does not lie flat");
+    case core::NotSeen::doubled:
+      return AlertStrip::tr("its tag is there twice");
+    case core::NotSeen::covered:
+      return AlertStrip::tr("part of its tag is covered or blurred");
+    case core::NotSeen::at_border:
+      return AlertStrip::tr("the border of the picture cuts its tag");
+    case core::NotSeen::too_small:
+      return AlertStrip::tr("its tag has too few pixels");
+    case core::NotSeen::too_bright:
+      return AlertStrip::tr("the picture is too bright");
+    case core::NotSeen::in_shadow:
+      return AlertStrip::tr("its tag lies in shadow");
+    case core::NotSeen::mirrored:
+      return AlertStrip::tr("the camera mirrors the picture");
+    case core::NotSeen::other_family:
+      return AlertStrip::tr("its number is there on a tag of another family than 36h11");
+  }
+  return {};
+}
+
 /// The events that the strip shows, in words for people; the log has all of them in those of the CSV.
 QString sentence(const app::Event& event, double t) {
   using namespace app::events;
@@ -45,9 +75,7 @@ QString sentence(const app::Event& event, double t) {
                 .arg(1000.0 * e.by, 0, 'f', 0);
           },
           [&](const app::events::NotSeen& e) {
-            return tr("The camera does not see robot %1: %2")
-                .arg(e.robot + 1)
-                .arg(QString::fromUtf8(word(e.why).data(), static_cast<qsizetype>(word(e.why).size())));
+            return tr("The camera does not see robot %1: %2").arg(e.robot + 1).arg(reason(e.why));
           },
           [&](const FilmBroken&) {
             return tr("The film broke off (is the disk full?): no more frames are kept, the run goes on");
@@ -116,10 +144,13 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
 }
 
 void AlertStrip::take(const app::TickRecord& record) {
-  const std::set<int> before = lost_;
+  const std::map<int, QString> before = lost_;
   for (const app::Event& event : record.events) {
     if (const auto* const lost = std::get_if<app::events::Lost>(&event))
-      lost_.insert(static_cast<int>(lost->robot) + 1);
+      lost_.try_emplace(static_cast<int>(lost->robot) + 1);
+    if (const auto* const unseen = std::get_if<app::events::NotSeen>(&event))
+      if (const auto robot = lost_.find(static_cast<int>(unseen->robot) + 1); robot != lost_.end())
+        robot->second = reason(unseen->why);
     if (const auto* const found = std::get_if<app::events::Found>(&event))
       lost_.erase(static_cast<int>(found->robot) + 1);
     if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
@@ -134,7 +165,11 @@ void AlertStrip::take(const app::TickRecord& record) {
   } else if (record.phase == app::Phase::ready) {
     stand(State::lost, tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
   } else {
-    stand(State::lost, tr("LOST: robot %1 – no tag seen, it stands").arg(lost_robots()), Severity::alarm);
+    QStringList robots;  // with the reason, where it is known
+    for (const auto& [robot, why] : lost_)
+      robots << (why.isEmpty() ? QString::number(robot) : QStringLiteral("%1 (%2)").arg(robot).arg(why));
+    stand(State::lost, tr("LOST: robot %1 – no tag seen, it stands").arg(robots.join(QStringLiteral(", "))),
+          Severity::alarm);
   }
 }
 
@@ -177,7 +212,7 @@ void AlertStrip::watch(const app::TickRecord& record) {
 
 QString AlertStrip::lost_robots() const {
   QStringList numbers;
-  for (const int robot : lost_) numbers << QString::number(robot);
+  for (const auto& [robot, why] : lost_) numbers << QString::number(robot);
   return numbers.join(QStringLiteral(", "));
 }
 

@@ -3,7 +3,6 @@
 #include <QElapsedTimer>
 #include <QLabel>
 #include <map>
-#include <set>
 #include <vector>
 
 #include "ui/base/modes.h"
@@ -47,7 +46,7 @@ class AlertStrip final : public QLabel {
   void choose();
   void show_text();
 
-  std::set<int> lost_, out_;           // robots without a tag, without a link; from 1
+  std::map<int, QString> lost_;        // robots without a tag, from 1, and why it is not seen; empty: not known
   std::vector<double> limited_since_;  // limits that bite: since when, NaN: they do not [s]
   double v_rose_at_ = 0.0;             // [s]
   std::map<State, Said> states_;
