@@ -87,6 +87,10 @@ class Statistics final : public RecordSink {
   };
   Summary summary() const;
 
+  /// When the newest of the summary's perturbations began, and how many there are; cheap. [s]
+  double newest_perturbation() const noexcept { return disturbances_.empty() ? none : disturbances_.back().t; }
+  std::size_t perturbations() const noexcept { return disturbances_.size(); }
+
  private:
   struct Sample {
     double t, formation, tracking, relative;

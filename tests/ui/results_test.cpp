@@ -1,4 +1,6 @@
 // The result card: what the experiment is for, kick by kick.
+#include <malloc.h>
+
 #include <QApplication>
 #include <QClipboard>
 #include <QLabel>
@@ -47,6 +49,48 @@ TEST_F(Results, AreThoseOfTheCommandLine) {
   bool all_ticks = true;
   for (const RunResults::Expectation& expected : results.expectations()) all_ticks = all_ticks && expected.holds();
   EXPECT_EQ(all_ticks, all_hold);
+}
+
+TEST_F(Results, TakeNoMoreMemoryTheLongerARunLasts) {
+  app::Experiment experiment;
+  std::vector<app::TickRecord> rows = run({"duration=1"}, experiment);
+  app::TickRecord row = rows.back();
+  row.phase = app::Phase::running;
+  row.events.clear();
+  RunResults results(experiment);
+  const auto drive = [&](int from, int to) {  // [h]
+    for (int k = from * 90'000; k < to * 90'000; ++k) {
+      row.t = k / 25.0;
+      results.take(row);
+    }
+    return static_cast<std::int64_t>(::mallinfo2().uordblks);
+  };
+  const std::int64_t after_one_hour = drive(0, 1);
+  EXPECT_LE(drive(1, 4) - after_one_hour, 64 * 1024);
+}
+
+TEST_F(Results, AHandThatCarriesARobotOnIsOneKickFromItsLastMoment) {
+  app::Experiment experiment;
+  app::TickRecord row = run({"duration=1"}, experiment).back();
+  row.phase = app::Phase::running;
+  RunResults results(experiment);
+  const auto take = [&](double t, double distance, bool moved) {
+    row.t = t;
+    row.min_distance = distance;
+    row.events.clear();
+    if (moved) row.events.add(app::events::Move{0, {0.1, 0.0, 0.0}});
+    results.take(row);
+  };
+  take(1.00, 0.20, false);
+  take(1.04, 0.30, true);
+  take(1.08, 0.15, false);  // the hand is still there
+  take(1.12, 0.25, true);
+  take(1.16, 0.22, false);
+  const std::vector<RunResults::Kick> kicks = results.kicks();
+  ASSERT_EQ(kicks.size(), 1u);
+  EXPECT_DOUBLE_EQ(kicks[0].t, 1.12);
+  EXPECT_DOUBLE_EQ(kicks[0].closest, 0.22);
+  EXPECT_DOUBLE_EQ(results.closest(), 0.15);
 }
 
 TEST_F(Results, SayWhatAComparedRunDidOtherwise) {

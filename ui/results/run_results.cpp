@@ -30,7 +30,22 @@ void RunResults::take(const app::TickRecord& record) {
   over_ = record.phase == app::Phase::finished || record.phase == app::Phase::stopped;
   if (!moves && !(started_ && !record.events.empty())) return;
   statistics_.record(record);
-  if (record.phase != app::Phase::staging) samples_.push_back({record.t, record.min_distance, record.tracking_error()});
+  const double kick = statistics_.newest_perturbation();
+  if (statistics_.perturbations() >= extremes_.size()) {
+    extremes_.push_back({kick});
+  } else if (extremes_.size() > 1 && kick > extremes_.back().since) {  // a hand that carries on: it counts from now
+    Extremes& before = extremes_[extremes_.size() - 2];
+    before.add(extremes_.back().closest, extremes_.back().largest);
+    extremes_.back() = {kick};
+  }
+  if (record.phase == app::Phase::staging) return;
+  seen_ = true;
+  extremes_.back().add(record.min_distance, record.tracking_error());
+}
+
+void RunResults::Extremes::add(double distance, double error) {
+  closest = std::fmin(closest, distance);
+  largest = std::fmax(largest, error);
 }
 
 std::vector<RunResults::Kick> RunResults::kicks() const {
@@ -38,12 +53,9 @@ std::vector<RunResults::Kick> RunResults::kicks() const {
   std::vector<Kick> kicks;
   for (const app::PerturbationResult& p : summary.perturbations) {
     Kick kick{p.t, QString::fromStdString(p.what), p.settling.formation_1cm, p.settling.tracking_1cm};
-    const std::size_t next = kicks.size() + 1;
-    const double end = next < summary.perturbations.size() ? summary.perturbations[next].t : HUGE_VAL;
-    for (const Sample& sample : samples_) {
-      if (sample.t < p.t || sample.t >= end) continue;
-      kick.closest = std::fmin(kick.closest, sample.distance);
-      kick.largest = std::fmax(kick.largest, sample.error);
+    if (const std::size_t k = kicks.size() + 1; k < extremes_.size()) {
+      kick.closest = extremes_[k].closest;
+      kick.largest = extremes_[k].largest;
     }
     kicks.push_back(kick);
   }
@@ -67,13 +79,13 @@ std::vector<RunResults::Expectation> RunResults::expectations() const {
 
 double RunResults::closest() const {
   double closest = app::none;
-  for (const Sample& sample : samples_) closest = std::fmin(closest, sample.distance);
+  for (const Extremes& part : extremes_) closest = std::fmin(closest, part.closest);
   return closest;
 }
 
 double RunResults::largest() const {
   double largest = app::none;
-  for (const Sample& sample : samples_) largest = std::fmax(largest, sample.error);
+  for (const Extremes& part : extremes_) largest = std::fmax(largest, part.largest);
   return largest;
 }
 

@@ -33,19 +33,22 @@ class RunResults {
   std::vector<Kick> kicks() const;
   std::vector<Expectation> expectations() const;
   bool is_over() const { return over_; }
-  bool empty() const { return samples_.empty(); }
+  bool empty() const { return !seen_; }
   /// Smallest distance of two robots, largest distance from a reference; of the whole run. [m]
   double closest() const;
   double largest() const;
 
  private:
-  struct Sample {
-    double t, distance, error;
+  /// What came closest and went farthest from one kick to the next, in a memory that does not grow with the run.
+  struct Extremes {
+    double since = 0.0;  // [s]
+    double closest = app::none, largest = app::none;
+    void add(double distance, double error);
   };
   const app::Experiment experiment_;
   app::Statistics statistics_;
-  std::vector<Sample> samples_;
-  bool started_ = false, over_ = false;
+  std::vector<Extremes> extremes_ = std::vector<Extremes>(1);  // before the first kick, then one a kick
+  bool seen_ = false, started_ = false, over_ = false;
 };
 
 /// What settles first after a kick, and by how much: "formation 1.2 s earlier".
