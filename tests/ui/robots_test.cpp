@@ -50,7 +50,7 @@ class Robots : public Operator {
   QString log_line(const QString& words) {
     const auto* log = find<QAbstractItemView>("event_log")->model();
     for (int row = 0; row < log->rowCount(); ++row)
-      if (const QString line = log->index(row, 2).data(Qt::ToolTipRole).toString(); line.contains(words)) return line;
+      if (QString line = log->index(row, 2).data(Qt::ToolTipRole).toString(); line.contains(words)) return line;
     return {};
   }
 };
