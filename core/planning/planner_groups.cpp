@@ -231,10 +231,9 @@ bool Planner::improve(const Scene& scene) noexcept {
     g.best_arrival = last;
     g.best = g.routes;
   }
+  if (latest == 0 || g.best_arrival < good_enough * soonest) return false;  // nobody, where all have given up
   const auto tries = std::min(most_improvements, 60 / static_cast<int>(g.order.size()));
-  if (latest == 0 || g.best_arrival < good_enough * soonest || g.improvements++ >= tries ||
-      scene.t > g.began + 0.7 * g.lead)
-    return false;
+  if (g.improvements++ >= tries || scene.t > g.began + 0.7 * g.lead) return false;
   std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(latest),
               g.order.begin() + static_cast<std::ptrdiff_t>(latest + 1));
   std::fill(g.planned.begin(), g.planned.end(), std::uint8_t{0});
