@@ -82,20 +82,28 @@ INSTANTIATE_TEST_SUITE_P(On, Look,
 
 TEST_F(Operator, HasTheWindowAsBeforeOnceItWasShrunkAndGrown) {
   start();
-  window.resize(1400, 900);
-  QTest::qWait(100);  // layouts
   const auto sizes = [&] {
     std::vector<QSize> all;
     for (const char* dock : {"gains_dock", "plots_dock", "robots_dock", "log_dock"}) all.push_back(find(dock)->size());
     return all;
   };
-  const std::vector<QSize> before = sizes();
+  // An X server and a busy machine take their time over it.
+  const auto resized = [&](const QSize& size) {
+    window.resize(size);
+    std::vector<QSize> last;
+    int same = 0;
+    EXPECT_TRUE(eventually([&] {
+      const std::vector<QSize> now = sizes();
+      same = window.size() == size && now == last ? same + 1 : 0;
+      last = now;
+      return same >= 10;
+    }));
+    return last;
+  };
+  const std::vector<QSize> before = resized({1400, 900});
   for (const QSize small : {QSize(800, 600), QSize(1000, 650)}) {
-    window.resize(small);
-    QTest::qWait(100);
-    window.resize(1400, 900);
-    QTest::qWait(100);
-    const std::vector<QSize> after = sizes();
+    resized(small);
+    const std::vector<QSize> after = resized({1400, 900});
     for (std::size_t k = 0; k < after.size(); ++k) {
       EXPECT_NEAR(after[k].width(), before[k].width(), 2) << k;
       EXPECT_NEAR(after[k].height(), before[k].height(), 2) << k;
