@@ -12,7 +12,6 @@
 #include <optional>
 
 #include "app/embedded/embedded.h"
-#include "app/experiment/experiment_file.h"
 #include "app/record/csv_reader.h"
 #include "app/record/report.h"
 #include "app/record/statistics.h"
@@ -229,8 +228,8 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
 tl::expected<Page, std::string> report_page(std::istream& csv, const std::string& file, const PageOrigin& origin) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
-  const auto experiment = parse_experiment(reader->head().source, file + " (experiment)");
-  if (!experiment) return tl::unexpected(experiment.error().front().message());
+  const auto experiment = reader->experiment();
+  if (!experiment) return tl::unexpected(experiment.error());
   Statistics statistics(*experiment);
   Film film(*experiment);
   TickRecord row;

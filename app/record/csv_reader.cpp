@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <unordered_map>
 
+#include "app/experiment/experiment_file.h"
 #include "app/record/csv_columns.h"
 #include "core/words.h"
 
@@ -184,6 +185,15 @@ void CsvReader::find_columns() {
     const auto found = known.find(column);
     stores_.push_back(found == known.end() ? Store{} : found->second);
   }
+}
+
+tl::expected<Experiment, std::string> CsvReader::experiment() const {
+  auto experiment = parse_experiment(head_.source, file_ + " (experiment)");
+  if (!experiment) return tl::unexpected(experiment.error().front().message());
+  if (experiment->robots.size() != robots_)
+    return tl::unexpected(fmt::format("{}: {} robots in its experiment, but {} in its columns", file_,
+                                      experiment->robots.size(), robots_));
+  return *std::move(experiment);
 }
 
 tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {

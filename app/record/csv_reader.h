@@ -10,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
 
 namespace skein::app {
@@ -35,6 +36,8 @@ class CsvReader {
   const CsvHead& head() const noexcept { return head_; }
   const std::vector<std::string>& columns() const noexcept { return columns_; }
   std::size_t robots() const noexcept { return robots_; }
+  /// The embedded experiment. The error: it cannot be read, or is not the one that the columns belong to.
+  tl::expected<Experiment, std::string> experiment() const;
 
   /// The next row. false: there is none, or what is left is torn: see torn(). `phase`, the margins and the tracking
   /// gains are not in the file.

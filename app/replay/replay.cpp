@@ -13,7 +13,6 @@
 #include <span>
 
 #include "app/controllers/own_controller.h"
-#include "app/experiment/experiment_file.h"
 #include "app/experiment/text_file.h"
 #include "app/record/csv_reader.h"
 #include "app/record/disk_writer.h"
@@ -122,11 +121,8 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
                                                     bool controller, RecordedRun* run) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
-  const auto experiment = parse_experiment(reader->head().source, file + " (experiment)");
-  if (!experiment) return tl::unexpected(experiment.error().front().message());
-  if (experiment->robots.size() != reader->robots())
-    return tl::unexpected(fmt::format("{}: {} robots in its experiment, but {} in its columns", file,
-                                      experiment->robots.size(), reader->robots()));
+  const auto experiment = reader->experiment();
+  if (!experiment) return tl::unexpected(experiment.error());
   ReplayResult result;
   result.experiment = reader->head().name;
   if (!reader->head().intact)

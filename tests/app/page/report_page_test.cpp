@@ -40,6 +40,17 @@ TEST(ReportPage, NeedsNothingFromOutside) {
   EXPECT_NE(page.html.find("default-src 'none'"), std::string::npos);
 }
 
+TEST(ReportPage, ColumnsOfMoreRobotsThanTheExperimentHasAreRefused) {
+  std::string csv = Recorded({"duration=1"}).csv;
+  const std::size_t robot = csv.rfind("[[robot]]");
+  const std::size_t begin = csv.rfind('\n', robot), next = csv.find("\n", csv.find("tag", robot));
+  csv.erase(begin, next - begin);
+  std::istringstream in(csv);
+  const auto page = report_page(in, "run.csv", {});
+  ASSERT_FALSE(page);
+  EXPECT_EQ(page.error(), "run.csv: 3 robots in its experiment, but 4 in its columns");
+}
+
 TEST(ReportPage, TextsOfTheExperimentAreNoMarkup) {
   const Page page =
       page_of(Recorded({"duration=1", "name=<script>alert(1)</script> & co"}).csv, {"<b>origin</b>", {"a < b"}});
