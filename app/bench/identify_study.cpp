@@ -35,48 +35,6 @@ using core::Unknown;
 constexpr double frame_period = 0.04;
 constexpr core::MotorModel stepper = core::MotorModel::epuck2;
 
-/// A robot as it may come out of the box, and a camera as it may hang in a lab.
-Individual drawn(std::uint64_t seed) {
-  core::Random dice(seed, 777);
-  const auto span = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
-  Individual robot;
-  const double left = span(0.97, 1.03), right = span(0.97, 1.03);
-  robot.wheels.set_diameters(left * robot.wheels.wheel_diameter, right * robot.wheels.wheel_diameter);
-  robot.wheels.track *= span(0.97, 1.03);
-  robot.actuation_delay = span(0.02, 0.1), robot.camera_delay = span(-0.02, 0.02);
-  robot.slip = span(0.01, 0.05);
-  robot.tag_heading = span(-0.03, 0.03), robot.tag_ahead = span(-0.003, 0.003), robot.tag_left = span(-0.003, 0.003);
-  robot.pose_noise = span(3e-4, 1e-3), robot.heading_noise = span(0.003, 0.015);
-  robot.dropout = 0.05;
-  return robot;
-}
-
-double truth_of(const Individual& robot, Unknown unknown) {
-  switch (unknown) {
-    case Unknown::left_diameter:
-      return robot.wheels.left_diameter();
-    case Unknown::right_diameter:
-      return robot.wheels.right_diameter();
-    case Unknown::track:
-      return robot.wheels.track;
-    case Unknown::delay:
-      return robot.actuation_delay + robot.camera_delay;
-    case Unknown::slip:
-      return robot.slip;
-    case Unknown::tag_heading:
-      return robot.tag_heading;
-    case Unknown::tag_ahead:
-      return robot.tag_ahead;
-    case Unknown::tag_left:
-      return robot.tag_left;
-    case Unknown::sigma_xy:
-      return robot.pose_noise;
-    case Unknown::sigma_theta:
-      return robot.heading_noise;
-  }
-  return 0.0;
-}
-
 /// What a robot is asked for at time t; `seen` is where it was seen last.
 struct Manoeuvre {
   std::string name;
@@ -166,7 +124,7 @@ std::vector<Outcome> study(const Manoeuvre& manoeuvre, const IdentifyBench& benc
   const auto work = [&] {
     for (std::size_t k = next++; k < outcomes.size() && !interrupted(); k = next++) {
       const std::uint64_t seed = bench.seed + k;
-      const Individual truth = drawn(seed);
+      const Individual truth = core::random_individual(seed);
       Outcome& outcome = outcomes[k];
       outcome.found = core::identify(drive(manoeuvre, truth, seed));
       outcome.found.innovations.clear();
@@ -207,7 +165,7 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
     std::vector<double> widths;
     for (std::size_t k = 0; k < outcomes.size(); ++k) {
       const core::Estimate& e = estimate_of(outcomes[k].found);
-      const double real = truth(drawn(bench.seed + k));
+      const double real = truth(core::random_individual(bench.seed + k));
       covered += e.low <= real && real <= e.high;
       known += e.known;
       widths.push_back(0.5 * (e.high - e.low) / (relative ? e.value : 1.0));

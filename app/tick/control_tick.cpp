@@ -9,6 +9,7 @@
 #include "core/control/lyapunov.h"
 #include "core/estimation/pose_filter.h"
 #include "core/kinematics/step_motor.h"
+#include "core/simulation/simulated_robot.h"
 
 namespace skein::app {
 namespace {
@@ -24,9 +25,6 @@ constexpr double settles = 0.5;
 
 /// How many standard deviations a pose is trusted to be off at most.
 constexpr double trusted_deviations = 3.0;
-
-/// What a hand does to a robot is over by then. [s]
-constexpr double slides_for = 1.0;
 
 /// The shield keeps bodies inside the arena as well.
 core::ShieldParameters shield_of(const Experiment& e) {
@@ -231,7 +229,8 @@ void TickState::estimate(const TickInput& input) noexcept {
   for (const Event& event : input.events)
     if (is<events::Perturb, events::Move, events::Kick>(event)) {
       if (!is<events::Kick>(event)) filters[*robot_of(event)].displaced(input.now);
-      camera_watch.excuse(*robot_of(event), input.now + experiment.simulation.latency + slides_for);
+      camera_watch.excuse(*robot_of(event),
+                          input.now + experiment.simulation.latency + core::SimulatedRobot::slides_for);
     }
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];

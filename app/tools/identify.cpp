@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "app/embedded/embedded.h"
-#include "app/experiment/experiment_file.h"
 #include "app/record/csv_reader.h"
 #include "app/record/gnuplot.h"
+#include "core/simulation/simulated_robot.h"
 
 namespace skein::app {
 namespace {
@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 using core::Unknown;
 
 constexpr double rounding = 1e-9;  // of times that are k / rate [s]
-constexpr double slides = 1.0;     // a kicked robot, at most [s]
 constexpr double between_runs = 10.0;
 
 std::string key_of(const RobotSpec& spec) {
@@ -65,7 +64,8 @@ void RunHistory::hear(const TickRecord& row) {
     // simulated robot happens about this tick.
     const double from = is<events::Kidnap>(event) ? row.robots[*robot_of(event)].measurement.captured_at
                                                   : (std::isnan(before_) ? row.now : before_);
-    const double to = is<events::Kidnap>(event) ? from : row.now + (kicked ? slides : 0.5 * period);
+    const double to =
+        is<events::Kidnap>(event) ? from : row.now + (kicked ? core::SimulatedRobot::slides_for : 0.5 * period);
     robot.moved_from = robot.moved ? std::min(robot.moved_from, from) : from;
     robot.moved_to = robot.moved ? std::max(robot.moved_to, to) : to;
     robot.moved = true;
@@ -136,11 +136,8 @@ tl::expected<std::vector<RobotHistory>, std::string> read_history(const std::str
   if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", csv, std::strerror(errno)));
   auto reader = CsvReader::open(file, csv);
   if (!reader) return tl::unexpected(reader.error());
-  const auto experiment = parse_experiment(reader->head().source, csv + " (experiment)");
-  if (!experiment) return tl::unexpected(experiment.error().front().message());
-  if (experiment->robots.size() != reader->robots())
-    return tl::unexpected(fmt::format("{}: {} robots in its experiment, but {} in its columns", csv,
-                                      experiment->robots.size(), reader->robots()));
+  const auto experiment = reader->experiment();
+  if (!experiment) return tl::unexpected(experiment.error());
   RunHistory history(*experiment);
   for (TickRecord row;;) {
     const auto more = reader->next(row);

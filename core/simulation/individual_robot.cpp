@@ -7,6 +7,47 @@
 
 namespace skein::core {
 
+Individual random_individual(std::uint64_t seed) {
+  Random dice(seed, 777);
+  const auto span = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
+  Individual robot;
+  const double left = span(0.97, 1.03), right = span(0.97, 1.03);
+  robot.wheels.set_diameters(left * robot.wheels.wheel_diameter, right * robot.wheels.wheel_diameter);
+  robot.wheels.track *= span(0.97, 1.03);
+  robot.actuation_delay = span(0.02, 0.1), robot.camera_delay = span(-0.02, 0.02);
+  robot.slip = span(0.01, 0.05);
+  robot.tag_heading = span(-0.03, 0.03), robot.tag_ahead = span(-0.003, 0.003), robot.tag_left = span(-0.003, 0.003);
+  robot.pose_noise = span(3e-4, 1e-3), robot.heading_noise = span(0.003, 0.015);
+  robot.dropout = 0.05;
+  return robot;
+}
+
+double truth_of(const Individual& robot, Unknown unknown) noexcept {
+  switch (unknown) {
+    case Unknown::left_diameter:
+      return robot.wheels.left_diameter();
+    case Unknown::right_diameter:
+      return robot.wheels.right_diameter();
+    case Unknown::track:
+      return robot.wheels.track;
+    case Unknown::delay:
+      return robot.actuation_delay + robot.camera_delay;
+    case Unknown::slip:
+      return robot.slip;
+    case Unknown::tag_heading:
+      return robot.tag_heading;
+    case Unknown::tag_ahead:
+      return robot.tag_ahead;
+    case Unknown::tag_left:
+      return robot.tag_left;
+    case Unknown::sigma_xy:
+      return robot.pose_noise;
+    case Unknown::sigma_theta:
+      return robot.heading_noise;
+  }
+  return 0.0;
+}
+
 IndividualRobot::IndividualRobot(const Individual& individual, MotorModel motor, std::uint64_t seed)
     : individual_(individual), slip_random_(seed, 0), camera_random_(seed, 1), left_(motor), right_(motor) {}
 

@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 
+#include "core/estimation/identification.h"
 #include "core/estimation/measurement.h"
 #include "core/kinematics/differential_drive.h"
 #include "core/kinematics/step_motor.h"
@@ -22,6 +23,11 @@ struct Individual {
   double heading_noise = 0.0;                                 ///< [rad]
   double dropout = 0.0;                                       ///< share of poses that are lost
 };
+
+/// A robot as it may come out of the box, and a camera as it may hang in a lab.
+Individual random_individual(std::uint64_t seed);
+/// What `identify` is to find of it.
+double truth_of(const Individual& individual, Unknown unknown) noexcept;
 
 /// Such a robot on the floor, for studies of what can be found out about it (core/estimation/identification.h). Not for
 /// the tick. The same seed and the same calls give the same bits.

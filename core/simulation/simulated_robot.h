@@ -38,6 +38,8 @@ class SimulatedRobot {
   void kick(double vx, double vy) noexcept { slide_x_ += vx, slide_y_ += vy; }
   /// What friction takes of a slide [m/s^2]: rubber on a smooth floor, a friction coefficient of 0.3.
   static constexpr double friction = 3.0;
+  /// What a kick does to a robot is over by then, with room to spare: 1 m/s is the hardest. [s]
+  static constexpr double slides_for = 1.0;
 
   /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot. Speeds that it has already
   /// change nothing: links do not send them again.

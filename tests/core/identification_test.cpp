@@ -20,49 +20,9 @@ using core::Individual;
 using core::IndividualRobot;
 using core::MotorModel;
 using core::Random;
+using core::truth_of;
 using core::Twist;
 using core::Unknown;
-
-double truth_of(const Individual& robot, Unknown unknown) {
-  switch (unknown) {
-    case Unknown::left_diameter:
-      return robot.wheels.left_diameter();
-    case Unknown::right_diameter:
-      return robot.wheels.right_diameter();
-    case Unknown::track:
-      return robot.wheels.track;
-    case Unknown::delay:
-      return robot.actuation_delay + robot.camera_delay;
-    case Unknown::slip:
-      return robot.slip;
-    case Unknown::tag_heading:
-      return robot.tag_heading;
-    case Unknown::tag_ahead:
-      return robot.tag_ahead;
-    case Unknown::tag_left:
-      return robot.tag_left;
-    case Unknown::sigma_xy:
-      return robot.pose_noise;
-    case Unknown::sigma_theta:
-      return robot.heading_noise;
-  }
-  return 0.0;
-}
-
-Individual drawn(std::uint64_t seed) {
-  Random dice(seed, 777);
-  const auto span = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
-  Individual robot;
-  const double left = span(0.97, 1.03), right = span(0.97, 1.03);
-  robot.wheels.set_diameters(left * 0.041, right * 0.041);
-  robot.wheels.track *= span(0.97, 1.03);
-  robot.actuation_delay = span(0.02, 0.1), robot.camera_delay = span(-0.02, 0.02);
-  robot.slip = span(0.01, 0.05);
-  robot.tag_heading = span(-0.03, 0.03), robot.tag_ahead = span(-0.003, 0.003), robot.tag_left = span(-0.003, 0.003);
-  robot.pose_noise = span(3e-4, 1e-3), robot.heading_noise = span(0.003, 0.015);
-  robot.dropout = 0.05;
-  return robot;
-}
 
 /// What is on record of a robot that was told to drive so, by somebody who believes that it is as the drawing says.
 template <typename Told>
@@ -99,7 +59,7 @@ TEST(Identification, HoldsTheTruthInsideItsIntervals) {
   int held = 0;
   double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= runs; ++seed) {
-    const Individual truth = drawn(seed);
+    const Individual truth = core::random_individual(seed);
     const Identification found = core::identify(driven(truth, seed, 30.0, bends));
     ASSERT_TRUE(found.converged) << "seed " << seed;
     for (std::size_t i = 0; i < core::unknowns; ++i) {
@@ -120,7 +80,7 @@ TEST(Identification, HoldsTheTruthInsideItsIntervals) {
 
 TEST(Identification, IsExactWhereNothingIsNoisy) {
   Individual truth;
-  truth.wheels = drawn(3).wheels;
+  truth.wheels = core::random_individual(3).wheels;
   truth.actuation_delay = 0.07;
   const Identification found = core::identify(driven(truth, 3, 30.0, bends));
   ASSERT_TRUE(found.converged);
@@ -134,7 +94,7 @@ TEST(Identification, IsExactWhereNothingIsNoisy) {
 }
 
 TEST(Identification, SaysWhatTheDataCannotTell) {
-  const Individual truth = drawn(5);
+  const Individual truth = core::random_individual(5);
   const Identification ahead = core::identify(driven(truth, 5, 20.0, straight));
   ASSERT_TRUE(ahead.converged);
   EXPECT_FALSE(ahead[Unknown::track].known) << "a straight says nothing of the track";
@@ -148,7 +108,7 @@ TEST(Identification, SaysWhatTheDataCannotTell) {
 }
 
 TEST(Identification, PassesOverOutliersAndHands) {
-  const Individual truth = drawn(7);
+  const Individual truth = core::random_individual(7);
   IdentificationInput input = driven(truth, 7, 40.0, bends);
   const Identification clean = core::identify(input);
   input.poses[200].pose.x += 0.05;  // a wrong tag
