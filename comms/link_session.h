@@ -29,8 +29,8 @@ struct WheelUnit {
 /// that never goes back. Not thread-safe.
 ///
 ///     opened --> synchronising --stopped--> up    an answer that does not come or does not fit the request,
-///                     ^ stop,                |    unsolicited bytes, too much way on unconfirmed commands and silence
-///                     of | repeated             |    the control thread lead back to the stop
+///                     ^ stop,                |    unsolicited bytes, too much way on unconfirmed commands and
+///                     | repeated             |    silence of the control thread lead back to the stop
 ///                     +----------------------+
 ///
 /// While the link is up, new speeds are written at once. A question (which speeds has the robot taken, where are its

@@ -17,8 +17,6 @@ namespace {
 using Kind = ReferenceSpec::Kind;
 using PathShape = PathSpec::Shape;
 
-// Limits that only a slip of the keyboard exceeds.
-
 /// A shape by name, or the robots' own places.
 void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
   t.choice("shape", shape.shape);

@@ -16,8 +16,6 @@
 namespace skein::app {
 namespace {
 
-// Limits that only a slip of the keyboard exceeds.
-
 void read_run(TomlTable& t, Experiment& e) {
   read_keys(t, "", e);
   std::string robots_file;  // embed_known_robots() has put its robots in; what is still there is no text

@@ -11,8 +11,7 @@
 namespace skein::app {
 namespace {
 
-// Limits that only a slip of the keyboard exceeds.
-constexpr double longest_curve = 1000.0;  // [m]
+constexpr double longest_curve = 1000.0;  // only a slip of the keyboard exceeds it [m]
 
 /// What belongs to a drive from rest to rest, and says nothing of one that goes on for ever.
 void refuse_endless(const TrajectorySpec& t, const std::string& key, Problems& problems) {

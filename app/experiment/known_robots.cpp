@@ -200,8 +200,8 @@ tl::expected<void, std::string> save_known_robots(const std::string& path, std::
   while (true) {
     file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file < 0 || ::flock(file, LOCK_EX) != 0) return failed();
-    struct stat locked {
-    }, there{};
+    struct stat locked {};
+    struct stat there {};
     if (::fstat(file, &locked) == 0 && ::lstat(draft.c_str(), &there) == 0 && locked.st_ino == there.st_ino) break;
     ::close(file);
   }

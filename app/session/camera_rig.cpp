@@ -253,16 +253,14 @@ void CameraRig::explain_absences() {
   constexpr double absent_for = 0.5, between = 2.0;  // [s]
   const double now = frame_.captured_at;
   missing_.clear();
-  bool news = false;
   for (std::size_t i = 0; i < told_of_.size(); ++i) {
     const core::Measurement& tag = seen_.tags[i];
     if (tag.captured_at >= now) told_of_[i] = false;
     if (tag.captured_at == core::Measurement{}.captured_at || now - tag.captured_at <= absent_for || told_of_[i])
       continue;
-    news = true;
     missing_.push_back({wanted_[i], tag.pose});
   }
-  if (!news || now < next_absence_) return;
+  if (missing_.empty() || now < next_absence_) return;
   if (clock_.wall()) {
     const std::unique_lock lock(absence_mutex_, std::try_to_lock);
     if (!lock || absence_) return;

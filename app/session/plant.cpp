@@ -233,8 +233,7 @@ std::string stood_still_sentence(double seconds) {
 std::string camera_moved_sentence(const events::CameraMoved& moved) {
   return fmt::format(
       "the camera moved (or the floor under it): all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once: "
-      "STOP. "
-      "Poses are wrong until the floor is calibrated again (skein calibrate floor)",
+      "STOP. Poses are wrong until the floor is calibrated again (skein calibrate floor)",
       moved.tags, 1e3 * moved.by, std::abs(moved.turn) * 180.0 / std::numbers::pi);
 }
 

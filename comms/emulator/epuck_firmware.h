@@ -77,9 +77,8 @@ class EpuckFirmware final : public RobotFirmware {
 
   // Defects: a boot does not mend them.
   void set_battery(double volts) noexcept override { battery_volts_ = volts; }  ///< [V]; 3.4 is empty, 4.2 full
-  void swap_wheels(bool swapped) noexcept override {
-    wheels_swapped_ = swapped;
-  }  ///< left commands drive and count right
+  /// Left commands drive and count right.
+  void swap_wheels(bool swapped) noexcept override { wheels_swapped_ = swapped; }
   void silence_encoders(bool silent) noexcept override { encoders_silent_ = silent; }  ///< counters read 0
 
  private:
