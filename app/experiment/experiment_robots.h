@@ -9,14 +9,28 @@
 
 namespace skein::app {
 
+/// Of a drive's measures, those that a table says.
+struct DriveKeys {
+  std::optional<double> wheel_diameter, wheel_ratio, track;
+
+  /// `drive` with what was said.
+  core::DifferentialDrive over(core::DifferentialDrive drive) const noexcept {
+    drive.wheel_diameter = wheel_diameter.value_or(drive.wheel_diameter);
+    drive.wheel_ratio = wheel_ratio.value_or(drive.wheel_ratio);
+    drive.track = track.value_or(drive.track);
+    return drive;
+  }
+};
+
 /// A robot as [robot_defaults] or [[robot]] have it so far.
 struct RobotKeys {
   RobotSpec spec;
   const core::RobotType* model = nullptr;  ///< null: not said
-  std::optional<double> radius, wheel_diameter, wheel_ratio, track;
+  std::optional<double> radius;
+  DriveKeys drive;
   /// [robot.truth]: of what is not said, the truth is what is believed.
   struct Truth {
-    std::optional<double> wheel_diameter, wheel_ratio, track;
+    DriveKeys drive;
     double actuation_delay = 0.0;
   };
   std::optional<Truth> truth;
