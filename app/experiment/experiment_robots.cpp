@@ -65,7 +65,7 @@ void read_drive(TomlTable& t, DriveKeys& drive) {
 void read_truth(TomlTable& t, RobotKeys& robot) {
   TomlTable table = t.table("truth");
   if (!t.has("truth")) return;
-  RobotKeys::Truth& truth = robot.truth.emplace();
+  RobotKeys::Truth& truth = robot.truth.emplace(RobotKeys::Truth{});
   read_drive(table, truth.drive);
   table.number("actuation_delay", truth.actuation_delay, between(0.0, 0.5, "s"));
   table.finish();
@@ -115,7 +115,7 @@ const core::RobotType& type_spoken(const comms::LinkAddress& address) {
 
 RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   RobotSpec robot = keys.spec;
-  const bool linked = robot.link != RobotSpec::Link::sim;
+  const bool linked = robot.has_link();
   const auto address = comms::parse_link_address(robot.address);
   const core::RobotType& type = keys.model ? *keys.model
                                 : address  ? type_spoken(*address)
@@ -124,7 +124,7 @@ RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   if (linked && type.motor == core::MotorModel::ideal)
     problems.add(keys.model_key, fmt::format("found \"{}\", allowed: {}; only a robot of link \"sim\" can be ideal",
                                              type.name, linked_type_names()));
-  if (robot.link == RobotSpec::Link::device && address) {
+  if (robot.is_real() && address) {
     const auto spoken = comms::spoken_by(*address, type.protocol);
     if (!spoken)
       problems.add(keys.model_key, spoken.error());

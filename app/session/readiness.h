@@ -21,6 +21,17 @@ struct Check {
   State state;
   std::string reason;  ///< why, in words; where it holds, what was found
   bool hard;           ///< nobody starts without it; what is soft, an operator may overrule
+
+  bool holds() const noexcept {
+    switch (state) {
+      case State::holds:
+        return true;
+      case State::waits:
+      case State::fails:
+        return false;
+    }
+    return false;
+  }
 };
 
 /// Whether an experiment can start, from what is known by now; empty pointers: not known yet. All checks, in the order
