@@ -95,8 +95,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     plant->camera_ = std::move(*camera);
     if (clock.wall()) plant->camera_->start();
   } else if (!options.video.empty()) {
-    return tl::unexpected(
-        fmt::format("{}: there is no camera to make a film of (camera.source = \"none\")", options.video));
+    return tl::unexpected(fmt::format("{}: there is no camera to record (camera.source = \"none\")", options.video));
   }
   return plant;
 }
@@ -226,7 +225,7 @@ std::vector<RobotStatus> Plant::robots() const {
 
 std::string stood_still_sentence(double seconds) {
   return fmt::format(
-      "the program stood still for {:.1f} s (suspended, stopped by a debugger, or the machine was too busy): STOP",
+      "the program stalled for {:.1f} s (suspended, stopped by a debugger, or the machine was too busy): STOP",
       seconds);
 }
 

@@ -85,7 +85,7 @@ struct SessionWiring {
   Answer ask(const ControlLoop::Gesture& gesture) { return taken(loop->post(gesture)); }
   static Answer taken(bool posted) {
     if (posted) return {};
-    return tl::unexpected(std::string("too much is asked at once: not done, ask again"));
+    return tl::unexpected(std::string("too many commands at once: this one was not executed, repeat it"));
   }
 
   Answer put(std::size_t number, const core::Obstacle& obstacle) {
@@ -115,7 +115,7 @@ struct SessionWiring {
       try {
         recorder_channel->drain([this](const TickRecord& record) { tell_sinks(record); });
       } catch (const std::exception& error) {
-        fail(fmt::format("the record of the run could not be kept: {}", error.what()));
+        fail(fmt::format("the run could not be recorded: {}", error.what()));
         return;
       }
       if (last) return;
@@ -164,7 +164,8 @@ struct SessionWiring {
     watch_controller();
     const bool moves = phase == Phase::running || phase == Phase::staging;
     if (real_time && moves && clock.now() - last_look.load() > window_silence)
-      fail(fmt::format("the window has not answered for {:g} s: nobody could see or stop the robots", window_silence));
+      fail(fmt::format("the window has not responded for {:g} s: the operator could neither see nor stop the robots",
+                       window_silence));
   }
 
   /// A run whose controller has ended is over, unless the built-in law drives on.
@@ -180,7 +181,7 @@ struct SessionWiring {
   /// Why a robot can be tested no more; empty: it can.
   std::string test_ends() const {
     if (loop->stop_asked()) return "STOP was pressed";
-    return ends_test.load() || loop->phase() != Phase::ready ? "the robots no longer stand ready" : "";
+    return ends_test.load() || loop->phase() != Phase::ready ? "the robots are no longer ready" : "";
   }
 
   Answer check_pair(std::size_t i, std::size_t j) const;

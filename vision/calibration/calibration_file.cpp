@@ -38,8 +38,8 @@ CameraPose read_world(const Reader& reader, const toml::table& table) {
   const double error = (pose.rotation * pose.rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error < 1e-6) || pose.rotation.determinant() < 0.0) {
     reader.fail(rotation.source(),
-                fmt::format("world.rotation is no rotation: R R' differs from the identity by {:.2g}, det R = {:.6g}; "
-                            "allowed: 1e-6, det R = 1 (write all the digits)",
+                fmt::format("world.rotation is not a rotation: R R' differs from the identity by {:.2g}, det R = "
+                            "{:.6g}; allowed: 1e-6, det R = 1 (write all the digits)",
                             error, pose.rotation.determinant()));
   }
   const auto position = reader.numbers<3>(reader.need(table, "world.", "position"), "world.position", {-100.0, 100.0});
@@ -142,8 +142,9 @@ tl::expected<std::filesystem::path, std::string> replace_calibration(const Calib
     std::error_code error;
     std::filesystem::copy_file(path, old, std::filesystem::copy_options::overwrite_existing, error);
     if (error)
-      return tl::unexpected(fmt::format("{}: what {} said cannot be kept there ({}); nothing was written", old.string(),
-                                        path.string(), error.message()));
+      return tl::unexpected(
+          fmt::format("{}: the previous contents of {} cannot be saved there ({}); nothing was written", old.string(),
+                      path.string(), error.message()));
   }
   if (auto saved = save_calibration(calibration, path); !saved) return tl::unexpected(saved.error());
   return old;

@@ -142,7 +142,7 @@ const Fault faults[] = {
      [](Patient& p) { p.write("/proc/loadavg", "3.10 2.0 1.0 4/200 1\n"); }},
     {"Memory", State::ill, "memory: 98 MB available",
      [](Patient& p) { p.write("/proc/meminfo", "MemAvailable: 100000 kB\n"); }},
-    {"KeepingTime", State::ill, "keeping time: bare threads late by",
+    {"KeepingTime", State::ill, "keeping time: latency of bare threads",
      [](Patient& p) { p.machine.keep_time = [](double) { return Patient::late(5e-3); }; }},
     {"OneLongStandstill", State::ill, "keeping time",
      [](Patient& p) {
@@ -179,14 +179,14 @@ const Fault faults[] = {
      [](Patient& p) { p.lab().robots[1].adapter = "hci3"; }},
     {"ModemManager", State::note, "ModemManager", [](Patient& p) { p.write("/proc/800/comm", "ModemManager\n"); }},
     {"CableGone", State::ill, "/dev/ttyACM0: is not there", [](Patient& p) { p.remove("/dev/ttyACM0"); }},
-    {"CameraForbidden", State::ill, "/dev/video0: may not be opened",
+    {"CameraForbidden", State::ill, "/dev/video0: you have no permission to open it",
      [](Patient& p) { p.machine.usable = [](const std::string& path) { return path != "/dev/video0"; }; }},
     {"NoCamera", State::ill, "camera: none", [](Patient& p) { p.remove("/sys/class/video4linux"); }},
     {"OtherCamera", State::ill, "/dev/video2: is not there",
      [](Patient& p) { p.lab().camera.source = "v4l2:/dev/video2"; }},
     {"NoCalibration", State::ill, "calibration: ", [](Patient& p) { p.remove("/cal.toml"); }},
     {"CalibrationTorn", State::ill, "calibration: ", [](Patient& p) { p.write("/cal.toml", "width = 1280\nhei"); }},
-    {"NoFloor", State::ill, "does not say where the camera hangs",
+    {"NoFloor", State::ill, "has no pose of the camera",
      [](Patient& p) {
        vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
        calibration.world_from_camera.reset();

@@ -131,11 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
     KeysTogether, RefusedText,
     testing::Values(
         Refused{"[[robot]]\ntag = 4\n[[robot]]\ntag = 4",
-                "e.toml:4:7: robot.2.tag: found 4, which robot 1 has already, allowed: a tag of its own"},
-        Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 has already"},
+                "e.toml:4:7: robot.2.tag: found 4, which robot 1 already has, allowed: a different tag for each robot"},
+        Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'\n[[robot]]\nlink = 'serial:/dev/a'\n[camera]\nsource='v4l2:x'\n"
                 "calibration='c'",
-                "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 has already"},
+                "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'", "e.toml: camera.source: found \"none\", allowed"},
         Refused{"[camera]\nsource = 'synthetic'\n[[robot]]\nlink = 'serial:/dev/a'",
                 "e.toml:2:10: camera.source: found \"synthetic\", allowed: images:DIR, video:FILE, v4l2:DEVICE, since"},
@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[reference]\nkind = 'formation'\nshape = 'line'\nspacing = 0.15\nspeed = 0.03\n"
                 "path = { shape = 'circle', radius = 0.4 }\n"
                 "change = [{ t = 1, duration = 5, shape = 'v' }, { t = 4, duration = 1, shape = 'v' }]",
-                "e.toml:7:55: reference.change.2.t: found 4, allowed: 6 and later, when the change before is over"},
+                "e.toml:7:55: reference.change.2.t: found 4, allowed: 6 and later, when the previous change is over"},
         Refused{"[[reference.change]]\nt = 5\nduration = 8", "e.toml:1:1: reference.change.1.spacing: missing"},
         Refused{"[reference]\nchange = [{ t = 5, duration = 8, spacing = 0.07 }]",
                 "e.toml:2:10: reference.change: found 0.07, with which robots of 0.07 m width come within"},
@@ -208,10 +208,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[simulation]\nlatency = 0.3", "e.toml: estimation.bridge: found 0.2"}));
 
 TEST(ExperimentFile, AKeyThatIsNotThereIsNamedWithoutAPlace) {
-  EXPECT_THAT(
-      messages("[simulation]\nlatency = 0.3"),
-      ElementsAre("e.toml: estimation.bridge: found 0.2, allowed: above simulation.latency, 0.3 s, or every pose is "
-                  "too old when it comes and every robot lost"));
+  EXPECT_THAT(messages("[simulation]\nlatency = 0.3"),
+              ElementsAre("e.toml: estimation.bridge: found 0.2, allowed: above simulation.latency, 0.3 s; otherwise "
+                          "every pose is too old when it arrives and every robot is lost"));
 }
 
 TEST(ExperimentFile, SaysEverythingAtOnceInTheOrderOfTheFile) {

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{", speed = 0", "e.toml:6:85: robot.1.trajectory.speed: found 0, with which the robot never arrives"},
         Wrong{", speed = 0.2", "e.toml:6:85: robot.1.trajectory.speed: found a reference of up to 0.2 m/s, for which"},
         Wrong{", turn_rate = 2",
-              "e.toml:6:89: robot.1.trajectory.turn_rate: found 2, for which (18g) fails whatever the couplings; "
+              "e.toml:6:89: robot.1.trajectory.turn_rate: found 2, for which (18g) fails with any couplings; "
               "allowed: below 1.7"},
         Wrong{", sped = 2", "e.toml:6:77: robot.1.trajectory.sped: unknown key; did you mean speed?"}));
 
