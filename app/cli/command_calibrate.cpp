@@ -9,6 +9,8 @@
 #include <memory>
 #include <utility>
 
+#include "app/calibration/calibration_file.h"
+#include "app/calibration/floor_marks_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
@@ -66,7 +68,7 @@ struct Looked {
 /// What calibrate floor and check begin with; `status` says why not.
 std::optional<Looked> look(const FloorRequest& request, bool need_world, int& status) {
   Looked looked;
-  auto calibration = vision::load_calibration(request.camera);
+  auto calibration = load_calibration(request.camera);
   if (!calibration) {
     status = fail_with(calibration.error(), wrong_input);
     return {};
@@ -76,7 +78,7 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
     status = fail_with(request.camera + ": has no world frame yet: skein calibrate floor", wrong_input);
     return {};
   }
-  auto marks = vision::load_floor_marks(request.marks);
+  auto marks = load_floor_marks(request.marks);
   if (!marks) {
     status = fail_with(marks.error(), wrong_input);
     return {};
@@ -149,7 +151,7 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
   const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
   if (!result) return fail_with(result.error(), device_failed);
-  const auto old = vision::replace_calibration(result->calibration, request.out);
+  const auto old = replace_calibration(result->calibration, request.out);
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty())
     print_error(
@@ -215,7 +217,7 @@ int calibrate_floor(const FloorRequest& request) {
   const auto check = vision::check_floor(*result, looked->marks);
   if (!check) return fail_with(check.error(), device_failed);
   const std::string out = request.out.empty() ? request.camera : request.out;
-  const auto old = vision::replace_calibration(*result, out);
+  const auto old = replace_calibration(*result, out);
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty())
     print_error(fmt::format("skein: {} was overwritten; its previous contents are in {}\n", out, old->string()));

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <utility>
 
+#include "app/calibration/calibration_file.h"
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -31,7 +32,7 @@ int track(const TrackRequest& request) {
   options.camera = *camera;
   options.source = request.source;
   if (!request.camera.empty()) {
-    auto calibration = vision::load_calibration(request.camera);
+    auto calibration = load_calibration(request.camera);
     if (!calibration) {
       print_error(fmt::format("{}\n", calibration.error()));
       return wrong_input;
@@ -55,6 +56,7 @@ int track(const TrackRequest& request) {
   options.csv = request.csv.empty() ? &std::cout : &file;
   options.record = request.record;
   options.notes = {{"PROGRAM", "skein " SKEIN_VERSION}};
+  if (options.calibration) options.notes["CALIBRATION"] = format_calibration(*options.calibration);
   const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
   options.keep_going = [&](std::int64_t frames) {
     if (show_progress && frames > 0 && frames % 10 == 0) print_error(fmt::format("\r\033[K{} frames", frames));

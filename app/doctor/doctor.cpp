@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/calibration/calibration_file.h"
 #include "comms/link_address.h"
 #include "vision/calibration/calibration.h"
 
@@ -323,7 +324,7 @@ Findings calibrations(const Examination& examination) {
       continue;
     }
     const fs::path path = fs::path(file).parent_path() / experiment.camera.calibration;
-    const auto calibration = vision::load_calibration(path);
+    const auto calibration = load_calibration(path);
     if (!calibration) {
       result.push_back({State::ill, "calibration", calibration.error(), "skein calibrate, see docs/calibration.md"});
       continue;

@@ -15,20 +15,20 @@ using PathShape = PathSpec::Shape;
 
 constexpr std::size_t most_points = 1000;
 
+std::optional<core::Point> point_of(const toml::node& node) {
+  const auto pair = numbers_of<2>(node);
+  if (!pair || std::abs((*pair)[0]) > longest_length || std::abs((*pair)[1]) > longest_length) return {};
+  return core::Point{(*pair)[0], (*pair)[1]};
+}
+
 /// One point, [x, y].
 void read_point(TomlTable& t, const char* key, core::Point& point) {
   const toml::node* const found = t.node(key);
   if (!found) return;
-  const toml::array* const pair = found->as_array();
-  const auto number = [&](std::size_t k) {
-    const bool there = pair && pair->size() == 2 && (*pair)[k].is_number();
-    const auto value = there ? (*pair)[k].value<double>() : std::nullopt;
-    return value && std::abs(*value) <= longest_length ? value : std::nullopt;
-  };
-  const auto x = number(0), y = number(1);
-  if (!x || !y)
-    return t.refuse(key, *found, fmt::format("a point [x, y] in m, from {} to {}", -longest_length, longest_length));
-  point = {*x, *y};
+  if (const auto read = point_of(*found))
+    point = *read;
+  else
+    t.refuse(key, *found, fmt::format("a point [x, y] in m, from {} to {}", -longest_length, longest_length));
 }
 
 bool through_points(const PathSpec& path) noexcept {
@@ -52,18 +52,12 @@ void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points
   if (!array || array->size() < least || array->size() > most) return t.refuse(key, *found, allowed);
   points.clear();
   for (const toml::node& element : *array) {
-    const toml::array* const pair = element.as_array();
-    const auto number = [&](std::size_t k) {
-      const bool there = pair && pair->size() == 2 && (*pair)[k].is_number();
-      const auto value = there ? (*pair)[k].value<double>() : std::nullopt;
-      return value && std::abs(*value) <= longest_length ? value : std::nullopt;
-    };
-    const auto x = number(0), y = number(1);
-    if (!x || !y) {
+    const auto point = point_of(element);
+    if (!point) {
       points.clear();
       return t.refuse(key, element, allowed);
     }
-    points.push_back({*x, *y});
+    points.push_back(*point);
   }
 }
 

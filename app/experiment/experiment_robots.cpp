@@ -44,15 +44,10 @@ void read_link(TomlTable& t, RobotSpec& robot) {
 void read_start(TomlTable& t, RobotSpec& robot, const Experiment& e) {
   const toml::node* const found = t.node("start");
   if (!found) return;
-  const toml::array* const pose = found->as_array();
-  const auto number = [&](std::size_t k, double most) {
-    const auto value = pose && pose->size() == 3 && (*pose)[k].is_number() ? (*pose)[k].value<double>() : std::nullopt;
-    return value && std::abs(*value) <= most ? value : std::nullopt;
-  };
   const double x_most = 0.5 * e.arena_width, y_most = 0.5 * e.arena_height;
-  const auto x = number(0, x_most), y = number(1, y_most), theta = number(2, core::pi);
-  if (x && y && theta)
-    robot.start = {*x, *y, *theta};
+  const auto pose = numbers_of<3>(*found);
+  if (pose && std::abs((*pose)[0]) <= x_most && std::abs((*pose)[1]) <= y_most && std::abs((*pose)[2]) <= core::pi)
+    robot.start = {(*pose)[0], (*pose)[1], (*pose)[2]};
   else
     t.refuse("start", *found,
              fmt::format("[x, y, theta] inside the arena: x from -{0:.6g} to {0:.6g} m, y from -{1:.6g} to {1:.6g} m, "

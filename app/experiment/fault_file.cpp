@@ -1,12 +1,9 @@
 #include "app/experiment/fault_file.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 
+#include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
 
 namespace skein::app {
@@ -88,11 +85,9 @@ tl::expected<std::vector<Fault>, std::vector<Problem>> parse_faults(std::string_
 }
 
 tl::expected<std::vector<Fault>, std::vector<Problem>> load_faults(const std::string& path, std::size_t robots) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in.is_open() || in.bad())
-    return tl::unexpected(std::vector<Problem>{{path, 0, 0, std::string("cannot be read: ") + std::strerror(errno)}});
-  return parse_faults(text, path, robots);
+  const auto text = read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_faults(*text, path, robots);
 }
 
 }  // namespace skein::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace skein::app {
 
@@ -12,5 +13,8 @@ struct Problem {
 
   std::string message() const;  ///< "file:line:column: text"
 };
+
+/// All of them, a line each.
+std::string messages(const std::vector<Problem>& problems);
 
 }  // namespace skein::app

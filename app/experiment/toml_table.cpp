@@ -53,6 +53,12 @@ std::string Problem::message() const {
   return line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, text) : fmt::format("{}: {}", file, text);
 }
 
+std::string messages(const std::vector<Problem>& problems) {
+  std::string lines;
+  for (const Problem& problem : problems) lines += (lines.empty() ? "" : "\n") + problem.message();
+  return lines;
+}
+
 std::string Range::text() const {
   const std::string low_text =
       above ? fmt::format("a number above {:.6g} and up to", low) : fmt::format("a number from {:.6g} to", low);
@@ -117,6 +123,11 @@ void TomlTable::number(const char* key, double& target, const Range& range) {
     target = *value;
   else
     refuse(key, *found, range.text());
+}
+
+void TomlTable::needed(const char* key, double& target, const Range& range) {
+  require(key, range.text());
+  number(key, target, range);
 }
 
 void TomlTable::integer(const char* key, std::int64_t& target, std::int64_t low, std::int64_t high) {

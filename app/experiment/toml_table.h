@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -94,6 +97,11 @@ class TomlTable {
 
   void number(const char* key, double& target, const Range& range);
   void integer(const char* key, std::int64_t& target, std::int64_t low, std::int64_t high);
+  /// The same, and the key must be there.
+  void needed(const char* key, double& target, const Range& range);
+  /// An array of exactly so many numbers, which must be there.
+  template <std::size_t N>
+  void needed(const char* key, std::array<double, N>& target, const Range& range);
   void flag(const char* key, bool& target);
   void text(const char* key, std::string& target);
   void line(const char* key, std::string& target, std::size_t longest);  ///< a text of 1 to so many bytes in one line
@@ -156,6 +164,34 @@ class TomlTable {
   Problems* problems_;  // never null
   std::vector<std::string> known_;
 };
+
+/// The numbers of an array of exactly so many, finite ones; none: it is something else.
+template <std::size_t N>
+std::optional<std::array<double, N>> numbers_of(const toml::node& node) {
+  const toml::array* const array = node.as_array();
+  if (!array || array->size() != N) return {};
+  std::array<double, N> values{};
+  for (std::size_t k = 0; k < N; ++k) {
+    const toml::node& element = *array->get(k);
+    const auto value = element.is_number() ? element.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value)) return {};
+    values[k] = *value;
+  }
+  return values;
+}
+
+template <std::size_t N>
+void TomlTable::needed(const char* key, std::array<double, N>& target, const Range& range) {
+  const std::string allowed = std::to_string(N) + " numbers, each " + range.text();
+  require(key, allowed);
+  const toml::node* const found = node(key);
+  if (!found) return;
+  const auto values = numbers_of<N>(*found);
+  if (values && std::all_of(values->begin(), values->end(), [&](double value) { return range.holds(value); }))
+    target = *values;
+  else
+    refuse(key, *found, allowed);
+}
 
 /// A value as a message shows it: numbers and words as written, else "an array", "a table", "a date".
 std::string shown(const toml::node& value);

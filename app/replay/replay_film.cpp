@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/calibration/calibration_file.h"
 #include "app/session/camera_rig.h"
 #include "vision/sources/open_source.h"
 
@@ -14,7 +15,7 @@ tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, 
   if (!(*source)->recorded() || calibration_note == (*source)->notes().end())
     return tl::unexpected(fmt::format(
         "{}: has no capture times and no calibration; allowed: a film recorded by `skein run --video`", path));
-  const auto calibration = vision::parse_calibration(calibration_note->second, path + " (CALIBRATION)");
+  const auto calibration = parse_calibration(calibration_note->second, path + " (CALIBRATION)");
   if (!calibration) return tl::unexpected(calibration.error());
   if (!calibration->world_from_camera)
     return tl::unexpected(fmt::format("{}: its calibration has no world frame", path));

@@ -13,13 +13,14 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/calibration/calibration_file.h"
 #include "vision/sources/open_source.h"
 
 namespace skein::app {
 
 tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment) {
   if (!experiment.camera.calibration.empty())
-    return vision::load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
+    return load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
         .and_then([&](vision::Calibration c) -> tl::expected<vision::Calibration, std::string> {
           if (c.world_from_camera) return c;
           return tl::unexpected(
@@ -118,7 +119,7 @@ tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
   auto recorder = vision::Recorder::open(path, {{"PROGRAM", "skein " SKEIN_VERSION},
                                                 {"SOURCE", experiment_.camera.source},
                                                 {"EXPERIMENT", experiment_.source},
-                                                {"CALIBRATION", vision::format_calibration(calibration_)}});
+                                                {"CALIBRATION", format_calibration(calibration_)}});
   if (!recorder) return tl::unexpected(recorder.error());
   recorder_ = std::move(*recorder);
   return {};

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "app/calibration/calibration_file.h"
 #include "app/tools/board_views.h"
 #include "app/tools/camera_words.h"
 #include "vision/calibrate/intrinsics.h"
@@ -191,7 +192,7 @@ void CameraCalibration::forget(std::size_t view) {
 tl::expected<void, std::string> CameraCalibration::save(const std::string& path) const {
   const std::lock_guard lock(work_->mutex);
   if (!work_->solved) return tl::unexpected(work_->solved.error());
-  return vision::save_calibration(work_->solved->calibration, path);
+  return save_calibration(work_->solved->calibration, path);
 }
 
 }  // namespace skein::app

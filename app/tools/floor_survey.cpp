@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "app/calibration/calibration_file.h"
 #include "app/tools/camera_words.h"
 #include "vision/calibrate/floor_calibration.h"
 #include "vision/sources/open_source.h"
@@ -17,7 +18,7 @@ constexpr int frames = 25;  // looked at, and averaged
 
 tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& question, const std::atomic<bool>& ends) {
   const auto goes_on = [&ends] { return !ends.load(); };
-  const auto lens = vision::load_calibration(question.calibration);
+  const auto lens = load_calibration(question.calibration);
   if (!lens) return tl::unexpected(lens.error());
   if (const std::string wrong = wrong_source(question.source); !wrong.empty()) return tl::unexpected(wrong);
   auto options = CameraWords{.settings = question.settings}.read(question.source);
@@ -42,7 +43,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   const auto check = vision::check_floor(*result, marks);
   if (!check) return tl::unexpected(check.error());
   if (!goes_on()) return tl::unexpected(std::string("ended"));
-  if (const auto old = vision::replace_calibration(*result, question.calibration); !old)
+  if (const auto old = replace_calibration(*result, question.calibration); !old)
     return tl::unexpected(old.error());
   FloorSurvey survey{question.tags, check->rms, check->worst};
   for (const vision::FloorResidual& residual : check->residuals) {

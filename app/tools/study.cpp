@@ -26,13 +26,9 @@ constexpr int most_tries = 10'000;
 void read_span(TomlTable& t, const char* key, Span& span, const Range& range) {
   const toml::node* const found = t.node(key);
   if (!found) return;
-  const toml::array* const pair = found->as_array();
-  const auto number = [&](std::size_t k) {
-    return pair && pair->size() == 2 && (*pair)[k].is_number() ? (*pair)[k].value<double>() : std::nullopt;
-  };
-  const auto low = number(0), high = number(1);
-  if (low && high && range.holds(*low) && range.holds(*high) && *low <= *high)
-    span = {*low, *high};
+  const auto pair = numbers_of<2>(*found);
+  if (pair && range.holds((*pair)[0]) && range.holds((*pair)[1]) && (*pair)[0] <= (*pair)[1])
+    span = {(*pair)[0], (*pair)[1]};
   else
     t.refuse(key, *found, fmt::format("[low, high], each {}, low not above high", range.text()));
 }

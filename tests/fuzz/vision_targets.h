@@ -1,56 +1,18 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "vision/calibrate/floor_calibration.h"
-#include "vision/calibration/calibration.h"
+#include "tests/fuzz/damage.h"
 #include "vision/frames/film.h"
 #include "vision/frames/frame_source.h"
 
-// What must hold of the readers of files, whatever is in the file; a broken promise ends the program, which is how a
-// fuzzer learns of it.
 namespace skein::fuzz {
 
-inline void must_hold(bool holds) {
-  if (!holds) std::abort();
-}
-
 using Opener = std::function<std::unique_ptr<vision::FrameSource>(const std::string& path)>;
-
-inline void write_bytes(const std::string& path, std::span<const std::uint8_t> bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
-inline std::vector<std::uint8_t> read_bytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-/// `bytes` as changes to a file that is well: three for the place, one for the new value. The first says whether they
-/// are the file itself instead; 254 and 255 of a new value cut the file there.
-inline std::vector<std::uint8_t> changed(std::span<const std::uint8_t> well, std::span<const std::uint8_t> bytes) {
-  if (bytes.empty() || bytes[0] % 4 == 0) return {bytes.begin(), bytes.end()};
-  std::vector<std::uint8_t> file(well.begin(), well.end());
-  for (std::size_t i = 1; i + 3 < bytes.size() && !file.empty(); i += 4) {
-    const std::size_t place = (bytes[i] + 256U * bytes[i + 1] + 65536U * bytes[i + 2]) % file.size();
-    if (bytes[i + 3] >= 254)
-      file.resize(place);
-    else
-      file[place] = bytes[i + 3];
-  }
-  return file;
-}
 
 /// The frames of a small film: times that a container would round, indices with a gap.
 inline std::vector<vision::Frame> small_film() {
@@ -85,18 +47,6 @@ inline void frames(const std::string& path, const Opener& open, const std::vecto
     must_hold(known);
   }
   for (const std::string& line : source->skipped()) must_hold(line.find(path) == 0);
-}
-
-/// `bytes` as a calibration, and as marks on the floor: what is accepted survives being written and read again.
-inline void calibration(std::span<const std::uint8_t> bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto read = vision::parse_calibration(text, "fuzz.toml");
-  if (read)
-    must_hold(vision::parse_calibration(vision::format_calibration(*read), "again.toml") == read);
-  else
-    must_hold(read.error().find("fuzz.toml:") == 0);
-  const auto marks = vision::parse_floor_marks(text, "fuzz.toml");
-  must_hold(marks ? !marks->empty() : marks.error().find("fuzz.toml:") == 0);
 }
 
 }  // namespace skein::fuzz

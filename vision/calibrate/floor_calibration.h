@@ -24,13 +24,6 @@ struct FloorMark {
   bool seen = false;
 };
 
-/// Reads what lies where (TOML):
-///   [[tag]]    id, x, y, z = 0        a tag of the family 36h11
-///   [[point]]  u, v, x, y, z = 0      a spot of the floor, and its pixel
-/// A problem is said as file:line:column, what was found and what is allowed.
-tl::expected<std::vector<FloorMark>, std::string> load_floor_marks(const std::filesystem::path& path);
-tl::expected<std::vector<FloorMark>, std::string> parse_floor_marks(std::string_view text, const std::string& name);
-
 /// Looks for the marks' tags in up to `frames` frames of a source that does not move, and takes the mean of where their
 /// middles were. The error: the source's, a frame of another size than the calibration's, one id seen twice.
 struct FloorSight {

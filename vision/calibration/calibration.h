@@ -45,25 +45,6 @@ struct Calibration {
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };
 
-/// Reads a calibration file (TOML, the tables of format_calibration). A problem is said as file:line:column, the key,
-/// what was found and what is allowed; unknown keys are refused.
-tl::expected<Calibration, std::string> load_calibration(const std::filesystem::path& path);
-
-/// The same for text already in memory; `name` stands for the file in messages.
-tl::expected<Calibration, std::string> parse_calibration(std::string_view text, const std::string& name);
-
-/// The file's text. Numbers are the shortest that read back to the same double: parse_calibration gives back an equal
-/// value.
-std::string format_calibration(const Calibration& calibration);
-
-/// Writes format_calibration to a file; the error names the file and the reason.
-tl::expected<void, std::string> save_calibration(const Calibration& calibration, const std::filesystem::path& path);
-
-/// The same over a file that may be there: what stood in it is kept beside it, as `path` with ".old" behind, whose name
-/// is the answer; empty: there was none, or it said the same.
-tl::expected<std::filesystem::path, std::string> replace_calibration(const Calibration& calibration,
-                                                                     const std::filesystem::path& path);
-
 /// The synthetic scene's camera: 1280x960, hung over the origin just high enough to see the whole arena (width along x,
 /// height along y [m]) and the robots that stand on its edge. A degree of tilt and a lens with mild barrel distortion
 /// keep the geometry from being trivial.

@@ -157,7 +157,6 @@ tl::expected<std::unique_ptr<Recorder>, std::string> open_recorder(const TrackOp
   if (options.record.empty()) return nullptr;
   FilmNotes notes = options.notes;
   notes["SOURCE"] = options.source;
-  if (options.calibration) notes["CALIBRATION"] = format_calibration(*options.calibration);
   return Recorder::open(options.record, notes);
 }
 

@@ -22,7 +22,7 @@ struct TrackOptions {
   std::int64_t max_frames = 0;               // 0: until the end of the stream; a camera has none
   double decimate = 0.0;  // as for DetectorOptions; 0: chosen so that no tag known to be readable is lost
   std::string record{};   // a film that the frames are kept in (see Recorder); empty: none
-  FilmNotes notes{};      // of that film; SOURCE and CALIBRATION are added
+  FilmNotes notes{};      // of that film; SOURCE is added
   std::function<bool(std::int64_t frames)>
       keep_going{};  // asked after every frame, and with -1 while a camera does not deliver: false ends the run
 };

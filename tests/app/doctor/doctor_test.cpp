@@ -1,5 +1,6 @@
 // Faults are planted in a machine that is well otherwise, one at a time: each is named, and nothing else.
 #include "app/doctor/doctor.h"
+#include "app/calibration/calibration_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -55,7 +56,7 @@ class Patient {
     machine.has_program = [](const std::string&) { return true; };
 
     vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
-    EXPECT_TRUE(vision::save_calibration(calibration, folder / "cal.toml"));
+    EXPECT_TRUE(save_calibration(calibration, folder / "cal.toml"));
     Experiment lab = paper_experiment();
     lab.camera.source = "v4l2:/dev/video0";
     lab.camera.calibration = "cal.toml";
@@ -190,13 +191,13 @@ const Fault faults[] = {
      [](Patient& p) {
        vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
        calibration.world_from_camera.reset();
-       EXPECT_TRUE(vision::save_calibration(calibration, p.folder / "cal.toml"));
+       EXPECT_TRUE(save_calibration(calibration, p.folder / "cal.toml"));
      }},
     {"TagSizes", State::ill, "tag size: ",
      [](Patient& p) {
        vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
        calibration.tag_size = 0.06;
-       EXPECT_TRUE(vision::save_calibration(calibration, p.folder / "other.toml"));
+       EXPECT_TRUE(save_calibration(calibration, p.folder / "other.toml"));
        p.examination.experiments.push_back(p.examination.experiments[0]);
        p.examination.experiments[1].second.camera.calibration = "other.toml";
      }},

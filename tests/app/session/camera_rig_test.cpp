@@ -1,4 +1,5 @@
 // Why a robot's tag is not seen, asked of a camera that runs, and calibrations that are missing.
+#include "app/calibration/calibration_file.h"
 #include "app/session/camera_rig.h"
 
 #include <fmt/format.h>
@@ -26,7 +27,7 @@ struct Lab {
     fs::create_directories(folder / "film");
     vision::Calibration calibration = vision::overhead_calibration(2.0, 1.5);
     calibration.tag_size = 0.06;
-    EXPECT_TRUE(vision::save_calibration(calibration, folder / "cal.toml"));
+    EXPECT_TRUE(save_calibration(calibration, folder / "cal.toml"));
     vision::Frame frame;
     vision::SyntheticCamera(calibration)
         .render(std::vector<vision::SyntheticTag>{{1, {0.3, -0.2, 0.4}, 0.04}}, 0.0, frame);
@@ -70,7 +71,7 @@ TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
   const Lab lab;
   const auto film = lab.folder / "lost";
   fs::create_directories(film);
-  const vision::Calibration calibration = *vision::load_calibration(lab.folder / "cal.toml");
+  const vision::Calibration calibration = *load_calibration(lab.folder / "cal.toml");
   vision::SyntheticCamera camera(calibration);
   std::vector<vision::SyntheticTag> tags{{1, {0.3, -0.2, 0.4}, 0.06},
                                          {2, {-0.5, 0.3, 1.0}, 0.06},

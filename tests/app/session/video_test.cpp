@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/calibration/calibration_file.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
@@ -49,7 +50,7 @@ TEST(Video, GivesTheSamePosesAgain) {
   EXPECT_TRUE((*film)->recorded());
   EXPECT_EQ((*film)->notes().at("SOURCE"), "synthetic");
   EXPECT_EQ((*film)->notes().at("EXPERIMENT"), experiment.source);
-  const auto calibration = vision::parse_calibration((*film)->notes().at("CALIBRATION"), "CALIBRATION");
+  const auto calibration = parse_calibration((*film)->notes().at("CALIBRATION"), "CALIBRATION");
   ASSERT_TRUE(calibration) << calibration.error();
 
   vision::TagTracker tracker(*calibration, {.tags = {1, 2, 3, 4}});

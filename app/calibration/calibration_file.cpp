@@ -1,0 +1,153 @@
+#include "app/calibration/calibration_file.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <fstream>
+#include <sstream>
+
+#include "app/experiment/text_file.h"
+#include "app/experiment/toml_table.h"
+
+// The file:
+//   [camera]   width, height, fx, fy, cx, cy, distortion = [k1, k2, p1, p2, k3], row_time (0 if missing)
+//   [world]    rotation = three rows of three, position = [x, y, z]   (may be missing: intrinsics only)
+//   [tags]     height, size                                           (may be missing: 0.06 m and 0.04 m)
+
+namespace skein::app {
+namespace {
+
+using vision::Calibration;
+using vision::CameraPose;
+
+void read_camera(TomlTable t, Calibration& c) {
+  for (const auto& [key, target] : {std::pair("width", &c.width), std::pair("height", &c.height)}) {
+    t.require(key, "a whole number of pixels");
+    t.integer(key, *target, 16, 32768);
+  }
+  // A focal length of under a tenth of the picture would be a fish-eye, which this model does not describe.
+  t.needed("fx", c.fx, between(0.1 * c.width, 1e6, "px"));
+  t.needed("fy", c.fy, between(0.1 * c.height, 1e6, "px"));
+  t.needed("cx", c.cx, between(-1.0 * c.width, 2.0 * c.width, "px"));
+  t.needed("cy", c.cy, between(-1.0 * c.height, 2.0 * c.height, "px"));
+  t.needed("distortion", c.distortion, between(-1000.0, 1000.0));
+  t.number("row_time", c.row_time, between(0.0, 0.001, "s"));
+  t.finish();
+}
+
+void read_rotation(TomlTable& t, Eigen::Matrix3d& rotation, Problems& problems) {
+  const std::string allowed = "3 rows of 3 numbers";
+  t.require("rotation", allowed);
+  const toml::node* const found = t.node("rotation");
+  if (!found) return;
+  const toml::array* const rows = found->as_array();
+  if (!rows || rows->size() != 3) return t.refuse("rotation", *found, allowed);
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto row = numbers_of<3>(*rows->get(r));
+    if (!row) return t.refuse("rotation", *found, allowed);
+    rotation.row(static_cast<Eigen::Index>(r)) << (*row)[0], (*row)[1], (*row)[2];
+  }
+  const double error = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(error < 1e-6) || rotation.determinant() < 0.0)
+    problems.add(found->source(), fmt::format("{}: found a matrix R with R R' off the identity by {:.2g} and det R = "
+                                              "{:.6g}, allowed: a rotation, off by 1e-6 at most, det R = 1 (write all "
+                                              "digits)",
+                                              t.full("rotation"), error, rotation.determinant()));
+}
+
+}  // namespace
+
+tl::expected<Calibration, std::string> parse_calibration(std::string_view text, const std::string& name) {
+  const auto document = parse_toml(text, name);
+  if (!document) return tl::unexpected(messages(document.error()));
+  Problems problems(*document, name);
+  TomlTable root(&*document, "", problems);
+  Calibration result;
+  root.require("camera", "the table [camera]");
+  if (TomlTable camera = root.table("camera"); root.has("camera") && problems.empty()) read_camera(camera, result);
+  if (TomlTable t = root.table("world"); root.has("world")) {
+    CameraPose pose;
+    std::array<double, 3> position{};
+    read_rotation(t, pose.rotation, problems);
+    t.needed("position", position, between(-100.0, 100.0, "m"));
+    t.finish();
+    pose.position << position[0], position[1], position[2];
+    result.world_from_camera = pose;
+  }
+  if (TomlTable t = root.table("tags"); root.has("tags")) {
+    t.needed("height", result.tag_height, between(-10.0, 10.0, "m"));
+    t.needed("size", result.tag_size, between(1e-3, 10.0, "m"));
+    t.finish();
+  }
+  root.finish();
+  if (!problems.empty()) return tl::unexpected(messages(std::move(problems).sorted()));
+  return result;
+}
+
+tl::expected<Calibration, std::string> load_calibration(const std::filesystem::path& path) {
+  const auto text = read_text(path.string());
+  if (!text) return tl::unexpected(messages(text.error()));
+  return parse_calibration(*text, path.string());
+}
+
+std::string format_calibration(const Calibration& calibration) {
+  const Calibration& c = calibration;
+  std::string text = fmt::format(
+      "# Camera calibration: lengths in m unless px is said, pixel (0, 0) at the centre of the top-left one.\n\n"
+      "[camera]\n"
+      "width = {}  # px\n"
+      "height = {}\n"
+      "fx = {}  # focal length [px]\n"
+      "fy = {}\n"
+      "cx = {}  # principal point [px]\n"
+      "cy = {}\n"
+      "distortion = [{}]  # k1, k2, p1, p2, k3 (OpenCV's)\n",
+      c.width, c.height, c.fx, c.fy, c.cx, c.cy, fmt::join(c.distortion, ", "));
+  if (c.row_time != 0.0)
+    text += fmt::format("row_time = {}  # of a rolling shutter, from row to row [s]\n", c.row_time);
+  if (c.world_from_camera) {
+    const Eigen::Matrix3d& r = c.world_from_camera->rotation;
+    const Eigen::Vector3d& p = c.world_from_camera->position;
+    text +=
+        "\n# p_world = rotation * p_camera + position; world: x right, y up on the floor, z to the camera\n[world]\n";
+    text += "rotation = [\n";
+    for (int i = 0; i < 3; ++i) text += fmt::format("  [{}, {}, {}],\n", r(i, 0), r(i, 1), r(i, 2));
+    text += fmt::format("]\nposition = [{}, {}, {}]\n", p.x(), p.y(), p.z());
+  }
+  text += fmt::format(
+      "\n[tags]\n"
+      "height = {}  # of the tags' plane above the floor\n"
+      "size = {}  # edge of the black square\n",
+      c.tag_height, c.tag_size);
+  return text;
+}
+
+tl::expected<std::filesystem::path, std::string> replace_calibration(const Calibration& calibration,
+                                                                     const std::filesystem::path& path) {
+  std::filesystem::path old;
+  std::ostringstream before;
+  if (std::ifstream file(path, std::ios::binary); file) before << file.rdbuf();
+  if (!before.str().empty() && before.str() != format_calibration(calibration)) {
+    old = path;
+    old += ".old";
+    std::error_code error;
+    std::filesystem::copy_file(path, old, std::filesystem::copy_options::overwrite_existing, error);
+    if (error)
+      return tl::unexpected(
+          fmt::format("{}: the previous contents of {} cannot be saved there ({}); nothing was written", old.string(),
+                      path.string(), error.message()));
+  }
+  if (auto saved = save_calibration(calibration, path); !saved) return tl::unexpected(saved.error());
+  return old;
+}
+
+tl::expected<void, std::string> save_calibration(const Calibration& calibration, const std::filesystem::path& path) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << format_calibration(calibration);
+  file.close();
+  if (!file) return tl::unexpected(fmt::format("{}: the calibration file cannot be written", path.string()));
+  return {};
+}
+
+}  // namespace skein::app
