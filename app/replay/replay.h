@@ -13,7 +13,7 @@
 
 namespace skein::app {
 
-/// A recorded run, put through the same tick once more.
+/// The result of replaying a recorded run through the same tick.
 struct ReplayResult {
   std::string experiment;  ///< its name
   std::int64_t ticks = 0;
