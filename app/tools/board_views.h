@@ -12,8 +12,8 @@
 
 namespace skein::app {
 
-/// Views of a calibration board, collected frame by frame: of single pictures every one, of a film or a camera those
-/// that show the board elsewhere or otherwise than the views before.
+/// Views of a calibration board, collected frame by frame: every one of single images; from a film or a camera those
+/// that show the board in a new place or orientation.
 class BoardViews {
  public:
   /// `live`: a camera, watched until it has seen enough; of a film, which is over when it is over, more is kept.
@@ -21,11 +21,11 @@ class BoardViews {
 
   enum class Look {
     view,        ///< kept
-    known,       ///< the board as it was seen before
+    known,       ///< the board as in an earlier view
     no_board,    ///< none is seen
-    other_size,  ///< not of the first frame's size: passed over
+    other_size,  ///< not of the first frame's size: skipped
   };
-  /// The error: the board detector's module is not there.
+  /// The error: the board detector's module is missing.
   tl::expected<Look, std::string> look(const vision::Frame& frame);
 
   const std::vector<vision::BoardCorner>& newest() const noexcept { return newest_; }  ///< corners of the last frame
