@@ -108,8 +108,8 @@ struct FoundRobot {
 /// Writes it to the file of robots, leaving the rest unchanged; reports robots that the file does not have.
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
 
-/// Says on stderr which runs ended without stopping their robots, if any did, and offers to stop them where somebody
-/// sits at a terminal.
+/// Reports on stderr the runs that ended without stopping their robots, if any, and offers to stop them if stdin is a
+/// terminal.
 void look_after_bad_ends();
 
 }  // namespace skein::app
