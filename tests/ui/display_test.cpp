@@ -187,7 +187,7 @@ TEST_F(Display, ARunThatCannotStartIsNotSaidToBeReady) {
   EXPECT_TRUE(arena().scene().banner.contains(QStringLiteral("tag"))) << arena().scene().banner.toStdString();
   EXPECT_FALSE(find<QLabel>("check_mark_places")->text().contains(QStringLiteral("✓")))
       << find<QLabel>("check_places")->text().toStdString();
-  EXPECT_FALSE(find<QLabel>("check_places")->text().contains(QStringLiteral("everybody")));
+  EXPECT_FALSE(find<QLabel>("check_places")->text().contains(QStringLiteral("all robots")));
 }
 
 TEST_F(Display, OfAReplayIsThatOfTheRun) {
