@@ -130,7 +130,7 @@ const Fault faults[] = {
     {"GroupDialout", State::ill, "group dialout", [](Patient& p) { p.machine.groups = {"video"}; }},
     {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
     {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
-    {"PriorityBelowTheGuards", State::ill, "limit 21, asked for 22", [](Patient& p) { p.machine.rtprio = 21; }},
+    {"PriorityBelowTheGuards", State::ill, "limit 21, requested 22", [](Patient& p) { p.machine.rtprio = 21; }},
     {"NoShareForRealTime", State::ill, "sched_rt_runtime_us is 0",
      [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_runtime_us", "0\n"); }},
     {"Governor", State::ill, "CPU frequency: governor powersave",
@@ -216,7 +216,8 @@ const Fault faults[] = {
     {"NoGnuplot", State::note, "gnuplot: is missing",
      [](Patient& p) { p.machine.has_program = [](const std::string& name) { return name != "gnuplot"; }; }},
     {"NoDisplay", State::note, "display: none", [](Patient& p) { p.machine.display = ""; }},
-    {"DeadDisplay", State::ill, "DISPLAY is :7.0, and nothing answers", [](Patient& p) { p.machine.display = ":7.0"; }},
+    {"DeadDisplay", State::ill, "DISPLAY is :7.0, but there is no display server",
+     [](Patient& p) { p.machine.display = ":7.0"; }},
 };
 static_assert(std::size(faults) >= 20);
 

@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[[robot]]\ntruth = {wheel = 1}", "e.toml:2:10: robot.1.truth.wheel: unknown key"},
         Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'c.toml'\n[[robot]]\nlink = 'tcp:a'\ntruth = "
                 "{track = 0.05}",
-                "e.toml:6:9: robot.1.truth: found one of a real robot"},
+                "e.toml:6:9: robot.1.truth: found for a real robot"},
         Refused{"[robot_defaults]\ntag = 3", "e.toml:2:1: robot_defaults.tag: unknown key"},
         Refused{"[camera]\nsource = 'webcam'",
                 "e.toml:2:10: camera.source: found \"webcam\", allowed: \"none\", \"synth"},
@@ -190,8 +190,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[reference]\nspacing = 0.2\nchange = [{ t = 1, duration = 2, spacing = 0.15 }]",
                 "e.toml:3:10: reference.change: found changes of spacing in which robots drive up to 0.190625 m/s"},
         Refused{"[reference]\nspeed = 0.08", "e.toml:2:9: reference.speed: (18f) fails for robot 1 by 0.004 m/s"},
-        Refused{"[reference]\nspeed = 0.2",
-                "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails whatever the"},
+        Refused{"[reference]\nspeed = 0.2", "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails with any"},
         Refused{"[controller.gains]\nk_xx = 0.02",
                 "e.toml:2:8: controller.gains.k_xx: (18f) fails for robot 1 by 0.01 m/s: v_max 0.1 - reference 0.05 - "
                 "couplings 0.06 leaves k_x = -0.01, which must be above 0; allowed: k_xx below 0.0166667 for all pairs "
