@@ -24,7 +24,7 @@ class LinkWatch {
   LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall);
 
   /// Updates the links' status. Returns a sentence about the first lost link, if any. One thread.
-  std::optional<std::string> look(const std::vector<comms::LinkStatus>& links);
+  std::optional<std::string> update(const std::vector<comms::LinkStatus>& links);
 
   /// Adds an event for every link that was lost or came back since the last call, as far as there is room. Control
   /// thread only.

@@ -241,7 +241,7 @@ std::optional<std::string> Plant::failure() {
   if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
   if (!links_ || !final_status_.empty()) return {};
   if (const double gap = links_->stood_still(); gap > 0.0) return stood_still_sentence(gap);
-  auto lost = watch_->look(links_->status());
+  auto lost = watch_->update(links_->status());
   if (experiment_.failure.link_lost == FailureSpec::LinkLost::others_go_on) return {};
   return lost;
 }
