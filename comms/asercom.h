@@ -22,14 +22,14 @@ struct WheelCommand {
   friend bool operator==(const WheelCommand&, const WheelCommand&) = default;
 };
 
-/// The fastest that any e-puck runs: 1100 steps/s, an e-puck2. (An e-puck1's own firmware clamps at 1000.)
+/// The largest speed of any e-puck: 1100 steps/s, an e-puck2. (An e-puck1's own firmware clamps at 1000.)
 inline constexpr int fastest_motor = 1100;
 
-/// The nearest command that a robot can carry out; a value outside int16 would otherwise wrap and drive backwards.
+/// The nearest command that a robot can execute; a value outside int16 would otherwise wrap and drive backwards.
 WheelCommand clamped(int left, int right) noexcept;
 
-/// A reading of the step counters. They count commanded steps (slip goes unseen) and an e-puck1's are 16 bits wide, so
-/// only the difference of two readings means anything.
+/// A reading of the step counters. They count commanded steps (without slip) and an e-puck1's are 16 bits wide, so only
+/// the difference of two readings is meaningful.
 struct Encoders {
   std::int16_t left = 0;   ///< [steps]
   std::int16_t right = 0;  ///< [steps]
@@ -37,7 +37,7 @@ struct Encoders {
   friend bool operator==(const Encoders&, const Encoders&) = default;
 };
 
-/// Steps from one reading to a later one, right as long as less than 32768 steps lie between them.
+/// Steps from one reading to a later one, correct if less than 32768 steps lie between them.
 std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept;
 
 // --- Requests: binary -----------------------------------------------------------------------------------------------
@@ -45,13 +45,13 @@ std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept;
 /// What a request asks the robot for.
 enum class Question {
   none,               ///< nothing: the robot does not answer
-  wheels,             ///< the speeds that it has taken, and the step counters
+  wheels,             ///< the speeds taken, and the step counters
   wheels_and_battery  ///< the raw battery value (battery_of()) as well
 };
 
-/// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds that
-/// the robot has taken and for its counters, `9E` for the battery, `00` ends the request. A request with a question is
-/// acknowledgement, heartbeat and round-trip probe in one. At most 9 bytes.
+/// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds taken
+/// and for the counters, `9E` for the battery, `00` ends the request. A request with a question is acknowledgement,
+/// heartbeat and round-trip probe in one. At most 9 bytes.
 std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question);
 
 /// Bytes in the answer: the speeds (left, right), the counters (left, right), the battery; little-endian int16.
@@ -68,8 +68,8 @@ constexpr std::size_t answer_size(Question question) noexcept {
 }
 inline constexpr std::size_t longest_answer = answer_size(Question::wheels_and_battery);
 
-/// The bytes that stop an e-puck whatever half command its parser is stuck in: 40 x 0x00 end any binary sequence and
-/// supply any arguments still awaited, "\r" ends a half line, "S\r" is the stop. Its answer ends with a line "s";
+/// The bytes that stop an e-puck whatever partial command its parser is stuck in: 40 x 0x00 end any binary sequence and
+/// supply any arguments still awaited, "\r" ends a partial line, "S\r" is the stop. Its answer ends with a line "s";
 /// "d", "z,..." and greeting lines may come before. 43 bytes: fits the e-puck1's 64-byte ring behind one exchange.
 std::span<const std::uint8_t> stop_sequence() noexcept;
 
@@ -80,36 +80,36 @@ std::string ascii_request(char command, std::span<const int> arguments = {});
 
 // --- Replies --------------------------------------------------------------------------------------------------------
 
-/// A reply line taken apart: "q,12,-7" is letter 'q', values 12, -7.
+/// A parsed reply line: "q,12,-7" is letter 'q', values 12, -7.
 struct ReplyLine {
   char letter = 0;          ///< the first character; 0 for an empty line
-  std::vector<int> values;  ///< the whole numbers after it, as far as they go; "b,3195 (62%)" gives 3195
+  std::vector<int> values;  ///< the whole numbers after it, up to other text; "b,3195 (62%)" gives 3195
   std::string text;         ///< the whole line without its end
 };
 ReplyLine parse_reply_line(std::string_view line);
 
-/// True of a line that a robot says only when it boots. The start of the line may be missing.
+/// True for a line that a robot sends only when it boots. The start of the line may be missing.
 bool is_greeting(std::string_view line) noexcept;
 
-/// What one reply turned out to be.
+/// One reply, classified.
 struct Reply {
   enum class Kind {
     wheels,   ///< the answer to a binary question
-    stopped,  ///< the line "s": the robot has carried out a stop
+    stopped,  ///< the line "s": the robot has executed a stop
     line      ///< any other line: "d", "z,Command not found", a greeting, or debris
   };
   Kind kind = Kind::line;
-  WheelCommand taken;  ///< for Kind::wheels: the speeds that the robot was told last, as it understood them
+  WheelCommand taken;  ///< for Kind::wheels: the last speeds that the robot received, as it parsed them
   Encoders encoders;   ///< for Kind::wheels
   int battery = 0;     ///< raw, for Kind::wheels where it was asked for
   std::string text;    ///< for Kind::line, without its end
 };
 
-/// Cuts the bytes that a robot sends into replies, whatever chunks they arrive in. The protocol does not say whether
-/// an answer is binary or text; who sent the request does.
+/// Splits the bytes from a robot into replies, whatever chunks they arrive in. The protocol does not mark an answer as
+/// binary or text; the sender of the request knows.
 class ReplyParser {
  public:
-  /// What the next bytes are: text until told otherwise, or one binary answer and then nothing.
+  /// Sets what the next bytes are: text by default, or one binary answer and then nothing.
   void expect_lines() noexcept { expected_ = Expected::lines; }
   void expect_answer(Question question) noexcept {
     expected_ = question == Question::none ? Expected::nothing : Expected::answer;
@@ -118,14 +118,14 @@ class ReplyParser {
 
   void feed(std::span<const std::uint8_t> bytes);
 
-  /// The next complete reply. A line "s" is found behind a late binary answer as well.
+  /// The next complete reply. A line "s" is also found after a late binary answer.
   std::optional<Reply> next();
 
-  /// Takes a line "s" off the front, whatever is expected: the late answer to a stop in front of a binary answer.
-  /// False: there is none.
+  /// Removes a line "s" from the front, whatever is expected: the late answer to a stop before a binary answer. False:
+  /// there is none.
   bool skip_stopped();
 
-  /// Bytes fed and not yet part of a reply; with nothing expected they are debris. [bytes]
+  /// Bytes received that are not yet part of a reply; unsolicited if nothing is expected. [bytes]
   std::size_t pending() const noexcept { return buffer_.size(); }
   std::string_view pending_text() const noexcept {
     return {reinterpret_cast<const char*>(buffer_.data()), buffer_.size()};

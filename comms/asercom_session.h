@@ -4,7 +4,7 @@
 
 namespace skein::comms {
 
-/// LinkSession with a robot that speaks asercom (asercom.h): over Bluetooth, a serial line or a pseudo-terminal.
+/// LinkSession for the asercom protocol (asercom.h): over Bluetooth, a serial line or a pseudo-terminal.
 class AsercomSession final : public LinkSession {
  public:
   explicit AsercomSession(const LinkOptions& options) : LinkSession(options) {}

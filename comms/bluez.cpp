@@ -119,13 +119,13 @@ tl::expected<BluetoothRobot, std::string> pair_robot(const PairOptions& options)
     for (const BluezAdapter& adapter : *adapters) bus->stop_discovery(adapter);
   }
   if (!device)
-    return tl::unexpected(fmt::format(
-        "no robot {} was heard within {:g} s: is it switched on and in range? An e-puck2 is heard only when its "
-        "button is held while it is switched on",
-        options.robot, options.timeout));
+    return tl::unexpected(
+        fmt::format("no robot {} was found within {:g} s: is it switched on and in range? An e-puck2 is discoverable "
+                    "only when its button is held while it is switched on",
+                    options.robot, options.timeout));
   if (!is_epuck_name(device->name))
     return tl::unexpected(
-        fmt::format("{} calls itself \"{}\", which is no e-puck's name", options.robot, device->name));
+        fmt::format("{} has the name \"{}\", which is not that of an e-puck", options.robot, device->name));
   BluetoothRobot robot = as_robot(*device);
   if (robot.paired) return robot;
   const bool can_type = robot.model() == core::MotorModel::epuck1;

@@ -43,7 +43,7 @@ std::string sentence(const sd_bus_error& error, int result) {
   if (is(".ServiceUnknown") || is(".NameHasNoOwner") || name.find(".Spawn.") != name.npos)
     return "no Bluetooth daemon on the system bus: start it with \"systemctl start bluetooth\"";
   if (name == "org.freedesktop.DBus.Error.AccessDenied")
-    return "the system bus refuses to speak with the Bluetooth daemon: is the user in the group bluetooth?";
+    return "the system bus refuses access to the Bluetooth daemon: is the user in the group bluetooth?";
   if (is(".NotReady")) return "the adapter is off: \"bluetoothctl power on\" switches it on";
   if (is(".AuthenticationFailed") || is(".AuthenticationRejected")) return "the robot refuses to pair";
   if (is(".AuthenticationTimeout") || is(".NoReply") || is(".Timeout")) return "the robot did not answer in time";
@@ -295,9 +295,10 @@ tl::expected<void, std::string> BluezBus::pair(const BluezDevice& device, const 
       outcome.error_name.ends_with(".AuthenticationFailed") || outcome.error_name.ends_with(".AuthenticationRejected");
   if (!refused) return tl::unexpected(outcome.error);
   if (agent.was_asked)
-    return tl::unexpected(std::string("the robot refuses the PIN: is the number in its name its own?"));
-  return tl::unexpected(outcome.error +
-                        ": it asked for no PIN. It may know another computer, or an older pairing of this one");
+    return tl::unexpected(std::string("the robot refuses the PIN: is the number in its name its PIN?"));
+  return tl::unexpected(
+      outcome.error +
+      ": it requested no PIN. It may be paired with another computer, or have an older pairing with this one");
 }
 
 }  // namespace skein::comms

@@ -10,7 +10,7 @@ struct sd_bus;
 
 namespace skein::comms {
 
-/// The PC's adapters and the devices that the daemon knows, as far as Skein asks.
+/// The PC's adapters and the devices that the daemon knows, with the properties that Skein uses.
 struct BluezAdapter {
   std::string path;     ///< "/org/bluez/hci0"
   std::string address;  ///< "00:1A:7D:DA:71:13"
@@ -21,7 +21,7 @@ struct BluezAdapter {
 struct BluezDevice {
   std::string path, adapter_path, address, name;
   bool paired = false;
-  bool heard = false;  ///< by the discovery that is going on
+  bool heard = false;  ///< by the present discovery
 };
 struct BluezObjects {
   std::vector<BluezAdapter> adapters;
@@ -34,17 +34,17 @@ class BluezBus {
   static tl::expected<BluezBus, std::string> open();
 
   tl::expected<BluezObjects, std::string> objects();
-  /// The adapters to work with: `wanted`, by name or address, or all that are on. Never none.
+  /// The adapters to use: `wanted`, by name or address, or all that are on. Never none.
   tl::expected<std::vector<BluezAdapter>, std::string> adapters(const std::string& wanted);
 
   tl::expected<void, std::string> start_discovery(const BluezAdapter& adapter);
   void stop_discovery(const BluezAdapter& adapter);
 
-  /// Pairs with a device; `pin` is what it is told if it asks. False from `keep_on` cancels.
+  /// Pairs with a device; `pin` is the answer if it requests one. False from `keep_on` cancels.
   tl::expected<void, std::string> pair(const BluezDevice& device, const std::string& pin, bool can_type,
                                        double timeout_s, const std::function<bool()>& keep_on);
 
-  /// Serves the bus until `until` says true, `keep_on` false or the time is up; true: `until` did.
+  /// Serves the bus until `until` returns true, `keep_on` false or the time is up; true: `until` did.
   bool serve(double timeout_s, const std::function<bool()>& keep_on, const std::function<bool()>& until);
 
  private:

@@ -7,8 +7,8 @@
 
 namespace skein::comms {
 
-/// The newest command for one robot, handed from the control thread to the link thread in one atomic word: whoever
-/// reads gets a whole command and never an old one again. One writer at a time, any readers; all calls are wait-free.
+/// The newest command for one robot, passed from the control thread to the link thread in one atomic word: a reader
+/// gets a complete command and never an older one again. One writer at a time, any readers; all calls are wait-free.
 class CommandSlot {
  public:
   struct Content {

@@ -2,29 +2,29 @@
 
 #include "comms/protocol.h"
 
-/// Stops the robots when the program crashes: what a signal handler needs lies ready at any time, descriptors of open
-/// links and the bytes of a stop.
+/// Stops the robots when the program crashes: the descriptors of open links and the bytes of a stop are always ready
+/// for the signal handler.
 namespace skein::comms {
 
 /// SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT and SIGSYS, in whatever thread, stop every robot before they end
 /// the program: every link thread gets the emergency stop, every open link the bytes at once, again every 100 ms, until
-/// each robot is known to stand, at most for a second. Then the signal does what it did before. A stack overflow is
+/// each robot is known to stand, at most for a second. Then the signal has its previous effect. A stack overflow is
 /// handled only in the thread that called this.
 void stop_robots_on_crash();
 
 /// SIGTSTP (Ctrl-Z) stops every robot before it suspends the program: every link thread gets the emergency stop, which
-/// stays. Waits until every robot is known to stand, at most a second, and calls `stopped` (async-signal-safe) where a
+/// stays. Waits until every robot is known to stand, at most a second, and calls `stopped` (async-signal-safe) if a
 /// line was open.
 void stop_robots_on_suspend(void (*stopped)() noexcept);
 
 // --- For links
 // --------------------------------------------------------------------------------------------------------
 
-/// An open descriptor to a robot, known to the handler as long as this lives. Move-only. All calls are lock-free.
+/// Registers an open descriptor to a robot with the handler during its lifetime. Move-only. All calls are lock-free.
 class CrashEntry {
  public:
   CrashEntry() noexcept = default;
-  CrashEntry(int descriptor, const Protocol& protocol) noexcept;  ///< beyond 128 links: not known
+  CrashEntry(int descriptor, const Protocol& protocol) noexcept;  ///< beyond 128 links: not registered
   CrashEntry(CrashEntry&& other) noexcept;
   CrashEntry& operator=(CrashEntry&& other) noexcept;
   ~CrashEntry();
@@ -35,7 +35,7 @@ class CrashEntry {
   int place_ = -1;
 };
 
-/// A link thread, known to the handler as long as this lives: `stop(who)` is called there, and must be
+/// Registers a link thread with the handler during its lifetime: `stop(who)` is called there, and must be
 /// async-signal-safe.
 class CrashThread {
  public:

@@ -16,7 +16,7 @@
 ///     to the robot     80 | request | settings | left | right | LEDs | 4 x red, green, blue | sound
 ///     to the host      02 | 104 bytes of sensors           03: nothing else           01 | 38400 bytes of picture
 ///
-/// TCP loses and changes no byte, so there is nothing to resynchronise with but a new connection.
+/// TCP neither loses nor changes bytes, so only a new connection can resynchronise.
 namespace skein::comms {
 
 inline constexpr int wifi_port = 1000;
@@ -32,12 +32,12 @@ struct WifiPacket {
   int battery = 0;  ///< raw, see battery_of()
 };
 
-/// Cuts what the robot sends into packets, whatever chunks they arrive in.
+/// Splits the robot's bytes into packets, whatever chunks they arrive in.
 class WifiParser {
  public:
   void feed(std::span<const std::uint8_t> bytes);
-  std::optional<WifiPacket> next();                   ///< none: not yet whole, or garbled
-  bool garbled() const noexcept { return garbled_; }  ///< no packet begins like this: only clear() helps
+  std::optional<WifiPacket> next();                   ///< none: incomplete, or garbled
+  bool garbled() const noexcept { return garbled_; }  ///< no packet begins like this: call clear()
   void clear() noexcept { buffer_.clear(), garbled_ = false; }
   std::size_t pending() const noexcept { return buffer_.size(); }
 

@@ -12,23 +12,23 @@
 namespace skein::comms {
 
 /// A Khepera IV's serial protocol, over a cable or Bluetooth: K-Team's server on the robot reads lines and answers each
-/// with one, "D,l,r" (speeds) "d", "R" (positions) "r,l,r", "V,0" (battery) "v,mV", "B" (version) "b,A,1", and what it
-/// does not know with "$". Speeds count 0.6781 mm/s, positions hundredths of that times a second, 0.006781 mm.
+/// with one, "D,l,r" (speeds) "d", "R" (positions) "r,l,r", "V,0" (battery) "v,mV", "B" (version) "b,A,1", and unknown
+/// commands with "$". Speeds count 0.6781 mm/s, positions hundredths of that times a second, 0.006781 mm.
 ///
-/// While it answers it throws away what has arrived meanwhile. So one line at a time is under way, and a new command
-/// waits for the answers to the last. It has no watchdog.
+/// It discards input that arrives while it answers. So one line at a time is sent, and a new command waits for the
+/// answers to the last. It has no watchdog.
 inline constexpr WheelUnit khepera_unit{.metres_per_step = 0.6781e-3, .fastest = 1200, .most_unconfirmed = 0};
 
 /// A position as a counter of the same unit as the speeds.
 std::int16_t khepera_steps(std::int64_t pulses) noexcept;
 
-/// Ends a line that was broken off, and stops both wheels.
+/// Ends a partial line, and stops both wheels.
 std::span<const std::uint8_t> khepera_stop() noexcept;
 /// Whether it has taken a speed command.
 bool khepera_acknowledged(std::span<const std::uint8_t> heard) noexcept;
 
-/// LinkSession with a Khepera IV. A "d" may be the answer to a line that a stop has ended, and the stop thrown away
-/// meanwhile: a robot is known to stand when it has answered so many stops that the last must be among them.
+/// LinkSession for a Khepera IV. A "d" may answer a line that the stop has completed, while the stop itself was
+/// discarded: a robot is known to stand when it has answered so many stops that the last must be among them.
 class KheperaSession final : public LinkSession {
  public:
   explicit KheperaSession(const LinkOptions& options) : LinkSession(options, khepera_unit) {}
@@ -47,7 +47,7 @@ class KheperaSession final : public LinkSession {
 
   std::string heard_;              // of a line that has not ended
   std::deque<std::string> lines_;  // to be sent, one after the other
-  char awaited_ = 0;               // the answer's letter; 0: none is due
+  char awaited_ = 0;               // the letter of the awaited answer; 0: none
   int stops_wanted_ = 0;           // answers until the robot is known to stand
   bool version_asked_ = false;
 };

@@ -49,7 +49,7 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
   take_command(emergency, now);
   session_->advance(now);
   if (transport_ && session_->open() && now >= session_->silent_since() + options_.silence_reconnect)
-    lose({fmt::format("the robot said nothing for {:g} s", options_.silence_reconnect)}, now);
+    lose({fmt::format("the robot sent nothing for {:g} s", options_.silence_reconnect)}, now);
   if (transport_ && session_->garbled()) lose({session_->status(now).reason}, now);
   if (session_->up() && reopened_) {
     if (reached_) ++reconnects_;

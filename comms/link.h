@@ -18,29 +18,29 @@
 
 namespace skein::comms {
 
-/// One robot's link inside LinkSupervisor: opens the transport, opens it again when it is lost, and carries bytes
-/// between it and the session. All calls but those on `slot` come from the link thread, or with it held off.
+/// One robot's link inside LinkSupervisor: opens the transport, reopens it when it is lost, and carries bytes between
+/// it and the session. All calls except those on `slot` come from the link thread, or while it is blocked.
 class Link {
  public:
   Link(LinkAddress address, const LinkOptions& options);
 
   CommandSlot slot;  ///< filled by the control thread
-  /// The nearest command that such a robot can carry out; any thread.
+  /// The nearest command that such a robot can execute; any thread.
   WheelCommand clamped(int left, int right) const noexcept;
 
   // --- Link thread --------------------------------------------------------------------------------------------------
   pollfd wanted() const noexcept;    ///< what to wait for
-  double deadline() const noexcept;  ///< when turn() must be called at the latest [s]
-  /// Does all there is to do now. `events`: what poll() reported; `emergency`: see LinkSupervisor::Loop.
+  double deadline() const noexcept;  ///< latest time of the next call of turn() [s]
+  /// Does all pending work. `events`: reported by poll(); `emergency`: see LinkSupervisor::Loop.
   void turn(short events, std::uint32_t emergency, double now);
-  /// For `times`: what came was read at `read_at`, what there was to write is written by `written_at`.
+  /// For `times`: input was read at `read_at`, output was written by `written_at`.
   void note_times(double read_at, double written_at) noexcept;
-  /// Writes nothing until then, whatever becomes due, and goes on reading; a stop ends it. To see what a robot does
-  /// that hears nothing.
+  /// Writes nothing until then, but goes on reading; a stop ends it. Tests how a robot behaves without
+  /// commands.
   void hush(double until) noexcept { hushed_until_ = until; }
-  void stop(double now);                      ///< stop at once; commands given so far are void
-  void begin_closing(double now);             ///< stop, take no more commands, reconnect quickly if need be
-  void fail(std::string reason, double now);  ///< gives the link up
+  void stop(double now);                      ///< stop at once; earlier commands are void
+  void begin_closing(double now);             ///< stop, accept no more commands, reconnect quickly if necessary
+  void fail(std::string reason, double now);  ///< gives up the link
   void end();                                 ///< closes the transport, whatever the robot does
 
   // --- What is known ------------------------------------------------------------------------------------------------
@@ -49,7 +49,7 @@ class Link {
   bool failed() const noexcept { return failed_; }
   bool settled() const noexcept;  ///< the newest command is answered or void
   bool may_end() const noexcept;  ///< the robot has acknowledged its stop, or was never reached
-  /// While closing: until when an attempt to reach the robot that is under way is worth waiting for [s]; 0: none is.
+  /// While closing: until when to wait for a connection attempt that is under way [s]; 0: none is.
   double worth_waiting_until() const noexcept;
   LinkStatus status(double now) const;
   const RoundTrips& round_trips() const noexcept { return session_->round_trips(); }
@@ -63,7 +63,7 @@ class Link {
   void take_command(std::uint32_t emergency, double now);
   void write(double now);
   void lose(const TransportError& error, double now);
-  /// Why an attempt that ran out of time failed: what an earlier attempt was told says more than the clock.
+  /// The reason for a timed-out attempt: the error of an earlier attempt says more than the time-out.
   std::string no_connection() const;
 
   static constexpr double never = std::numeric_limits<double>::infinity();

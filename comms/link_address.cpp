@@ -143,14 +143,13 @@ tl::expected<LinkAddress, std::string> spoken_by(LinkAddress address, std::strin
   const std::string_view now = language(address);
   if (protocol.empty()) {  // an e-puck's
     if (now == usual(address.kind) && address.kind != LinkKind::udp) return address;
-    return tl::unexpected(
-        fmt::format("found a robot that does not speak \"{}\", as its link \"{}\" says; allowed: the "
-                    "model of a robot that does",
-                    now, to_text(address)));
+    return tl::unexpected(fmt::format(
+        "found a robot without the protocol \"{}\" of its link \"{}\"; allowed: the model of a robot with it", now,
+        to_text(address)));
   }
   if (!address.protocol.empty() && now != protocol)
     return tl::unexpected(
-        fmt::format("found a robot that speaks \"{}\", allowed with the link \"{}\": one that speaks \"{}\"", protocol,
+        fmt::format("found a robot with the protocol \"{}\", allowed with the link \"{}\": one with \"{}\"", protocol,
                     to_text(address), now));
   address.protocol = protocol == usual(address.kind) ? std::string() : std::string(protocol);
   return address;

@@ -259,7 +259,7 @@ void LinkSession::advance(double now) {
   } else if (now >= blind_deadline()) {
     ++counters_.blind_stops;
     resynchronise(
-        fmt::format("no reply for {:.3f} s, {:.0f} mm of way: stopped", now - asked_at_, 1e3 * options_.blind_distance),
+        fmt::format("no reply for {:.3f} s, {:.0f} mm driven: stopped", now - asked_at_, 1e3 * options_.blind_distance),
         now);
   } else if (silence_counts() && now >= commanded_at_ + options_.command_silence) {
     // Nobody commands any more: the robot must not run on. The stop, not a speed of 0: it is repeated until the robot

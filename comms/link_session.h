@@ -15,12 +15,12 @@
 
 namespace skein::comms {
 
-/// How a robot counts what its wheels roll.
+/// The unit in which a robot counts its wheels' motion.
 struct WheelUnit {
   double metres_per_step = std::numbers::pi * 0.041 / 1000.0;  ///< of every e-puck, to a few per cent [m]
-  int fastest = fastest_motor;                                 ///< that any such robot is told [steps/s]
-  /// So many commands may be unconfirmed while a question is. With a question they stay below the 58 bytes that an
-  /// e-puck1 can receive at once, should the radio hold them all back.
+  int fastest = fastest_motor;                                 ///< largest command to any such robot [steps/s]
+  /// The largest number of unconfirmed commands while a question is pending. With a question they stay below the 58
+  /// bytes that an e-puck1 can receive at once, in case the radio delays them all.
   int most_unconfirmed = 6;
 };
 
@@ -28,15 +28,15 @@ struct WheelUnit {
 /// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
 /// that never goes back. Not thread-safe.
 ///
-///     opened --> synchronising --stopped--> up    an answer that does not come or does not fit the request,
-///                     ^ stop,                |    unsolicited bytes, too much way on unconfirmed commands and
-///                     | repeated             |    silence of the control thread lead back to the stop
+///     opened --> synchronising --stopped--> up a missing answer or one that does not fit the request,
+///                     ^ stop, | unsolicited bytes, too long a distance on unconfirmed commands and |
+///                     repeated | silence of the control thread lead back to the stop
 ///                     +----------------------+
 ///
-/// While the link is up, new speeds are written at once. A question (which speeds has the robot taken, where are its
-/// counters) goes along unless an older one is still unanswered; the answer confirms every command up to the question.
-/// Here is what all robots have in common; how a stop, a request and their answers look, the protocols say:
-/// AsercomSession, WifiSession.
+/// While the link is up, new speeds are written at once. A question (speeds taken, counters) is sent along
+/// unless an older one is still unanswered; the answer confirms every command up to the question. This class is
+/// common to all robots; the protocols define the bytes of stops, requests and answers: AsercomSession,
+/// WifiSession.
 class LinkSession {
  public:
   explicit LinkSession(const LinkOptions& options, const WheelUnit& unit = {}) : options_(options), unit_(unit) {}
@@ -51,18 +51,18 @@ class LinkSession {
   void advance(double now);  ///< lets time pass; call it at deadline() at the latest
 
   // --- What is asked of the robot -----------------------------------------------------------------------------------
-  /// The newest wheel speeds. Written now, unless the system still holds bytes or `most_unconfirmed` commands are
-  /// without an answer: then a newer one may replace them. Speeds that the robot has already are not sent again (an
-  /// e-puck1 loses part of a step with every speed command); the next question confirms them.
+  /// The newest wheel speeds. Written now, unless the system still holds bytes or `most_unconfirmed` commands have no
+  /// answer: then a newer one may replace them. Unchanged speeds are not sent again (an e-puck1 loses part of a step
+  /// with every speed command); the next question confirms them.
   void command(WheelCommand command, std::uint16_t ticket, double now);
-  /// The stop, at once whatever is outstanding, repeated until acknowledged; drops commands not yet answered.
+  /// Sends the stop at once whatever is outstanding, repeats it until acknowledged; drops commands not yet answered.
   void stop(double now);
 
   // --- What is to be done -------------------------------------------------------------------------------------------
   std::span<const std::uint8_t> output() const noexcept { return output_; }  ///< bytes to write
   void sent(std::size_t bytes, double now);                                  ///< the first so many are written
   double deadline() const noexcept;                                          ///< infinity: none
-  /// What came cannot be understood, and no byte sent can mend that: the link must be opened anew. The reason is in
+  /// The input is invalid, and nothing that is sent can repair that: the link must be reopened. The reason is in
   /// status().
   bool garbled() const noexcept { return garbled_; }
 
@@ -70,19 +70,19 @@ class LinkSession {
   bool open() const noexcept { return phase_ != Phase::closed; }
   bool up() const noexcept { return phase_ == Phase::up; }
   bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
-  double silent_since() const noexcept;  ///< since when it has owed an answer and said nothing; infinity: it owes none
-  /// Since when it has not been up: where it fell silent, since it was asked; infinity: it is.
+  double silent_since() const noexcept;  ///< since when an answer is due and nothing came; infinity: none is due
+  /// Since when it has not been up: if it fell silent, since the request; infinity: it is up.
   double out_since() const noexcept;
   std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
-  /// What was handed to the system last. A stop counts as speeds of 0.
+  /// The bytes last written to the system. A stop counts as speeds of 0.
   struct Written {
     WheelCommand speeds;
     std::uint16_t ticket = 0;  ///< of the newest command contained in it
     std::uint64_t count = 0;   ///< how many writes there were
   };
   const Written& written() const noexcept { return written_; }
-  /// How far the faster wheel may have rolled since the newest question that was answered had been sent: at the fastest
-  /// of the speeds commanded since then. 0 for a robot that is known to stand. [m]
+  /// How far the faster wheel may have rolled since the newest answered question was sent: at the fastest of the speeds
+  /// commanded since then. 0 for a robot that is known to stand. [m]
   double blind_way(double now) const noexcept;
   LinkStatus status(double now) const;
   const RoundTrips& round_trips() const noexcept { return round_trips_; }
@@ -94,12 +94,12 @@ class LinkSession {
   static constexpr double never = std::numeric_limits<double>::infinity();
 
   // --- What a protocol says -----------------------------------------------------------------------------------------
-  virtual void begin() = 0;     ///< forget what came over the old link
+  virtual void begin() = 0;     ///< discard input from the old link
   virtual void put_stop() = 0;  ///< a stop into the output
   /// Speeds, if any, and a question, if any, into the output, which is empty.
   virtual void put_request(std::optional<WheelCommand> speeds, Question question) = 0;
   virtual void hear(std::span<const std::uint8_t> bytes, double now) = 0;
-  virtual void no_answer_to_stop(double now) = 0;  ///< the time-out while synchronising is over
+  virtual void no_answer_to_stop(double now) = 0;  ///< the time-out while synchronising has expired
 
   // --- What it does with it -----------------------------------------------------------------------------------------
   void send_stop(double now);
@@ -110,13 +110,13 @@ class LinkSession {
   void read_counters(Encoders encoders, double now);
   void read_battery(int raw, double now);
   void read_battery(const Battery& battery, double now);
-  /// The question is answered. `taken`: the speeds that the robot says it has; a difference leads to the stop.
+  /// The question is answered. `taken`: the speeds reported by the robot; a difference leads to the stop.
   void answered(std::optional<WheelCommand> taken, double now);
   void stands(double now);        ///< the newest stop is acknowledged
   void synchronised();            ///< up: the robot stands and listens
   bool send_pending(double now);  ///< the newest command, if there is one and it is still fresh
   void garble(std::string reason) { reason_ = std::move(reason), garbled_ = true; }
-  /// A question is out, to its last byte, and not answered.
+  /// A question is completely written and not answered.
   bool answer_due() const noexcept { return question_ && question_->unsent == 0; }
   Question asked() const noexcept { return question_ ? question_->what : Question::none; }
 
@@ -137,7 +137,7 @@ class LinkSession {
   };
   struct Asked {
     Question what = Question::none;
-    std::optional<WheelCommand> told;  // what the robot should have taken by then
+    std::optional<WheelCommand> told;  // speeds that the robot should have taken by then
     std::uint16_t ticket = 0;          // of the newest command sent before it or with it
     double way = 0.0;                  // way_ at that moment
     std::size_t unsent = 0;            // bytes of it in the output
@@ -149,7 +149,7 @@ class LinkSession {
   void count_way(double now) noexcept;
   /// Of the faster wheel [m/s].
   double speed_of(WheelCommand command) const noexcept;
-  /// When this share of the blind distance will be used up by the time that a stop written then arrives.
+  /// The time at which a stop must be written so that it arrives when this share of the blind distance is used up.
   double blind_deadline(double share = 1.0) const noexcept;
   bool fresh(const Pending& pending, double now) const noexcept;
   bool silence_counts() const noexcept { return options_.command_silence > 0.0 && moving_allowed_; }
@@ -160,9 +160,9 @@ class LinkSession {
   std::uint16_t told_ticket_ = 0;
   std::optional<Asked> question_;
   int sent_since_question_ = 0;
-  double silent_since_ = 0.0;    // the robot was asked then, or said something
+  double silent_since_ = 0.0;    // time of the last request or input
   double down_since_ = -never;   // not up since then
-  double commanded_at_ = 0.0;    // when the newest command came
+  double commanded_at_ = 0.0;    // time of the newest command
   bool moving_allowed_ = false;  // a command was sent and no stop since: command silence must stop the robot
   double stop_wait_ = 0.0;       // until the stop is sent again [s]
   bool garbled_ = false;
@@ -173,13 +173,13 @@ class LinkSession {
   double way_at_ = 0.0;                     // until when way_ is counted
   double fastest_ = 0.0;                    // since the last confirmed question [m/s]
   double fastest_since_question_ = 0.0;     // since the newest question [m/s]
-  double stop_flight_ = 0.0;                // that a stop needs to arrive, going by the round trips so far [s]
+  double stop_flight_ = 0.0;                // time that a stop needs to arrive, from the round trips so far [s]
 
-  std::optional<Encoders> encoders_;  // the reading that the next is compared with
+  std::optional<Encoders> encoders_;  // the previous reading
   double encoders_at_ = 0.0;
   double battery_at_ = -never;  // when it was read last
   RoundTrips round_trips_;
-  bool owes_reply_ = false;  // synchronising because of a reply that did not come
+  bool owes_reply_ = false;  // synchronising because of a missing reply
 };
 
 }  // namespace skein::comms

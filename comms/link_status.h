@@ -15,7 +15,7 @@ enum class LinkState {
   connecting,     ///< a connection is being made
   synchronising,  ///< open; the stop sequence is sent, its answer awaited
   up,             ///< the robot answers
-  stale,          ///< open, but the robot owes a reply; the stop sequence is repeated until it answers
+  stale,          ///< open, but a reply is overdue; the stop sequence is repeated until the robot answers
   failed,         ///< given up (reason says why): could never be opened, or closed with the stop not acknowledged
   closed          ///< closed after the robot acknowledged its stop
 };
@@ -23,23 +23,23 @@ enum class LinkState {
 /// The state as a word for logs and tables: "up", "stale", ...
 std::string_view to_text(LinkState state) noexcept;
 
-/// The state that the word says; none: it says none.
+/// The state with this word; none: there is none.
 std::optional<LinkState> link_state(std::string_view word) noexcept;
 
-/// When the newest command that was sent went through each of its stations, CLOCK_MONOTONIC; 0: none yet. [s]
+/// When the newest command sent passed each of its stages, CLOCK_MONOTONIC; 0: none yet. [s]
 struct CommandTimes {
-  double written = 0.0;   ///< its last byte was handed to the system
+  double written = 0.0;   ///< its last byte was written to the system
   double answered = 0.0;  ///< the newest answer to a command came
-  WheelCommand speeds{};  ///< what was written then; a stop is speeds of 0 [steps/s]
+  WheelCommand speeds{};  ///< the speeds written then; a stop is speeds of 0 [steps/s]
   /// See LinkStatus, as of the link thread's last turn; at least LinkOptions::blind_distance while not up. [m]
   double blind_way = 0.0;
 };
 
-/// What is known of one link.
+/// The status of one link.
 struct LinkStatus {
   LinkState state = LinkState::down;
-  double out_for = 0.0;  ///< for how long it has not been up, from the request on that was not answered; 0: it is [s]
-  std::string reason;    ///< the newest thing that went wrong, as a sentence; empty: nothing yet
+  double out_for = 0.0;     ///< for how long it has not been up, from the unanswered request on; 0: it is up [s]
+  std::string reason;       ///< the newest error, as a sentence; empty: none yet
   double rtt_median = 0.0;  ///< round trip of the last 256 exchanges, 0 before the first [s]
   double rtt_p99 = 0.0;     ///< 99th percentile of the same [s]
   double rtt_p999 = 0.0;    ///< 99.9th percentile of all exchanges so far, rounded up by at most 5 % [s]
@@ -48,16 +48,16 @@ struct LinkStatus {
   std::uint64_t bytes_received = 0;
   std::uint64_t exchanges = 0;           ///< requests answered
   std::uint64_t timeouts = 0;            ///< requests and stops not answered in time
-  std::uint64_t resynchronisations = 0;  ///< times that an answer was missing or not understood: stopped, begun anew
-  std::uint64_t wrong_speeds = 0;        ///< times that the robot had taken other speeds than it was sent
+  std::uint64_t resynchronisations = 0;  ///< times that an answer was missing or invalid: stopped, restarted
+  std::uint64_t wrong_speeds = 0;        ///< times that the robot took speeds other than those sent
   std::uint64_t blind_stops = 0;         ///< times that LinkOptions::blind_distance was used up
-  std::uint64_t reconnects = 0;          ///< times that the link came up again after it was lost
+  std::uint64_t reconnects = 0;          ///< times that the link came up again after a loss
   std::int64_t left_steps =
       0;  ///< unwrapped encoder, from the first reading on; a robot's restart adds nothing [steps]
   std::int64_t right_steps = 0;    ///< the same, right wheel [steps]
   Battery battery;                 ///< newest reading; see LinkOptions::battery_period
-  std::string version{};           ///< of the firmware, "Version 2.0 January 2018 GCtronic"; empty: not said
-  bool stop_acknowledged = false;  ///< the robot said "s" and was sent no speed since: it stands
+  std::string version{};           ///< of the firmware, "Version 2.0 January 2018 GCtronic"; empty: not reported
+  bool stop_acknowledged = false;  ///< the robot has acknowledged a stop and was sent no speed since: it stands
 };
 
 }  // namespace skein::comms

@@ -138,11 +138,11 @@ class LinkSupervisor::Loop {
 // --- Any thread -----------------------------------------------------------------------------------------------------
 
 tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
-  if (wake_ < 0) return tl::unexpected(std::string("the system has no descriptor left for the links"));
+  if (wake_ < 0) return tl::unexpected(std::string("the system has no file descriptor left for the links"));
   std::string failure;
   {
     std::unique_lock lock(mutex_);
-    if (std::exchange(started_, true)) return tl::unexpected(std::string("the links were started before"));
+    if (std::exchange(started_, true)) return tl::unexpected(std::string("the links are already started"));
     try {
       thread_ = std::thread([this] { run(); });
     } catch (const std::system_error& error) {

@@ -15,15 +15,15 @@ namespace skein::comms {
 
 /// Keeps the links to a group of robots, on one thread of its own for all of them.
 ///
-/// Every robot has a slot for its newest command and at most one question outstanding. A link that is opened or that
-/// lost a reply sends the stop sequence first. A robot that was reconnected stays stopped until a new command comes.
-/// The thread beats a Heart (watchdog.h): when it falls silent for 0.3 s, or as long as a robot may go without a
-/// command where that is longer, the guard stops the robots.
-/// Robots are counted from 0 here and from 1 in every sentence, unless their addresses name them. Nothing but bad_alloc
-/// in the constructor is thrown.
+/// Every robot has a slot for its newest command and at most one pending question. A link that is opened or that lost a
+/// reply sends the stop sequence first. A reconnected robot stays stopped until a new command comes. The thread updates
+/// a Heart (watchdog.h): if it stalls for 0.3 s, or for the time that a robot may go without a command if that is
+/// longer, the guard stops the robots.
+/// Robots are counted from 0 here and from 1 in every sentence, unless their addresses name them. Only the constructor
+/// throws, bad_alloc.
 class LinkSupervisor {
  public:
-  /// Looks up the names of WiFi robots, and waits for it.
+  /// Resolves the names of WiFi robots; blocks meanwhile.
   explicit LinkSupervisor(std::vector<LinkAddress> robots, LinkOptions options = {});
   ~LinkSupervisor();  ///< close() with options.close_timeout
   LinkSupervisor(const LinkSupervisor&) = delete;
@@ -42,22 +42,22 @@ class LinkSupervisor {
   /// and repeats it until the robot answers; commands given before, or from now until release_stop(), are void. Any
   /// thread; async-signal-safe.
   void emergency_stop() noexcept;
-  /// Lets commands through again. Robots stay stopped until the next command.
+  /// Accepts commands again. Robots stay stopped until the next command.
   void release_stop() noexcept;
   bool stopped() const noexcept;  ///< between emergency_stop() and release_stop()
 
-  /// For how long the program stood still when that was an emergency stop, see LinkOptions::standstill [s]; 0: it was
+  /// For how long the program stalled when that caused an emergency stop, see LinkOptions::standstill [s]; 0: it did
   /// not. Any thread.
   double stood_still() const noexcept;
 
-  /// Blocks until every robot has answered its newest command (commands made void by an emergency stop need no answer);
+  /// Blocks until every robot has answered its newest command (commands voided by an emergency stop need no answer);
   /// false: not within `timeout_s`. For runs in lock-step. Any thread.
   bool wait_acknowledged(double timeout_s);
 
-  /// Sends a robot nothing for so long, unless it is to be stopped: what does it do? Any thread.
+  /// Sends a robot nothing for this long, unless it must be stopped: tests its watchdog. Any thread.
   void hush(std::size_t robot, double seconds);
 
-  /// When this robot's newest command was written, and the newest answer came. Any thread; wait-free.
+  /// When this robot's newest command was written and its newest answer arrived. Any thread; wait-free.
   CommandTimes times(std::size_t robot) const noexcept;
 
   /// A snapshot, in the order of the robots. Any thread; waits at most for one turn of the link thread (microseconds).
@@ -66,9 +66,9 @@ class LinkSupervisor {
   /// The round trips of a robot's link. Any thread; waits as status() does.
   RoundTrips round_trips(std::size_t robot) const;
 
-  /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so, and
-  /// an attempt that is under way when time is out is waited for, at most for options.connect_timeout and a second);
-  /// then closes the links and ends the thread. The final status: `stop_acknowledged` says for each robot whether it is
+  /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so; an
+  /// attempt under way at the end of the time is awaited, at most for options.connect_timeout and a second); then
+  /// closes the links and ends the thread. The final status: `stop_acknowledged` says for each robot whether it is
   /// known to stand. Idempotent: a second call returns the same.
   std::vector<LinkStatus> close(double timeout_s);
 
@@ -80,11 +80,11 @@ class LinkSupervisor {
 };
 
 /// How long it may take until each of these robots has been reached once [s]: an adapter pages one robot at a time, up
-/// to 5.12 s each, and those behind it wait in a queue.
+/// to 5.12 s each, and the others wait in a queue.
 double reach_patience(const std::vector<LinkAddress>& robots);
 
-/// How long an attempt to reach this one of them may take before it is begun anew [s], its wait in the queue included;
-/// at least `alone`, which does for a robot that has its adapter to itself.
+/// How long an attempt to reach one of them may take before it is restarted [s], including its wait in the queue; at
+/// least `alone`, which suffices for a robot alone on its adapter.
 double connect_patience(const std::vector<LinkAddress>& robots, std::size_t robot, double alone);
 
 }  // namespace skein::comms

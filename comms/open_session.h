@@ -14,32 +14,32 @@ namespace skein::comms {
 /// The open protocol (docs/open-protocol.md), host's side. The robot's is resources/robots/open_robot.
 inline constexpr WheelUnit open_unit{.metres_per_step = 1e-4, .fastest = 32767};
 
-/// A frame taken apart.
+/// A parsed frame.
 struct OpenFrame {
   char kind = 0;             ///< 'W' speeds, 'X' stop, 's' status ...
-  std::uint16_t number = 0;  ///< an answer has that of what it answers
+  std::uint16_t number = 0;  ///< an answer has that of the answered frame
   std::vector<std::uint8_t> payload;
 };
 std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<const std::uint8_t> payload = {});
 
-/// What a robot says of itself in a frame 's'.
+/// The status of a robot in a frame 's'.
 struct OpenStatus {
   bool timed_out = false;  ///< its watchdog has stopped it
-  bool refused = false;    ///< it has not obeyed what this answers
-  bool booted = false;     ///< it has heard no stop since it was switched on
+  bool refused = false;    ///< it has not obeyed the answered frame
+  bool booted = false;     ///< it has received no stop since power-on
   bool low = false;        ///< its battery
   WheelCommand taken;      ///< [0.1 mm/s]
-  Encoders encoders;       ///< the low 16 bits of what its wheels have rolled [0.1 mm]
-  int battery = 0;         ///< [mV]; 0: it does not know
+  Encoders encoders;       ///< the low 16 bits of its wheels' distances [0.1 mm]
+  int battery = 0;         ///< [mV]; 0: not known
 };
-/// None: the frame is no status.
+/// None: the frame is not a status.
 std::optional<OpenStatus> open_status(const OpenFrame& frame);
 
-/// Finds frames in what a robot sends, whatever chunks it arrives in; bytes that are none are passed over and counted.
+/// Finds frames in a robot's bytes, whatever chunks they arrive in; other bytes are skipped and counted.
 class OpenParser {
  public:
   void feed(std::span<const std::uint8_t> bytes) { held_.insert(held_.end(), bytes.begin(), bytes.end()); }
-  std::optional<OpenFrame> next();  ///< none: not yet whole
+  std::optional<OpenFrame> next();  ///< none: incomplete
   std::size_t pending() const noexcept { return held_.size(); }
   std::uint64_t debris() const noexcept { return debris_; }  ///< [bytes]
   void clear() noexcept { held_.clear(); }
@@ -49,14 +49,14 @@ class OpenParser {
   std::uint64_t debris_ = 0;
 };
 
-/// What stops any robot that speaks the protocol: the stop twice, longer than what a frame broken off can still want.
+/// The bytes that stop any robot with this protocol: the stop twice, longer than the remainder of a partial frame.
 std::span<const std::uint8_t> open_stop() noexcept;
-/// Whether the answer to a stop is in there.
+/// Whether these bytes contain the answer to a stop.
 bool open_acknowledged(std::span<const std::uint8_t> heard) noexcept;
 
-/// LinkSession with a robot that speaks the open protocol. Every command is sent in every tick, changed or not, so that
-/// the robot's watchdog does not bite; each is answered, and the answer to any command that is as new as the question
-/// settles it: a datagram that is lost costs nothing.
+/// LinkSession for the open protocol. Commands are sent in every tick, changed or not, so that the robot's watchdog
+/// does not stop it; each is answered, and the answer to any command at least as new as the question counts as its
+/// answer: a lost datagram costs nothing.
 class OpenSession final : public LinkSession {
  public:
   explicit OpenSession(const LinkOptions& options) : LinkSession(fed(options), open_unit) {}

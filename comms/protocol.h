@@ -11,16 +11,16 @@
 
 namespace skein::comms {
 
-/// A language that robots speak. The table below is all there is to it for links, the crash handler and the guard.
+/// A protocol of robots. Links, the crash handler and the guard use only the table below.
 struct Protocol {
-  std::string_view name;  ///< in front of an address that would be read otherwise: "open+serial:/dev/ttyUSB0"
+  std::string_view name;  ///< prefix of an address whose default is another: "open+serial:/dev/ttyUSB0"
   WheelUnit unit;         ///< of commands and counters
   std::unique_ptr<LinkSession> (*make_session)(const LinkOptions&);
-  /// What stops a robot whatever was sent before, at most longest_stop bytes that live for ever. Async-signal-safe.
+  /// Bytes that stop a robot whatever was sent before, at most longest_stop; static storage. Async-signal-safe.
   std::span<const std::uint8_t> (*stop_bytes)() noexcept;
-  /// Whether these bytes, read after a stop was written, say that the robot has taken it. Async-signal-safe.
+  /// Whether these bytes, read after a stop was written, acknowledge it. Async-signal-safe.
   bool (*acknowledged)(std::span<const std::uint8_t> heard) noexcept;
-  /// False: what `acknowledged` sees says only that the connection lives; whether the robot stands is seen over a new
+  /// False: `acknowledged` proves only that the connection works; whether the robot stands must be asked over a new
   /// one.
   bool answers_stop = true;
 };
@@ -28,10 +28,10 @@ struct Protocol {
 /// All of them.
 std::span<const Protocol> protocols() noexcept;
 
-/// The one of this name; null: there is none.
+/// The protocol with this name; null: there is none.
 const Protocol* find_protocol(std::string_view name) noexcept;
 
-/// What is spoken on this link: the row of language().
+/// The protocol of this link: the row of language().
 const Protocol& protocol_of(const LinkAddress& address) noexcept;
 
 }  // namespace skein::comms

@@ -5,11 +5,11 @@
 namespace skein::comms {
 
 /// A non-blocking RFCOMM socket, bound to one of the PC's adapters ("hci1" or its address; empty: any) and a channel (0
-/// for one that connects). Its descriptor, for the caller to close; -1: errno says why not, ENODEV or EADDRNOTAVAIL
-/// when there is no such adapter.
+/// for one that connects). Its descriptor, to be closed by the caller; -1: errno has the reason, ENODEV or
+/// EADDRNOTAVAIL if there is no such adapter.
 int open_rfcomm_socket(const std::string& adapter, int channel);
 
-/// Connects such a socket to a robot; false: errno says why not, EINPROGRESS or EAGAIN when it is under way.
+/// Connects such a socket to a robot; false: errno has the reason, EINPROGRESS or EAGAIN while connecting.
 bool connect_rfcomm(int descriptor, const std::string& robot, int channel);
 
 /// The Bluetooth address that a socket is bound to, "00:1A:7D:DA:71:13".

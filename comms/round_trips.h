@@ -8,7 +8,7 @@
 
 namespace skein::comms {
 
-/// Round-trip times of a link's exchanges: the last 256 (10 s at 25 Hz) as they are, all of them in classes.
+/// Round-trip times of a link's exchanges: the exact last 256 (10 s at 25 Hz), and a histogram of all.
 class RoundTrips {
  public:
   void add(double seconds) noexcept {
@@ -17,13 +17,13 @@ class RoundTrips {
     ++classes_[class_of(seconds)];
   }
 
-  /// Adds those of another link: all in classes, none to the last 256.
+  /// Adds those of another link to the histogram, none to the last 256.
   void add(const RoundTrips& other) noexcept {
     for (std::size_t k = 0; k < classes_.size(); ++k) classes_[k] += other.classes_[k];
     all_ += other.all_;
   }
 
-  /// The value that a share of the last 256 lies at or below: 0.5 the median; 0 before the first. [s]
+  /// The quantile of the last 256 for a share, 0.5 for the median; 0 before the first. [s]
   double quantile(double share) const {
     const std::size_t size = std::min(count_, times_.size());
     if (size == 0) return 0.0;
@@ -34,7 +34,7 @@ class RoundTrips {
     return *nth;
   }
 
-  /// The same of all that were ever added, rounded up to the end of its class. [s]
+  /// The same of all times ever added, rounded up to the end of its bin. [s]
   double quantile_since_start(double share) const noexcept {
     if (all_ == 0) return 0.0;
     const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(all_)));
@@ -44,7 +44,7 @@ class RoundTrips {
     return end_of(classes_.size() - 1);
   }
 
-  // Classes: each ends 5 % later than the one before it, from 0.1 ms to more than 20 s.
+  // Bins: each ends 5 % above the previous one, from 0.1 ms to more than 20 s.
   static constexpr std::size_t class_count = 252;
   static double end_of(std::size_t k) noexcept { return 1e-4 * std::pow(1.05, static_cast<double>(k)); }
   const std::array<std::uint64_t, class_count>& classes() const noexcept { return classes_; }

@@ -7,19 +7,19 @@
 
 namespace skein::comms {
 
-/// Keeps the machine awake (systemd's logind, inhibitor "sleep") while robots drive: they have no watchdog, and nothing
-/// can stop them from a machine that sleeps. Where there is no logind it says so and does nothing else. Any thread.
+/// Keeps the machine awake (systemd's logind, inhibitor "sleep") while robots drive: they have no watchdog, and a
+/// suspended machine cannot stop them. Without logind it only reports the problem. Any thread.
 class SleepInhibitor {
  public:
-  /// `what`: what is being done, for `systemd-inhibit --list`.
+  /// `what`: the activity, for `systemd-inhibit --list`.
   explicit SleepInhibitor(std::string what);
-  ~SleepInhibitor();  ///< lets the machine sleep
+  ~SleepInhibitor();  ///< releases the inhibitor
   SleepInhibitor(const SleepInhibitor&) = delete;
   SleepInhibitor& operator=(const SleepInhibitor&) = delete;
 
-  void hold(bool on) noexcept;  ///< never waits: a thread of its own asks logind
-  bool held() const;            ///< the machine stays awake now
-  std::string problem() const;  ///< why it cannot be held; empty: nothing is known against it
+  void hold(bool on) noexcept;  ///< never blocks: a separate thread calls logind
+  bool held() const;            ///< the inhibitor is held now
+  std::string problem() const;  ///< why it cannot be held; empty: no problem known
 
  private:
   void run();

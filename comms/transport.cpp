@@ -68,7 +68,7 @@ TransportError describe_transport_error(int error, const LinkAddress& address) {
     case ENETDOWN:
     case ENETUNREACH:
     case ENODEV:
-      if (tcp) return {"there is no way to the robot: is it switched on, and in the network that this machine is in?"};
+      if (tcp) return {"there is no route to the robot: is it switched on, and in the same network as this machine?"};
       if (rfcomm) return {"no Bluetooth adapter is on: plug one in, or switch it on with \"bluetoothctl power on\""};
       return {"the device is gone"};
     case EADDRNOTAVAIL:
@@ -76,12 +76,12 @@ TransportError describe_transport_error(int error, const LinkAddress& address) {
     case EAFNOSUPPORT:
     case EPROTONOSUPPORT:
     case ESOCKTNOSUPPORT:
-      return {"this machine's kernel has no Bluetooth serial connections (RFCOMM)", true};
+      return {"this machine's kernel does not support Bluetooth serial connections (RFCOMM)", true};
     case ETIMEDOUT:
       return {"the robot did not answer in time"};
     case ECONNRESET:
     case EPIPE:
-      return {"the robot broke the connection off"};
+      return {"the robot closed the connection"};
     case ECONNABORTED:
       return {"the Bluetooth adapter was unplugged or reset"};
     case EIO:
@@ -144,7 +144,7 @@ tl::expected<Transport, TransportError> Transport::open_ip(const LinkAddress& ad
   robot.sin_family = AF_INET;
   robot.sin_port = htons(static_cast<std::uint16_t>(address.channel));
   if (::inet_pton(AF_INET, address.device.c_str(), &robot.sin_addr) != 1)
-    return tl::unexpected(TransportError{fmt::format("{} is no IPv4 address", address.device), true});
+    return tl::unexpected(TransportError{fmt::format("{} is not an IPv4 address", address.device), true});
   const int descriptor =
       ::socket(AF_INET, (address.kind == LinkKind::tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return fail(errno, address);

@@ -14,21 +14,20 @@ namespace skein::comms {
 
 /// Why a link could not be opened or was lost.
 struct TransportError {
-  std::string reason;  ///< a sentence for the operator
-  bool permanent =
-      false;  ///< trying again cannot help until somebody changes something (no such device, no permission)
+  std::string reason;      ///< a sentence for the operator
+  bool permanent = false;  ///< retrying is useless without a change by the user (no such device, no permission)
 };
 
-/// The sentence for an errno value met at `address`.
+/// The sentence for an errno value at `address`.
 TransportError describe_transport_error(int error, const LinkAddress& address);
 
 /// A byte stream to one robot on a non-blocking descriptor: serial line (raw, 115200 8N1), RFCOMM, TCP or UDP
-/// socket (what is read or written at once is a datagram).
-/// Move-only; closes on destruction, says nothing to the robot when it does. No call waits. Not thread-safe.
+/// socket (each read or write is one datagram).
+/// Move-only; closes on destruction without sending anything. No call blocks. Not thread-safe.
 class Transport {
  public:
   /// Opens a serial line, or begins to connect a socket: then connecting() is true until the descriptor is writable and
-  /// finish_connecting() has said how it went. A serial line is locked (flock) against a second program. A tcp or
+  /// finish_connecting() has returned the result. A serial line is locked (flock) against a second program. A tcp or
   /// udp address must be resolve()d.
   static tl::expected<Transport, TransportError> open(const LinkAddress& address);
 
@@ -40,12 +39,12 @@ class Transport {
   bool connecting() const noexcept { return connecting_; }
   tl::expected<void, TransportError> finish_connecting();
 
-  /// The robot is known to stand, or not: for a crash, see crash_stop.h.
+  /// Sets whether the robot is known to stand: for a crash, see crash_stop.h.
   void set_stands(bool stands) noexcept { crash_entry_.set_stands(stands); }
 
   /// Number of bytes read into `into`; 0: nothing there now. The error: the link is gone.
   tl::expected<std::size_t, TransportError> read(std::span<std::uint8_t> into);
-  /// Number of bytes that the system took; 0: it is full now. The error: the link is gone.
+  /// Number of bytes that the system accepted; 0: it is full now. The error: the link is gone.
   tl::expected<std::size_t, TransportError> write(std::span<const std::uint8_t> bytes);
 
  private:

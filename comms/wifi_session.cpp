@@ -41,7 +41,7 @@ void WifiSession::put_request(std::optional<WheelCommand> speeds, Question quest
 void WifiSession::hear(std::span<const std::uint8_t> bytes, double now) {
   parser_.feed(bytes);
   while (const auto next = parser_.next()) packet(*next, now);
-  if (parser_.garbled()) garble("the robot sent what is no packet: is it an e-puck2 with the WiFi firmware?");
+  if (parser_.garbled()) garble("the robot sent an invalid packet: is it an e-puck2 with the WiFi firmware?");
 }
 
 void WifiSession::packet(const WifiPacket& packet, double now) {

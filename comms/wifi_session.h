@@ -5,15 +5,15 @@
 
 namespace skein::comms {
 
-/// LinkSession with an e-puck2 over WiFi (epuck_wifi.h). The robot streams: from the first command on it sends about 45
-/// packets a second, whether or not commands come. So nothing is counted, and no packet is unexpected: the newest one
-/// says where the counters are, and its age says whether the robot lives. A packet may have been put together before a
-/// command came; a question counts as answered by the second packet after it. A stop is confirmed by counters that
-/// stand still. Speeds that were taken cannot be asked for.
+/// LinkSession for an e-puck2 over WiFi (epuck_wifi.h). The robot streams: from the first command on it sends about 45
+/// packets per second, whether or not commands come. So answers are not matched to requests, and no packet is
+/// unsolicited: the newest packet has the counters, and its age shows whether the robot is alive. A packet may have
+/// been composed before a command came; a question counts as answered by the second packet after it. A stop is
+/// confirmed by constant counters. The speeds taken cannot be read back.
 ///
-/// Nothing that the robot sends, or fails to send, ends the connection: the firmware never closes a client's socket and
-/// has about ten of them, so every reconnection uses one up until the robot is switched off. Only bytes that are no
-/// packets do: that is no e-puck2 with the WiFi firmware.
+/// A pause of the stream does not end the connection: the firmware never closes a client's socket and has about ten of
+/// them, so every reconnection uses one up until the robot is switched off. Only invalid packets end it: then it is not
+/// an e-puck2 with the WiFi firmware.
 class WifiSession final : public LinkSession {
  public:
   explicit WifiSession(const LinkOptions& options) : LinkSession(options) {}

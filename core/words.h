@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-/// The words of an enumeration. Beside each enumeration that has words stands
+/// The words of an enumeration. Each enumeration with words has a function
 ///
 ///     constexpr std::string_view word(Enum value) noexcept;
 ///
@@ -33,7 +33,7 @@ constexpr auto all_of() noexcept {
   return all;
 }
 
-/// The same of an enumeration of bits: 1, 2, 4 ...
+/// The same for an enumeration of bits: 1, 2, 4 ...
 template <typename Enum>
 constexpr auto all_bits_of() noexcept {
   constexpr std::size_t count = [] {
@@ -46,7 +46,7 @@ constexpr auto all_bits_of() noexcept {
   return all;
 }
 
-/// The enumerator that has this word; none: it is no word of the enumeration.
+/// The enumerator with this word; none: it is not a word of the enumeration.
 template <typename Enum>
 constexpr std::optional<Enum> from_word(std::string_view text) noexcept {
   for (const Enum value : all_of<Enum>())

@@ -9,7 +9,7 @@
 
 namespace skein::app {
 
-/// One run under a controller that does its worst (adversary.h).
+/// One run with a hostile controller (adversary.h).
 struct AdversaryOutcome {
   std::uint64_t seed = 0;
   Adversary kind{};
@@ -29,10 +29,10 @@ struct AdversaryOutcome {
 /// run.
 AdversaryOutcome run_under_adversary(std::uint64_t seed, const std::string& program = {});
 
-/// What came of all runs, as `key: value` lines.
+/// The results of all runs, as `key: value` lines.
 std::string as_lines(const std::vector<AdversaryOutcome>& outcomes, double period);
 
-/// Whether nobody collided or left the arena, no tick was more than a period late, and everybody stood at the end.
+/// Whether no robot collided or left the arena, no tick was more than a period late, and all robots stood at the end.
 bool harmless(const AdversaryOutcome& outcome, double period) noexcept;
 
 inline constexpr double adversary_period = 0.04;  // [s]

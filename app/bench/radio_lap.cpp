@@ -210,7 +210,7 @@ RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options)
       look_at += look_every;
       std::vector<comms::LinkStatus> status;
       for (const LappingRobot& robot : robots) status.push_back(robot.status(now));
-      if (auto lost = watch.look(status); lost && started && !lap.all_stop) {
+      if (auto lost = watch.update(status); lost && started && !lap.all_stop) {
         lap.all_stop = true;
         lap.why = *lost;
         if (experiment.failure.link_lost == FailureSpec::LinkLost::all_stop) {

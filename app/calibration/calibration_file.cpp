@@ -134,8 +134,9 @@ tl::expected<std::filesystem::path, std::string> replace_calibration(const Calib
     std::error_code error;
     std::filesystem::copy_file(path, old, std::filesystem::copy_options::overwrite_existing, error);
     if (error)
-      return tl::unexpected(fmt::format("{}: what {} said cannot be kept there ({}); nothing was written", old.string(),
-                                        path.string(), error.message()));
+      return tl::unexpected(
+          fmt::format("{}: the previous contents of {} cannot be saved there ({}); nothing was written", old.string(),
+                      path.string(), error.message()));
   }
   if (auto saved = save_calibration(calibration, path); !saved) return tl::unexpected(saved.error());
   return old;

@@ -25,7 +25,7 @@ std::string format_calibration(const vision::Calibration& calibration);
 tl::expected<void, std::string> save_calibration(const vision::Calibration& calibration,
                                                  const std::filesystem::path& path);
 
-/// The same over a file that may exist: its old content is kept beside it, as `path` with ".old" behind. Returns the
+/// The same over a file that may exist: its old content is kept beside it, as `path` with ".old" appended. Returns the
 /// name of that copy; empty: there was no file, or its content was the same.
 tl::expected<std::filesystem::path, std::string> replace_calibration(const vision::Calibration& calibration,
                                                                      const std::filesystem::path& path);

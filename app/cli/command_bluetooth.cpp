@@ -56,7 +56,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
       complain(saved.error());
       return wrong_input;
     }
-  fmt::print("# {}: {} robots added, {} were there\n", path, added.robots, found.size() - added.robots);
+  fmt::print("# {}: {} robots added, {} already present\n", path, added.robots, found.size() - added.robots);
   return done;
 }
 
@@ -79,8 +79,8 @@ int scan_robots(const RobotsRequest& request) {
   for (const comms::BluetoothRobot& robot : *robots) print(robot);
   if (robots->empty()) {
     print_error(
-        "skein: no robot was heard. Is it switched on and in range? An e-puck2 is heard only when its "
-        "button is held while it is switched on\n");
+        "skein: no robot found. Is it switched on and in range? An e-puck2 is discoverable only when its button is "
+        "held while it is switched on\n");
     return device_failed;
   }
   return request.save ? save(request.file, *robots) : done;

@@ -126,30 +126,30 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     // Of a camera at a terminal: in the same place again, a line more than the picture has rows.
     if (terminal && live && std::exchange(shown, true))
       print_error(fmt::format("\033[{}A\033[J", vision::Coverage::rows + 1));
-    print_error(
-        fmt::format("{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(), 100.0 * covered.share(),
-                    live ? fmt::format("; {} at most, Ctrl-C when it is enough", request.views) : "", covered.text()));
+    print_error(fmt::format("{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(),
+                            100.0 * covered.share(),
+                            live ? fmt::format("; {} at most, Ctrl-C to finish", request.views) : "", covered.text()));
   };
   if (live && !request.quiet) print_error(fmt::format("{}: show the board\n", source->describe()));
   while (!interrupted() && (!live || static_cast<int>(seen.views().size()) < request.views)) {
     const auto more = source->read(frame);
     if (!more) return fail_with(more.error(), device_failed);
     if (!*more) break;
-    const auto look = seen.look(frame);
-    if (!look) return fail_with(look.error(), device_failed);
+    const auto kind = seen.add(frame);
+    if (!kind) return fail_with(kind.error(), device_failed);
     const vision::Coverage& first = *seen.coverage();
-    switch (*look) {
-      case BoardViews::Look::other_size:
+    switch (*kind) {
+      case BoardViews::FrameKind::other_size:
         print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
                                 frame.height, first.width, first.height));
         break;
-      case BoardViews::Look::no_board:
+      case BoardViews::FrameKind::no_board:
         if (stills) print_error(fmt::format("skein: {}: no board\n", frame.source));
         break;
-      case BoardViews::Look::view:
+      case BoardViews::FrameKind::view:
         if (terminal || (live && !request.quiet)) show();
         break;
-      case BoardViews::Look::known:
+      case BoardViews::FrameKind::known:
         break;
     }
   }
@@ -163,7 +163,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   const auto old = replace_calibration(result->calibration, request.out);
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty())
-    print_error(fmt::format("skein: {} was written over; as it was: {}\n", request.out, old->string()));
+    print_error(
+        fmt::format("skein: {} was overwritten; its previous contents are in {}\n", request.out, old->string()));
   if (request.quiet) return done;
   int rejected = 0;
   int outliers = 0;
@@ -186,14 +187,14 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
       coverage->share(), result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma,
       fmt::join(c.distortion, " "), request.out);
   if (result->focal_sigma > 0.01 * c.fx)
-    print_error(fmt::format("skein: the focal length is known to {:.0f} px only: show the board tilted, near and far\n",
+    print_error(fmt::format("skein: the focal length is only known to {:.0f} px: show the board tilted, near and far\n",
                             result->focal_sigma));
   if (const std::string why = vision::uneven_focal_lengths(*result); !why.empty())
     print_error(fmt::format("skein: {}\n", why));
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,
-        "skein: only {:.0f} % of the picture was covered: distortion is a guess elsewhere; show the board there\n",
+        "skein: only {:.0f} % of the picture was covered: distortion is extrapolated elsewhere; show the board there\n",
         100.0 * coverage->share());
   return done;
 }
@@ -216,10 +217,10 @@ int calibrate_floor(const FloorRequest& request) {
             ? std::nullopt
             : vision::tag_height_of(*result, looked->sight.corners[static_cast<std::size_t>(found - ids.begin())]);
     if (!height)
-      return fail_with(fmt::format("tag {}: {}", request.measure_height,
-                                   found == ids.end() ? "is not seen"
-                                                      : "its size cannot be explained by any height: check --tag-size"),
-                       device_failed);
+      return fail_with(
+          fmt::format("tag {}: {}", request.measure_height,
+                      found == ids.end() ? "is not seen" : "no height explains its size: check --tag-size"),
+          device_failed);
     result->tag_height = *height;
   }
   const auto check = vision::check_floor(*result, looked->marks);
@@ -227,7 +228,8 @@ int calibrate_floor(const FloorRequest& request) {
   const std::string out = request.out.empty() ? request.camera : request.out;
   const auto old = replace_calibration(*result, out);
   if (!old) return fail_with(old.error(), wrong_input);
-  if (!old->empty()) print_error(fmt::format("skein: {} was written over; as it was: {}\n", out, old->string()));
+  if (!old->empty())
+    print_error(fmt::format("skein: {} was overwritten; its previous contents are in {}\n", out, old->string()));
   if (!request.quiet) {
     print_residuals(*check);
     const Eigen::Vector3d& p = result->world_from_camera->position;
@@ -236,11 +238,11 @@ int calibrate_floor(const FloorRequest& request) {
   }
   if (solved->left_out)
     print_error(
-        fmt::format("skein: {} was left out: it is {:.1f} mm from the place in {}, and the others agree without it\n",
+        fmt::format("skein: {} was rejected: it is {:.1f} mm from its place in {}, and the others agree without it\n",
                     solved->left_out->name, mm(solved->off), request.marks));
   else if (check->worst > 5e-3)
     print_error(
-        fmt::format("skein: the marks disagree by up to {:.1f} mm: check their places, and the camera's focus\n",
+        fmt::format("skein: the marks disagree by up to {:.1f} mm: check their positions and the camera's focus\n",
                     mm(check->worst)));
   return done;
 }

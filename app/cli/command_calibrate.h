@@ -8,14 +8,14 @@
 
 namespace skein::app {
 
-/// The bodies of `skein calibrate` and `skein tags`; each returns an ExitStatus and says what went wrong on stderr.
+/// The bodies of `skein calibrate` and `skein tags`; each returns an ExitStatus and reports errors on stderr.
 
 struct IntrinsicsRequest {
   std::string source;
   CameraWords words;
   vision::Board board;
   std::string out;  ///< the calibration that is written
-  int views = 60;   ///< of a film or a camera, at most
+  int views = 60;   ///< largest number, from a film or a camera
   bool quiet = false;
 };
 int calibrate_intrinsics(const IntrinsicsRequest& request);
@@ -24,11 +24,11 @@ struct FloorRequest {
   std::string source;
   CameraWords words;
   std::string camera;                         ///< calibration file
-  std::string marks;                          ///< file of what lies where
+  std::string marks;                          ///< file of the marks on the floor
   std::string out;                            ///< floor: the calibration that is written; empty: `camera`
-  int frames = 25;                            ///< looked at, and averaged
+  int frames = 25;                            ///< averaged
   double tag_height = -1.0, tag_size = -1.0;  ///< of the robots' tags [m]; negative: as the calibration has it
-  int measure_height = -1;                    ///< tag whose height is measured by how large it looks
+  int measure_height = -1;                    ///< tag whose height is measured from its apparent size
   double limit = 0.0;                         ///< check: the largest residual allowed [m]; 0: any
   bool quiet = false;
 };
@@ -46,7 +46,7 @@ struct TagsRequest {
 };
 int print_tags(const TagsRequest& request);
 
-/// "1-4,7" as numbers; none where it is something else.
+/// "1-4,7" as numbers; none for any other text.
 std::vector<int> parse_ids(const std::string& text);
 
 }  // namespace skein::app

@@ -23,7 +23,7 @@ int check(const ExperimentRequest& request, bool controller) {
     const RobotSpec& robot = experiment->robots[i];
     if (!robot.is_real()) continue;
     fmt::print("watchdog: {}: {}\n", robot_name(*experiment, i),
-               !robot.watchdog ? "not known; `skein robots test --save` finds out"
+               !robot.watchdog ? "not known; `skein robots test --save` measures it"
                : *robot.watchdog == 0.0
                    ? "none: it drives on when its link dies"
                    : fmt::format("stops by itself after {:g} s without a command", *robot.watchdog));

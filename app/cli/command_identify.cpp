@@ -50,7 +50,7 @@ std::string text_of(const IdentifiedRobot& robot) {
     text += fmt::format("{}: {:.5g} ({:.5g} to {:.5g})", line.name, line.estimate.value, line.estimate.low,
                         line.estimate.high);
     if (line.believed) text += fmt::format(", believed {:.5g}", *line.believed);
-    text += line.estimate.known ? "\n" : ", cannot be told\n";
+    text += line.estimate.known ? "\n" : ", not determined\n";
   }
   return text + fmt::format("outliers: {}\npersistence: {:.2f}\n", robot.outliers, robot.persistence);
 }
@@ -83,7 +83,7 @@ int identify(const IdentifyRequest& request) {
     if (!history) return complain(history.error()), wrong_input;
     append(robots, std::move(*history));
   }
-  if (robots.empty()) return complain("no robot was seen in these runs: nothing can be told"), expectation_failed;
+  if (robots.empty()) return complain("no robot was seen in these runs: nothing can be identified"), expectation_failed;
   const std::vector<IdentifiedRobot> found = identify_robots(std::move(robots));
 
   bool told = true;

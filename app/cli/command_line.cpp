@@ -53,9 +53,8 @@ struct ExperimentOptions {
   void add_to(CLI::App& command, bool required) {
     auto* option = command.add_option(
         "experiment", file,
-        required
-            ? "experiment file (TOML), or the name of one that Skein comes with"
-            : "experiment file (TOML), the name of one that Skein comes with, or a recorded run (CSV) to be played");
+        required ? "experiment file (TOML), or the name of one that comes with Skein"
+                 : "experiment file (TOML), the name of one that comes with Skein, or a recorded run (CSV) to replay");
     option->transform([](const std::string& name) { return find_resource("experiments", name); });
     if (required) option->required();
     command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
@@ -64,8 +63,8 @@ struct ExperimentOptions {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   void add_run_length(CLI::App& command) {
-    command.add_option("--duration", duration, "seconds of the experiment, instead of the file's")->type_name("S");
-    command.add_option("--seed", seed, "seed of all that is random, instead of the file's")->type_name("N");
+    command.add_option("--duration", duration, "duration of the experiment [s], instead of the file's")->type_name("S");
+    command.add_option("--seed", seed, "seed of all random numbers, instead of the file's")->type_name("N");
   }
   ExperimentRequest request() const {
     ExperimentRequest result{file, sets};
@@ -110,8 +109,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (argc > 1 && std::string_view(argv[1]) == "bench") return start_beside("skein-bench", {argv + 2, argv + argc});
 
   CLI::App program{
-      "Skein: real-time lab control for groups of unicycle robots.\n"
-      "Without a command it opens the operator's window, on the paper's experiment unless a file is named.",
+      "Skein: real-time lab control for groups of unicycle robots.\nWithout a command it opens the operator's window, "
+      "with the paper's experiment unless a file is given.",
       "skein"};
   program.set_version_flag("--version", "skein " + version_and_commit());
   program.require_subcommand(0, 1);
@@ -125,12 +124,12 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   run_experiment.add_to(run_command, true);
   run_experiment.add_run_length(run_command);
   run_command.add_option("--csv", run_request.csv, "write every tick to this file")->type_name("FILE");
-  run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json there")
+  run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json to this folder")
       ->type_name("DIR");
-  run_command.add_option("--video", run_request.video, "keep the camera's frames in this film, lossless (Matroska)")
+  run_command.add_option("--video", run_request.video, "record the camera's frames to this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
   run_command.add_flag("--keep", run_request.keep,
-                       "keep the run with all that it came from in a folder of its own (docs/runs.md)");
+                       "keep the run with all its inputs in a folder of its own (docs/runs.md)");
   add_runs_directory(run_command, run_request.runs_directory);
   run_command
       .add_option("--publish", run_request.publish,
@@ -138,60 +137,61 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
                   "default is --speed realtime")
       ->type_name("udp:HOST:PORT");
   run_command
-      .add_option(
-          "--speed", run_request.speed,
-          "max: as fast as the machine goes, in step (the default where nothing is real); realtime: at the file's rate")
+      .add_option("--speed", run_request.speed,
+                  "max: as fast as possible, on the virtual clock (default without real robots and camera); realtime: "
+                  "at the file's rate")
       ->check(CLI::IsMember({"max", "realtime"}));
   run_command.add_flag("--quiet", run_request.quiet, "no progress, no summary");
-  run_command.add_flag("--force", run_request.force, "overwrite the files of an older run");
+  run_command.add_flag("--force", run_request.force, "overwrite the files of an earlier run");
   run_command.add_flag("--json", run_request.json, "print the summary as one JSON object");
 
-  CLI::App& check_command = *program.add_subcommand(
-      "check", "Says everything that is wrong with an experiment file, and certifies its gains");
+  CLI::App& check_command =
+      *program.add_subcommand("check", "Reports every mistake in an experiment file, and certifies its gains");
   ExperimentOptions check_experiment;
   check_experiment.add_to(check_command, true);
   bool check_law = false;
   check_command.add_flag("--controller", check_law,
-                         "also run it with simulated robots: does the law keep its deadline and its limits, how often "
-                         "does the shield step in");
+                         "also run it with simulated robots: whether the law keeps its deadline and its limits, and "
+                         "how often the shield acts");
   check_command.add_flag_callback(
       "--schema",
       [] {
         fmt::print("{}", experiment_schema());
         throw CLI::Success();
       },
-      "prints a JSON schema of experiment files instead, for editors that complete and check TOML");
+      "print a JSON schema of experiment files instead, for editors that complete and check TOML");
 
-  CLI::App& doctor_command = *program.add_subcommand(
-      "doctor",
-      "Says what stands between this machine and a good run, a line each, and what to do; exit status 1 where "
-      "something is ill");
+  CLI::App& doctor_command = *program.add_subcommand("doctor",
+                                                     "Checks everything that a good run needs on this machine, one "
+                                                     "line each, with a remedy; exit status 1 if a check fails");
   DoctorRequest doctor_request;
   std::vector<std::string> doctor_files;
   doctor_command
-      .add_option("experiment", doctor_files, "experiment files that are to run here: their robots and cameras")
+      .add_option("experiment", doctor_files, "experiment files to be run here: checks their robots and cameras")
       ->transform([](const std::string& name) { return find_resource("experiments", name); });
-  doctor_command
-      .add_option("--seconds", doctor_request.seconds, "how long the test of keeping time takes; 0: without it")
+  doctor_command.add_option("--seconds", doctor_request.seconds, "duration of the timing test; 0: no test")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  doctor_command.add_flag("--fix", doctor_request.fix, "do what can be done, as root or with sudo, and say it");
+  doctor_command.add_flag("--fix", doctor_request.fix,
+                          "apply the remedies that are commands, as root or with sudo, and print each");
 
   CLI::App& replay_command = *program.add_subcommand(
-      "replay", "Runs a recorded CSV through the same tick and says whether every command comes out bit for bit");
+      "replay", "Runs the ticks of a recorded CSV again and reports whether every command is the same, bit for bit");
   std::string replay_file;
   replay_command.add_option("file", replay_file, "a CSV written by `skein run --csv` or by the window")->required();
   std::string replay_film;
   replay_command.add_option("--video", replay_film,
-                            "the film of the same run (`skein run --video`): every pose is found in it once more");
+                            "the film of the same run (`skein run --video`): every pose is computed from it again");
 
   bool replay_repairs = false;
-  replay_command.add_flag("--repair", replay_repairs,
-                          "first leave only the whole rows of a file that a power cut has torn; it stays as FILE.torn");
+  replay_command.add_flag(
+      "--repair", replay_repairs,
+      "first repair a file torn by a power cut: keep only its complete rows; the original becomes FILE.torn");
 
   bool replay_asks = false;
-  replay_command.add_flag("--controller", replay_asks,
-                          "also start the run's own controller, and say where it answers otherwise than then");
+  replay_command.add_flag(
+      "--controller", replay_asks,
+      "also start the run's own controller, and report where its answers differ from the recorded ones");
 
   StudyCommands study_commands;
   study_commands.add_to(program);
@@ -201,18 +201,18 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_option("source", track_request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
   track_command.add_option("--camera", track_request.camera, "calibration file; without one, pixels only")
       ->type_name("CAL.TOML");
-  track_command.add_option("--csv", track_request.csv, "one row a detection; default: stdout")->type_name("FILE");
-  track_command.add_option("--record", track_request.record, "keep the frames in this film, lossless (Matroska)")
+  track_command.add_option("--csv", track_request.csv, "one row per detection; default: stdout")->type_name("FILE");
+  track_command.add_option("--record", track_request.record, "record the frames to this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
   track_command.add_flag("--list-controls", track_request.list_controls,
-                         "of a camera: its formats, rates and controls, and nothing else");
+                         "only list the camera's formats, rates and controls");
   track_request.words.add_to(track_command, /*calibrated=*/false);
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
-  CLI::App& camera_command = *program.add_subcommand("camera", "Looks after real cameras");
+  CLI::App& camera_command = *program.add_subcommand("camera", "Lists cameras and their controls");
   camera_command.require_subcommand(1);
   CLI::App& list_command =
-      *camera_command.add_subcommand("list", "Which cameras there are; of one, its formats, rates and controls");
+      *camera_command.add_subcommand("list", "Lists the cameras, or the formats, rates and controls of one");
   std::string camera_device;
   list_command.add_option("device", camera_device, "such as /dev/video0");
 
@@ -221,8 +221,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App& emulate_command = *program.add_subcommand(
       "emulate",
-      "Runs emulated robots until it is interrupted, on pseudo-terminals unless told otherwise, and says how to reach "
-      "them");
+      "Runs emulated robots until it is interrupted, on pseudo-terminals by default, and prints their addresses");
   comms::EmulateOptions emulate_options;
   std::string model = "epuck2";
   auto* robots_option = emulate_command.add_option("--robots", emulate_options.robots, "how many")
@@ -231,7 +230,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   emulate_command.add_option("--model", model, "which robots")
       ->check(CLI::IsMember(linked_models()))
       ->capture_default_str();
-  emulate_command.add_option("--directory", emulate_options.directory, "where to put the links robot1, robot2, ...")
+  emulate_command.add_option("--directory", emulate_options.directory, "folder for the links robot1, robot2, ...")
       ->type_name("DIR");
   emulate_command
       .add_option("--listen", emulate_options.listen,
@@ -243,10 +242,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   emulate_command.add_flag("--verbose", emulate_options.verbose, "print every change of a wheel speed");
 
   std::string faults;
-  emulate_command.add_option("--faults", faults, "what goes wrong: a file (TOML, see docs/emulator.md), or random")
+  emulate_command.add_option("--faults", faults, "faults: a file (TOML, see docs/emulator.md), or random")
       ->type_name("FILE|random");
-  emulate_command.add_option("--seed", emulate_options.seed, "seed of what is random in the faults")
-      ->capture_default_str();
+  emulate_command.add_option("--seed", emulate_options.seed, "seed of the random faults")->capture_default_str();
 
   RobotCommands robot_commands;
   robot_commands.add_to(program);
@@ -254,15 +252,14 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   RunCommands run_commands;
   run_commands.add_to(program);
 
-  CLI::App& stop_command = *program.add_subcommand(
-      "stop",
-      "STOP to every run of this user, for a key, a foot switch or a script; exit status 3 when a robot does "
-      "not acknowledge");
+  CLI::App& stop_command = *program.add_subcommand("stop",
+                                                   "Sends STOP to every run of this user, for a key, a foot switch or "
+                                                   "a script; exit status 3 if a robot does not acknowledge");
 
   CLI::App& guard_command =
       *program.add_subcommand("guard", "Started by a run with real robots: stops them when the run is killed");
   std::string marker;
-  guard_command.add_option("marker", marker, "the file that names the robots")->required();
+  guard_command.add_option("marker", marker, "the file that lists the robots")->required();
 
   CLI::App& manual_command = *program.add_subcommand("manual", "Writes its own manual pages into a folder");
   std::string manual_folder;
@@ -273,11 +270,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::string library;
   auto* const library_option = host_command.group("")->add_option("library", library, "the shared library");
   std::optional<std::uint64_t> adversary;
-  host_command.add_option("--adversary", adversary, "instead, for studies: a controller that does its worst")
+  host_command.add_option("--adversary", adversary, "instead, for studies: a hostile controller")
       ->type_name("SEED")
       ->excludes(library_option);
   bool honest = false;
-  host_command.add_flag("--honest", honest, "instead, to measure with: one that tracks and answers at once");
+  host_command.add_flag("--honest", honest, "instead, for measurements: a controller that tracks and answers at once");
 
   if (argc > 1 && std::string_view(argv[1]) == "complete") {  // a shell asks: resources/completion
     print_out(completions(program, {argv + 2, argv + argc}, candidates));
@@ -336,7 +333,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   look_after_bad_ends();
   if (const std::string& file = window_experiment.file; file.ends_with(".csv")) {
     if (!window_experiment.request().sets.empty()) {
-      complain(file + ": a recorded run is played as it is, without --set, --duration and --seed");
+      complain(file + ": a recorded run is replayed unchanged, without --set, --duration and --seed");
       return wrong_input;
     }
     if (!std::ifstream(file)) {

@@ -10,7 +10,7 @@ namespace skein::app {
 /// without one.
 using ShowWindow = std::function<int(const WindowRequest& request, int& argc, char** argv)>;
 
-/// The program `skein`: reads the command line and does what it says. Never throws.
+/// The program `skein`: reads and executes the command line. Never throws.
 int command_line(int argc, char** argv, const ShowWindow& show_window);
 
 }  // namespace skein::app

@@ -8,11 +8,11 @@
 
 namespace skein::app {
 
-/// The words of `skein robots` on the command line.
+/// The options of `skein robots`.
 class RobotCommands {
  public:
   void add_to(CLI::App& program);
-  /// Does what was asked for and returns its ExitStatus; none: another command was.
+  /// Executes the given command and returns its ExitStatus; none: another command was given.
   std::optional<int> run();
 
  private:

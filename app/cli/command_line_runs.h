@@ -16,7 +16,7 @@ struct ExportRequest {
   std::string directory;  ///< of kept runs; empty: runs_directory() says which
   ExportOptions options;
 };
-/// Turns a run's CSV into a file for other programs.
+/// Converts a run's CSV into a file for other programs.
 int export_file(const ExportRequest& request);
 
 struct IdentifyRequest {
@@ -27,17 +27,17 @@ struct IdentifyRequest {
   bool save = false;              ///< into the file of robots
   bool json = false;
 };
-/// Says what the robots of runs really are. See identify.h. `expectation_failed` where the runs cannot tell.
+/// Identifies the robots of runs. See identify.h. `expectation_failed` if the runs do not determine a value.
 int identify(const IdentifyRequest& request);
 
 /// --runs-dir of a command.
 void add_runs_directory(CLI::App& command, std::string& directory);
 
-/// The words of `skein export` and `skein runs` on the command line.
+/// The options of `skein export` and `skein runs`.
 class RunCommands {
  public:
   void add_to(CLI::App& program);
-  /// Does what was asked for and returns its ExitStatus; none: another command was.
+  /// Executes the given command and returns its ExitStatus; none: another command was given.
   std::optional<int> run();
 
  private:

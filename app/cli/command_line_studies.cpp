@@ -8,30 +8,31 @@ namespace skein::app {
 
 void StudyCommands::add_to(CLI::App& program) {
   sweep_ = program.add_subcommand(
-      "sweep", "Runs an experiment many times, each time changed by chance as a study file says, and sums it up");
+      "sweep", "Runs an experiment many times with the random changes of a study file, and summarises the results");
   SweepRequest& request = sweep_request_;
   sweep_
       ->add_option("study", request.file,
-                   "study file (TOML), see docs/studies.md, or the name of one that Skein comes with")
+                   "study file (TOML), see docs/studies.md, or the name of one that comes with Skein")
       ->required()
       ->transform([](const std::string& name) { return find_resource("studies", name); });
-  sweep_->add_option("--runs", request.runs, "how many runs, instead of the file's")
+  sweep_->add_option("--runs", request.runs, "number of runs, instead of the file's")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
       ->type_name("N");
-  sweep_->add_option("--seed", request.seed, "seed of the first run; the next ones count on")->type_name("N");
+  sweep_->add_option("--seed", request.seed, "seed of the first run; each further run adds 1")->type_name("N");
   CLI::Option* const only =
-      sweep_->add_option("--only", request.only, "the one run with this seed, and the `skein run` that repeats it")
+      sweep_
+          ->add_option("--only", request.only, "only the run with this seed, and print the `skein run` that repeats it")
           ->type_name("SEED");
   sweep_->add_option("--set", request.sets, "key=value: any key of the experiment; repeatable")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  sweep_->add_option("--threads", request.threads, "default: one for each core that the program may use")
+  sweep_->add_option("--threads", request.threads, "default: one per core that the program may use")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
   CLI::Option* const csv = sweep_->add_option("--csv", request.csv, "one row a run")->type_name("FILE");
   CLI::Option* const report =
-      sweep_->add_option("--report", request.report, "distributions and the worst runs as figures, there")
+      sweep_->add_option("--report", request.report, "write figures of distributions and the worst runs to this folder")
           ->type_name("DIR");
   CLI::Option* const part =
       sweep_
@@ -42,11 +43,11 @@ void StudyCommands::add_to(CLI::App& program) {
           ->excludes(csv)
           ->excludes(report);
   CLI::Option* const into =
-      sweep_->add_option("--into", request.into, "the folder that keeps the parts")->type_name("DIR")->needs(part);
+      sweep_->add_option("--into", request.into, "the folder for the parts")->type_name("DIR")->needs(part);
   part->needs(into);
   sweep_
       ->add_option("--merge", request.merge,
-                   "sum up the parts in this folder, as if one machine had made them all; names those that are missing")
+                   "combine the parts in this folder, with the result of a single machine; names missing parts")
       ->type_name("DIR")
       ->excludes(part)
       ->excludes(only);

@@ -11,12 +11,12 @@ class App;
 
 namespace skein::app {
 
-/// Bodies of the commands about studies; each returns an ExitStatus and says what went wrong on stderr.
+/// Bodies of the commands about studies; each returns an ExitStatus and reports errors on stderr.
 
 struct SweepRequest {
   std::string file, csv;
   std::string report;      ///< a folder for figures
-  std::string part, into;  ///< which part of the study, and the folder that keeps it
+  std::string part, into;  ///< the part of the study, and the folder for it
   std::string merge;       ///< the folder of all parts
   std::vector<std::string> sets;
   std::optional<std::int64_t> runs;
@@ -30,7 +30,7 @@ int sweep(const SweepRequest& request);
 class StudyCommands {
  public:
   void add_to(CLI::App& program);
-  /// What the one that was given returned; empty: none was.
+  /// The result of the given subcommand; empty: none was given.
   std::optional<int> run() const;
 
  private:

@@ -18,7 +18,7 @@ void VisionCommands::BoardWords::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--square", square_mm, "edge of a square [mm]")->type_name("MM")->capture_default_str();
   command.add_option("--marker", marker_mm, "ChArUco: edge of a marker [mm]")->type_name("MM")->capture_default_str();
-  command.add_option("--bits", bits, "ChArUco: markers of so many bits a side, OpenCV's DICT_nXn_1000")
+  command.add_option("--bits", bits, "ChArUco: bits per side of a marker, OpenCV's DICT_nXn_1000")
       ->check(CLI::Range(4, 7))
       ->capture_default_str();
 }
@@ -37,14 +37,14 @@ bool VisionCommands::BoardWords::read(vision::Board& board) const {
 }
 
 void VisionCommands::add_to(CLI::App& program) {
-  CLI::App& calibrate = *program.add_subcommand("calibrate", "Finds out what the camera does and where it is");
+  CLI::App& calibrate = *program.add_subcommand("calibrate", "Calibrates a camera: its lens and its pose");
   calibrate.require_subcommand(1);
 
   intrinsics_ = calibrate.add_subcommand(
       "intrinsics", "Focal length, centre and distortion of a camera, from pictures of a board (`skein tags board`)");
   intrinsics_->add_option("source", intrinsics_request_.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
   intrinsics_->add_option("--out", intrinsics_request_.out, "calibration to write")->type_name("CAL.TOML")->required();
-  intrinsics_->add_option("--views", intrinsics_request_.views, "of a film or camera, how many views at most")
+  intrinsics_->add_option("--views", intrinsics_request_.views, "largest number of views from a film or camera")
       ->check(CLI::Range(3, 1000))
       ->capture_default_str();
   intrinsics_request_.words.add_to(*intrinsics_, /*calibrated=*/false);
@@ -54,21 +54,21 @@ void VisionCommands::add_to(CLI::App& program) {
   const auto floor_words = [](CLI::App& command, FloorRequest& request) {
     command.add_option("source", request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
     command.add_option("--camera", request.camera, "calibration file")->type_name("CAL.TOML")->required();
-    command.add_option("--marks", request.marks, "what lies where on the floor (see docs/calibration.md)")
+    command.add_option("--marks", request.marks, "file of the marks on the floor (see docs/calibration.md)")
         ->type_name("MARKS.TOML")
         ->required();
-    command.add_option("--frames", request.frames, "frames to look at and average")
+    command.add_option("--frames", request.frames, "number of frames to average")
         ->check(CLI::Range(1, 10000))
         ->capture_default_str();
     request.words.add_to(command, /*calibrated=*/true);
     command.add_flag("--quiet", request.quiet, "no summary");
   };
   floor_ = calibrate.add_subcommand(
-      "floor", "The world frame of a camera that hangs, from tags or points on the floor whose places are known");
+      "floor", "The world frame of a mounted camera, from tags or points at known positions on the floor");
   floor_words(*floor_, floor_request_);
-  floor_->add_option("--out", floor_request_.out, "calibration to write; default: the one that was read")
+  floor_->add_option("--out", floor_request_.out, "calibration to write; default: the input file")
       ->type_name("CAL.TOML");
-  floor_->add_option("--tag-height", tag_height_mm_, "how high the robots carry their tags [mm]")
+  floor_->add_option("--tag-height", tag_height_mm_, "height of the robots' tags above the floor [mm]")
       ->type_name("MM")
       ->check(CLI::Range(0.0, 10000.0));
   floor_->add_option("--tag-size", tag_size_mm_, "edge of the robots' tags [mm]")
@@ -76,13 +76,13 @@ void VisionCommands::add_to(CLI::App& program) {
       ->check(CLI::Range(5.0, 2000.0));
   floor_
       ->add_option("--measure-height", floor_request_.measure_height,
-                   "measure that height by how large this robot's tag looks")
+                   "estimate that height from the apparent size of this robot's tag")
       ->type_name("TAG")
       ->check(CLI::Range(0, 586));
 
-  check_ = calibrate.add_subcommand("check", "How far a calibration is off, mark by mark, in millimetres on the floor");
+  check_ = calibrate.add_subcommand("check", "The error of a calibration at each mark, in millimetres on the floor");
   floor_words(*check_, check_request_);
-  check_->add_option("--limit", limit_mm_, "exit with status 1 if a mark is farther off [mm]")
+  check_->add_option("--limit", limit_mm_, "exit with status 1 if an error is larger [mm]")
       ->type_name("MM")
       ->check(CLI::Range(0.001, 10000.0));
 

@@ -9,15 +9,15 @@
 
 namespace skein::app {
 
-/// The words of `skein calibrate` and `skein tags` on the command line.
+/// The options of `skein calibrate` and `skein tags`.
 class VisionCommands {
  public:
   void add_to(CLI::App& program);
-  /// Does what was asked for and returns its ExitStatus; none: another command was.
+  /// Executes the given command and returns its ExitStatus; none: another command was given.
   std::optional<int> run();
 
  private:
-  /// A board in the words of people: millimetres.
+  /// A board as on the command line: lengths in millimetres.
   struct BoardWords {
     std::string kind = "charuco";
     std::string squares = "12x8";

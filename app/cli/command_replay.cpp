@@ -20,7 +20,7 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
       complain(done.error());
       return wrong_input;
     }
-    complain(csv + ": has its whole rows; what it was is in " + csv + ".torn");
+    complain(csv + ": repaired; the original is " + csv + ".torn");
   }
   std::ifstream file(csv, std::ios::binary);
   if (!file) {
@@ -43,10 +43,11 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
                result->answers_late);
     if (result->answers_different > 0)
       print_error(
-          fmt::format("skein: {}: the controller answers otherwise now; first at {}\n", csv, result->first_answer));
+          fmt::format("skein: {}: the controller's answers differ now; first at {}\n", csv, result->first_answer));
   }
   if (result->answers_different == 0 && result->different == 0 && result->poses_different == 0) return done;
-  if (!result->first.empty()) print_error(fmt::format("skein: {}: not bit for bit; first at {}\n", csv, result->first));
+  if (!result->first.empty())
+    print_error(fmt::format("skein: {}: the replay differs; first at {}\n", csv, result->first));
   return expectation_failed;
 }
 

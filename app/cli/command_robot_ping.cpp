@@ -58,7 +58,7 @@ int ping_robots(const RobotsRequest& request) {
   const auto named = named_robots(request.words, request.file);
   if (!named) return wrong_input;
   if (request.save && !named->experiment) {
-    complain("--save writes [links] into an experiment file: name one, and nothing else");
+    complain("--save writes [links] to an experiment file: name one, and nothing else");
     return wrong_input;
   }
   Experiment experiment = named->experiment.value_or(Experiment{});
@@ -70,7 +70,7 @@ int ping_robots(const RobotsRequest& request) {
   }
   tl::expected<SafetyNet, std::string> net;
   if (!addresses->empty()) net = SafetyNet::spread({experiment.name, *addresses});
-  if (!net) complain(fmt::format("{}: should this program be killed, nothing stops the robots", net.error()));
+  if (!net) complain(fmt::format("{}: if this program is killed, nothing stops the robots", net.error()));
   std::atomic<bool> stop_asked{false};
   if (net) net->on_stop([&] { stop_asked = true; }, [] { return std::vector<StopResult>{}; });
   const auto ping =

@@ -64,7 +64,7 @@ int test_robots(const RobotsRequest& request) {
   }
   tl::expected<SafetyNet, std::string> net;
   if (!addresses->empty()) net = SafetyNet::spread({experiment.name, *addresses});
-  if (!net) complain(fmt::format("{}: should this program be killed, nothing stops the robots", net.error()));
+  if (!net) complain(fmt::format("{}: if this program is killed, nothing stops the robots", net.error()));
 
   SessionClock clock(anything_real(experiment));
   SessionOptions options;

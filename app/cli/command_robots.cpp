@@ -29,8 +29,7 @@ void print(const std::vector<Problem>& problems) {
 
 std::string not_known(const std::string& name, const std::string& path, const std::string& names) {
   return fmt::format(
-      "{}: is no robot that is known; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST, udp:HOST), "
-      "an "
+      "{}: is not a known robot; allowed: an address (rfcomm:ADDRESS/CHANNEL, serial:DEVICE, tcp:HOST, udp:HOST), an "
       "experiment or a file of robots (.toml), or a name in {}:{}",
       name, path,
       !names.empty()     ? names
@@ -172,11 +171,11 @@ void look_after_bad_ends() {
     any = true;
     const bool guarded = ask_run(run.socket(), "look", 0.2).reached;
     complain(fmt::format("the run \"{}\" ended badly, and its robots may still be driving: {}{}", run.experiment,
-                         run.names(), guarded ? " (its guard goes on trying to stop them)" : ""));
+                         run.names(), guarded ? " (its guard keeps trying to stop them)" : ""));
   }
   if (!any) return;
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
-    complain("to stop them: skein robots stop; to be told no more: skein robots forget");
+    complain("to stop them: skein robots stop; to end this message: skein robots forget");
     return;
   }
   print_error("skein: stop them now? [Y/n] ");
@@ -268,7 +267,8 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
   }
   const bool runs = all_known && !all_markers().empty();
   if (all_known && !runs && !stops.any() && problems.empty())
-    print_out(fmt::format("no run lives or has left a robot behind, and no robot is known: there is no {}\n", path));
+    print_out(
+        fmt::format("no run is active or has left a robot behind, and no robot is known: there is no {}\n", path));
   const bool all = stops.carry_out(/*every_run=*/all_known);
   // Only now: what is wrong with a file must keep nobody from being stopped.
   for (const std::string& problem : problems) print_error(problem + "\n");

@@ -80,7 +80,7 @@ int run(const RunRequest& request) {
   if (!experiment) return wrong_input;
   const bool real = anything_real(*experiment);
   if (real && request.speed == "max") {
-    complain("--speed max: only a run in which nothing is real can go faster than real time; allowed here: realtime");
+    complain("--speed max: a run with real robots or cameras cannot be faster than real time; allowed here: realtime");
     return wrong_input;
   }
   const bool live = !request.publish.empty() && request.speed.empty();
@@ -100,8 +100,8 @@ int run(const RunRequest& request) {
   std::vector<std::unique_ptr<CsvFile>> files;
   std::error_code ignored;
   if (!request.force && !request.video.empty() && std::filesystem::is_regular_file(request.video, ignored)) {
-    complain(fmt::format("{}: is there already, and no run is overwritten; free is {}, or say --force", request.video,
-                         free_name(request.video)));
+    complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force",
+                         request.video, free_name(request.video)));
     return wrong_input;
   }
   std::optional<KeptRun> kept;
@@ -144,7 +144,7 @@ int run(const RunRequest& request) {
   const auto keep = [&](const Statistics::Summary& summary, int status, std::vector<std::string> problems,
                         const std::string& film) {
     if (const auto ended = kept->end(summary, {status, std::move(problems), film}); !ended)
-      complain(fmt::format("{}: the run is kept, but not all of it: {}", kept->folder(), ended.error()));
+      complain(fmt::format("{}: the run is kept, but incomplete: {}", kept->folder(), ended.error()));
   };
   auto session = Session::open(*experiment, clock, options);
   if (!session) {
@@ -155,7 +155,7 @@ int run(const RunRequest& request) {
     return device_failed;
   }
   if (const auto why = (*session)->unguarded())
-    complain(fmt::format("{}: should this program be killed, nothing stops the robots", *why));
+    complain(fmt::format("{}: if this program is killed, nothing stops the robots", *why));
   const auto tell_alarms = [&] {
     for (const std::string& sentence : (*session)->alarms()) complain(sentence);
   };

@@ -186,7 +186,7 @@ int verify_runs(const RunsRequest& request) {
   if (!found) return refused(found.error());
   std::string out;
   for (const Verification::Step& step : found->steps)
-    out += fmt::format("{}: {}, {}\n", step.what, step.holds ? "holds" : "DOES NOT HOLD", step.finding);
+    out += fmt::format("{}: {}, {}\n", step.what, step.holds ? "holds" : "FAILS", step.finding);
   print_out(out, reader_patience);
   for (const std::string& note : found->notes) complain(note);
   return found->holds() ? done : expectation_failed;

@@ -5,13 +5,13 @@
 
 namespace skein::app {
 
-/// What all of `skein runs` are asked.
+/// The options common to all `skein runs` commands.
 struct RunsRequest {
   std::string directory;          ///< of the runs; empty: runs_directory() says which
   std::string run, other, query;  ///< runs by name, folder or "last"
-  std::vector<std::string> show;  ///< keys to be shown beside each run
+  std::vector<std::string> show;  ///< keys to show for each run
   bool json = false, keys = false;
-  std::size_t newest = 0;  ///< show so many; 0: all
+  std::size_t newest = 0;  ///< number of runs to show; 0: all
 };
 
 struct PageRequest {
@@ -22,14 +22,14 @@ struct PageRequest {
 /// Writes a run as one page for a browser.
 int write_page(const PageRequest& request);
 
-/// Each returns an ExitStatus and says what went wrong on stderr.
+/// Each returns an ExitStatus and reports errors on stderr.
 int list_runs(const RunsRequest& request);
 int show_run(const RunsRequest& request);
-/// `expectation_failed` where none is found.
+/// `expectation_failed` if none is found.
 int find_runs(const RunsRequest& request);
-/// What two runs do not have in common.
+/// Prints the differences between two runs.
 int compare_runs(const RunsRequest& request);
-/// `expectation_failed` where the record does not follow from its inputs.
+/// `expectation_failed` if the record does not follow from its inputs.
 int verify_runs(const RunsRequest& request);
 
 }  // namespace skein::app

@@ -76,7 +76,7 @@ int sweep(const SweepRequest& request) {
     part = *parsed;
     const std::string file = part_file(request.into, part);
     if (load_part(request.into, *study, part)) {
-      if (!request.quiet) fmt::print("part: {} of {}\nkept: {} (it was there already)\n", part.index, part.of, file);
+      if (!request.quiet) fmt::print("part: {} of {}\nkept: {} (already there)\n", part.index, part.of, file);
       return done;
     }
   }
@@ -97,7 +97,7 @@ int sweep(const SweepRequest& request) {
       print_error(fmt::format("skein: part {} of {}: {}: skein sweep {} --part {}/{} --into {}\n", missing.index,
                               missing.of, why, quoted(request.file), missing.index, missing.of, quoted(request.merge)));
     if (!merged->missing.empty()) {
-      complain(fmt::format("{} of {} parts are missing: make them, with the same further words, and merge again",
+      complain(fmt::format("{} of {} parts are missing: compute them with the same options, and merge again",
                            merged->missing.size(), merged->parts));
       return expectation_failed;
     }
@@ -117,7 +117,7 @@ int sweep(const SweepRequest& request) {
 
   if (!request.part.empty()) {
     if (interrupted())
-      return complain(fmt::format("part {} of {} was stopped: nothing of it is kept", part.index, part.of)),
+      return complain(fmt::format("part {} of {} was interrupted: none of it is kept", part.index, part.of)),
              expectation_failed;
     if (const auto saved = save_part(request.into, *study, part, outcomes); !saved)
       return complain(saved.error()), wrong_input;
@@ -144,12 +144,11 @@ int sweep(const SweepRequest& request) {
   if (summary.failed_runs > 0) {
     const auto first =
         std::find_if(outcomes.study.begin(), outcomes.study.end(), [](const auto& o) { return !o.failure.empty(); });
-    sentences.push_back(
-        fmt::format("{} runs could not be made; seed {}: {}", summary.failed_runs, first->seed, first->failure));
+    sentences.push_back(fmt::format("{} runs failed; seed {}: {}", summary.failed_runs, first->seed, first->failure));
   }
   for (const std::string& sentence : sentences) complain(sentence);
   if (!sentences.empty() && !summary.bad_seeds.empty() && !request.only)
-    print_error(fmt::format("skein: one of these again: skein sweep {} --only {}\n", quoted(request.file),
+    print_error(fmt::format("skein: to repeat one of these: skein sweep {} --only {}\n", quoted(request.file),
                             summary.bad_seeds.front()));
   return sentences.empty() ? done : expectation_failed;
 }

@@ -20,7 +20,7 @@ int track(const TrackRequest& request) {
   if (request.list_controls) {
     if (const auto camera = vision::parse_source(request.source); camera && camera->live())
       return list_cameras(camera->where);
-    print_error(fmt::format("skein: {} is no camera; allowed with --list-controls: v4l2:DEVICE\n", request.source));
+    print_error(fmt::format("skein: {} is not a camera; allowed with --list-controls: v4l2:DEVICE\n", request.source));
     return wrong_input;
   }
   vision::TrackOptions options;

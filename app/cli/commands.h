@@ -11,9 +11,9 @@
 
 namespace skein::app {
 
-/// The bodies of the subcommands; each returns an ExitStatus and says what went wrong on stderr.
+/// The bodies of the subcommands; each returns an ExitStatus and reports errors on stderr.
 
-/// Where an experiment comes from on the command line.
+/// An experiment as given on the command line.
 struct ExperimentRequest {
   std::string file;               ///< empty: the paper's experiment
   std::vector<std::string> sets;  ///< --set, with --duration and --seed
@@ -27,23 +27,23 @@ struct RunRequest {
   bool keep = false;                      ///< in a folder of its own below `runs_directory`
   std::string runs_directory;             ///< empty: runs_directory() says which
   std::vector<std::string> words;         ///< of the command line, for the record of a kept run
-  std::string publish;                    ///< "udp:HOST:PORT"; empty: to nobody
+  std::string publish;                    ///< "udp:HOST:PORT"; empty: not published
   bool quiet = false, json = false;
   bool force = false;  ///< files of an older run may be overwritten
 };
 int run(const RunRequest& request);
 
 struct DoctorRequest {
-  std::vector<ExperimentRequest> experiments;  ///< that are to run on this machine
+  std::vector<ExperimentRequest> experiments;  ///< to be run on this machine
   double seconds = 10.0;
   bool fix = false;
-  bool window = false;  ///< the program has one
+  bool window = false;  ///< the program was built with one
 };
 int doctor(const DoctorRequest& request);
 
-/// `controller`: what the law does over the whole experiment as well.
+/// `controller`: also tests the law over the whole experiment.
 int check(const ExperimentRequest& request, bool controller);
-/// `repaired`: first leaves only the whole rows of a file that ends in a torn one.
+/// `repaired`: first removes a torn last row from the file.
 int replay(const std::string& csv, const std::string& film, bool repaired, bool controller);
 
 struct TrackRequest {
@@ -54,10 +54,10 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
-/// What a camera can do and how it is set; without a device, which there are.
+/// Lists a camera's modes and settings; without a device, all cameras.
 int list_cameras(const std::string& device);
 
-/// Whether a robot or the camera of an experiment is no simulation, so that it runs in real time.
+/// Whether a robot or the camera of an experiment is real, so that it runs in real time.
 bool anything_real(const Experiment& experiment);
 
 struct RobotsRequest {
@@ -70,11 +70,11 @@ struct RobotsRequest {
   bool save = false;                ///< into the file of robots; of `ping`: into the experiment file
 };
 
-/// Robots by words of the command line, with what is wrong on stderr: link addresses, names of the file of robots,
-/// files of robots, experiment files.
+/// Robots by words of the command line, with errors on stderr: link addresses, names of the file of robots, files of
+/// robots, experiment files.
 struct NamedRobots {
   std::vector<RobotSpec> robots;
-  std::optional<Experiment> experiment;  ///< where an experiment file is the only word
+  std::optional<Experiment> experiment;  ///< if an experiment file is the only word
 };
 std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, const std::string& file);
 
@@ -85,7 +85,7 @@ int list_robots(const std::string& file);
 /// `device_failed` when one has not acknowledged.
 int stop_robots(const std::vector<std::string>& words, const std::string& file = {});
 
-/// Looks for robots by Bluetooth and prints them as tables of a file of robots; `device_failed` if there is none.
+/// Searches for robots by Bluetooth and prints them as tables of a file of robots; `device_failed` if there is none.
 int scan_robots(const RobotsRequest& request);
 
 /// Pairs with robots, named by name or address; prints them likewise; `device_failed` if one was not paired.
@@ -95,21 +95,21 @@ int pair_robots(const RobotsRequest& request);
 /// `device_failed` if one does not answer. See robot_ping.h.
 int ping_robots(const RobotsRequest& request);
 
-/// Asks robots who they are, turns their wheels a little, and names what is wrong with them; `device_failed` if
-/// something is. See robot_test.h.
+/// Reads the robots' versions, turns their wheels a little, and reports their faults; `device_failed` if there are any.
+/// See robot_test.h.
 int test_robots(const RobotsRequest& request);
 
-/// What was found out about a robot: keys of the file of robots with their values, as TOML has them.
+/// Results about a robot: keys of the file of robots with their values as TOML text.
 struct FoundRobot {
   RobotSpec spec;
-  std::string name;  ///< what messages call it
+  std::string name;  ///< its name in messages
   std::vector<std::pair<std::string, std::string>> values;
 };
-/// Puts it into the file of robots, everything else as it was; says which robots that file does not have.
+/// Writes it to the file of robots, leaving the rest unchanged; reports robots that the file does not have.
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
 
-/// Says on stderr which runs ended without stopping their robots, if any did, and offers to stop them where somebody
-/// sits at a terminal.
+/// Reports on stderr the runs that ended without stopping their robots, if any, and offers to stop them if stdin is a
+/// terminal.
 void look_after_bad_ends();
 
 }  // namespace skein::app

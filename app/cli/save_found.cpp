@@ -23,7 +23,7 @@ int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
   for (const FoundRobot& robot : robots) {
     const auto there = std::find_if(known->begin(), known->end(), [&](const auto& k) { return is(k, robot.spec); });
     if (there == known->end()) {
-      complain(fmt::format("{} is not in {}: nothing of it was saved", robot.name, file));
+      complain(fmt::format("{} is not in {}: none of its values was saved", robot.name, file));
       continue;
     }
     for (const auto& [key, value] : robot.values) {

@@ -5,21 +5,21 @@
 
 namespace skein::app {
 
-/// What a controller can do to a run.
+/// Hostile behaviours of a controller.
 enum class Adversary : std::uint8_t {
-  no_number,    ///< asks for NaN, of some robots or of all
-  infinite,     ///< asks for what is beyond any speed
+  no_number,    ///< returns NaN, for some robots or for all
+  infinite,     ///< returns excessive speeds
   collide,      ///< full speed at the nearest other robot
   walls,        ///< full speed at the nearest edge
   obstacles,    ///< full speed at the nearest obstacle
-  erratic,      ///< full speed forward and backward, another way each tick
+  erratic,      ///< full speed forward and backward, alternating each tick
   late,         ///< answers after the deadline, now and then or always
   crash,        ///< a signal, abort or exit at some tick
   hang,         ///< never answers again
   stop_itself,  ///< SIGSTOP to itself
   flood,        ///< writes to its pipe and prints as fast as it can
   scribble,     ///< writes over the whole memory that it shares
-  allocate,     ///< takes all the memory that it gets
+  allocate,     ///< allocates all available memory
   fork,         ///< starts processes that hold its pipes and do not end
 };
 
@@ -58,14 +58,14 @@ constexpr std::string_view word(Adversary kind) noexcept {
   return {};
 }
 
-/// Which one a seed stands for: they take turns.
+/// The behaviour for a seed: in turn.
 Adversary adversary_of(std::uint64_t seed) noexcept;
 
-/// `skein controller-host --adversary SEED`: a controller that does its worst, the same for the same seed. For studies.
-/// Returns an ExitStatus, if it returns.
+/// `skein controller-host --adversary SEED`: a hostile controller, the same for the same seed. For studies. Returns an
+/// ExitStatus, if it returns.
 int be_adversary(std::uint64_t seed);
 
-/// `skein controller-host --honest`: tracks, and answers at once. To be measured with.
+/// `skein controller-host --honest`: tracks, and answers at once. For measurements.
 int be_honest();
 
 }  // namespace skein::app

@@ -166,8 +166,8 @@ struct Child {
 };
 
 std::string sentence_of(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("it was ended by {}", ::strsignal(WTERMSIG(status)));
-  return fmt::format("it ended with exit status {}", WEXITSTATUS(status));
+  if (WIFSIGNALED(status)) return fmt::format("it was killed by {}", ::strsignal(WTERMSIG(status)));
+  return fmt::format("it exited with status {}", WEXITSTATUS(status));
 }
 
 }  // namespace
@@ -289,7 +289,7 @@ void BoundedProcess::drain(const std::stop_token& stop) {
     if (printed < most_printed) {
       printed += text.size();
       print_error(std::string(text));
-      if (printed >= most_printed) print_error("\nskein: the controller prints more; it is not shown\n");
+      if (printed >= most_printed) print_error("\nskein: further output of the controller is not shown\n");
     }
     const std::lock_guard lock(mutex_);
     for (const char c : text) {

@@ -14,16 +14,16 @@
 
 namespace skein::app {
 
-/// What a process of somebody else's may take of the machine. What is not bounded stands in docs/controllers.md.
+/// Resource limits of a foreign process. docs/controllers.md lists what is not limited.
 struct ProcessBounds {
   std::int64_t memory = 2048;      ///< address space of each process [MB]
   std::int64_t processes = 16;     ///< processes and threads beside those that the user has; 0: none but threads
   std::int64_t cpu_seconds = 600;  ///< of each process
-  std::int64_t file = 1024;        ///< the largest file that it may write [MB]
+  std::int64_t file = 1024;        ///< size of the largest file that it may write [MB]
 };
 
-/// A process of somebody else's in a group of its own, which ends with this one. It cannot leave its group, so that
-/// `end` gets everything that it has started. What it prints goes to stderr, the first 64 kB of it.
+/// A foreign process in a group of its own, which ends with this one. It cannot leave its group, so that `end` kills
+/// every process that it has started. The first 64 kB of its output go to stderr.
 class BoundedProcess {
  public:
   struct Setup {
@@ -33,11 +33,11 @@ class BoundedProcess {
     std::vector<int> files;                ///< its descriptors 3, 4, ...; closed here by whoever opened them
     ProcessBounds bounds;
   };
-  /// The error names the program and says why it cannot be started.
+  /// The error names the program and the reason why it cannot be started.
   static tl::expected<std::unique_ptr<BoundedProcess>, std::string> start(const Setup& setup);
   ~BoundedProcess();
 
-  /// Kills the whole group. Any thread; neither waits nor allocates.
+  /// Kills the whole group. Any thread; neither blocks nor allocates.
   void end() noexcept;
   /// How it ended, and the last line that it printed: "exit status 1: NameError: ..."; empty: it has not ended. Waits
   /// at most `patience` for that. Not the control thread's. [s]
@@ -56,7 +56,7 @@ class BoundedProcess {
   bool reaped_ = false;    // the same, and the next
   int status_ = 0;
   std::atomic<bool> gone_{false};
-  std::jthread drainer_;  // its parent, too: the kernel ends a process with the thread that started it
+  std::jthread drainer_;  // also its parent: the kernel kills a process when the thread that started it ends
 };
 
 }  // namespace skein::app

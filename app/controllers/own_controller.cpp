@@ -189,15 +189,15 @@ tl::expected<void, std::string> OwnController::become_ready(const LawSpec& law) 
     if (n == 0) {
       const std::string refusal = text_of(memory_->at->refusal);
       const std::string how = process_->how_it_ended(1.0);
-      return tl::unexpected(fmt::format("the controller did not get ready: {}", !refusal.empty() ? refusal
-                                                                                : how.empty()    ? "it closed its line"
+      return tl::unexpected(fmt::format("the controller did not become ready: {}", !refusal.empty() ? refusal
+                                                                                   : how.empty() ? "it closed its line"
                                                                                                  : how));
     }
     if (seconds_now() > until)
-      return tl::unexpected(fmt::format(
-          "the controller did not get ready within {:g} s: it must attach to the memory and write a byte to file {} "
-          "(docs/controllers.md)",
-          start_patience, SKEIN_ANSWER_FD));
+      return tl::unexpected(
+          fmt::format("the controller was not ready within {:g} s: it must attach to the memory and write a byte to "
+                      "file {} (docs/controllers.md)",
+                      start_patience, SKEIN_ANSWER_FD));
   }
   if (const std::string refusal = text_of(memory_->at->refusal); !refusal.empty())
     return tl::unexpected("the controller refuses: " + refusal);
@@ -340,7 +340,7 @@ std::string OwnController::why_it_ended() {
   if (!process_) return {};
   const std::string how = process_->how_it_ended(1.0);
   if (ended_by_us_)
-    return fmt::format("the controller was late {} times in a row, {:g} s each, and was ended", late_too_often,
+    return fmt::format("the controller was late {} times in a row, {:g} s each, and was killed", late_too_often,
                        report_.deadline);
   return "the controller is gone: " + (how.empty() ? std::string("it closed its line") : how);
 }

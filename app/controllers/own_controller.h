@@ -17,39 +17,39 @@
 
 namespace skein::app {
 
-/// How a controller has done so far.
+/// Statistics of a controller.
 struct ControllerReport {
   std::int64_t asked = 0;     ///< questions
   std::int64_t late = 0;      ///< of them, not answered by the deadline, or never
   std::vector<double> waits;  ///< from question to answer, of those answered in time, the first million [s]
-  double longest = 0.0;       ///< that the control thread has waited, answered or not [s]
+  double longest = 0.0;       ///< longest wait of the control thread, answered or not [s]
   double deadline = 0.0;      ///< [s]
 };
 
-/// A controller of the user's own: a process that shares memory with this one and is asked once a tick
-/// (skein_controller.h, docs/controllers.md). A library runs in a process as well: this program, which loads it there.
-/// Whatever the process does, `ask` is over by the deadline, and what it answered is looked at on a copy.
+/// A controller of the user's own: a process that shares memory with this one and is asked once per tick
+/// (skein_controller.h, docs/controllers.md). A library runs in a process too: this program, which loads it there.
+/// Whatever the process does, `ask` returns by the deadline, and its answer is checked on a copy.
 class OwnController {
  public:
-  /// Starts it and waits, at most 20 s, until it is ready. `waits`: nobody's clock runs meanwhile, so that it may take
-  /// its time. `program` hosts libraries; empty: this one. The error is a sentence.
+  /// Starts it and waits, at most 20 s, until it is ready. `waits`: the clock is virtual, so that it may answer slowly.
+  /// `program` hosts libraries; empty: this one. The error is a sentence.
   static tl::expected<std::unique_ptr<OwnController>, std::string> start(const Experiment& experiment, bool waits,
                                                                          const std::string& program = {});
   ~OwnController();
 
-  /// Asks, and waits for the answer at most until the deadline. One that has been late 25 times in a row is ended. The
-  /// control thread's: no allocation, no lock; its only system calls are on its own pipes.
+  /// Asks, and waits for the answer at most until the deadline. After 25 late answers in a row it is killed. Control
+  /// thread only: no allocation, no lock; its only system calls are on its own pipes.
   void ask(const core::ControllerInput& input) noexcept;
-  /// The answer to the last question: numbers that nobody has looked at, none where there is no answer.
+  /// The answer to the last question: unchecked numbers, none if there is no answer.
   std::span<const core::Twist> law() const noexcept { return law_; }
   std::span<const double> logged() const noexcept { return logged_; }
   ControllerState state() const noexcept { return state_.load(std::memory_order_acquire); }
 
-  /// Ends it, and waits for that. It is asked no more.
+  /// Ends it, and waits until it has ended. It must not be asked any more.
   void close() noexcept;
-  /// A sentence once it has ended. Not the control thread's; waits for the process's end, up to a second.
+  /// A sentence once it has ended. Not for the control thread; waits for the process's end, up to a second.
   std::string why_it_ended();
-  /// What it takes, with the values in force.
+  /// Its parameters, with the values in force.
   std::vector<skein_parameter> parameters() const;
   /// Between two questions, or after the last.
   const ControllerReport& report() const noexcept { return report_; }
@@ -78,12 +78,12 @@ class OwnController {
   ControllerReport report_;
 };
 
-/// What a controller has of a tick on the wall clock unless the file says otherwise. [s]
+/// The default deadline of a controller on the wall clock. [s]
 inline double default_deadline(const Experiment& experiment) noexcept {
   return 0.25 * experiment.period();
 }
 
-/// The words of a command as a shell reads them, without commands inside. The error says what is wrong.
+/// The words of a command, split as by a shell, without command substitution. The error is a sentence.
 tl::expected<std::vector<std::string>, std::string> words_of(const std::string& command);
 
 }  // namespace skein::app

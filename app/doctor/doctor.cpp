@@ -63,7 +63,7 @@ Finding group(const Machine& machine, const char* name, const char* what) {
   return {State::ill,
           subject,
           fmt::format("{} is not in it: {} cannot be opened", machine.user, what),
-          fmt::format("as root: adduser {} {}; then log in anew", machine.user, name),
+          fmt::format("as root: adduser {} {}; then log in again", machine.user, name),
           {{"adduser", machine.user, name}}};
 }
 
@@ -73,9 +73,9 @@ Finding priority(const Machine& machine) {
   if (machine.rtprio >= needed_priority) return well(subject, fmt::format("granted up to {}", machine.rtprio));
   return {State::ill,
           subject,
-          fmt::format("not granted (limit {}, asked for {}): a busy machine makes ticks and stops late", machine.rtprio,
-                      needed_priority),
-          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in anew", machine.user),
+          fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
+                      machine.rtprio, needed_priority),
+          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
           {{"addgroup", "--quiet", "--system", "skein"},
            {"sh", "-c", "echo '@skein - rtprio 25' > /etc/security/limits.d/60-skein.conf"},
            {"adduser", machine.user, "skein"}}};
@@ -106,7 +106,7 @@ Finding governor(const Machine& machine) {
   if (slow.empty()) return well(subject, "no governor slows the processor down");
   return {slow.contains("powersave") ? State::ill : State::note,
           subject,
-          fmt::format("governor {}: the processor wakes slow", fmt::join(slow, ", ")),
+          fmt::format("governor {}: the processor wakes slowly", fmt::join(slow, ", ")),
           "as root: for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done",
           {{"sh", "-c",
             "for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done"}}};
@@ -136,7 +136,7 @@ Finding memory(const Machine& machine) {
   if (available < 0.0) return well(subject, "not known");
   const std::string found = fmt::format("{:.0f} MB available", available / 1024.0);
   if (available >= 300.0 * 1024.0) return well(subject, found);
-  return {State::ill, subject, found + ": what is swapped out comes back late", "close other programs"};
+  return {State::ill, subject, found + ": swapped-out memory is slow to return", "close other programs"};
 }
 
 Finding clock_source(const Machine& machine) {
@@ -144,7 +144,7 @@ Finding clock_source(const Machine& machine) {
   const std::string source = read(below(machine, "/sys/devices/system/clocksource/clocksource0/current_clocksource"));
   const bool slow = source == "hpet" || source == "acpi_pm" || source == "jiffies" || source.starts_with("refined");
   if (!slow) return well(subject, source.empty() ? "not known" : source);
-  return {State::note, subject, fmt::format("{}: asking for the time is slow", source),
+  return {State::note, subject, fmt::format("{}: reading the time is slow", source),
           "boot with tsc=reliable if the processor's counter can be relied on"};
 }
 
@@ -160,12 +160,13 @@ Finding timing(const Machine& machine, double seconds) {
     return fmt::format("{} / {} / {} / {} ms", milliseconds(late.quantile(0.5)), milliseconds(late.quantile(0.99)),
                        milliseconds(late.quantile(0.999)), milliseconds(late.largest()));
   };
-  std::string found = fmt::format("bare threads late by (p50 / p99 / p99.9 / worst): ordinary {}", words(timing.bare));
+  std::string found =
+      fmt::format("latency of bare threads (p50 / p99 / p99.9 / largest): ordinary {}", words(timing.bare));
   if (timing.priority > 0) found += fmt::format(", at real-time priority {}", words(timing.tick));
   const Histogram& best = timing.priority > 0 ? timing.tick : timing.bare;
   if (best.quantile(0.99) <= most && best.largest() <= 10.0 * most) return well(subject, found);
   return {State::ill, subject, found,
-          "a tick has 40 ms: mend what stands above; a virtual machine or a power-saving firmware may be the cause"};
+          "a tick has 40 ms: fix the problems above; a virtual machine or power-saving firmware may be the cause"};
 }
 
 Findings disk(const Machine& machine) {
@@ -177,7 +178,7 @@ Findings disk(const Machine& machine) {
     result.push_back({State::ill, "disk space", found + ": a film takes 1 GB a minute, a CSV 2 MB", "make room"});
   const auto speed = machine.disk_speed();
   if (!speed)
-    result.push_back({State::ill, "disk", speed.error(), "start where you may write"});
+    result.push_back({State::ill, "disk", speed.error(), "start in a folder that you may write to"});
   else if (const std::string found = fmt::format("writes {:.0f} MB/s here", *speed / megabyte); *speed >= 20 * megabyte)
     result.push_back(well("disk", found));
   else
@@ -248,7 +249,7 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
                          return a.name == adapter || a.address == adapter;
                        });
     if (!known)
-      result.push_back({State::ill, fmt::format("Bluetooth {}", adapter), "an experiment names it, and it is not there",
+      result.push_back({State::ill, fmt::format("Bluetooth {}", adapter), "an experiment names it, but it is not there",
                         "plug it in, or name another"});
     else if (count > robots_per_adapter && robots <= room)
       result.push_back({State::ill, fmt::format("Bluetooth {}", adapter.empty() ? "adapter" : adapter),
@@ -273,10 +274,11 @@ Findings serial(const Machine& machine, const Examination& examination) {
       if (!address || address->kind != comms::LinkKind::serial) continue;
       std::error_code error;
       if (!fs::exists(below(machine, address->device), error))
-        result.push_back({State::ill, address->device, fmt::format("is not there; {} drives a robot on it", file),
-                          "plug it in, or mend its link in the file"});
+        result.push_back({State::ill, address->device, fmt::format("is not there; {} has a robot on it", file),
+                          "plug it in, or correct its link in the file"});
       else if (!machine.usable(address->device))
-        result.push_back({State::ill, address->device, "may not be opened by you", "see the group dialout above"});
+        result.push_back(
+            {State::ill, address->device, "you have no permission to open it", "see the group dialout above"});
     }
   return result;
 }
@@ -291,7 +293,7 @@ Findings cameras(const Machine& machine, const Examination& examination) {
     const std::string path = "/dev/" + device.filename().string();
     names.push_back(fmt::format("{} ({})", path, read(device / "name")));
     if (!machine.usable(path))
-      result.push_back({State::ill, path, "may not be opened by you", "see the group video above"});
+      result.push_back({State::ill, path, "you have no permission to open it", "see the group video above"});
   }
   bool wanted = false;
   for (const auto& [file, experiment] : examination.experiments) {
@@ -300,7 +302,7 @@ Findings cameras(const Machine& machine, const Examination& examination) {
     const std::string device = experiment.camera.source.substr(experiment.camera.source.find(':') + 1);
     std::error_code error;
     if (!devices.empty() && !fs::exists(below(machine, device), error))
-      result.push_back({State::ill, device, fmt::format("is not there; {} sees its robots with it", file),
+      result.push_back({State::ill, device, fmt::format("is not there; {} uses it", file),
                         "plug it in, or name another: skein camera list"});
   }
   if (devices.empty())
@@ -328,7 +330,7 @@ Findings calibrations(const Examination& examination) {
       continue;
     }
     if (!calibration->world_from_camera)
-      result.push_back({State::ill, "calibration", fmt::format("{} does not say where the camera hangs", path.string()),
+      result.push_back({State::ill, "calibration", fmt::format("{} has no pose of the camera", path.string()),
                         "skein calibrate floor"});
     sizes[path.string()] = calibration->tag_size;
   }
@@ -356,14 +358,14 @@ Findings parts(const Machine& machine) {
     result.push_back(well("guard", "can be started"));
   else
     result.push_back({State::ill, "guard", guard.error(),
-                      "without it nothing stops the robots when the program is killed: make the folder writable"});
+                      "without a guard nothing stops the robots when the program is killed: make the folder writable"});
   for (const std::string& run : machine.bad_ends())
     result.push_back({State::ill, "an earlier run", fmt::format("{} ended badly, its robots may still drive", run),
                       "skein robots stop"});
   if (const auto modules = machine.modules(); modules)
     result.push_back(well("modules", "films and calibration boards"));
   else
-    result.push_back({State::ill, "modules", modules.error(), "install skein anew"});
+    result.push_back({State::ill, "modules", modules.error(), "reinstall skein"});
   if (machine.has_program("gnuplot"))
     result.push_back(well("gnuplot", "draws the figures of reports"));
   else
@@ -384,7 +386,7 @@ Finding display(const Machine& machine) {
   if (machine.display.starts_with(":")) {
     const std::string number = machine.display.substr(1, machine.display.find('.') - 1);
     if (!fs::exists(below(machine, "/tmp/.X11-unix/X" + number), error))
-      return {State::ill, subject, fmt::format("DISPLAY is {}, and nothing answers there", machine.display),
+      return {State::ill, subject, fmt::format("DISPLAY is {}, but there is no display server", machine.display),
               "log in at the machine, or unset DISPLAY"};
   }
   return well(subject, machine.display);

@@ -20,14 +20,14 @@ struct BluetoothAdapter {
   bool powered = false;
 };
 
-/// All that `skein doctor` asks of a machine, so that a test can plant what is wrong with one.
+/// The properties of a machine that `skein doctor` checks, so that a test can set faulty ones.
 struct Machine {
-  std::string root;        ///< what stands before every path: empty, or a folder with a /proc, /sys, /dev of its own
-  std::string user;        ///< who runs the program
-  bool superuser = false;  ///< may do everything
+  std::string root;                 ///< prefix of every path: empty, or a folder with a /proc, /sys, /dev of its own
+  std::string user;                 ///< the user who runs the program
+  bool superuser = false;           ///< has root privileges
   std::vector<std::string> groups;  ///< of this process, by name
   long rtprio = 0;                  ///< soft limit of real-time priorities; -1: none
-  std::string display;              ///< what DISPLAY or WAYLAND_DISPLAY says; empty: neither is set
+  std::string display;              ///< value of DISPLAY or WAYLAND_DISPLAY; empty: neither is set
   bool window = true;               ///< the program was built with one
 
   /// Whether this process may read and write a device.
@@ -40,16 +40,16 @@ struct Machine {
   /// Writes and syncs a few megabytes in the working directory. [bytes/s]
   std::function<tl::expected<double, std::string>()> disk_speed;
   std::function<double()> disk_free;  ///< [bytes], for this user in the working directory
-  /// Whether markers of runs can be kept and a guard be started; the error is why not.
+  /// Whether markers of runs can be written and a guard be started; the error is the reason.
   std::function<tl::expected<void, std::string>()> guard;
   std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h
-  /// Whether what is loaded late can be: films, boards.
+  /// Whether the modules can be loaded: films, boards.
   std::function<tl::expected<void, std::string>()> modules;
   std::function<bool(const std::string& program)> has_program;          ///< on the PATH
   std::function<int(const std::vector<std::string>& command)> execute;  ///< for --fix; its exit status
 };
 
-/// The one that this program runs on.
+/// This machine.
 Machine this_machine();
 
 }  // namespace skein::app

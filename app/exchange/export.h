@@ -13,11 +13,11 @@ namespace skein::app {
 
 struct Exported {
   std::int64_t rows = 0;
-  std::optional<std::string> torn;  ///< the last row was not whole, and is left out
+  std::optional<std::string> torn;  ///< the last row was incomplete, and is omitted
 };
 
-/// Turns the CSV of a run into `to`. `file` stands for the stream in messages. The error names file, line and column of
-/// what cannot be read, or says why the other file cannot be written; then there is none.
+/// Converts the CSV of a run to the format `to`. `file` is the stream's name in messages. The error names file, line
+/// and column of invalid input, or why the other file cannot be written; then there is none.
 tl::expected<Exported, std::string> export_run(std::istream& csv, const std::string& file, const std::string& to,
                                                const ExportOptions& options);
 

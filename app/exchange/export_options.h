@@ -6,7 +6,7 @@
 
 namespace skein::app {
 
-/// What a run's CSV can be turned into for other programs. docs/tools.md says what each file holds.
+/// The export formats of a run's CSV. docs/tools.md describes the files.
 enum class ExportFormat {
   csv,   ///< without the lines before the header row
   mcap,  ///< for Foxglove and PlotJuggler
@@ -27,7 +27,7 @@ constexpr std::string_view word(ExportFormat format) noexcept {
 struct ExportOptions {
   ExportFormat format = ExportFormat::csv;
   bool compressed = true;  ///< the chunks of MCAP, by zstd
-  double epoch = 0.0;      ///< of MCAP: when the session's clock stood at 0 [s since 1970]
+  double epoch = 0.0;      ///< of MCAP: time at which the session's clock was 0 [s since 1970]
   WriteRules rules{};
 };
 

@@ -18,7 +18,7 @@ void append(std::string& out, std::uint32_t value) {
 /// Type, size, data, padded to 8 bytes.
 std::string element(Type type, std::string_view data) {
   if (data.size() > largest_mat_element)
-    throw std::length_error("more than 2 GB in one variable, which MATLAB's format does not allow");
+    throw std::length_error("more than 2 GB in one variable, the limit of MATLAB's format");
   std::string result;
   result.reserve(data.size() + 16);
   append(result, type);

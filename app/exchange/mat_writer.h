@@ -9,8 +9,8 @@
 
 namespace skein::app {
 
-/// Writes MATLAB's level 5 MAT-file format, which MATLAB, Octave and SciPy load. Values are built as text of the file
-/// (a matrix element each), then put into a variable:
+/// Writes MATLAB's level 5 MAT-file format, which MATLAB, Octave and SciPy load. Values are built as bytes of the file
+/// (one matrix element each), then put into a variable:
 ///
 ///     mat_file("run", mat_struct({{"t", mat_column(t)}, {"mode", mat_cells(modes)}}))
 ///
@@ -22,7 +22,7 @@ std::string mat_cells(std::span<const std::string> texts);  ///< n x 1 cells of 
 std::string mat_text(std::string_view text);                ///< 1 x n characters
 std::string mat_struct(const std::vector<std::pair<std::string, std::string>>& fields);
 
-/// A whole file with one variable. Throws std::length_error where it is too large.
+/// A complete file with one variable. Throws std::length_error if it is too large.
 std::string mat_file(std::string_view variable, std::string value);
 
 }  // namespace skein::app

@@ -10,24 +10,24 @@
 namespace skein::app {
 
 /// Writes an MCAP file (https://mcap.dev/spec) of JSON messages: chunks, with an index, statistics and checksums, so
-/// that a reader can jump in it. Bytes are taken from it as they come: take() between calls, and after finish().
+/// that a reader can seek in it. Fetch the bytes with take() between calls, and after finish().
 class McapWriter {
  public:
   using Channel = std::uint16_t;
 
-  /// `compressed`: chunks by zstd, which every common reader of MCAP takes.
+  /// `compressed`: chunks by zstd, which every common reader of MCAP supports.
   explicit McapWriter(bool compressed);
 
   /// A topic whose messages are JSON objects. `schema`: its name and a JSON schema.
   Channel add_channel(std::string_view topic, std::string_view schema_name, std::string_view schema);
   /// `time` [ns since the epoch of the file].
   void message(Channel channel, std::uint64_t time, std::string_view json);
-  /// A whole file inside the file.
+  /// Attaches a complete file.
   void attach(std::string_view name, std::string_view media_type, std::string_view data);
   void metadata(std::string_view name, const std::map<std::string, std::string>& values);
   void finish();
 
-  /// What has been written since the last call.
+  /// The bytes written since the last call.
   std::string take();
 
  private:

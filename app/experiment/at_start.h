@@ -5,17 +5,17 @@
 
 namespace skein::app {
 
-/// How near to its start a robot stands that counts as standing there.
+/// How close to its start a robot counts as being there.
 struct StartTolerance {
   double distance;  ///< [m]
   double heading;   ///< [rad]
 };
 
-/// Of a run that is about to begin: the law brings in the rest without a lurch.
+/// Before a run: the law corrects the rest smoothly.
 constexpr StartTolerance start_tolerance(const StagingSpec& staging) noexcept {
   return {staging.within, 0.2};
 }
-/// Of staging, which goes on until everybody stands well inside the tolerance of the run.
+/// For staging, which goes on until all robots are well inside the tolerance of the run.
 inline constexpr StartTolerance staged_tolerance{0.012, 0.05};
 
 /// Whether a robot stands at its start. A pose that is not known (NaN) is not away from it.

@@ -92,8 +92,8 @@ std::string as_text(const Certificate::Theorem& theorem) {
       break;
   }
   return fmt::format(
-      "does not apply: v_ref vanishes ({}), against case 1, and omega_ref {}, against case 2; errors stay "
-      "bounded but need not vanish",
+      "does not apply: v_ref vanishes ({}), which violates case 1, and omega_ref {}, which violates case 2; errors "
+      "stay bounded but need not converge to zero",
       v, theorem.continuous_omega ? fmt::format("vanishes ({})", omega) : "jumps along the path");
 }
 
@@ -278,11 +278,10 @@ std::string as_lines(const Certificate& certificate) {
         i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
   }
   if (!certificate.other_law.empty()) {
-    fmt::format_to(
-        out,
-        "law: {}\ncertified: nothing but the reference, which {}: theorem 1, (18) and the delay margin speak "
-        "of (15) alone; `skein check --controller` tries this law\n",
-        certificate.other_law, certificate.reference_fits() ? "fits the robots" : "does NOT FIT the robots");
+    fmt::format_to(out,
+                   "law: {}\ncertified: only the reference, which {}: theorem 1, (18) and the delay margin hold for "
+                   "(15) only; `skein check --controller` tests this law\n",
+                   certificate.other_law, certificate.reference_fits() ? "fits the robots" : "does NOT FIT the robots");
     return text;
   }
   fmt::format_to(out, "theorem_1: {}\n", as_text(certificate.theorem));
@@ -293,23 +292,22 @@ std::string as_lines(const Certificate& certificate) {
   fmt::format_to(out, "limits_14: {}\n",
                  certificate.coupling == core::Coupling::bounded || !certificate.coupled
                      ? "follow from (18f, g)"
-                     : "do NOT follow from (18f, g) with coupling = \"paper\", whose terms k_xx and k_tt do not bound; "
-                       "commands are limited after the law, and V may rise then");
+                     : "do NOT follow from (18f, g) with coupling = \"paper\", whose terms are not bounded by k_xx and "
+                       "k_tt; commands are limited after the law, and V may then rise");
   fmt::format_to(out, "delay_margin: {}{:.4g} s (robot {} at t = {:g} s)\n",
                  certificate.delay.margin.unbounded ? "more than " : "", certificate.delay.margin.delay,
                  certificate.delay.robot + 1, certificate.delay.t);
-  fmt::format_to(
-      out, "sampled_loop: {}\n",
-      certificate.sampled_loop_stable()
-          ? fmt::format("stable at {:g} Hz with a delay below the margin", certificate.rate)
-          : fmt::format("UNSTABLE at {:g} Hz even without any delay: errors swing and do not vanish; smaller "
-                        "c_x, c_theta or k",
-                        certificate.rate));
+  fmt::format_to(out, "sampled_loop: {}\n",
+                 certificate.sampled_loop_stable()
+                     ? fmt::format("stable at {:g} Hz with a delay below the margin", certificate.rate)
+                     : fmt::format("UNSTABLE at {:g} Hz even without delay: errors oscillate and do not converge; use "
+                                   "smaller c_x, c_theta or k",
+                                   certificate.rate));
   fmt::format_to(out, "tracking_authority: {}\n",
                  certificate.keeps_tracking()
                      ? fmt::format("at least {:.0f} % of v_max and omega_max", 100.0 * core::tracking_share)
                      : fmt::format("TOO SMALL: k_x or k_theta falls below {:.0f} % of v_max or omega_max, and errors "
-                                   "hardly shrink; a slower reference or smaller couplings",
+                                   "hardly decrease; use a slower reference or smaller couplings",
                                    100.0 * core::tracking_share));
   fmt::format_to(out, "conditions_18: {}\n", certificate.holds() ? "hold over the whole reference" : "VIOLATED");
   return text;

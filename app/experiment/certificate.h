@@ -8,22 +8,22 @@
 
 namespace skein::app {
 
-/// What can be said of an experiment before it runs: how much room (18) and the actuators leave, at the worst point of
-/// the whole reference and of the gains' changes.
+/// The certificate of an experiment before it runs: the margins of (18) and of the actuators, at the worst point of the
+/// whole reference and of the gains' changes.
 struct Certificate {
   struct Worst {
     double value = 0.0;
     double t = 0.0;  ///< when [s]
   };
   struct Robot {
-    Worst k_x;      ///< smallest k_x of (36) [m/s]; (18a) and (18f) ask for more than 0
-    Worst k_theta;  ///< smallest k_theta of (36) [rad/s]; (18a) and (18g) ask for more than 0
+    Worst k_x;      ///< smallest k_x of (36) [m/s]; (18a) and (18f) require more than 0
+    Worst k_theta;  ///< smallest k_theta of (36) [rad/s]; (18a) and (18g) require more than 0
     Worst b;        ///< smallest of its coupling parameters (18b)
     Worst f, g;     ///< smallest margins of (18f) [m/s] and (18g) [rad/s]: 0 where tracking gets all the authority
     Worst v;        ///< largest |v_ref| as a share of v_max
     Worst omega;    ///< largest |omega_ref| as a share of omega_max
     double v_max = 0.0, omega_max = 0.0;  ///< (14) of this robot
-    Worst wheel;                          ///< largest |v_ref| + |omega_ref| track/2 as a share of what a wheel can do
+    Worst wheel;                          ///< largest |v_ref| + |omega_ref| track/2 as a share of a wheel's limit
   };
   /// Which case of Theorem 1 the reference is, over the run. Every reference has bounded velocities, and a v_ref that
   /// is uniformly continuous.
@@ -31,22 +31,22 @@ struct Certificate {
     enum class Case {
       moving,    ///< case 1: every v_ref is nonzero
       stopping,  ///< case 2: some v_ref vanishes, every omega_ref is nonzero and uniformly continuous
-      neither,   ///< errors stay bounded, but need not vanish
+      neither,   ///< errors stay bounded, but need not converge to zero
     };
     struct Least {
       double value = 0.0;
       double t = 0.0;
       std::size_t robot = 0;
     };
-    Least v;      ///< smallest |v_ref| [m/s], where it is first so small
+    Least v;      ///< smallest |v_ref| [m/s], at its first occurrence
     Least omega;  ///< smallest |omega_ref| [rad/s]
     bool continuous_omega = true;
     double from =
         0.0;  ///< from when on that case holds; before, references were still setting off or coming to rest [s]
     Case holds = Case::neither;
   };
-  /// The delay that the loop of the robot and the place bear that bear least, with the gains of the start
-  /// or of any of their changes.
+  /// The smallest delay margin over all robots and places, with the gains of the start or of any of their
+  /// changes.
   struct Delay {
     core::DelayMargin margin;
     double t = 0.0;  ///< where along the reference [s]
@@ -58,23 +58,23 @@ struct Certificate {
   double v_max = 0.0, omega_max = 0.0;
   bool fixed = false;  ///< the tracking gains are given
   double rate = 0.0;   ///< at which the loop is sampled [Hz]
-  /// Empty: (15) drives, and all of this speaks of it. Else the law that drives: of that nothing is known but what
-  /// the reference asks of the robots.
+  /// Empty: the law is (15), and all of this holds for it. Else the law that drives: only the reference's demands on
+  /// the robots are certified.
   std::string other_law;
   core::Coupling coupling = core::Coupling::paper;
   bool coupled = false;  ///< some k_xx or k_tt is above 0
 
   /// (18a-g) hold and the reference is inside the actuators' limits, everywhere.
   bool holds() const noexcept;
-  /// The sampled loop is stable at least while poses and commands take no time. Continuous time, and so (18), forbids
-  /// no gain that is too large for the sampling.
+  /// The sampled loop is stable at least without delay. Continuous time, and so (18), does not exclude gains that are
+  /// too large for the sampling.
   bool sampled_loop_stable() const noexcept { return delay.margin.delay > 0.0; }
-  /// Tracking keeps `core::tracking_share` of v_max and omega_max, everywhere: (18a) is content with less than a robot
-  /// can be driven with.
+  /// Tracking keeps `core::tracking_share` of v_max and omega_max, everywhere: (18a) allows less than a robot can be
+  /// driven with.
   bool keeps_tracking() const noexcept;
   /// The reference is inside the actuators' limits, everywhere.
   bool reference_fits() const noexcept;
-  /// All of these, as far as they speak of the law that drives.
+  /// All of these, as far as they apply to the law that drives.
   bool sound() const noexcept {
     return other_law.empty() ? holds() && sampled_loop_stable() && keeps_tracking() : reference_fits();
   }
@@ -83,7 +83,7 @@ struct Certificate {
 /// Goes through the whole reference at the experiment's rate.
 Certificate certify(const Experiment& experiment);
 
-/// The least of all robots beside the straightest, the tightest and the fastest piece of their references.
+/// The smallest over all robots on the straightest, the tightest and the fastest part of their references.
 Certificate::Delay smallest_delay_margin(const Experiment& experiment);
 
 /// As `key: value` lines.

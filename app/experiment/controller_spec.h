@@ -11,31 +11,31 @@
 
 namespace skein::app {
 
-/// What drives the group: a law that is built in, or a controller of the user's own (docs/controllers.md).
+/// The law that drives the group: a built-in one, or a controller of the user's own (docs/controllers.md).
 struct LawSpec {
   core::ControllerKind kind = core::ControllerKind::kostic;
   std::vector<double> parameters;  ///< of the kind, in the order in which it declares them
 
   /// A controller of the user's own, instead of the kind: a program, or a library that a process of Skein's loads.
   /// At most one of the two; both empty: the kind drives.
-  std::string command;  ///< words as of a shell, without anything that only a shell can do
+  std::string command;  ///< split into words as by a shell, without other shell features
   std::string library;  ///< path, relative to the experiment file
   bool own() const noexcept { return !command.empty() || !library.empty(); }
-  /// The law that the gains of [controller] are made for, and of which (18) to (20) speak.
+  /// Whether it is the law of the gains of [controller], for which (18) to (20) hold.
   bool of_the_paper() const noexcept { return !own() && kind == core::ControllerKind::kostic; }
   std::vector<std::pair<std::string, double>> own_parameters;  ///< as the file has them
-  std::vector<std::string> log;                                ///< what of that which it logs stands in the CSV
+  std::vector<std::string> log;                                ///< the logged values that the CSV contains
 
-  /// Who drives a robot at a tick at which its own controller says nothing of use.
+  /// What drives a robot at a tick without a valid answer of its own controller.
   enum class Failure {
-    hold,      ///< nobody: it stands
+    hold,      ///< nothing: it stops
     built_in,  ///< the law `kind`
   };
   Failure failure = Failure::hold;
-  /// It may take so long from question to answer [s, wall clock]; empty: a quarter of a period, and half a second where
-  /// the experiment's clock waits for it.
+  /// Deadline from question to answer [s, wall clock]; empty: a quarter of a period, or half a second if the
+  /// experiment's clock waits for it.
   std::optional<double> deadline;
-  std::int64_t memory = 2048;   ///< that its processes may each have [MB]
+  std::int64_t memory = 2048;   ///< limit of each of its processes [MB]
   std::int64_t processes = 16;  ///< that it may start itself; 0: none
 
   friend bool operator==(const LawSpec&, const LawSpec&) = default;
@@ -52,7 +52,7 @@ constexpr std::string_view word(LawSpec::Failure failure) noexcept {
   return {};
 }
 
-/// What the law in force logs of every robot, in the order of TickRecord::logged.
+/// The values that the law in force logs for every robot, in the order of TickRecord::logged.
 std::vector<std::string> log_names(const LawSpec& law);
 
 }  // namespace skein::app

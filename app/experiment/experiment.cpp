@@ -58,9 +58,9 @@ std::optional<CameraKind> camera_kind(std::string_view source) {
 
 std::optional<std::string> real_time_reason(const Experiment& experiment) {
   if (experiment.camera.kind() != CameraKind::absent)
-    return fmt::format("the camera \"{}\" lives in real time", experiment.camera.source);
+    return fmt::format("the camera \"{}\" runs in real time", experiment.camera.source);
   for (std::size_t i = 0; i < experiment.robots.size(); ++i)
-    if (experiment.robots[i].has_link()) return fmt::format("robot {} has a link, which lives in real time", i + 1);
+    if (experiment.robots[i].has_link()) return fmt::format("robot {} has a link, which runs in real time", i + 1);
   return {};
 }
 

@@ -27,8 +27,8 @@
 
 namespace skein::app {
 
-/// What an experiment file says (docs: `skein check`, CONTRACT of keys in docs/experiment-file.md). SI units; robots
-/// counted from 0 here, from 1 in files, logs and windows. Every default is the paper's case study.
+/// The contents of an experiment file (contract of the keys: docs/experiment-file.md). SI units; robots counted from 0
+/// here, from 1 in files, logs and windows. Every default is the paper's case study.
 
 struct PathSpec {
   enum class Shape { rounded_rectangle, circle, ellipse, lemniscate, polyline, spline, line };
@@ -70,24 +70,24 @@ struct ShapeSpec {
 
 struct ReferenceChange {
   double t = 0.0, duration = 0.0;  ///< [s]
-  ShapeSpec shape;                 ///< of a platoon its spacing alone, along the path
+  ShapeSpec shape;                 ///< of a platoon only its spacing, along the path
 };
 
 struct ReferenceSpec {
   enum class Kind {
-    platoon,      ///< all robots on one path, each a distance behind the next
+    platoon,      ///< all robots on one path, each behind the next
     formation,    ///< a shape about a centre that drives along the path
-    independent,  ///< every robot on a trajectory of its own
+    independent,  ///< every robot on its own trajectory
   };
   Kind kind = Kind::platoon;
   double speed = 0.05;    ///< [m/s]
   double spacing = 0.12;  ///< of a platoon, of arc between robots [m]
-  double start = 1.6;     ///< arc length at which robot 1, or the centre, begins [m]
+  double start = 1.6;     ///< arc length at which robot 1, or the centre, starts [m]
   PathSpec path;
   ShapeSpec shape;                       ///< of a formation
   std::vector<ReferenceChange> changes;  ///< in the order of t
-  double acceleration = 0.1;             ///< of trajectories that say nothing else [m/s^2]
-  bool may_meet = false;                 ///< of trajectories: the shield is to keep robots apart whose references meet
+  double acceleration = 0.1;             ///< default for trajectories [m/s^2]
+  bool may_meet = false;                 ///< of trajectories: references may meet, the shield keeps the robots apart
 };
 
 /// As files call it (core/words.h).
@@ -103,18 +103,18 @@ constexpr std::string_view word(ReferenceSpec::Kind kind) noexcept {
   return {};
 }
 
-/// How one robot drives, where every robot has a trajectory of its own.
+/// The trajectory of one robot of an independent reference.
 struct TrajectorySpec {
   PathSpec path;
-  double t = 0.0;                      ///< sets off [s]
-  double start = 0.0;                  ///< where it begins, along the path [m]
+  double t = 0.0;                      ///< start of the motion [s]
+  double start = 0.0;                  ///< where it starts along the path [m]
   std::optional<double> speed;         ///< empty: that of the reference [m/s]
   std::optional<double> acceleration;  ///< at most; empty: that of the reference [m/s^2]
   std::optional<double> distance;  ///< from rest to rest; empty: to the end of an open path, a closed one for ever [m]
   std::optional<double> duration;  ///< instead of speed: from rest to rest [s]
   double turn_rate = 0.0;          ///< on the spot, after the arrival [rad/s]
   std::vector<core::TimedPoint> samples;  ///< instead of all this: places and their times
-  std::vector<double> headings;           ///< of the samples, where the file gives them; only to be checked [rad]
+  std::vector<double> headings;           ///< of the samples, if the file gives them; only checked [rad]
 
   bool from_rest_to_rest() const noexcept { return distance || !path.closed; }
 };
@@ -126,8 +126,8 @@ struct ControllerSpec {
   double c_x = 20.0, c_theta = 1.0, k_y = 11.0, k = 200.0;
   core::GainPolicy policy = core::GainPolicy::authority;
   double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed" [m/s, rad/s]
-  core::CouplingGains gains;        ///< of all pairs; those of (36) unless the file says otherwise
-  LawSpec law;                      ///< what drives; all of the above is of (15), and v_max and omega_max of everybody
+  core::CouplingGains gains;        ///< of all pairs; default: those of (36)
+  LawSpec law;                      ///< the law; all of the above is for (15), v_max and omega_max for all laws
 };
 
 /// From time t on, the given parameters of the couplings move to new values at a constant rate within `ramp` seconds.
@@ -144,7 +144,7 @@ struct GainChange {
 
 struct RobotSpec {
   enum class Link {
-    sim,       ///< simulated, poses and wheel speeds handed over directly
+    sim,       ///< simulated, poses and wheel speeds passed on directly
     loopback,  ///< simulated behind an emulated robot on a pseudo-terminal
     device,    ///< a real robot: `address` is what comms/link_address.h reads
   };
@@ -153,21 +153,21 @@ struct RobotSpec {
   Link link = Link::sim;
   std::string address;  ///< as written in the file
   std::string adapter;  ///< Bluetooth adapter, for example "hci1"; empty: the system's choice
-  /// Key `model`; of a loopback or real robot what its link speaks, "epuck2" as a rule, unless given.
+  /// Key `model`; default of a loopback or real robot: by the protocol of its link, usually "epuck2".
   const core::RobotType* type = &core::robot_types.front();
   core::MotorModel motor = core::MotorModel::ideal;  ///< that of the type
   double radius = core::standard_radius;             ///< that of the type unless given [m]
-  /// Its own of what (14), (15), (18) and (30) have for each robot; empty: as [controller] and [avoidance] say.
+  /// Its own parameters of (14), (15), (18) and (30); empty: those of [controller] and [avoidance].
   std::optional<double> v_max, omega_max, c_x, c_theta, alpha, beta, K_a, K_o;
   std::optional<TrajectorySpec> trajectory;  ///< of an independent reference
-  std::optional<core::Pose> start;  ///< simulated: where it stands at first; empty: at its place in the formation
-  /// How long after the last byte it stops by itself, as `robots test` has found; 0: never; empty: not known. [s]
+  std::optional<core::Pose> start;           ///< simulated: its initial pose; empty: its place in the formation
+  /// How long after the last byte it stops by itself, measured by `robots test`; 0: never; empty: not known. [s]
   std::optional<double> watchdog;
   core::DifferentialDrive drive;  ///< keys wheel_diameter, wheel_ratio, track; the rest follows from the type
-  /// From the tick to the moment at which its wheels obey, as `skein identify` has found; empty: as [estimation] says.
+  /// From the tick to the moment at which its wheels obey, from `skein identify`; empty: that of [estimation].
   std::optional<double> actuation_delay;
 
-  /// What a simulated robot is really like, where that is not what everybody believes of it: `drive`, and no delay.
+  /// The true parameters of a simulated robot; empty: as assumed, `drive` and no delay.
   struct Truth {
     core::DifferentialDrive drive;
     double actuation_delay = 0.0;  ///< [s]
@@ -202,9 +202,9 @@ inline bool RobotSpec::is_real() const noexcept {
   return true;
 }
 
-/// What an experiment sees its robots with.
+/// The kind of an experiment's camera.
 enum class CameraKind {
-  absent,     ///< "none": poses come straight from the simulation
+  absent,     ///< "none": poses come directly from the simulation
   synthetic,  ///< a camera that renders the simulated robots
   recorded,   ///< a film, or pictures
   live,       ///< a camera
@@ -213,37 +213,37 @@ enum class CameraKind {
 std::optional<CameraKind> camera_kind(std::string_view source);
 
 struct CameraSpec {
-  std::string source = "none";  ///< what `camera_kind` knows
+  std::string source = "none";  ///< see `camera_kind`
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
-  /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
+  /// Settings of a real camera; NaN: unchanged. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
-  /// For practice: so long after the session was opened the synthetic camera is tilted by `bump` degrees, and hangs
-  /// that way from then on; empty: never. [s]
+  /// For practice: this long after the session was opened the synthetic camera is tilted by `bump` degrees, and stays
+  /// so; empty: never. [s]
   std::optional<double> bump_at;
   double bump = 1.0;
 
   CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }
 };
 
-/// How patient the links to the robots are, on the wall clock.
+/// Limits of the links to the robots, on the wall clock.
 struct LinksSpec {
-  /// A robot may drive so far on commands that nobody has confirmed [m].
+  /// How far a robot may drive on unconfirmed commands [m].
   double blind_distance = comms::LinkOptions{}.blind_distance;
-  double reply_timeout = comms::LinkOptions{}.reply_timeout;  ///< a reply later than this is a lost reply [s]
+  double reply_timeout = comms::LinkOptions{}.reply_timeout;  ///< a reply later than this counts as lost [s]
   std::optional<double> command_silence;  ///< without a new command for this long a link stops its robot [s]
 };
 
 struct EstimationSpec {
-  double bridge = 0.2;                    ///< a pose older than this is no pose: the robot is lost and stops [s]
+  double bridge = 0.2;                    ///< a robot whose pose is older than this is lost and stops [s]
   std::optional<double> actuation_delay;  ///< from the tick to the moment the wheels obey [s]; empty: as measured
   core::FilterParameters filter;
 };
 
-/// How robots get to where the run begins.
+/// How robots get to their starts.
 struct StagingSpec {
-  bool automatic = true;   ///< before a run without a window, where a robot stands farther off than `within`
+  bool automatic = true;   ///< before a run without a window, if a robot is farther off than `within`
   double within = 0.03;    ///< [m]
-  double timeout = 120.0;  ///< the run fails where somebody has not arrived by then [s]
+  double timeout = 120.0;  ///< the run fails if a robot has not arrived by then [s]
   bool back = false;       ///< drive to the starts after the run as well
 };
 
@@ -256,7 +256,7 @@ struct FailureSpec {
   LinkLost link_lost = LinkLost::all_stop;
   enum class CameraMoved {
     all_stop,  ///< STOP for everybody
-    go_on,     ///< an event says so, and the run goes on by poses that are wrong
+    go_on,     ///< an event reports it, and the run goes on with wrong poses
   };
   CameraMoved camera_moved = CameraMoved::all_stop;
   /// A link that has not been up for longer than this is lost [s]; one whose connection is gone is lost at once. Until
@@ -292,13 +292,13 @@ struct Perturbation {
   double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< in the world frame [m, rad]
 };
 
-/// What somebody does at the window, done by the file: an [[operator]] table. Before the start if t is 0.
+/// An operator's action at the window, executed from the file: an [[operator]] table. Before the start if t is 0.
 struct OperatorAction {
   double t = 0.0;
   Event event;  ///< one that `is_action`
 };
 
-/// What the run must show; empty: not asked for.
+/// Expected results of the run; empty: not checked.
 struct Expectations {
   std::optional<double> final_error;  ///< largest position error of the last tick is at most this [m]
   std::optional<double>
@@ -332,8 +332,8 @@ struct Experiment {
   std::vector<OperatorAction> actions;      ///< in the order of t
   Expectations expect;
 
-  std::string source;     ///< the text it was read from, `--set` included as the keys it changed
-  std::string directory;  ///< where the file lies; relative paths inside start there
+  std::string source;     ///< the text that it was read from, with the keys changed by `--set`
+  std::string directory;  ///< the file's folder; relative paths in the file start there
 
   /// links.command_silence, or 0.1 s and at least two ticks and a half: one late tick does not stop the group.
   double command_silence() const noexcept { return links.command_silence.value_or(std::max(0.1, 2.5 * period())); }
@@ -341,23 +341,23 @@ struct Experiment {
   std::int64_t ticks() const noexcept;  ///< rows that a run of the whole duration has
 };
 
-/// What messages call a robot: "robot 2", or "robot 2 (anna)".
+/// The name of a robot in messages: "robot 2", or "robot 2 (anna)".
 std::string robot_name(const Experiment& experiment, std::size_t robot);
 
-/// Why this experiment can neither be stepped nor go at another speed than real time, if it cannot: a link or a camera
-/// has its own time.
+/// Why this experiment can neither be stepped nor run at any speed but real time, if so: a link or a camera runs in
+/// real time.
 std::optional<std::string> real_time_reason(const Experiment& experiment);
 
-/// What the tick's parts are made of.
+/// The inputs of the tick's parts.
 std::shared_ptr<const core::Path> make_path(const PathSpec& path);
 std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& trajectory,
                                                         const ReferenceSpec& defaults);
 std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment);
 core::Gains make_gains(const Experiment& experiment);
 core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot);
-/// (30) as robot i has it.
+/// The parameters of (30) for robot i.
 core::AvoidanceParameters make_avoidance(const Experiment& experiment, std::size_t robot);
-/// How much larger each body is than a standard one, for core::Sizes [m].
+/// The excess of each body over a standard one, for core::Sizes [m].
 std::vector<double> sizes_beyond(const Experiment& experiment);
 
 }  // namespace skein::app

@@ -47,11 +47,13 @@ void check_robots(const Experiment& e, Problems& problems) {
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
     const RobotSpec& robot = e.robots[i];
     if (const auto [other, unique] = tags.emplace(robot.tag, i); !unique)
-      problems.add(robot_key(i, "tag"), fmt::format("found {}, which robot {} has already, allowed: a tag of its own",
-                                                    robot.tag, other->second + 1));
+      problems.add(robot_key(i, "tag"),
+                   fmt::format("found {}, which robot {} already has, allowed: a different tag for each robot",
+                               robot.tag, other->second + 1));
     if (const auto [other, unique] = names.emplace(robot.name, i); !unique && !robot.name.empty())
-      problems.add(robot_key(i, "name"), fmt::format("found \"{}\", as robot {} is called, allowed: a name of its own",
-                                                     robot.name, other->second + 1));
+      problems.add(robot_key(i, "name"),
+                   fmt::format("found \"{}\", which is the name of robot {}, allowed: a different name for each robot",
+                               robot.name, other->second + 1));
     // Half a tick more than one, since ticks can be late.
     if (const double most = robot.watchdog.value_or(0.0) / 1.5; robot.has_link() && most > 0.0 && e.period() >= most)
       problems.add("rate",
@@ -61,12 +63,12 @@ void check_robots(const Experiment& e, Problems& problems) {
     if (robot.simulated()) continue;
     if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
       problems.add(robot_key(i, "link"),
-                   fmt::format("found \"{}\", which robot {} has already, allowed: a link of its own", robot.address,
-                               other->second + 1));
+                   fmt::format("found \"{}\", which robot {} already has, allowed: a different link for each robot",
+                               robot.address, other->second + 1));
     if (robot.address.starts_with("rfcomm:") && ++adapters[robot.adapter] == most_on_an_adapter + 1)
       problems.add(robot_key(i, "adapter"),
-                   fmt::format("found \"{}\" for more than {} robots, allowed: {} an adapter; give others another one, "
-                               "as in adapter = \"hci1\"",
+                   fmt::format("found \"{}\" for more than {} robots, allowed: {} per adapter; use another one for the "
+                               "others, as in adapter = \"hci1\"",
                                robot.adapter, most_on_an_adapter, most_on_an_adapter));
     if (!real_camera)
       problems.add(
@@ -148,22 +150,18 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
   const double curvature = make_path(e.reference.path)->largest_curvature();
   if (const bool platoon = e.reference.kind == ReferenceSpec::Kind::platoon;
       platoon && demand.v > e.reference.speed && (demand.v >= v_max || demand.turning >= omega_max)) {
-    problems.add(
-        "reference.change",
-        fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for which {} fails whatever "
-                    "the couplings, allowed: changes that take longer",
-                    demand.v, demand.v >= v_max ? "(18f)" : "(18g)"));
+    problems.add("reference.change", fmt::format("found changes of spacing in which robots drive up to {:.6g} m/s, for "
+                                                 "which {} fails with any couplings, allowed: longer changes",
+                                                 demand.v, demand.v >= v_max ? "(18f)" : "(18g)"));
     return;
   }
   const double share = std::max(demand.v / v_max, demand.turning / omega_max);
   const double fastest = e.reference.speed / share;  // all velocities grow with it
   if (demand.v >= v_max || demand.turning >= omega_max)
-    problems.add(
-        "reference.speed",
-        fmt::format("found {}, for which {} fails whatever the couplings; allowed: below {:.6g} m/s with v_max {}, "
-                    "omega_max {}, k_y {} and bends of {:.4g} m",
-                    e.reference.speed, demand.v >= v_max ? "(18f)" : "(18g)", fastest, v_max, omega_max,
-                    e.controller.k_y, 1.0 / curvature));
+    problems.add("reference.speed", fmt::format("found {}, for which {} fails with any couplings; allowed: below "
+                                                "{:.6g} m/s with v_max {}, omega_max {}, k_y {} and bends of {:.4g} m",
+                                                e.reference.speed, demand.v >= v_max ? "(18f)" : "(18g)", fastest,
+                                                v_max, omega_max, e.controller.k_y, 1.0 / curvature));
 }
 
 /// (18f, g) with tracking gains that are given, at the key of the file that fails first.
@@ -186,7 +184,7 @@ void check_fixed(const Experiment& e, const core::ReferenceDemand& demand, const
         equation, most - couplings.begin() + 1, given - left, whole, reference, *most, left, name, given);
     problems.add(place == "controller" ? fmt::format("controller.{}", name) : place,
                  left > 0.0 ? fmt::format("{}, allowed: up to {:.6g}", said, left)
-                            : fmt::format("{}, allowed: less of the reference or the couplings", said));
+                            : fmt::format("{}, allowed: a slower reference or smaller couplings", said));
   };
   std::vector<double> forward, turning;
   for (std::size_t i = 0; i < robots; ++i) {
@@ -254,10 +252,9 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
 
 void check_estimation(const Experiment& e, Problems& problems) {
   if (e.simulation.latency > 0.0 && e.estimation.bridge <= e.simulation.latency)
-    problems.add("estimation.bridge",
-                 fmt::format("found {}, allowed: above simulation.latency, {} s, or every pose is too "
-                             "old when it comes and every robot lost",
-                             e.estimation.bridge, e.simulation.latency));
+    problems.add("estimation.bridge", fmt::format("found {}, allowed: above simulation.latency, {} s; otherwise every "
+                                                  "pose is too old when it arrives and every robot is lost",
+                                                  e.estimation.bridge, e.simulation.latency));
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace skein::app {
 
-/// What several keys together must fulfil: (18) along the whole reference, a path inside the arena, robots that are
-/// told apart and can be seen. For an experiment that `read_tables` has filled; each single value is in its range.
+/// Conditions on several keys together: (18) along the whole reference, a path inside the arena, robots that are
+/// distinct and visible. For an experiment that `read_tables` has filled; each single value is in its range.
 void check_together(const Experiment& experiment, Problems& problems);
 
 }  // namespace skein::app

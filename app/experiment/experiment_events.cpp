@@ -36,7 +36,7 @@ void read_actions(TomlTable& document, Experiment& e) {
     std::string words;
     t.require("t", "the time in s");
     t.number("t", action.t, between(0.0, longest_run, "s"));
-    t.require("does", "what happens then, such as \"kick r2 vx=0.3 vy=0\"");
+    t.require("does", "the action, such as \"kick r2 vx=0.3 vy=0\"");
     t.text("does", words);
     if (const auto event = parse_action(words))
       action.event = *event;
@@ -95,7 +95,7 @@ std::string wrong_with(const Event& action, const Experiment& e) {
               return fmt::format("obstacles o1 to o{}: the file's come first", most_obstacles);
             const bool on_floor = std::abs(x) <= e.arena_width / 2 && std::abs(y) <= e.arena_height / 2;
             if (radius == 0.0 || (radius > 0.0 && on_floor)) return {};
-            return "a place inside the arena, and a radius of 0, which takes it away, or more";
+            return "a place inside the arena, and a radius of 0, which removes it, or more";
           },
           // No actions: `parse_action` does not read them.
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,

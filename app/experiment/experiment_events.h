@@ -5,10 +5,10 @@
 
 namespace skein::app {
 
-/// What happens to a run on its way: [[perturb]] and [[operator]].
+/// Events during a run: [[perturb]] and [[operator]].
 void read_events(TomlTable& document, Experiment& experiment);
 
-/// What they name has to be there, and what they do has to be possible.
+/// Checks that their robots and obstacles exist, and that their actions are possible.
 void check_events(const Experiment& experiment, Problems& problems);
 
 }  // namespace skein::app

@@ -13,13 +13,13 @@
 
 namespace skein::app {
 
-/// The kinds of values that a key of an experiment file can have. `at` says where in the experiment the value goes;
-/// what is allowed may depend on what was read before.
+/// The kinds of values that a key of an experiment file can have. `at` returns the value's place in the experiment; the
+/// allowed range may depend on keys read before.
 struct NumberKey {
   double& (*at)(Experiment&);
   Range (*range)(const Experiment&);
 };
-struct OptionalNumberKey {  ///< empty where the file does not say
+struct OptionalNumberKey {  ///< empty if the file does not set it
   std::optional<double>& (*at)(Experiment&);
   Range (*range)(const Experiment&);
 };
@@ -49,12 +49,12 @@ struct ChoiceKey {  ///< a word of an enumeration
 };
 
 /// A key of an experiment file that has one value: the parser, its messages, the editor's form, the JSON schema and the
-/// test of docs/experiment-file.md all take it from here. What has a structure of its own (paths, gains of pairs,
-/// robots, lists of tables) is read by functions of its own.
+/// test of docs/experiment-file.md all take it from here. Structured values (paths, gains of pairs, robots, lists of
+/// tables) are read by separate functions.
 struct ExperimentKey {
   const char* table;  ///< "controller"; empty: the top of the file
   const char* key;
-  const char* help;  ///< a line of words
+  const char* help;  ///< one line
   std::variant<NumberKey, OptionalNumberKey, WholeKey, OptionalWholeKey, FlagKey, OptionalFlagKey, TextKey, ChoiceKey>
       value;
 
@@ -73,7 +73,7 @@ void read_keys(TomlTable& t, std::string_view table, Experiment& e);
 /// The value that an experiment has, as the file would write it; empty: it has none.
 std::string shown_value(const ExperimentKey& key, const Experiment& e);
 
-/// What the key may be, in words: "a number above 0 and up to 10 m/s", "true or false".
+/// The allowed values in words: "a number above 0 and up to 10 m/s", "true or false".
 std::string allowed_values(const ExperimentKey& key, const Experiment& e);
 
 /// The unit of a number: "m/s"; empty: it has none.

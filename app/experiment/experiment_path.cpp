@@ -118,7 +118,7 @@ bool check_path(const PathSpec& path, const std::string& key, Problems& problems
           ? fmt::format(
                 "found {}, allowed: up to {:.6g} m, with which the arcs at both ends of every side have room on it",
                 path.radius, largest)
-          : fmt::format("found {}, but the line turns back on itself, allowed: points that an arc can lead round",
+          : fmt::format("found {}, but the line turns back on itself, allowed: corners that an arc can round",
                         path.radius));
   return false;
 }

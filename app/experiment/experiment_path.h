@@ -10,10 +10,10 @@ namespace skein::app {
 /// [[x, y], ...], from `least` to `most` of them. [m]
 void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points, std::size_t least, std::size_t most);
 
-/// A path's table. `closed`: whether a line through points closes itself where the file does not say.
+/// A path's table. `closed`: whether a line through points is closed by default.
 void read_path(TomlTable t, PathSpec& path, bool closed);
 
-/// Whether a path can be made of what was read at `key` ("reference.path").
+/// Checks that the values read at `key` ("reference.path") give a path.
 bool check_path(const PathSpec& path, const std::string& key, Problems& problems);
 
 }  // namespace skein::app

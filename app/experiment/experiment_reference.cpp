@@ -25,7 +25,7 @@ void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
   read_points(t, "offsets", shape.offsets, robots, robots);
   if (!t.has("offsets")) t.require("shape", "the formation's shape, or offsets = [[x, y], ...] for every robot");
   if (t.has("offsets") && t.has("shape"))
-    t.refuse("offsets", *t.node("offsets"), "one of shape and offsets, since both say where the robots are");
+    t.refuse("offsets", *t.node("offsets"), "only one of shape and offsets, since both place the robots");
 }
 
 void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
@@ -48,7 +48,7 @@ void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
     if (++k > 1 && change.t < free_from)
       problems.add(
           fmt::format("reference.change.{}.t", k),
-          fmt::format("found {}, allowed: {:.6g} and later, when the change before is over", change.t, free_from));
+          fmt::format("found {}, allowed: {:.6g} and later, when the previous change is over", change.t, free_from));
     free_from = change.t + change.duration;
     e.reference.changes.push_back(std::move(change));
   }
@@ -163,9 +163,8 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
   const double x_most = 0.5 * (e.arena_width - room), y_most = 0.5 * (e.arena_height - room);
   if (outside > 0.0)
     problems.add(own ? fmt::format("robot.{}.trajectory", who + 1) : "reference.path",
-                 fmt::format("found a place ({:.4g}, {:.4g}) m that a robot comes to, allowed: from "
-                             "-{:.6g} to {:.6g} m along x, -{:.6g} to {:.6g} m along y, the arena "
-                             "less a robot's width of {} m",
+                 fmt::format("found a place ({:.4g}, {:.4g}) m that a robot reaches, allowed: from -{:.6g} to {:.6g} m "
+                             "along x, -{:.6g} to {:.6g} m along y, the arena less a robot's width of {} m",
                              farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
 }
 
@@ -203,19 +202,18 @@ void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
   else if (e.reference.kind == Kind::formation)
     problems.add(
         e.reference.shape.offsets.empty() ? "reference.shape" : "reference.offsets",
-        fmt::format("found places, or a change of them, with which robots of {:.4g} m width come within {:.4g} m "
-                    "of each other, allowed: more room (spacing, offsets), and changes in which nobody "
-                    "crosses another's way",
-                    wide, nearest));
+        fmt::format(
+            "found places, or a change of them, with which robots of {:.4g} m width come within {:.4g} m of each "
+            "other, allowed: more room (spacing, offsets), and changes in which no robot crosses another's path",
+            wide, nearest));
   else
     problems.add(
         fmt::format("robot.{}.trajectory", at.j + 1),
-        fmt::format("found a reference that comes within {:.4g} m of robot {}'s at t = {:.4g} s, allowed: more "
-                    "than the {:.4g} m that robots are wide{}",
+        fmt::format("found a reference that comes within {:.4g} m of robot {}'s at t = {:.4g} s, allowed: more than a "
+                    "robot's width of {:.4g} m{}",
                     nearest, at.i + 1, at.t, wide,
-                    e.reference.may_meet
-                        ? " where they begin and where they come to rest"
-                        : ", or reference.may_meet = true, which leaves it to the shield to keep them apart"));
+                    e.reference.may_meet ? " where they start and where they come to rest"
+                                         : ", or reference.may_meet = true, so that only the shield keeps them apart"));
 }
 
 /// The reference itself must neither collide nor set off what keeps robots apart.
@@ -235,18 +233,18 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
     const double fits = std::pow(level, 1.0 / e.avoidance.p);
     problems.add(
         e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",
-        fmt::format("found a detection region of {} m x {} m (alpha, beta), allowed: below {:.4g} m x {:.4g} m, or "
-                    "{}, whose robots are {:.4g} m apart where they are nearest, avoids itself for ever "
-                    "(a region is left at {} times its size)",
-                    e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta,
-                    e.reference.may_meet ? "the group at its starts or goals" : "the formation", nearest, leaves_at));
+        fmt::format(
+            "found a detection region of {} m x {} m (alpha, beta), allowed: below {:.4g} m x {:.4g} m, or {}, whose "
+            "robots come within {:.4g} m of each other, avoids itself for ever (a region is left at {} times its size)",
+            e.avoidance.alpha, e.avoidance.beta, fits * e.avoidance.alpha, fits * e.avoidance.beta,
+            e.reference.may_meet ? "the group at its starts or goals" : "the formation", nearest, leaves_at));
   }
   if (e.shield.enabled && e.shield.distance >= nearest)
     problems.add("shield.distance",
                  fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
                              "robots {}{}",
                              e.shield.distance, nearest, where,
-                             more_room(e, closest) == 0.0 ? "" : ", less what their bodies are larger than an e-puck"));
+                             more_room(e, closest) == 0.0 ? "" : ", less the excess of their bodies over an e-puck's"));
 }
 
 }  // namespace
@@ -276,10 +274,8 @@ bool check_shape(const Experiment& e, Problems& problems) {
   const PathSpec& path = e.reference.path;
   if (!check_path(path, "reference.path", problems)) return false;
   if (!path.closed) {
-    problems.add(
-        path.shape == PathShape::line ? "reference.path.shape" : "reference.path.closed",
-        "found an open path, allowed: a closed one; along an open one robots drive by trajectories of their own "
-        "(kind = \"independent\")");
+    problems.add(path.shape == PathShape::line ? "reference.path.shape" : "reference.path.closed",
+                 "found an open path, allowed: a closed one; open paths are for trajectories (kind = \"independent\")");
     return false;
   }
   if (e.reference.kind == Kind::formation) {

@@ -8,9 +8,9 @@ namespace skein::app {
 /// Reads [reference]; the robots must be known, since a formation may give each its place.
 void read_reference(TomlTable table, Experiment& experiment, Problems& problems);
 
-/// Whether a path and a formation can be made of what was read.
+/// Checks that the values read give a path and a formation.
 bool check_shape(const Experiment& experiment, Problems& problems);
-/// That the robots stay in the arena, and that the formation neither collides nor sets off what keeps robots apart.
+/// Checks that the robots stay in the arena, and that the formation neither collides nor triggers avoidance or shield.
 /// Requires `check_shape`.
 void check_places(const Experiment& experiment, const core::Reference& reference, Problems& problems);
 

@@ -167,7 +167,7 @@ void read_robots(TomlTable& document, Experiment& e, Problems& problems) {
     read_truth(t, robot);
     if (robot.truth && !robot.spec.simulated())
       problems.add(t.full("truth"),
-                   "found one of a real robot, allowed: of simulated ones (link \"sim\" or \"loopback\")");
+                   "found for a real robot, allowed: for simulated ones (link \"sim\" or \"loopback\")");
     if (TomlTable trajectory = t.table("trajectory"); t.has("trajectory"))
       read_trajectory(trajectory, robot.spec.trajectory.emplace());
     t.finish();

@@ -9,11 +9,11 @@
 
 namespace skein::app {
 
-/// Of a drive's measures, those that a table says.
+/// The measures of a drive that a table gives.
 struct DriveKeys {
   std::optional<double> wheel_diameter, wheel_ratio, track;
 
-  /// `drive` with what was said.
+  /// `drive` with the given measures.
   core::DifferentialDrive over(core::DifferentialDrive drive) const noexcept {
     drive.wheel_diameter = wheel_diameter.value_or(drive.wheel_diameter);
     drive.wheel_ratio = wheel_ratio.value_or(drive.wheel_ratio);
@@ -22,13 +22,13 @@ struct DriveKeys {
   }
 };
 
-/// A robot as [robot_defaults] or [[robot]] have it so far.
+/// A robot as read so far from [robot_defaults] or [[robot]].
 struct RobotKeys {
   RobotSpec spec;
-  const core::RobotType* model = nullptr;  ///< null: not said
+  const core::RobotType* model = nullptr;  ///< null: not given
   std::optional<double> radius;
   DriveKeys drive;
-  /// [robot.truth]: of what is not said, the truth is what is believed.
+  /// [robot.truth]: keys not given have the assumed values.
   struct Truth {
     DriveKeys drive;
     double actuation_delay = 0.0;
@@ -43,13 +43,13 @@ void read_robot(TomlTable& table, RobotKeys& robot, Problems& problems);
 /// Those of [[robot]] and of a file of robots.
 void read_name_and_tag(TomlTable& table, RobotSpec& robot);
 
-/// What is left to say once all tables are read.
+/// Completes the robots once all tables are read.
 RobotSpec finished(const RobotKeys& keys, Problems& problems);
 
-/// Makes it one of this type, with the type's measures.
+/// Makes it one of this type, with the type's dimensions.
 void become(RobotSpec& robot, const core::RobotType& type);
 
-/// The type of a robot of which nothing is known but its address.
+/// The type of a robot if only its address is known.
 const core::RobotType& type_spoken(const comms::LinkAddress& address);
 
 /// [robot_defaults] and every [[robot]] of an experiment.

@@ -65,9 +65,10 @@ void read_gain(TomlTable& t, const char* key, core::PairTable& gain, const Range
     }
     const auto a = static_cast<std::size_t>(*i - 1), b = static_cast<std::size_t>(*j - 1);
     if (listed(a, b) != 0.0)
-      problems.add(element.source(), fmt::format("{}: found the pair {}, {} again, allowed: every pair once, since "
-                                                 "(18c) makes i, j and j, i the same",
-                                                 name, *i, *j));
+      problems.add(
+          element.source(),
+          fmt::format("{}: found the pair {}, {} again, allowed: each pair once, since (18c) makes i, j and j, i equal",
+                      name, *i, *j));
     listed.set(a, b, 1.0);
     gain.set(a, b, *value);
   }
@@ -95,7 +96,7 @@ void read_policy(TomlTable& t, ControllerSpec& c) {
   for (const auto& [key, target] : {std::pair{"k_x", &c.k_x}, std::pair{"k_theta", &c.k_theta}}) {
     if (fixed) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
     if (!fixed && t.has(key))
-      t.refuse(key, *t.node(key), "with policy = \"fixed\"; else it is what (18f, g) leave, as in (36)");
+      t.refuse(key, *t.node(key), "with policy = \"fixed\"; otherwise it is the remainder of (18f, g), as in (36)");
     t.number(key, *target, above(0.0, 100.0));  // (18a)
   }
 }

@@ -6,7 +6,7 @@
 namespace skein::app {
 
 /// Every key of an experiment file, read into the experiment: types, ranges of single values, unknown and missing keys.
-/// What several keys together must fulfil is in experiment_checks.h. docs/experiment-file.md is this file in words.
+/// Conditions on several keys are in experiment_checks.h. docs/experiment-file.md describes this file.
 void read_tables(const toml::table& document, Experiment& experiment, Problems& problems);
 
 /// The couplings of (36) for any number of robots.

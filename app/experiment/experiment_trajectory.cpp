@@ -17,10 +17,9 @@ constexpr double longest_curve = 1000.0;  // only a slip of the keyboard exceeds
 void refuse_endless(const TrajectorySpec& t, const std::string& key, Problems& problems) {
   const auto refuse = [&](const char* name) {
     if (problems.has(key + "." + name))
-      problems.add(
-          key + "." + name,
-          "found with a closed path, which is driven for ever, allowed: with distance, how far it drives until "
-          "it rests, or with an open path");
+      problems.add(key + "." + name,
+                   "found with a closed path, which is driven for ever, allowed: with a distance, after which it "
+                   "rests, or with an open path");
   };
   for (const char* name : {"t", "duration", "acceleration", "turn_rate"}) refuse(name);
   if (t.path.shape == PathSpec::Shape::rounded_rectangle && !problems.has(key + ".path"))
@@ -71,7 +70,7 @@ bool check_trajectory(const Experiment& e, std::size_t i, Problems& problems) {
   }
   if (!t.path.closed && t.distance && *t.distance > length - t.start) {
     problems.add(key + ".distance",
-                 fmt::format("found {}, allowed: up to {:.6g} m, what the path is long from its start", *t.distance,
+                 fmt::format("found {}, allowed: up to {:.6g} m, the length of the path from its start", *t.distance,
                              length - t.start));
     return false;
   }
@@ -124,7 +123,7 @@ void read_trajectory(TomlTable t, TrajectorySpec& trajectory) {
     return t.finish();
   }
   if (const toml::node* const csv = t.node("csv")) {  // what could be read of it stands in `samples`
-    if (!csv->is_string()) t.refuse("csv", *csv, "the name of a file, from the experiment's folder on");
+    if (!csv->is_string()) t.refuse("csv", *csv, "the name of a file, relative to the experiment's folder");
     return t.finish();
   }
   t.require("path", "the path that the robot drives, { shape = ... }");
@@ -137,7 +136,7 @@ void read_trajectory(TomlTable t, TrajectorySpec& trajectory) {
   t.number("duration", trajectory.duration, above(0.0, longest_run, "s"));
   t.number("turn_rate", trajectory.turn_rate, between(-100.0, 100.0, "rad/s"));
   if (t.has("speed") && t.has("duration"))
-    t.refuse("duration", *t.node("duration"), "one of speed and duration, since both say how fast it drives");
+    t.refuse("duration", *t.node("duration"), "only one of speed and duration, since both set its speed");
   t.finish();
 }
 
@@ -150,7 +149,7 @@ bool check_trajectories(const Experiment& e, Problems& problems) {
       problems.add(key, "missing, allowed: a trajectory for every robot of an independent reference");
       good = false;
     } else if (!own && e.robots[i].trajectory) {
-      problems.add(key, "found with a reference that leads all robots, allowed: with reference.kind = \"independent\"");
+      problems.add(key, "found with a common reference, allowed: with reference.kind = \"independent\"");
       good = false;
     } else if (own) {
       good = check_trajectory(e, i, problems) && good;
@@ -158,7 +157,7 @@ bool check_trajectories(const Experiment& e, Problems& problems) {
   }
   if (e.reference.may_meet && !e.shield.enabled)
     problems.add("reference.may_meet",
-                 "found true, allowed: with the shield enabled, which alone keeps robots apart then");
+                 "found true, allowed: with the shield enabled, since only the shield then keeps robots apart");
   return good;
 }
 
@@ -170,8 +169,8 @@ void check_trajectory_speeds(const Experiment& e, Problems& problems) {
     if (demand.v < c.v_max && demand.turning < c.omega_max) continue;
     const std::string key = fmt::format("robot.{}.trajectory", i + 1);
     if (const double rate = std::abs(e.robots[i].trajectory->turn_rate); rate >= c.omega_max) {
-      problems.add(key + ".turn_rate", fmt::format("found {}, for which (18g) fails whatever the couplings; allowed: "
-                                                   "below {} rad/s, omega_max, to the left or the right",
+      problems.add(key + ".turn_rate", fmt::format("found {}, for which (18g) fails with any couplings; allowed: below "
+                                                   "{} rad/s, omega_max, to the left or the right",
                                                    e.robots[i].trajectory->turn_rate, c.omega_max));
       continue;
     }
@@ -181,8 +180,8 @@ void check_trajectory_speeds(const Experiment& e, Problems& problems) {
         key + (by_samples                        ? ".samples"
                : problems.has(key + ".duration") ? ".duration"
                                                  : ".speed"),
-        fmt::format("found a reference of up to {:.6g} m/s, for which {} fails whatever the couplings; allowed: "
-                    "below {:.6g} m/s with v_max {}, omega_max {}, k_y {} and the bends of its path",
+        fmt::format("found a reference of up to {:.6g} m/s, for which {} fails with any couplings; allowed: below "
+                    "{:.6g} m/s with v_max {}, omega_max {}, k_y {} and the bends of its path",
                     demand.v, demand.v >= c.v_max ? "(18f)" : "(18g)", demand.v / share, c.v_max, c.omega_max, k_y));
   }
 }

@@ -12,9 +12,9 @@
 
 namespace skein::app {
 
-/// Reads the faults of emulated robots from TOML, `[[fault]]` tables as docs/emulator.md describes them, or everything
-/// that is wrong with the text: unknown keys, keys that a kind has no use for, values out of range, robots beyond the
-/// `robots` that there are. `file` is for the messages.
+/// Reads the faults of emulated robots from TOML, `[[fault]]` tables as docs/emulator.md describes them, or returns all
+/// problems: unknown keys, keys that a kind does not use, values out of range, robot numbers above `robots`. `file` is
+/// for the messages.
 tl::expected<std::vector<comms::Fault>, std::vector<Problem>> parse_faults(std::string_view text,
                                                                            const std::string& file, std::size_t robots);
 /// The same from a file; a file that cannot be read is a problem as well.

@@ -26,13 +26,13 @@ namespace fs = std::filesystem;
 KnownRobot read_known(TomlTable& t, Problems& problems) {
   RobotKeys keys;
   keys.spec.tag = -1;
-  for (const char* key : {"name", "link"}) t.require(key, "the robot's name, and how it is reached");
+  for (const char* key : {"name", "link"}) t.require(key, "the robot's name and its link");
   read_name_and_tag(t, keys.spec);
   read_robot(t, keys, problems);
   if (const toml::node* const link = t.node("link"); link && keys.spec.simulated() && link->is_string()) {
     const std::string text = *link->value<std::string>();
     if (text == "sim" || text == "loopback")
-      t.refuse("link", *link, "the address of a real robot: experiments say themselves that they simulate one");
+      t.refuse("link", *link, "the address of a real robot: simulation is set in the experiment");
   }
   KnownRobot robot{finished(keys, problems), {}};
   if (const auto link = comms::parse_link_address(robot.spec.address)) robot.spec.address = comms::to_text(*link);
@@ -53,8 +53,9 @@ tl::expected<std::vector<KnownRobot>, std::vector<Problem>> read_document(const 
     for (const auto& [key, value, seen] :
          {std::tuple("name", &robot.spec.name, &names), std::tuple("link", &robot.spec.address, &links)})
       if (const auto [other, unique] = seen->emplace(*value, robots.size()); !unique && !value->empty())
-        problems.add(t.full(key), fmt::format("found \"{}\", which robot {} has already, allowed: one of its own",
-                                              *value, other->second));
+        problems.add(t.full(key),
+                     fmt::format("found \"{}\", which robot {} already has, allowed: a different one for each robot",
+                                 *value, other->second));
   }
   top.finish();
   if (!problems.empty()) return tl::unexpected(std::move(problems).sorted());

@@ -12,21 +12,21 @@
 
 namespace skein::app {
 
-/// A file of robots, robots.toml: which robots there are, once for all experiments. docs/robots.md is its description.
+/// A file of robots, robots.toml: the lab's robots, once for all experiments. docs/robots.md describes it.
 
 struct KnownRobot {
-  RobotSpec spec;       ///< with its name and link, as to_text() writes it; tag -1: the file does not say
-  std::string version;  ///< of its firmware, as it said when it was tested; empty: not known
+  RobotSpec spec;       ///< with its name and link, as to_text() writes it; tag -1: not given
+  std::string version;  ///< of its firmware, as reported in its test; empty: not known
 };
 
 /// Reads a file of robots; all problems at once, in the order of the file.
 tl::expected<std::vector<KnownRobot>, std::vector<Problem>> load_known_robots(const std::string& path);
 
-/// Whether a file has [[robot]] tables and nothing else: no experiment.
+/// Whether a file has only [[robot]] tables, so that it is not an experiment.
 bool is_file_of_robots(const std::string& path);
 
-/// The file that is meant: `asked` if it names one, else robots.toml here if there is one, else that of the user,
-/// $XDG_CONFIG_HOME/skein/robots.toml (~/.config/skein/robots.toml). It need not be there.
+/// The file to use: `asked` if it names one, else robots.toml here if there is one, else that of the user,
+/// $XDG_CONFIG_HOME/skein/robots.toml (~/.config/skein/robots.toml). It need not exist.
 std::string known_robots_file(const std::string& asked);
 
 /// Gives every [[robot]] of an experiment that has the `name` of a robot in its `robots_file` what that file says of
@@ -34,7 +34,7 @@ std::string known_robots_file(const std::string& asked);
 /// Values keep the places that they come from. The file is looked for in `directory` on. True if there was one.
 bool embed_known_robots(toml::table& document, const std::string& directory, std::vector<Problem>& problems);
 
-/// Whether it is that robot of an experiment: by its name, or by its link where it has none.
+/// Whether it is that robot of an experiment: by its name, or by its link if it has none.
 bool is(const KnownRobot& known, const RobotSpec& robot);
 
 /// A robot as a table of the file.
@@ -47,7 +47,7 @@ struct Added {
 };
 Added with_robots(std::string_view text, const std::vector<KnownRobot>& known, const std::vector<KnownRobot>& more);
 
-/// Writes the file whole or not at all; makes its directory. The error is a sentence.
+/// Writes the file atomically; creates its directory. The error is a sentence.
 tl::expected<void, std::string> save_known_robots(const std::string& path, std::string_view text);
 
 }  // namespace skein::app

@@ -2,7 +2,7 @@
 
 namespace skein::app {
 
-/// What only a slip of the keyboard exceeds.
+/// Limits that only a typing error exceeds.
 inline constexpr double longest_length = 100.0;  ///< [m]
 inline constexpr double longest_run = 86400.0;   ///< a day [s]
 

@@ -9,10 +9,10 @@
 
 namespace skein::app {
 
-/// Whether there is a file, and no directory, device or FIFO, which might never end. The error is a sentence.
+/// Checks that this is a file and not a directory, device or FIFO, which might never end. The error is a sentence.
 tl::expected<void, std::string> check_is_file(const std::string& path);
 
-/// The whole of a text file of at most 64 MB; the problem says why it cannot be read.
+/// The contents of a text file of at most 64 MB; the problem says why it cannot be read.
 tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path);
 
 }  // namespace skein::app

@@ -57,7 +57,7 @@ std::optional<std::string> toml_value(std::string_view text, std::string_view ke
 tl::expected<std::string, std::string> with_toml_value(std::string_view text, std::string_view key,
                                                        std::string_view value) {
   const auto table = parsed_toml(text);
-  if (!table) return tl::unexpected(std::string("the text is not TOML yet: mend it first"));
+  if (!table) return tl::unexpected(std::string("the text is not valid TOML yet: correct it first"));
   std::vector<std::string> parts = parts_of(key);
   std::string result;
   if (const toml::node* const there = find(*table, parts)) {

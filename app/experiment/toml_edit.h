@@ -8,12 +8,12 @@
 
 namespace skein::app {
 
-/// The value of a key of a TOML text, as it is written there; none: the key is not there, or the text is no TOML.
-/// `key` is dotted, elements of arrays counted from 1: "controller.gains.k_xx", "robot.2.tag".
+/// The value of a key of a TOML text, as written there; none: there is no such key, or the text is not TOML. `key` is
+/// dotted, elements of arrays counted from 1: "controller.gains.k_xx", "robot.2.tag".
 std::optional<std::string> toml_value(std::string_view text, std::string_view key);
 
-/// The text with another value for one key, everything else, comments and order included, as it was. A key that was not
-/// there is put behind those of its table, a table that was not there at the end. The error says why that cannot be.
+/// The text with another value for one key; everything else, including comments and order, is unchanged. A new key is
+/// put after those of its table, a new table at the end. The error is the reason why that is impossible.
 tl::expected<std::string, std::string> with_toml_value(std::string_view text, std::string_view key,
                                                        std::string_view value);
 

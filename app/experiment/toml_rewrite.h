@@ -8,8 +8,8 @@
 namespace skein::app {
 
 /// The text of a document, changed only where it says something else than `document`: comments, order and numbers of
-/// all other lines stay as they were written. Values that are new are written as short as they can be. Where the text
-/// is written in ways that this cannot follow, the whole document is written anew. Reading the result gives `document`.
+/// all other lines stay as they were written. New values are written as short as possible. If the text has a form that
+/// this function cannot edit, the whole document is written again. Reading the result gives `document`.
 std::string with_document(std::string_view text, const toml::table& document);
 
 }  // namespace skein::app

@@ -6,11 +6,11 @@
 
 namespace skein::app {
 
-/// What the operator's window needs to open.
+/// The inputs for opening the operator's window.
 struct WindowRequest {
   Experiment experiment;  ///< no robots: its file has errors, which the window shows in its editor
-  std::string file;       ///< it was read from; empty: none was named, show the paper's experiment running
-  std::string recording;  ///< a recorded run (CSV) to be played instead; empty: none
+  std::string file;       ///< the experiment's file; empty: none was given, run the paper's experiment
+  std::string recording;  ///< a recorded run (CSV) to replay instead; empty: none
 };
 
 }  // namespace skein::app

@@ -228,8 +228,9 @@ bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<
     if (released) continue;
     for (const StopResult& robot : results())
       if (!robot.stopped)
-        tell(fmt::format("{}: NOT known to be stopped for {:.0f} s: {}; I go on (`skein robots forget` ends this)",
-                         robot.address, 1e-9 * static_cast<double>(now - since), robot.reason));
+        tell(fmt::format(
+            "{}: NOT known to be stopped for {:.0f} s: {}; the guard keeps trying (`skein robots forget` ends it)",
+            robot.address, 1e-9 * static_cast<double>(now - since), robot.reason));
     // A terminal is told again and again; a script that reads our end of a pipe is let go.
     released = ::isatty(STDERR_FILENO) == 0;
     if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); released && nowhere >= 0)
@@ -282,7 +283,7 @@ int guard(const std::string& marker, int descriptor) {
       if (!first) line.read_answer();
       line.write_stop(now);
     }
-    if (first && any) tell(fmt::format("the run has not moved for {:.2f} s: its robots are being stopped", silence));
+    if (first && any) tell(fmt::format("the run has stalled for {:.2f} s: its robots are being stopped", silence));
   }
 
   // The run is gone. First the lines that it left open: nothing is quicker.
@@ -316,7 +317,7 @@ int guard(const std::string& marker, int descriptor) {
   std::vector<comms::LinkAddress> rest;
   for (const comms::LinkAddress& robot : run->robots)
     if (std::find(stand.begin(), stand.end(), comms::to_text(robot)) == stand.end()) rest.push_back(robot);
-  tell(fmt::format("the run \"{}\" ended without stopping its robots: {} stopped on their lines, {} to be reached anew",
+  tell(fmt::format("the run \"{}\" ended without stopping its robots: {} stopped on their lines, {} to reconnect to",
                    run->experiment, run->robots.size() - rest.size(), rest.size()));
   if (rest.empty()) {
     run->forget();

@@ -124,7 +124,7 @@ tl::expected<RunMarker, std::string> RunMarker::read(const std::string& path) {
   if (ours) size = ::read(file, text.data(), text.size());
   if (file >= 0) ::close(file);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, size)));
-  if (!text.starts_with(first_line)) return tl::unexpected(fmt::format("{}: is no record of a run", path));
+  if (!text.starts_with(first_line)) return tl::unexpected(fmt::format("{}: is not the marker of a run", path));
   RunMarker marker{path, {}, {}};
   std::string_view rest = text;
   const auto next = [&rest](char end) {

@@ -11,28 +11,28 @@
 namespace skein::app {
 
 /// Where runs leave their markers: the first of $XDG_STATE_HOME/skein, ~/.local/state/skein, $XDG_RUNTIME_DIR/skein,
-/// /run/user/UID/skein and /tmp/skein-UID that there is or can be made, and that nobody but this user can write to:
-/// another user's marker would choose what this program connects to.
+/// /run/user/UID/skein and /tmp/skein-UID that exists or can be created, and that only this user can write to: another
+/// user's marker would choose what this program connects to.
 std::string state_directory();
 
 /// Robots that a run drives, in a file of the state directory: how the next start of the program, the guard and `skein
-/// robots stop` find them. The file is locked as long as the run lives; its stop socket (stop_socket.h) is beside it.
+/// robots stop` find them. The file is locked while the run is active; its stop socket (stop_socket.h) is beside it.
 struct RunMarker {
   std::string path;
   std::string experiment;  ///< its name
   std::vector<comms::LinkAddress> robots;
 
   std::string socket() const { return path + ".stop"; }
-  /// Its robots as people know them: "anna, serial:/dev/ttyUSB0".
+  /// Its robots for messages: "anna, serial:/dev/ttyUSB0".
   std::string names() const;
-  bool alive() const;   ///< the run that wrote it is still there
+  bool alive() const;   ///< the run that wrote it is still active
   void forget() const;  ///< removes it, and the socket
-  /// forget(), and its guard stops nobody any more, since a person has said so. The guard keeps the file open and reads
-  /// `dismissal` at its beginning.
+  /// forget(), and also ends its guard, at the user's request. The guard keeps the file open and reads `dismissal` at
+  /// its beginning.
   void dismiss() const;
   static constexpr std::string_view dismissal = "skein dismissed\n";
 
-  /// The error: it cannot be read, or is no marker.
+  /// The error: it cannot be read, or is not a marker.
   static tl::expected<RunMarker, std::string> read(const std::string& path);
 };
 
@@ -41,19 +41,19 @@ struct WrittenMarker {
   std::string problem;  ///< why it is not in the state directory; empty: it is
 };
 
-/// Makes a new marker, on disk, locks it, and sets its path: a name in the state directory that no other run has, now
-/// or later, since process numbers repeat, in containers and after a boot. Where it cannot be written there it goes
-/// where all_markers() looks as well: the user's runtime directory, /dev/shm or /tmp. Names of hosts in it are
-/// resolved: whoever needs it may have no name service.
+/// Writes a new marker to disk, locks it, and sets its path: a name in the state directory that no other run ever has,
+/// since process numbers repeat, in containers and after a boot. If it cannot be written there it goes to another place
+/// where all_markers() searches: the user's runtime directory, /dev/shm or /tmp. Host names in it are resolved, since
+/// its reader may have no name service.
 tl::expected<WrittenMarker, std::string> write_marker(RunMarker& marker);
 
-/// Leaves only these robots in a marker that this descriptor holds.
+/// Keeps only these robots in the marker of this descriptor.
 void rewrite_marker(int descriptor, const RunMarker& marker) noexcept;
 
-/// Every marker there is, oldest first.
+/// All markers, oldest first.
 std::vector<RunMarker> all_markers();
 
-/// Markers of runs that died without knowing that their robots stand, oldest first.
+/// Markers of runs that died before their robots were known to stand, oldest first.
 std::vector<RunMarker> bad_ends();
 
 }  // namespace skein::app

@@ -201,7 +201,7 @@ void SafetyNet::Keeper::look_after_guard() {
   if (guard_socket_ >= 0 && ::recv(guard_socket_, &nothing, 1, MSG_DONTWAIT) == 0) {
     what = "the guard has died";
   } else if (guard_socket_ >= 0 && beat != 0 && now - beat > frozen_after) {
-    what = "the guard stands still";
+    what = "the guard is frozen";
     ::kill(guard_.load(), SIGKILL);
   }
   if (!what.empty()) {
@@ -213,8 +213,8 @@ void SafetyNet::Keeper::look_after_guard() {
   const auto started = too_soon ? tl::expected<void, std::string>{} : start_guard();
   if (!what.empty() || !started)
     alarm(fmt::format("{}{}", what.empty() ? "the guard is gone" : what,
-                      too_soon  ? ", as soon as it was started: nobody guards the robots now"
-                      : started ? ": there is a new one"
+                      too_soon  ? ", as soon as it was started: the robots have no guard now"
+                      : started ? ": a new guard has been started"
                                 : ": " + started.error()));
 }
 

@@ -66,7 +66,7 @@ StoppedRun ask_guard(const RunMarker& run) {
     if (answer.robots) return {*answer.robots, false};
     std::this_thread::sleep_for(10ms);
   } while (std::chrono::steady_clock::now() < give_up);
-  return {all_of(run, false, "nobody guards it"), true};
+  return {all_of(run, false, "it has no guard"), true};
 }
 
 void say(const StopResult& robot) {
@@ -85,8 +85,8 @@ StoppedRun stop_run(const RunMarker& run) {
   if (answer.reached && !answer.ended && answer.process > 0) {
     const Process process(answer.process);
     if (process.known()) {
-      complain(
-          fmt::format("the run \"{}\" (process {}) does not hear STOP: ending it", run.experiment, answer.process));
+      complain(fmt::format("the run \"{}\" (process {}) does not respond to STOP: ending it", run.experiment,
+                           answer.process));
       process.send(SIGTERM);
       if (!process.ends(ends_within)) process.send(SIGKILL);
       process.ends(killed_within);
@@ -126,13 +126,13 @@ int stop_runs() {
         if (!robot.stopped) status = device_failed;
       }
     } else if (!answer.heard) {
-      complain(fmt::format("the run \"{}\" does not hear STOP: `skein robots stop` ends it", runs[i].experiment));
+      complain(fmt::format("the run \"{}\" does not respond to STOP: `skein robots stop` ends it", runs[i].experiment));
       status = device_failed;
     } else {
       print_out(fmt::format("the run \"{}\" has ended\n", runs[i].experiment));
     }
   }
-  if (reached == 0) print_out("no run lives that could be stopped\n");
+  if (reached == 0) print_out("no run is active\n");
   return status;
 }
 

@@ -8,9 +8,9 @@
 
 namespace skein::app {
 
-/// Stops the robots of a run whatever state it is in: asks it through its stop socket; where it does not answer, ends
-/// its process with SIGTERM and then SIGKILL, and asks its guard. What became of the robots; `by_hand`: nobody of them
-/// is left who could stop them, so that they must be connected to.
+/// Stops the robots of a run whatever state it is in: asks it through its stop socket; if it does not answer, ends its
+/// process with SIGTERM and then SIGKILL, and asks its guard. Returns the robots' states; `by_hand`: neither run nor
+/// guard is left to stop them, so that the caller must connect to them.
 struct StoppedRun {
   std::vector<StopResult> robots;
   bool by_hand = false;
@@ -21,12 +21,12 @@ StoppedRun stop_run(const RunMarker& run);
 /// robots are known to stand. True: all of them.
 bool stop_left_behind(const std::vector<RunMarker>& runs);
 
-/// `skein stop`: STOP to every run of this user that lives and to every guard, at once; says what became of their
-/// robots. An exit status.
+/// `skein stop`: sends STOP to every active run of this user and to every guard, at once; prints the results for their
+/// robots. Returns an exit status.
 int stop_runs();
 
-/// `skein robots forget`: guards that go on trying give up, and runs that ended badly are not spoken of again. An exit
-/// status.
+/// `skein robots forget`: ends guards that keep trying, and removes the markers of runs that ended badly. Returns an
+/// exit status.
 int forget_runs();
 
 }  // namespace skein::app

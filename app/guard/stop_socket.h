@@ -12,27 +12,27 @@
 
 namespace skein::app {
 
-/// What became of one robot that was to be stopped.
+/// The result of stopping one robot.
 struct StopResult {
   std::string address;  ///< as comms::to_text() writes it
   bool stopped = false;
-  std::string reason{};  ///< why it is not known to be, if it is not
+  std::string reason{};  ///< why it is not known to stand, if so
 };
 
-/// The socket beside a run's marker, where everybody of the same user can stop the run, or the guard that goes on after
-/// it, without a keyboard: `skein stop`. One word in, "stop" or "forget"; lines out: "stopping", then one for each
+/// The socket beside a run's marker, through which every program of the same user can stop the run, or the guard that
+/// continues after it: `skein stop`. Input: one word, "stop" or "forget"; output: "stopping", then one line for each
 /// robot. One thread at a time.
 class StopSocket {
  public:
   static tl::expected<StopSocket, std::string> listen(const std::string& path);
   StopSocket(StopSocket&& other) noexcept;
   StopSocket& operator=(StopSocket&& other) noexcept;
-  ~StopSocket();  ///< the file stays: it goes with the marker
+  ~StopSocket();  ///< the file stays: it is removed with the marker
 
-  int descriptor() const noexcept { return listening_; }  ///< readable: somebody calls
+  int descriptor() const noexcept { return listening_; }  ///< readable: a client connects
   bool waits() const noexcept { return !callers_.empty(); }
-  /// Hears who calls, and tells those that wait how the robots are as soon as all stand, or after 5 s, or at once if
-  /// this is the `last` chance. `heard` gets each word before the caller is answered.
+  /// Serves clients, and sends waiting ones the robots' states as soon as all stand, or after 5 s, or at once if this
+  /// is the `last` chance. `heard` gets each word before the client is answered.
   void turn(const std::function<void(std::string_view word)>& heard,
             const std::function<std::vector<StopResult>()>& results, bool last = false);
 
@@ -46,17 +46,17 @@ class StopSocket {
   std::vector<Caller> callers_;
 };
 
-/// What a run says to `word`.
+/// The answer of a run to `word`.
 struct StopAnswer {
-  bool reached = false;                           ///< somebody listens there
-  bool heard = false;                             ///< and said so within the time
-  bool ended = false;                             ///< and went away
-  pid_t process = 0;                              ///< of who listens; 0: not known, or in another PID namespace
-  std::optional<std::vector<StopResult>> robots;  ///< empty: it ended before it could say
+  bool reached = false;                           ///< the connection was accepted
+  bool heard = false;                             ///< and `word` was confirmed in time
+  bool ended = false;                             ///< and the other end has closed
+  pid_t process = 0;                              ///< of the listener; 0: not known, or in another PID namespace
+  std::optional<std::vector<StopResult>> robots;  ///< empty: it ended before it could report
 };
 
-/// Says `word` to the run whose stop socket is there. Waits `patience` for somebody to hear it, then up to 8 s for what
-/// became of the robots.
+/// Sends `word` to the run with this stop socket. Waits `patience` for the confirmation, then up to 8 s for the robots'
+/// states.
 StopAnswer ask_run(const std::string& path, std::string_view word, double patience);
 
 }  // namespace skein::app

@@ -18,15 +18,15 @@ struct ManualPage {
   std::string name, text;
 };
 
-/// The pages of a program and of every command below it, made of the words that --help prints. Hidden commands have
-/// none. `version` stands in their foot.
+/// The pages of a program and of every command below it, made from the texts of --help. Hidden commands have none.
+/// `version` is in their footer.
 std::vector<ManualPage> manual_pages(const CLI::App& program, const std::string& version);
 
 /// Writes each page as NAME.1 into a folder, which is made. The error is a sentence.
 tl::expected<void, std::string> write_manual(const CLI::App& program, const std::string& version,
                                              const std::string& folder);
 
-/// What may stand in the place of a word that is being typed.
+/// A completion of the word being typed.
 struct Candidate {
   std::string word;
   std::string help;  ///< a few words, or none
@@ -35,9 +35,9 @@ struct Candidate {
 /// The candidates for the value of an option or positional, by its name ("--set", "experiment"); empty: a file.
 using ValuesOf = std::function<std::optional<std::vector<Candidate>>(const std::string& name)>;
 
-/// What a shell prints for `words`, all behind the program's name, of which the last is being typed: lines of
-/// "WORD<tab>HELP" that begin with it, after a line "@files" where a file may stand there as well
-/// (resources/completion). Commands, options and the words that an option allows come from the program itself.
+/// Completions for `words`, all after the program's name, of which the last is being typed: lines of "WORD<tab>HELP"
+/// that begin with it, after a line "@files" if a file is possible as well (resources/completion). Commands, options
+/// and the allowed words of an option come from the program itself.
 std::string completions(const CLI::App& program, const std::vector<std::string>& words, const ValuesOf& values = {});
 
 }  // namespace skein::app

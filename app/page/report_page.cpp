@@ -156,7 +156,7 @@ std::string read_file(const fs::path& path) {
 tl::expected<std::string, std::string> figures(std::istream& csv, const Experiment& experiment,
                                                const Statistics::Summary& summary) {
   const Workshop workshop;
-  if (workshop.path().empty()) return tl::unexpected(std::string("no folder for figures can be made"));
+  if (workshop.path().empty()) return tl::unexpected(std::string("no folder for figures can be created"));
   csv.clear();
   csv.seekg(0);
   std::ofstream(workshop.path() / "run.csv", std::ios::binary) << csv.rdbuf();
@@ -166,7 +166,7 @@ tl::expected<std::string, std::string> figures(std::istream& csv, const Experime
   std::string html;
   for (const auto& [name, heading, caption] :
        {std::tuple("figure3.svg", "Paths",
-                   "Where the robots should go (solid) and where they went (dotted); arrows: put elsewhere by a hand."),
+                   "References of the robots (solid) and their paths (dotted); arrows: moved by hand."),
         std::tuple("figure4.svg", "Errors",
                    "Tracking errors of the robots, and errors of the distances between neighbours (37).")})
     html += fmt::format(

@@ -9,20 +9,20 @@
 
 namespace skein::app {
 
-/// What a page says of a run beside what its CSV says.
+/// The contents of a page in addition to the run's CSV.
 struct PageOrigin {
-  std::string sentence;               ///< when, where and by which program it was made; empty: the program alone
+  std::string sentence;               ///< when, where and by which program it was made; empty: only the program
   std::vector<std::string> problems;  ///< a sentence each
 };
 
 struct Page {
   std::string html;
-  std::vector<std::string> warnings;  ///< a sentence each: rows that are torn, figures that could not be drawn
+  std::vector<std::string> warnings;  ///< a sentence each: torn rows, figures that could not be drawn
 };
 
-/// A run as one page that needs nothing else: an animation of the floor, the report's figures, events and summary.
-/// `file` stands for the stream in messages. The figures are drawn by gnuplot in a folder of their own; without it the
-/// page has none, and says so. The error names file, line and column of what cannot be read.
+/// A run as one self-contained page: an animation of the floor, the report's figures, events and summary. `file` stands
+/// for the stream in messages. gnuplot draws the figures in a temporary folder; without it the page has none, and says
+/// so. The error names file, line and column of invalid input.
 tl::expected<Page, std::string> report_page(std::istream& csv, const std::string& file, const PageOrigin& origin);
 
 }  // namespace skein::app

@@ -11,7 +11,7 @@ namespace skein::app {
 
 /// The columns of a run's CSV in their order, for the writer and the reader alike; docs/csv.md says what they mean.
 
-/// A column of numbers: where its value lives in a Record.
+/// A column of numbers: the place of its value in a Record.
 template <typename Record>
 struct NumberColumn {
   /// `where` is a generic lambda that takes a record, const or not, and returns a reference to the value.
@@ -37,7 +37,7 @@ inline constexpr std::array<NumberColumn<TickRecord>, 3> group_columns{{
     {"period", [](auto& r) -> decltype(auto) { return (r.period); }},
     {"compute_time", [](auto& r) -> decltype(auto) { return (r.compute_time); }},
 }};
-// At the row's end, before `now`: of the tick before.
+// At the end of the row, before `now`: of the previous tick.
 inline constexpr std::array<NumberColumn<TickRecord>, stages + 1> latency_columns{{
     {"latency_capture", [](auto& r) -> decltype(auto) { return (r.latency.of[0]); }},
     {"latency_dequeue", [](auto& r) -> decltype(auto) { return (r.latency.of[1]); }},
@@ -78,7 +78,7 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 25> robot_columns{{
     {"wheel_right", [](auto& r) -> decltype(auto) { return (r.wheels.right); }},
 }};
 // After `mode`. All empty for a robot that was never seen. The newest measurement and `now`, the last column of a row,
-// are what a replay puts in.
+// are inputs of a replay.
 inline constexpr std::array<NumberColumn<RobotRecord>, 8> measurement_columns{{
     {"pose_age", [](auto& r) -> decltype(auto) { return (r.pose_age); }},
     {"x_meas", [](auto& r) -> decltype(auto) { return (r.measurement.pose.x); }},
@@ -106,7 +106,7 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_health_columns{{
     {"link_reconnects", [](auto& r) -> decltype(auto) { return (r.link.reconnects); }},
 }};
 
-// After them, where the experiment has a robot with a link: what a replay puts in.
+// After them, if the experiment has a robot with a link: inputs of a replay.
 inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_input_columns{{
     {"sent_left", [](auto& r) -> decltype(auto) { return (r.link.input.sent.left); }},
     {"sent_right", [](auto& r) -> decltype(auto) { return (r.link.input.sent.right); }},
@@ -134,7 +134,7 @@ inline constexpr std::string_view hash_line = "# hash: ";
 inline constexpr std::string_view seed_line = "# seed: ";
 inline constexpr std::string_view source_line = "#| ";  ///< a line of the experiment file
 
-/// FNV-1a, 64 bit: tells one experiment from another, no more.
+/// FNV-1a, 64 bit: only distinguishes experiments.
 constexpr std::uint64_t fnv1a(std::string_view text) noexcept {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;

@@ -17,9 +17,9 @@ struct CsvOptions {
   WriteRules rules{};
 };
 
-/// A CSV on disk that fails loudly: a row that could not be written is an error of the run, not a gap in the data. Rows
-/// are on the disk within a second; nobody waits for it (disk_writer.h). The file has its name from the first row on.
-/// Throws std::runtime_error with file and reason.
+/// A CSV on disk whose errors are reported: a row that could not be written is an error of the run, not a gap in the
+/// data. Rows are on the disk within a second; the caller does not wait (disk_writer.h). The file has its name from the
+/// first row on. Throws std::runtime_error with file and reason.
 class CsvFile final : public RecordSink {
  public:
   CsvFile(const std::string& path, const Experiment& experiment, CsvOptions options = {});
@@ -35,8 +35,8 @@ class CsvFile final : public RecordSink {
   bool published_ = false;
 };
 
-/// Records a run from any moment on, what was before it included. A sink that is always there, and writes while it is
-/// asked to. `record`
+/// Records a run from any moment on, including the part before it. A permanent sink that writes on request.
+/// `record`
 /// belongs to the sinks' thread, the rest to the controlling one.
 class CsvRecorder final : public RecordSink {
  public:
@@ -45,7 +45,7 @@ class CsvRecorder final : public RecordSink {
   /// `before`: the rows of the run so far that the caller knows of; later ones that it has not seen yet are known here.
   /// Throws as CsvFile does.
   void begin(const std::string& path, const Experiment& experiment, Rows before);
-  /// Throws as CsvFile does. Nothing, if nothing is being recorded.
+  /// Throws as CsvFile does. Does nothing if nothing is being recorded.
   void end();
   bool active() const;
 
@@ -59,7 +59,7 @@ class CsvRecorder final : public RecordSink {
   Rows before_;
   bool owes_before_ = false;       // `before_` is not written yet
   double last_known_ = 0.0;        // `now` of the last row that the caller knew of at the beginning [s]
-  std::deque<TickRecord> recent_;  // longer than a window's channel: what it may not have seen yet
+  std::deque<TickRecord> recent_;  // longer than a window's channel: rows that it may not have seen yet
 };
 
 }  // namespace skein::app

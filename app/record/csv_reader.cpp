@@ -108,7 +108,7 @@ tl::expected<CsvReader, std::string> CsvReader::open(std::istream& in, std::stri
     if (text.starts_with(seed_line) && !read_number(std::string_view(text).substr(seed_line.size()), head.seed))
       return reader.error("the seed is not a whole number");
   }
-  if (!found) return reader.error("ends before a header row, allowed: a CSV that `skein run --csv` wrote");
+  if (!found) return reader.error("ends before a header row, allowed: a CSV written by `skein run --csv`");
   head.intact = head.hash == fmt::format("{:016x}", fnv1a(head.source));
   if (text.ends_with('\r')) text.pop_back();
   split(text, reader.cells_);
@@ -116,7 +116,7 @@ tl::expected<CsvReader, std::string> CsvReader::open(std::istream& in, std::stri
   for (const char* needed : {"t", "tick", "r1_x"})
     if (std::find(reader.columns_.begin(), reader.columns_.end(), needed) == reader.columns_.end())
       return reader.error(
-          fmt::format("the header row has no column {}, allowed: a CSV that `skein run --csv` wrote", needed));
+          fmt::format("the header row has no column {}, allowed: a CSV written by `skein run --csv`", needed));
   reader.find_columns();
   if (reader.robots_ > most_robots)
     return reader.error(fmt::format("the header row has more than {0} robots, allowed: 1 to {0}", most_robots));
@@ -198,7 +198,7 @@ tl::expected<Experiment, std::string> CsvReader::experiment() const {
 
 tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
   do {
-    if (!read_line()) return in_->bad() ? error("cannot be read on") : tl::expected<bool, std::string>(false);
+    if (!read_line()) return in_->bad() ? error("reading failed") : tl::expected<bool, std::string>(false);
     if (text_.ends_with('\r')) text_.pop_back();
     if (text_.size() > longest_line)
       return error(fmt::format("a line of {} bytes, allowed: at most {}", text_.size(), longest_line));
@@ -206,8 +206,8 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
     // number reads as another one.
     if ((in_->eof() && !text_.empty()) || text_.find('\0') != std::string::npos) {
       torn_ = fmt::format(
-          "{}:{}: the file is torn here, as by a power cut: read up to this row; `skein replay {} "
-          "--repair` leaves the whole rows",
+          "{}:{}: the file is torn here, as by a power cut: read up to this row; `skein replay {} --repair` keeps the "
+          "complete rows",
           file_, line_, file_);
       return false;
     }

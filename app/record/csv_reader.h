@@ -15,7 +15,7 @@
 
 namespace skein::app {
 
-/// What the `#` lines of a run's CSV say.
+/// The `#` lines of a run's CSV.
 struct CsvHead {
   std::string version;  ///< of the program that wrote it
   std::string name;     ///< of the experiment
@@ -26,8 +26,8 @@ struct CsvHead {
 };
 
 /// Reads a CSV that CsvWriter wrote, row by row, to the same doubles. Columns are found by name: their order does not
-/// matter, unknown ones are passed over, and what a missing one would have told keeps its default. Errors name file,
-/// line and column.
+/// matter, unknown ones are skipped, and values of missing ones keep their defaults. Errors name file, line and
+/// column.
 class CsvReader {
  public:
   /// Reads the head and the header row. The stream must outlive the reader.
@@ -39,19 +39,19 @@ class CsvReader {
   /// The embedded experiment. The error: it cannot be read, or is not the one that the columns belong to.
   tl::expected<Experiment, std::string> experiment() const;
 
-  /// The next row. false: there is none, or what is left is torn: see torn(). `phase`, the margins and the tracking
-  /// gains are not in the file.
+  /// The next row. false: there is none, or the rest is torn: see torn(). `phase`, the margins and the tracking gains
+  /// are not in the file.
   tl::expected<bool, std::string> next(TickRecord& record);
 
-  /// Where the file ends in a row that is not whole, as after a power cut, a sentence about it, once `next` has come
-  /// there. A row is whole when its line ends.
+  /// If the file ends in an incomplete row, as after a power cut, a sentence about it, once `next` has reached it. A
+  /// row is complete if its line ends.
   const std::optional<std::string>& torn() const noexcept { return torn_; }
-  /// Where the first byte behind the last whole row is.
+  /// The offset of the first byte after the last complete row.
   std::uint64_t whole_bytes() const noexcept { return whole_bytes_; }
 
-  /// The cells of the row that `next` read, as they are written, in the order of `columns`.
+  /// The cells of the row that `next` read, as written, in the order of `columns`.
   const std::vector<std::string_view>& cells() const noexcept { return cells_; }
-  /// A cell of the row that `next` read, by column name; empty where there is no such column.
+  /// A cell of the row that `next` read, by column name; empty if there is no such column.
   std::string_view cell(std::string_view column) const;
 
  private:
@@ -60,7 +60,7 @@ class CsvReader {
   tl::unexpected<std::string> error(const std::string& what) const;
   void find_columns();
 
-  /// Puts one cell into the record; false: it is not what the column holds.
+  /// Stores one cell in the record; false: it is not valid for the column.
   using Store = std::function<bool(TickRecord&, std::string_view)>;
 
   std::istream* in_;

@@ -9,9 +9,9 @@
 
 namespace skein::app {
 
-/// Whether some pair ever has another gain than the others, as far as the experiment says.
+/// Whether the gains of pairs ever differ, according to the experiment.
 bool pairs_differ(const Experiment& experiment);
-/// Whether one has at this tick.
+/// Whether they differ at this tick.
 bool pairs_differ(const TickRecord& record) noexcept;
 
 /// Writes a run as CSV, exactly as docs/csv.md says: `#` lines, a header row, one row a tick, shortest text that reads
@@ -20,7 +20,7 @@ bool pairs_differ(const TickRecord& record) noexcept;
 class CsvWriter final : public RecordSink {
  public:
   /// Writes the head at once. The stream must outlive the writer. `pair_gains`: with columns for the gains of each
-  /// pair, which a run has in which pairs differ.
+  /// pair, for runs in which they differ.
   CsvWriter(std::ostream& out, const Experiment& experiment, bool pair_gains);
   CsvWriter(std::ostream& out, const Experiment& experiment) : CsvWriter(out, experiment, pairs_differ(experiment)) {}
   ~CsvWriter() override;

@@ -126,9 +126,10 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
   if (exists && !S_ISREG(there.st_mode)) {
     state->file = open_as_it_is(path);
     state->published = true;
-    if (state->file < 0 && errno == ENXIO) return tl::unexpected(fmt::format("{}: nobody reads from this FIFO", path));
+    if (state->file < 0 && errno == ENXIO)
+      return tl::unexpected(fmt::format("{}: no process reads from this FIFO", path));
   } else if (exists && !rules.force) {
-    return tl::unexpected(fmt::format("{}: is there already, and no run is overwritten; free is {}, or say --force",
+    return tl::unexpected(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force",
                                       path, free_name(path)));
   } else {
     // A link to where runs are kept stays a link.
@@ -138,7 +139,7 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
     state->draft = state->path + draft_end;
     state->file = open_draft(state->draft);
     if (state->file < 0 && errno == EWOULDBLOCK)
-      return tl::unexpected(fmt::format("{}: another program is writing it just now", path));
+      return tl::unexpected(fmt::format("{}: another program is writing it now", path));
   }
   if (state->file < 0) return tl::unexpected(cannot(path, errno));
   std::thread([state] { state->run(); }).detach();
@@ -149,7 +150,7 @@ bool DiskWriter::write(std::string_view text) {
   std::unique_lock lock(state_->mutex);
   const bool room = state_->written.wait_for(
       lock, longest_wait, [&] { return state_->waiting.size() < most_waiting || !state_->failure.empty(); });
-  if (!room) state_->fail(fmt::format("{}: the disk has taken nothing for too long", state_->path));
+  if (!room) state_->fail(fmt::format("{}: the disk has stalled for too long", state_->path));
   if (!state_->failure.empty()) return false;
   state_->waiting += text;
   state_->unwritten += text.size();
@@ -177,7 +178,7 @@ tl::expected<void, std::string> DiskWriter::flush(double patience) {
   });
   if (!state_->failure.empty()) return tl::unexpected(state_->failure);
   if (done) return {};
-  return tl::unexpected(fmt::format("{}: the last {:.1f} kB are NOT written: the disk has taken nothing for {:g} s",
+  return tl::unexpected(fmt::format("{}: the last {:.1f} kB are NOT written: the disk has stalled for {:g} s",
                                     state_->published ? state_->path : state_->draft,
                                     1e-3 * static_cast<double>(state_->unwritten), patience));
 }
@@ -191,7 +192,7 @@ tl::expected<void, std::string> DiskWriter::finish(double patience) {
   state->written.wait_for(lock, std::chrono::duration<double>(patience), [&] { return state->ended; });
   if (!state->failure.empty()) return tl::unexpected(state->failure);
   if (state->ended) return {};
-  return tl::unexpected(fmt::format("{}: the last {:.1f} kB are NOT written: the disk does not take them",
+  return tl::unexpected(fmt::format("{}: the last {:.1f} kB are NOT written: the disk refuses them",
                                     state->published ? state->path : state->draft,
                                     1e-3 * static_cast<double>(state->unwritten)));
 }

@@ -9,39 +9,39 @@
 
 namespace skein::app {
 
-/// How a file may be begun.
+/// How a file may be created.
 struct WriteRules {
-  bool force = false;  ///< take the place of a file that is there
+  bool force = false;  ///< replace an existing file
 };
 
 /// "run-2.csv" for "run.csv", or the next number that no file has.
 std::string free_name(const std::string& path);
 
-/// Text on its way to a file, written by a thread of its own, so that nobody waits for a disk that stalls. It is on the
-/// disk, not only with the system, within a second.
+/// Writes text to a file in a thread of its own, so that the caller does not wait for a disk that stalls. Text is on
+/// the disk, not only in the system's cache, within a second.
 ///
-/// A new file is written beside its place, as PATH.part, and takes its name with publish(): what was there before stays
-/// until then, and stays for good without `force`. The draft is locked: no second program writes there. A FIFO or a
-/// device is written to as it is.
+/// A new file is written as PATH.part, and renamed by publish(): an existing file stays until then, and for
+/// good without `force`. The draft is locked against a second program. A FIFO or a device is written to
+/// directly.
 class DiskWriter {
  public:
-  /// The error: it cannot be written there, or there is a file already, with a name that is free.
+  /// The error: it cannot be written there, or the file exists; then it names a free name.
   static tl::expected<DiskWriter, std::string> open(const std::string& path, WriteRules rules = {});
   DiskWriter(DiskWriter&&) noexcept;
   DiskWriter& operator=(DiskWriter&&) noexcept;
-  ~DiskWriter();  ///< finish(), and nobody hears how it went
+  ~DiskWriter();  ///< finish(), ignoring its result
 
-  /// Hands text over. Where 64 MB already wait for the disk, waits itself, at most 5 s. False: it was not taken, or
-  /// what was handed over before could not be written; failure() says why.
+  /// Queues text. If 64 MB already wait for the disk, blocks for at most 5 s. False: it was not accepted, or earlier
+  /// text could not be written; failure() has the reason.
   bool write(std::string_view text);
-  /// The file takes its name, in its turn. Without it there is no file in the end.
+  /// Renames the file, in sequence with the text. Without it no file remains.
   void publish();
   std::string failure() const;  ///< empty: none so far
 
-  /// Waits until everything is on the disk, at most `patience` [s]; then the file is closed, or left to the thread
-  /// where the disk does not take it. The error says what is not written.
+  /// Waits until everything is on the disk, at most `patience` [s]; then the file is closed, or left to the thread if
+  /// the disk stalls. The error says what is not written.
   tl::expected<void, std::string> finish(double patience);
-  /// Waits likewise, and goes on.
+  /// Waits likewise, and keeps the file open.
   tl::expected<void, std::string> flush(double patience);
 
  private:

@@ -9,12 +9,12 @@
 
 namespace skein::app {
 
-/// Checks before a run that a report can be made: gnuplot is there, and `directory` exists or can be made and written
-/// to.
+/// Checks before a run that a report is possible: gnuplot is installed, and `directory` exists or can be created and
+/// written to.
 tl::expected<void, std::string> check_report(const std::string& directory);
 
-/// Writes the paper's figures 3 and 4 from the run's CSV `directory`/run.csv, each as .pdf, .svg and .png beside the
-/// gnuplot script it was drawn by (edit it and draw again), and summary.json. The error says what gnuplot said.
+/// Writes the paper's figures 3 and 4 from the run's CSV `directory`/run.csv, each as .pdf, .svg and .png beside its
+/// gnuplot script (edit it and draw again), and summary.json. The error has gnuplot's message.
 tl::expected<void, std::string> write_report(const std::string& directory, const Experiment& experiment,
                                              const Statistics::Summary& summary);
 

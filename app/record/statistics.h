@@ -15,15 +15,15 @@
 
 namespace skein::app {
 
-/// How long after a perturbation errors came back into a band for good (until the next perturbation or the end). Empty:
-/// they did not; 0: they never left it.
+/// Settling times: how long after a perturbation errors stay inside a band (until the next perturbation or the end).
+/// Empty: they did not settle; 0: they never left it.
 struct Settling {
   std::optional<double> formation_1cm, formation_5mm;  ///< largest |delta_ij| [s]
-  /// Largest distance of a robot from its place in the formation (the reference BEFORE avoidance: one that avoids is
-  /// close to its modified reference all the while) [s]
+  /// Largest distance of a robot from its place in the formation (the reference BEFORE avoidance: an avoiding robot is
+  /// always close to its modified reference) [s]
   std::optional<double> tracking_1cm, tracking_5mm;
-  /// Largest vector error of where a neighbour is seen from a robot, |(p_i - p_j) - (r_i - r_j)|. delta of (37)
-  /// compares distances alone, and is of second order in errors across the line between the two. [s]
+  /// Largest vector error of a neighbour's relative position, |(p_i - p_j) - (r_i - r_j)|. delta of (37) compares
+  /// distances only, and is of second order in errors across the line between the two. [s]
   std::optional<double> relative_1cm{}, relative_5mm{};
 };
 
@@ -34,13 +34,13 @@ struct PerturbationResult {
   Settling settling;
   /// The paper's claim, at 1 cm: the formation settled, and before tracking did.
   bool formation_first() const noexcept;
-  /// The same of the neighbours' relative positions.
+  /// The same for the neighbours' relative positions.
   bool relative_first() const noexcept;
 };
 
-/// The sum of a run, gathered row by row, in a memory that does not grow with its length (but for its first 10,000
-/// events and perturbations). Perturbations and moves less than 0.2 s apart count as one, from the last of
-/// them on: a hand that carries a robot is one disturbance.
+/// The summary of a run, computed row by row, in memory that does not grow with its length (except for its first 10,000
+/// events and perturbations). Perturbations and moves less than 0.2 s apart count as one, from the last of them on: a
+/// hand that carries a robot is one disturbance.
 class Statistics final : public RecordSink {
  public:
   explicit Statistics(const Experiment& experiment);
@@ -49,45 +49,45 @@ class Statistics final : public RecordSink {
   struct Summary {
     std::string name;
     std::int64_t ticks = 0;
-    double duration = 0.0;                ///< of the experiment, as far as it ran [s]
+    double duration = 0.0;                ///< duration of the experiment so far [s]
     double final_error = none;            ///< largest distance from the places in the formation, last tick [m]
     double final_formation_error = none;  ///< [m]
     double arrived = none;       ///< since when all references rest and every robot is within 1 cm of its place [s]
     double min_distance = none;  ///< [m]
     double obstacle_gap = none;  ///< smallest between a robot's edge and an obstacle's; none without any [m]
-    double outside = 0.0;        ///< farthest that a robot's body was over the edge of the arena [m]
+    double outside = 0.0;        ///< largest distance of a robot's body over the edge of the arena [m]
     std::int64_t collisions =
         0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
     std::int64_t missed_deadlines = 0;
-    std::int64_t dropped_rows = 0;    ///< that the recorder was too slow to take: they are in no file and in no figure
+    std::int64_t dropped_rows = 0;    ///< dropped since the recorder was too slow: they are in no file and in no figure
     std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
     std::int64_t camera_damaged = 0;  ///< frames of it that could not be used
     struct Published {
       std::int64_t sent = 0, dropped = 0;  ///< rows
     };
     std::optional<Published> published;  ///< with `skein run --publish`
-    std::string kept;                    ///< the folder of a run that is kept
-    std::int64_t video_frames = 0;       ///< kept in the film of the run, where there is one
+    std::string kept;                    ///< the folder of a kept run
+    std::int64_t video_frames = 0;       ///< recorded in the film of the run, if there is one
     std::int64_t video_dropped = 0;
     std::string video_problem;                             ///< why the film ends early
     double largest_period = none;                          ///< [s]
     double median_compute = none, largest_compute = none;  ///< wall-clock runs only [s]
-    /// From a pose to the moment at which its command acts, the median; and the most that the law bears, were none of
-    /// it predicted: see core/control/delay_margin.h [s]
+    /// From a pose to the moment at which its command acts, the median; and the delay margin of the law without
+    /// prediction: see core/control/delay_margin.h [s]
     double loop_delay = none, delay_margin = none;
     std::array<Histogram, stages> latency;           ///< of each stage; empty on the virtual clock
     Histogram latency_total;                         ///< a frame's arrival to its command written
     std::optional<Timing> timing;                    ///< wall-clock runs only
     bool stopped = false;                            ///< by the operator or a failure
-    std::string failure;                             ///< why it was stopped, where a camera or a robot failed
-    std::vector<std::pair<int, RobotStatus>> links;  ///< of the robots that have one, from 0, at the end
+    std::string failure;                             ///< why it was stopped, if a camera or a robot failed
+    std::vector<std::pair<int, RobotStatus>> links;  ///< of the robots with a link, from 0, at the end
     std::vector<int> not_stopped;                    ///< robots that did not acknowledge their stop at the end, from 0
     std::vector<PerturbationResult> perturbations;   ///< of the file and of the operator's moves
     std::vector<std::pair<double, std::string>> events;  ///< all, with their t
   };
   Summary summary() const;
 
-  /// When the newest of the summary's perturbations began, and how many there are; cheap. [s]
+  /// When the newest of the summary's perturbations began, and their number; cheap. [s]
   double newest_perturbation() const noexcept { return disturbances_.empty() ? none : disturbances_.back().t; }
   std::size_t perturbations() const noexcept { return disturbances_.size(); }
 
@@ -95,20 +95,20 @@ class Statistics final : public RecordSink {
   struct Sample {
     double t, formation, tracking, relative;
   };
-  /// Since when an error has been inside a band without a break; empty: it is outside.
+  /// Since when an error has been inside a band continuously; empty: it is outside.
   struct Bands {
     std::optional<double> formation_1cm, formation_5mm, tracking_1cm, tracking_5mm, relative_1cm, relative_5mm;
     void add(const Sample& sample);
     Settling since(double begin) const;
   };
-  /// The exact median of up to 20,000 durations; of more, to 4.4 %.
+  /// The exact median of up to 20,000 durations; to 4.4 % for more.
   struct Durations {
     std::vector<double> exact;
     Histogram all;
     void add(double seconds);
     double median() const;
   };
-  /// What somebody's hand did: a window for settling begins here.
+  /// A perturbation by hand: a window for settling begins here.
   struct Disturbance {
     double t;
     int robot;
@@ -119,7 +119,7 @@ class Statistics final : public RecordSink {
   void disturb(double t, const Event& event);
 
   const Experiment experiment_;
-  std::vector<core::Obstacle> obstacles_;  // as they stand now, the operator's too, by their numbers
+  std::vector<core::Obstacle> obstacles_;  // the present ones, including the operator's, by their numbers
   Summary so_far_;
   std::vector<Disturbance> disturbances_;
   Bands bands_;   // since the newest disturbance
@@ -128,7 +128,7 @@ class Statistics final : public RecordSink {
   std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick, then robots with obstacles
 };
 
-/// Which of the file's [expect] failed, each as a sentence that says by how much. Empty: all held.
+/// The failed conditions of the file's [expect], each as a sentence that says by how much. Empty: all held.
 std::vector<std::string> failed_expectations(const Expectations& expect, const Statistics::Summary& summary);
 
 /// The summary as `key: value` lines, and as one JSON object (the text of summary.json).

@@ -209,7 +209,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     result.missing_frames = frames->missing();
     if (result.missing_frames > 0)
       result.warnings.push_back(
-          fmt::format("the film lacks {} frames that its recorder was too slow for", result.missing_frames));
+          fmt::format("the film lacks {} frames that its recorder dropped", result.missing_frames));
   }
   return result;
 }
@@ -231,9 +231,9 @@ tl::expected<void, std::string> repair(const std::string& file) {
   tl::expected<bool, std::string> more = true;
   while (more && *more) more = reader->next(row);
   if (!more) return tl::unexpected(more.error());
-  if (!reader->torn()) return tl::unexpected(file + ": is whole, there is nothing to repair");
+  if (!reader->torn()) return tl::unexpected(file + ": is complete, there is nothing to repair");
   const std::string torn = file + ".torn";
-  if (std::filesystem::exists(torn)) return tl::unexpected(torn + ": is there already, allowed: a name that is free");
+  if (std::filesystem::exists(torn)) return tl::unexpected(torn + ": already exists, allowed: a free name");
   auto whole = DiskWriter::open(file, {.force = true});
   if (!whole) return tl::unexpected(whole.error());
   in.clear();
@@ -242,7 +242,7 @@ tl::expected<void, std::string> repair(const std::string& file) {
   for (std::uint64_t left = reader->whole_bytes(); left > 0; left -= block.size()) {
     block.resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, 1 << 16)));
     if (!in.read(block.data(), static_cast<std::streamsize>(block.size())))
-      return tl::unexpected(fmt::format("{}: cannot be read on: {}", file, std::strerror(errno)));
+      return tl::unexpected(fmt::format("{}: reading failed: {}", file, std::strerror(errno)));
     if (!whole->write(block)) return tl::unexpected(whole->failure());
   }
   constexpr double patience = 60.0;  // [s]

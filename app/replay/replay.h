@@ -13,41 +13,41 @@
 
 namespace skein::app {
 
-/// A recorded run, put through the same tick once more.
+/// The result of replaying a recorded run through the same tick.
 struct ReplayResult {
   std::string experiment;  ///< its name
   std::int64_t ticks = 0;
-  std::int64_t commands = 0;           ///< compared: one a robot and tick
+  std::int64_t commands = 0;           ///< compared: one per robot and tick
   std::int64_t different = 0;          ///< that did not come out bit for bit
   bool filmed = false;                 ///< the poses came from a film
-  std::int64_t frames = 0;             ///< of it that were worked off
-  std::int64_t missing_frames = 0;     ///< that its recorder had dropped
-  std::int64_t poses = 0;              ///< compared: one a robot and tick
+  std::int64_t frames = 0;             ///< processed frames of the film
+  std::int64_t missing_frames = 0;     ///< dropped by its recorder
+  std::int64_t poses = 0;              ///< compared: one per robot and tick
   std::int64_t poses_different = 0;    ///< that did not come out bit for bit
-  bool asked = false;                  ///< the run's own controller was started again, and asked the same questions
-  std::int64_t answers = 0;            ///< compared: one a robot and tick
+  bool asked = false;                  ///< the run's own controller was started again, with the same questions
+  std::int64_t answers = 0;            ///< compared: one per robot and tick
   std::int64_t answers_different = 0;  ///< from v_law, omega_law, bit for bit
   std::int64_t answers_late = 0;       ///< ticks
-  std::string first_answer;            ///< where the first of them is, and what it is
-  std::string first;                   ///< where the first difference is, and what it is; empty: there is none
+  std::string first_answer;            ///< the first of them, and its place
+  std::string first;                   ///< the first difference, and its place; empty: there is none
   std::vector<std::string> warnings;
 };
 
 /// Feeds the measurements, times and operator's commands of a run's CSV to a new tick and compares every command (v,
-/// omega and both wheels) with the recorded one. `file` stands for the stream in messages. The error says where the
-/// file cannot be read.
+/// omega and both wheels) with the recorded one. `file` is the stream's name in messages. The error has the place of
+/// invalid input.
 /// With the film of the run (`skein run --video`), the measurements come from it instead, through the same tracker, and
 /// are compared with the recorded ones too. Empty: none.
-/// What a controller of the run's own asked for is taken from the record. With `controller` that controller is started
-/// as well, in the current directory, asked again, and its answers are compared with the recorded ones.
+/// The answers of the run's own controller are taken from the record. With `controller` that controller is also
+/// started, in the current directory, asked again, and its answers are compared with the recorded ones.
 tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film = {},
                                                bool controller = false);
 
-/// Leaves the whole rows of a run's CSV that ends in a torn one; the torn file stays as FILE.torn. The error: there is
-/// nothing to repair, or it cannot be done.
+/// Removes the torn last row of a run's CSV; the torn file stays as FILE.torn. The error: there is nothing to repair,
+/// or it is not possible.
 tl::expected<void, std::string> repair(const std::string& file);
 
-/// A recorded run with all that the window shows of one.
+/// A recorded run with everything that the window shows.
 struct RecordedRun {
   std::string file;
   Experiment experiment;         ///< as the file embeds it
@@ -55,7 +55,7 @@ struct RecordedRun {
   ReplayResult check;
 };
 
-/// Reads a run and replays it. The error says what cannot be read, and where.
+/// Reads a run and replays it. The error names invalid input and its place.
 tl::expected<RecordedRun, std::string> load_run(const std::string& file);
 
 }  // namespace skein::app

@@ -13,10 +13,8 @@ tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, 
   if (!source) return tl::unexpected(source.error());
   const auto calibration_note = (*source)->notes().find("CALIBRATION");
   if (!(*source)->recorded() || calibration_note == (*source)->notes().end())
-    return tl::unexpected(
-        fmt::format("{}: carries no capture times and no calibration; allowed: a film that "
-                    "`skein run --video` has kept",
-                    path));
+    return tl::unexpected(fmt::format(
+        "{}: has no capture times and no calibration; allowed: a film recorded by `skein run --video`", path));
   const auto calibration = parse_calibration(calibration_note->second, path + " (CALIBRATION)");
   if (!calibration) return tl::unexpected(calibration.error());
   if (!calibration->world_from_camera)

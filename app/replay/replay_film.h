@@ -15,14 +15,14 @@
 
 namespace skein::app {
 
-/// The film of a run, put through the same tracker once more.
+/// Runs the film of a run through the same tracker again.
 class ReplayFilm {
  public:
-  /// The error says why this is not a film that `skein run --video` has kept.
+  /// The error says why this is not a film recorded by `skein run --video`.
   static tl::expected<ReplayFilm, std::string> open(const std::string& path, const Experiment& experiment);
 
-  /// Works off every frame that was captured until `time` (session's clock) and has not been yet; then every robot's
-  /// newest measurement is in `newest`.
+  /// Processes every further frame that was captured until `time` (session's clock); then every robot's newest
+  /// measurement is in `newest`.
   tl::expected<void, std::string> advance(double time, std::span<core::Measurement> newest);
 
   std::int64_t frames() const noexcept { return frames_; }    ///< worked off

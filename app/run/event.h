@@ -19,17 +19,17 @@
 
 namespace skein::app {
 
-/// What keeps a robot from its place, the first that applies.
+/// Why a robot makes no progress towards its place, the first that applies.
 enum class Hindrance : std::uint8_t {
   lost,       ///< no pose within the bridge time
-  held,       ///< the operator or its link made it stand
+  held,       ///< stopped by the operator or its link
   outside,    ///< over the edge of the arena
-  no_way,     ///< planning finds no way to its place
+  no_way,     ///< planning finds no route to its place
   turn,       ///< on a planned route: it waits for others to pass first
   shield,     ///< the shield holds it back from a robot, an obstacle or the edge
   avoidance,  ///< it follows a modified reference
-  limits,     ///< (14) or its wheels take from what the law asks for
-  law,        ///< none of these: the law alone brings it no nearer
+  limits,     ///< (14) or its wheels reduce the law's command
+  law,        ///< none of these: the law itself
 };
 
 /// As a word for logs (core/words.h).
@@ -61,7 +61,7 @@ constexpr std::string_view word(Hindrance hindrance) noexcept {
 enum class ControllerState : std::uint8_t {
   answered,  ///< in time
   late,      ///< not before its deadline
-  ended,     ///< its process is gone, or was ended because it had been late for too long
+  ended,     ///< its process exited, or was killed because it was late for too long
 };
 
 /// As a word for logs (core/words.h).
@@ -98,7 +98,7 @@ struct Perturb {  ///< a [[perturb]] of the file moved a simulated robot
   std::size_t robot = 0;
   double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< world frame [m, rad]
 };
-struct Kidnap {  ///< a robot was found this far from where it should be: somebody carried it
+struct Kidnap {  ///< a robot was found this far from its expected pose: it was carried
   static constexpr std::string_view word = "kidnap";
   std::size_t robot = 0;
   double dx = 0.0, dy = 0.0, dtheta = 0.0;  ///< world frame [m, rad]
@@ -108,7 +108,7 @@ struct Move {  ///< the operator put a simulated robot there
   std::size_t robot = 0;
   core::Pose pose;
 };
-struct Hold {  ///< a robot stands, out of the group: the operator asked for it, or its link was lost
+struct Hold {  ///< a robot is held, out of the group: by the operator, or because its link was lost
   static constexpr std::string_view word = "hold";
   std::size_t robot = 0;
 };
@@ -121,10 +121,10 @@ struct Kick {  ///< the operator sent a simulated robot sliding
   std::size_t robot = 0;
   double vx = 0.0, vy = 0.0;  ///< world frame [m/s]
 };
-struct PutObstacle {  ///< the operator put an obstacle there, or took it away
+struct PutObstacle {  ///< the operator put an obstacle there, or removed it
   static constexpr std::string_view word = "obstacle";
   std::size_t number = 0;
-  core::Obstacle obstacle;  ///< radius 0: taken away
+  core::Obstacle obstacle;  ///< radius 0: removed
 };
 struct Gain {  ///< the operator's new target for all pairs
   static constexpr std::string_view word = "gain";
@@ -159,7 +159,7 @@ struct Couple {  ///< two robots are coupled again
   static constexpr std::string_view word = "couple";
   std::size_t i = 0, j = 0;
 };
-struct Uncouple {  ///< they are not coupled any more
+struct Uncouple {  ///< they are no longer coupled
   static constexpr std::string_view word = "uncouple";
   std::size_t i = 0, j = 0;
 };
@@ -179,13 +179,13 @@ struct Clear {  ///< it is back on the nominal reference
   static constexpr std::string_view word = "clear";
   std::size_t robot = 0;
 };
-struct Stage {  ///< everybody drives to the starts: asked for by the operator or the program
+struct Stage {  ///< all robots drive to their starts: requested by the operator or the program
   static constexpr std::string_view word = "stage";
 };
-struct Staged {  ///< everybody stands at its start
+struct Staged {  ///< every robot stands at its start
   static constexpr std::string_view word = "staged";
 };
-struct Deadlock {  ///< field or shield held the robot up and brought it no nearer to its place: it takes a way round
+struct Deadlock {  ///< no progress because of field or shield: the robot takes a detour
   static constexpr std::string_view word = "deadlock";
   std::size_t robot = 0;
 };
@@ -193,7 +193,7 @@ struct DeadlineMissed {
   static constexpr std::string_view word = "deadline_missed";
   int ticks = 0;  ///< that were skipped
 };
-struct VRise {  ///< V has risen by so much, and nothing that is known explains it
+struct VRise {  ///< V has risen by this much without a known cause
   static constexpr std::string_view word = "v_rise";
   double rise = 0.0;
 };
@@ -202,10 +202,10 @@ struct Link {  ///< a robot's link has been lost for longer than the bridge time
   std::size_t robot = 0;
   LinkState state = LinkState::up;
 };
-struct CameraMoved {  ///< all tags that were seen moved by one rigid motion, which no robot has made
+struct CameraMoved {  ///< all visible tags moved by one rigid motion that the robots did not make
   static constexpr std::string_view word = "camera_moved";
   std::size_t tags = 0;
-  double by = 0.0;    ///< their mean way [m]
+  double by = 0.0;    ///< their mean displacement [m]
   double turn = 0.0;  ///< counter-clockwise [rad]
 };
 struct NotSeen {  ///< why its tag has not been seen for half a second
@@ -213,15 +213,15 @@ struct NotSeen {  ///< why its tag has not been seen for half a second
   std::size_t robot = 0;
   core::NotSeen why = core::NotSeen::not_found;
 };
-struct FilmBroken {  ///< the disk took no more of the camera's film; the run goes on without
+struct FilmBroken {  ///< writing the camera's film failed; the run goes on without it
   static constexpr std::string_view word = "film_broken";
 };
 
-struct NoWay {  ///< planning finds no way to its place: it stands, and planning goes on trying
+struct NoWay {  ///< planning finds no route to its place: it stands, and planning continues
   static constexpr std::string_view word = "no_way";
   std::size_t robot = 0;
 };
-struct NoProgress {  ///< it has come no nearer to its place for 3 s
+struct NoProgress {  ///< it has made no progress towards its place for 3 s
   static constexpr std::string_view word = "no_progress";
   std::size_t robot = 0;
   double distance = 0.0;  ///< to its place [m]
@@ -237,14 +237,14 @@ struct Controller {  ///< the run's own controller is late, has ended, or answer
   static constexpr std::string_view word = "controller";
   ControllerState state = ControllerState::answered;
 };
-struct NoNumber {  ///< the law asked for what is no number, or beyond any: the robot stands until it is one again
+struct NoNumber {  ///< the law's output is not a number, or excessive: the robot stands until it is valid
   static constexpr std::string_view word = "no_number";
   std::size_t robot = 0;
 };
 
 }  // namespace events
 
-/// Something that happened at a tick; `describe` makes the log's words of it.
+/// An event of a tick; `describe` gives its words for the log.
 using Event = std::variant<events::Start, events::Pause, events::Resume, events::Stop, events::Perturb, events::Kidnap,
                            events::Move, events::Hold, events::Release, events::Kick, events::PutObstacle, events::Gain,
                            events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
@@ -270,7 +270,7 @@ constexpr bool is(const Event& event) noexcept {
   return (std::holds_alternative<Kind>(event) || ...);
 }
 
-/// The one robot that the event is about; none: the event is about all, a pair or an obstacle.
+/// The robot that the event concerns; none: it concerns all, a pair or an obstacle.
 constexpr std::optional<std::size_t> robot_of(const Event& event) noexcept {
   return std::visit(
       [](const auto& e) -> std::optional<std::size_t> {
@@ -282,11 +282,11 @@ constexpr std::optional<std::size_t> robot_of(const Event& event) noexcept {
       event);
 }
 
-/// The events of one tick: a bounded list. It allocates in `reserve` alone once that has been called; what does not fit
-/// is counted.
+/// The events of one tick: a bounded list. It allocates only in `reserve`; events that do not fit are
+/// counted.
 class EventList {
  public:
-  /// What the events of one tick may come to: everything that can be changed before a start is told at the start.
+  /// The largest number of events in one tick: all changes before a start are reported at the start.
   static constexpr std::size_t room_for(std::size_t robots) noexcept {
     constexpr std::size_t others = 96, of_a_robot = 4, of_a_pair = 4;  // a pair: three gains, and whether it is coupled
     return others + of_a_robot * robots + of_a_pair * (robots * (robots - 1) / 2);
@@ -294,7 +294,7 @@ class EventList {
 
   EventList() = default;
   explicit EventList(std::size_t limit) { reserve(limit); }
-  /// So many events and no more, without allocating from now on.
+  /// Limits the list to this many events, and allocates for them.
   void reserve(std::size_t limit) {
     limit_ = limit;
     events_.reserve(limit);
@@ -314,7 +314,7 @@ class EventList {
       if (is<Kind>(event)) return true;
     return false;
   }
-  /// The same of one robot or obstacle.
+  /// The same for one robot or obstacle.
   template <typename Kind>
   bool contains(std::size_t number) const noexcept {
     for (const Event& event : events_)
@@ -349,12 +349,12 @@ class EventList {
 /// One event in words without commas, robots from 1, for the CSV, the log and the window: "perturb r2 dx=0.05 dy=0.15
 /// dtheta=0", "gain k_xx 0.008 -> 0.01", "lost r3", "stop".
 std::string describe(const Event& event);
-/// The event that `describe` put into these words; none if they are not such words.
+/// The event with this description by `describe`; none: it is not a description.
 std::optional<Event> parse_event(std::string_view text);
-/// Whether the operator does this to a run, so that an experiment file can as well: moves, kicks, holds, obstacles,
+/// Whether it is an operator's action, which an experiment file can contain as well: moves, kicks, holds, obstacles,
 /// gains.
 bool is_action(const Event& event) noexcept;
-/// As `parse_event`, but only what is an action, with finite numbers; none: the text is not that.
+/// As `parse_event`, but only actions with finite numbers; none: any other text.
 std::optional<Event> parse_action(std::string_view text);
 /// All events of a tick, joined by "; ", "+N more" where some were dropped.
 std::string describe(const EventList& events);

@@ -8,8 +8,8 @@
 
 namespace skein::app {
 
-/// How often durations of each size came: 16 sizes an octave (4.4 %) from 1 us to 16 s, whatever the length of the run.
-/// What is shorter or longer counts at the ends; none counts nothing.
+/// A histogram of durations: 16 bins per octave (4.4 %) from 1 us to 16 s, with a fixed size. Shorter and longer
+/// durations count in the end bins; none is ignored.
 class Histogram {
  public:
   static constexpr double shortest = 1e-6;  ///< [s]
@@ -26,14 +26,14 @@ class Histogram {
 
   std::uint64_t total() const noexcept { return total_; }
   std::uint64_t count(std::size_t size) const noexcept { return counts_[size]; }
-  /// The longest that counts at this size. [s]
+  /// The upper limit of this bin. [s]
   static double upper_end(std::size_t size) noexcept {
     return shortest * std::exp2(static_cast<double>(size + 1) / per_octave);
   }
-  double largest() const noexcept { return largest_; }  ///< exactly; 0: there was none [s]
+  double largest() const noexcept { return largest_; }  ///< exact; 0: there was none [s]
 
-  /// What this share of the durations do not exceed, rounded up to the end of its size (at most 4.4 %). 0: there was
-  /// none. [s]
+  /// The quantile of the durations for this share, rounded up to the end of its bin (at most 4.4 %). 0: there was none.
+  /// [s]
   double quantile(double share) const noexcept {
     const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(total_)));
     std::uint64_t so_far = 0;

@@ -2,9 +2,9 @@
 
 namespace skein::app {
 
-/// From now on SIGINT, SIGTERM, SIGHUP and whatever else would end the program without a word only make `interrupted`
-/// true. A reader of the program's output that has gone, a file that has grown too large and a terminal that lets
-/// nobody write are write errors.
+/// From now on SIGINT, SIGTERM, SIGHUP and other signals that would end the program silently only set `interrupted`. A
+/// closed reader of the program's output, a file at its size limit and a terminal that blocks writing become write
+/// errors.
 void catch_interrupts() noexcept;
 
 /// As if such a signal had come. Async-signal-safe.

@@ -5,15 +5,15 @@
 
 namespace skein::app {
 
-/// Where the link of a robot is. A robot that is simulated without a link has none to lose.
+/// The state of a robot's link. A robot simulated without a link cannot lose it.
 enum class LinkState : std::uint8_t {
-  simulated,      ///< no link: commands and poses are handed over directly
+  simulated,      ///< no link: commands and poses are passed on directly
   recorded,       ///< of a replay: nothing is connected
   down,           ///< not open: not tried yet, or waiting to try again
   connecting,     ///< a connection is being made
   synchronising,  ///< open; the stop sequence is sent, its answer awaited
   up,             ///< the robot answers
-  stale,          ///< open, but the robot owes a reply; the stop sequence is repeated until it answers
+  stale,          ///< open, but a reply is overdue; the stop sequence is repeated until it answers
   failed,         ///< given up: could never be opened, or closed with the stop not acknowledged
   closed,         ///< closed after the robot acknowledged its stop
 };

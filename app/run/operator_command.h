@@ -11,7 +11,7 @@
 
 namespace skein::app {
 
-/// What the operator, or the program for them, asks of the next tick: one small struct each. Robots and obstacles count
+/// Commands of the operator, or of the program, to the next tick: one small struct each. Robots and obstacles count
 /// from 0.
 namespace commands {
 
@@ -22,9 +22,9 @@ struct Stage {};  ///< robots drive to their starts
 struct SetGain {  ///< for all pairs
   core::GainName gain = core::GainName::k_xx;
   double value = 0.0;
-  double seconds = 0.0;  ///< the ramp shall take so long; 0: as fast as it may [s]
+  double seconds = 0.0;  ///< duration of the ramp; 0: as fast as is safe [s]
 };
-struct SetPairGain {  ///< for robots i and j alone
+struct SetPairGain {  ///< for robots i and j only
   std::size_t i = 0, j = 0;
   core::GainName gain = core::GainName::k_xx;
   double value = 0.0;
@@ -36,9 +36,9 @@ struct Couple {  ///< switches the coupling of robots i and j on, with the gains
 };
 struct PutObstacle {
   std::size_t number = 0;
-  core::Obstacle obstacle;  ///< where it stands from now on; radius 0: nowhere
+  core::Obstacle obstacle;  ///< its place from now on; radius 0: removed
 };
-struct Hold {  ///< the robot stands, out of the group, or drives on
+struct Hold {  ///< the robot is held, out of the group, or released
   std::size_t robot = 0;
   bool on = true;
 };
@@ -50,7 +50,7 @@ using OperatorCommand =
                  commands::SetPairGain, commands::Couple, commands::PutObstacle, commands::Hold>;
 static_assert(std::is_trivially_copyable_v<OperatorCommand>, "queues copy commands without allocating");
 
-/// The command behind an event of a run, for a tick that does it again; none: no command made it.
+/// The command that caused an event of a run, to repeat it in another tick; none: no command caused it.
 std::optional<OperatorCommand> command_of(const Event& event) noexcept;
 
 }  // namespace skein::app

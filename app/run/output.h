@@ -4,9 +4,9 @@
 
 namespace skein::app {
 
-/// Text for whoever reads stdout and stderr. None of this throws, and none of it waits for a reader or a disk longer
-/// than `patience`: a terminal may be gone, stopped by Ctrl-S, or a full disk, and robots must be stopped all the same.
-/// What cannot be written by then is written later if it can be, and dropped beyond 64 kB. Any thread.
+/// Output to stdout and stderr. These functions never throw, and never wait for a reader or a disk longer than
+/// `patience`: a terminal may be closed or stopped by Ctrl-S, a disk may be full, and robots must still be stopped.
+/// Text that cannot be written by then is written later if possible, and dropped beyond 64 kB. Any thread.
 
 inline constexpr double short_patience = 0.1;  // [s]
 
@@ -16,8 +16,8 @@ void print_error(std::string_view text, double patience = short_patience) noexce
 /// "skein: SENTENCE" and a line end, on stderr.
 void complain(std::string_view sentence) noexcept;
 
-/// Descriptors 0, 1 and 2 that are closed become /dev/null: else the next robot's line would be one of them, and get to
-/// read what is meant for people. Before anything is opened.
+/// Opens closed descriptors 0, 1 and 2 as /dev/null: otherwise the next robot's line would get one of them, and receive
+/// the program's output. Call it before anything is opened.
 void fill_standard_descriptors() noexcept;
 
 }  // namespace skein::app

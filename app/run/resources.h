@@ -5,14 +5,14 @@
 
 namespace skein::app {
 
-/// What Skein comes with, wherever the tree is: share/skein beside the folder of the running program, or resources/ of
-/// the checkout that it was built in.
+/// Skein's resource files: share/skein beside the folder of the running program, or resources/ of the checkout that it
+/// was built in.
 
 /// `name`, unless there is no such file here and a shipped one in `folder` ("experiments", "studies") has it, with or
 /// without ".toml": then the path of that.
 std::string find_resource(const std::string& folder, const std::string& name);
 
-/// The path of `folder` itself; empty: there is none.
+/// The path of `folder`; empty: there is none.
 std::string resource_folder(const std::string& folder);
 
 /// The names of those in `folder`, sorted, without ".toml".

@@ -6,31 +6,31 @@
 namespace skein::app {
 
 /// The session's clock: seconds since it was made, monotonic. Wall: runs by itself (CLOCK_MONOTONIC), unless a
-/// simulation is paced: then it stands until it is set, and goes on from there. Virtual: always stands until it is set.
+/// simulation is paced: then it stands until it is set. Virtual: always stands until it is set.
 class SessionClock {
  public:
   explicit SessionClock(bool wall) : wall_(wall), runs_(wall) {}
 
-  /// The session lives on threads of its own.
+  /// The session runs on threads of its own.
   bool wall() const noexcept { return wall_; }
-  /// Time passes by itself now.
+  /// Whether time passes by itself now.
   bool runs() const noexcept { return runs_.load(std::memory_order_acquire); }
   double now() const noexcept {
     return runs() ? since_epoch() + offset_.load(std::memory_order_acquire) : set_now_.load(std::memory_order_acquire);
   }
-  /// The control thread's: time stands at `now` [s].
+  /// Control thread only: time stands at `now` [s].
   void set(double now) noexcept {
     set_now_.store(now, std::memory_order_release);
     runs_.store(false, std::memory_order_release);
   }
-  /// The control thread's: time passes again, from where it stands.
+  /// Control thread only: time passes again, from its present value.
   void run() noexcept {
     if (runs()) return;
     offset_.store(set_now_.load() - since_epoch(), std::memory_order_release);
     runs_.store(true, std::memory_order_release);
   }
 
-  /// A time of this clock as the system's, for absolute deadlines.
+  /// A time of this clock as system time, for absolute deadlines.
   std::chrono::steady_clock::time_point at(double time) const noexcept {
     return epoch_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                         std::chrono::duration<double>(time - offset_.load(std::memory_order_acquire)));

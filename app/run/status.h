@@ -9,41 +9,41 @@
 
 namespace skein::app {
 
-/// What the camera saw last, for the window.
+/// The camera's newest frame, for the window.
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> grey;  ///< row by row, 0 black
 };
 
-/// One robot's link as the window and the summary show it.
+/// The status of one robot's link for the window and the summary.
 struct RobotStatus {
   LinkState link = LinkState::simulated;
-  std::string reason;                               ///< the newest thing that went wrong
+  std::string reason;                               ///< the newest error
   double round_trip = none, round_trip_p99 = none;  ///< median and 99th percentile of the last 256 [s]
   std::uint64_t exchanges = 0, timeouts = 0, resynchronisations = 0, reconnects = 0;
   std::uint64_t bytes_sent = 0, bytes_received = 0;
-  double battery = none;           ///< [V]; none: not known, or an old e-puck1, which says only whether it is low
+  double battery = none;           ///< [V]; none: not known, or an old e-puck1, which reports only whether it is low
   bool battery_low = false;        ///< charge it
   std::string battery_text{};      ///< the same in words: "3.90 V", "good", "unknown"
-  std::string version{};           ///< of its firmware, as it says it; empty: it did not
+  std::string version{};           ///< of its firmware, as reported; empty: not reported
   bool stop_acknowledged = false;  ///< after close()
 };
 
-/// What a check of one robot's wheels has found.
+/// The result of a check of one robot's wheels.
 struct WheelCheck {
   std::size_t robot = 0;
-  std::string version{};  ///< of its firmware; empty: it did not say
+  std::string version{};  ///< of its firmware; empty: not reported
   double battery = none;  ///< [V]; none: not known
   bool battery_low = false;
-  int left_steps = 0, right_steps = 0;  ///< that each wheel's counter said when it alone was told to turn
-  std::vector<std::string> faults{};    ///< a sentence each; empty: the robot does as it is told
+  int left_steps = 0, right_steps = 0;  ///< of each wheel's counter when only that wheel was commanded
+  std::vector<std::string> faults{};    ///< a sentence each; empty: the robot executes its commands
 };
 
-/// The film that a session keeps of its camera's frames.
+/// The film that a session records of its camera's frames.
 struct VideoStatus {
   std::int64_t frames = 0;   ///< kept
-  std::int64_t dropped = 0;  ///< not kept, since the disk or the encoder was too slow, or after the problem
-  std::string problem;       ///< why the film ends early; the run goes on all the same
+  std::int64_t dropped = 0;  ///< dropped, since the disk or the encoder was too slow, or after the problem
+  std::string problem;       ///< why the film ends early; the run goes on
 };
 
 }  // namespace skein::app

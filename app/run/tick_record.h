@@ -21,25 +21,25 @@ namespace skein::app {
 /// No value: an empty cell of the CSV.
 inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-/// What governs a robot at a tick; those that apply are added up (bits).
+/// The modes of a robot at a tick (bits).
 enum Mode : std::uint8_t {
   staging = 1,
   tracking = 2,
   avoiding = 4,  ///< follows a modified reference
   shielded = 8,  ///< the shield changed its forward speed
-  limited = 16,  ///< box or wheels changed what the law asked for
-  stopped = 32,  ///< commanded to stand: not running, paused, STOP, lost
+  limited = 16,  ///< box or wheels changed the law's command
+  stopped = 32,  ///< commanded to stop: not running, paused, STOP, lost
   lost = 64,     ///< no pose within the bridge time
   late = 128,    ///< slowed or held because its link has not confirmed its commands
 };
 
-/// What a tick takes into account of a robot's link. Wall clock only.
+/// The tick's inputs from a robot's link. Wall clock only.
 struct LinkInput {
   bool linked = false;                 ///< it has one
-  core::WheelSpeeds sent{none, none};  ///< the speeds that were handed to the system last; a stop is 0 [steps/s]
+  core::WheelSpeeds sent{none, none};  ///< the speeds last written to the system; a stop is 0 [steps/s]
   double sent_at = none;               ///< when [s, session's clock]
-  /// How far it may have driven since the newest command that it has confirmed; links.blind_distance or more: its link
-  /// has stopped it. [m]
+  /// How far it may have driven since its newest confirmed command; links.blind_distance or more: its link has stopped
+  /// it. [m]
   double blind_way = none;
 };
 
@@ -66,7 +66,7 @@ constexpr std::string_view word(Mode bit) noexcept {
   return {};
 }
 
-/// What is known of a robot's link at a tick; nothing of one that has none.
+/// The state of a robot's link at a tick; empty without a link.
 struct LinkRecord {
   LinkInput input;
   std::optional<LinkState> state;
@@ -75,14 +75,14 @@ struct LinkRecord {
   double left_steps = none, right_steps = none;  ///< that the robot has counted since the link's first reading [steps]
   double round_trip_p99 = none;                  ///< of the last 256; this and the next: wall clock only [s]
   double bytes = none;                           ///< to and from the robot
-  double losses = none, reconnects = none;       ///< answers that did not come in time; times that it was opened again
+  double losses = none, reconnects = none;       ///< answers that did not come in time; times that it was reopened
 };
 
-/// What took something from what the law asked for; those that did are added up (bits).
+/// The limits that reduced the law's command (bits).
 enum Limit : std::uint8_t {
   limit_v = 1,       ///< |v| <= v_max (14)
   limit_omega = 2,   ///< |omega| <= omega_max (14)
-  limit_wheels = 4,  ///< what a wheel can do
+  limit_wheels = 4,  ///< a wheel's largest speed
 };
 
 /// As the CSV calls it (core/words.h); of one bit.
@@ -104,24 +104,24 @@ struct RobotRecord {
   double pose_age = none;              ///< now - captured_at [s]
   core::Pose pose;                     ///< the pose the law used
   double sigma_xy = none;              ///< its standard deviation in the worst direction, when measured [m]
-  double actuation_delay = 0.0;        ///< from the tick to the moment the wheels obey: what `pose` is meant for [s]
+  double actuation_delay = 0.0;        ///< from the tick to the moment the wheels obey, at which `pose` holds [s]
   core::Pose truth{none, none, none};  ///< simulated robots only
   core::ReferencePoint nominal;        ///< of the formation
   core::ReferencePoint reference;      ///< after avoidance
   core::TrackingError error{none, none, none};  ///< (4), from pose and reference; none while lost
-  core::Twist law;                              ///< what the law gave, before any limit; none where that was no number
+  core::Twist law;                              ///< the law's output, before any limit; none if it was not a number
   core::Twist command;                          ///< after limits and shield
-  core::WheelSpeeds wheels;                     ///< what the tick commands; see LinkInput::sent [steps/s]
+  core::WheelSpeeds wheels;                     ///< the tick's command; see LinkInput::sent [steps/s]
   double k_x = 0.0, k_theta = 0.0;              ///< tracking gains in use
   core::Margins margins{};                      ///< of (18), now
   std::uint8_t mode = stopped;
-  LinkRecord link;          ///< as it was last looked at: within 20 ms, on the virtual clock after the tick before
+  LinkRecord link;          ///< at its last check: within 20 ms, on the virtual clock after the previous tick
   std::uint8_t limits = 0;  ///< of `Limit`
 
   bool is(Mode m) const noexcept { return (mode & m) != 0; }
 };
 
-/// Where a run is.
+/// The phase of a run.
 enum class Phase : std::uint8_t {
   ready,  ///< waits for Start; robots stand
   running,
@@ -137,9 +137,9 @@ enum class Stage : std::uint8_t {
   dequeue,      ///< to the grey picture
   detect,       ///< to the poses
   hand_over,    ///< to the beginning of the tick
-  estimate,     ///< the tick's first part: where the robots are
+  estimate,     ///< the tick's first part: estimation of the poses
   law,          ///< its second part: reference, law, limits, shield, wheels
-  write,        ///< to the last robot's command in the system's hands
+  write,        ///< to the last robot's command written to the system
   acknowledge,  ///< to the last robot's answer
 };
 /// As the CSV and the summary call it (core/words.h).
@@ -166,7 +166,7 @@ constexpr std::string_view word(Stage stage) noexcept {
 }
 inline constexpr std::size_t stages = core::all_of<Stage>().size();
 
-/// How long each stage took of the tick BEFORE the record's, since its robots have answered by now. [s]; none: not
+/// Durations of the stages of the tick BEFORE the record's, since its robots have answered by now. [s]; none: not
 /// known, or no such stage
 struct Latency {
   std::array<double, stages> of = [] {
@@ -192,10 +192,10 @@ struct TickRecord {
   std::vector<double> delta;                  ///< (37) for neighbours i, i+1: size n-1 [m]
   double min_distance = none;                 ///< between any two robots, true poses where known [m]
   double period = none;                       ///< since the tick before [s]
-  double compute_time = none;  ///< that the tick took [s]; none on the virtual clock, so that runs repeat to the bit
+  double compute_time = none;  ///< duration of the tick [s]; none on the virtual clock, so that runs repeat to the bit
   Latency latency;             ///< wall clock only, as compute_time
   EventList events;
-  std::vector<double> logged;  ///< by the law, of each robot what log_names() says: all of robot 1 first
+  std::vector<double> logged;  ///< by the law, for each robot the values of log_names(): all of robot 1 first
   std::vector<RobotRecord> robots;
 
   /// The largest of all pairs. `name` is one of core::gain_names.
@@ -216,7 +216,7 @@ struct TickRecord {
     }
     return none;  // not recorded
   }
-  /// Of robots i != j, from 0; where the record has no gains of pairs, the largest of all.
+  /// Of robots i != j, from 0; the largest of all if the record has no gains of pairs.
   double pair_gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {
     const core::PairTable& table = pair_gains[static_cast<std::size_t>(name)];
     return std::max(i, j) < table.robots() ? table(i, j) : gain(name);
@@ -237,7 +237,7 @@ struct TickRecord {
   }
 };
 
-/// Takes the records of a run, one after the other.
+/// Receives the records of a run, one after the other.
 class RecordSink {
  public:
   virtual ~RecordSink() = default;

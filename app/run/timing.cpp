@@ -12,7 +12,7 @@ std::string ask_for_priority(int priority) {
   wanted.sched_priority = priority;
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted);
   if (error == 0) return {};
-  return std::string(std::strerror(error)) + "; skein doctor says what to do";
+  return std::string(std::strerror(error)) + "; `skein doctor` has the remedy";
 }
 
 }  // namespace skein::app

@@ -7,8 +7,8 @@ namespace skein::app {
 
 inline constexpr std::string_view version = SKEIN_VERSION;  ///< as released: "0.1.0"
 
-/// The commit that the program was built from, "549ce1f0a1b2"; with "+changes" where files differed from it, empty
-/// where it is not known. Known to programs (app/program), not to rooms: a commit does not compile them anew.
+/// The commit that the program was built from, "549ce1f0a1b2"; with "+changes" if files differed from it, empty if not
+/// known. Only programs (app/program) set it, so that a commit does not recompile the rooms.
 std::string_view commit() noexcept;
 /// `text` outlives the program. Before any thread.
 void set_commit(std::string_view text) noexcept;

@@ -12,7 +12,7 @@
 
 namespace skein::app {
 
-/// What a run was asked to be.
+/// The inputs of a run.
 struct KeepRequest {
   std::string directory;           ///< of all runs
   std::string experiment;          ///< the file; empty: the paper's experiment, which is built in
@@ -21,12 +21,12 @@ struct KeepRequest {
   bool real_time = false;
 };
 
-/// A folder of a run's own, with all that it came from and all that it gave (docs/runs.md lists the files). Its
-/// run.json is written at the beginning, and once more at the end with what came of it and the hash of every file: a
-/// run that was killed in between is there, and says so. One thread.
+/// The folder of a kept run, with all its inputs and outputs (docs/runs.md lists the files). Its run.json is written at
+/// the beginning, and again at the end with the results and the hash of every file, so that a run that was killed in
+/// between is recognised. One thread.
 class KeptRun {
  public:
-  /// Makes the folder and copies what the run comes from. The error says what cannot be written or read.
+  /// Creates the folder and copies the run's inputs. The error says what cannot be written or read.
   static tl::expected<KeptRun, std::string> begin(const KeepRequest& request, const Experiment& experiment);
 
   const std::string& folder() const noexcept { return folder_; }
@@ -34,10 +34,10 @@ class KeptRun {
 
   struct End {
     int exit_status = 0;
-    std::vector<std::string> problems;  ///< sentences: expectations that failed, what broke
-    std::string film;                   ///< of the run, to be put into the folder; empty: none
+    std::vector<std::string> problems;  ///< sentences: failed expectations, errors
+    std::string film;                   ///< of the run, to be moved to the folder; empty: none
   };
-  /// Figures, film, summary and hashes. The error says what is missing; the rest is there all the same.
+  /// Figures, film, summary and hashes. The error says what is missing; everything else is written.
   tl::expected<void, std::string> end(const Statistics::Summary& summary, const End& how);
 
  private:
@@ -49,8 +49,8 @@ class KeptRun {
 };
 
 /// The experiment's keys as `skein runs find` knows them: "controller.v_max" and the like with the value of this
-/// experiment, the coupling gains (the largest of all pairs), the number of robots. Values are as a file would write
-/// them; keys at the top of the file stand below "experiment.".
+/// experiment, the coupling gains (the largest of all pairs), the number of robots. Values are as in a file; keys at
+/// the top of the file are below "experiment.".
 std::map<std::string, std::string> experiment_facts(const Experiment& experiment);
 
 }  // namespace skein::app

@@ -6,14 +6,13 @@
 
 namespace skein::app {
 
-/// What a run was made on.
+/// The machine of a run.
 struct MachineDescription {
   std::string host, kernel, architecture, cpu;
   std::int64_t cores = 0;
-  std::string governor;          ///< of the first core; empty: the kernel does not say
-  bool realtime_kernel = false;  ///< PREEMPT_RT
-  std::int64_t realtime_priority =
-      0;  ///< that this process may ask for; 0: none, so that its threads share the machine
+  std::string governor;                ///< of the first core; empty: not known
+  bool realtime_kernel = false;        ///< PREEMPT_RT
+  std::int64_t realtime_priority = 0;  ///< largest for this process; 0: none, so that its threads have normal priority
 };
 MachineDescription describe_machine();
 

@@ -38,7 +38,8 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
   std::ifstream file(path, std::ios::binary);
   if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
   auto story = nlohmann::ordered_json::parse(file, nullptr, false);
-  if (!story.is_object()) return tl::unexpected(path + ": is no JSON object, allowed: what `skein run --keep` wrote");
+  if (!story.is_object())
+    return tl::unexpected(path + ": is not a JSON object, allowed: a file written by `skein run --keep`");
   return story;
 }
 
@@ -86,7 +87,7 @@ tl::expected<std::string, std::string> find_run(const std::string& word, const s
         fmt::format("{}: there is no such run in {}, allowed: the name of a run (`skein runs list`), "
                     "its folder, or last",
                     word, directory));
-  return tl::unexpected(fmt::format("{}: that could be {} runs, from {} to {}, allowed: more of the name", word,
+  return tl::unexpected(fmt::format("{}: matches {} runs, from {} to {}, allowed: more of the name", word,
                                     fitting.size(), fitting.front(), fitting.back()));
 }
 

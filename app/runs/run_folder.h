@@ -10,7 +10,7 @@
 
 namespace skein::app {
 
-/// The names in a run's folder; docs/runs.md says what each holds.
+/// The file names in a run's folder; docs/runs.md describes the files.
 namespace run_files {
 inline constexpr const char* story = "run.json";
 inline constexpr const char* record = "run.csv";
@@ -20,28 +20,28 @@ inline constexpr const char* summary = "summary.json";
 inline constexpr const char* film = "film.mkv";
 }  // namespace run_files
 
-/// Where runs are kept: `asked`, else $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else ~/.local/share/skein/runs.
+/// The folder of kept runs: `asked`, else $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else ~/.local/share/skein/runs.
 std::string runs_directory(const std::string& asked);
 
 /// The files below a run's folder, by their names there, sorted.
 std::vector<std::string> files_of_run(const std::string& folder);
 
-/// The run.json of a folder. The error says what is wrong with it.
+/// The run.json of a folder. The error is a sentence.
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder);
 
-/// What of a run.json can be asked for, as a flat list of keys; those below "experiment" and "summary" stand for
-/// themselves.
+/// The searchable values of a run.json, as a flat list of keys; those below "experiment" and "summary" without that
+/// prefix.
 std::map<std::string, std::variant<double, std::string>> run_facts(const nlohmann::ordered_json& story);
 
-/// The folder of a run: `word` is a path, or the name of a run in `directory`, or the beginning of one name alone;
-/// "last": the newest. The error names what there is.
+/// The folder of a run: `word` is a path, or the name of a run in `directory`, or the unique beginning of a name;
+/// "last": the newest. The error names the candidates.
 tl::expected<std::string, std::string> find_run(const std::string& word, const std::string& directory);
 
 /// The record of a run that a command line names: a CSV, or a run as find_run finds it.
 struct RunRecord {
   std::string csv;
   std::string folder;  ///< of a kept run; empty: it is a CSV
-  std::string name;    ///< for a file that is made of it: beside a CSV; of a kept run, whose folder is its own, here
+  std::string name;    ///< for files made from it: beside a CSV; for a kept run, in the current folder
 };
 tl::expected<RunRecord, std::string> record_of(const std::string& word, const std::string& asked_directory);
 

@@ -208,9 +208,9 @@ struct RunIndex::State {
     std::string names;
     for (const auto& [name, number] : plain.empty() ? similar : plain) names += (names.empty() ? "" : ", ") + name;
     if (!plain.empty()) return tl::unexpected(fmt::format("{}: could be {}, allowed: one of them", word, names));
-    return tl::unexpected(fmt::format(
-        "{}: no run has such a key; {}", word,
-        names.empty() ? "`skein runs find --keys` lists those that there are" : "similar ones are " + names));
+    return tl::unexpected(
+        fmt::format("{}: no run has such a key; {}", word,
+                    names.empty() ? "`skein runs find --keys` lists the available ones" : "similar ones are " + names));
   }
 
   /// The query as a condition on run.number, with what is to be bound.
@@ -228,7 +228,7 @@ struct RunIndex::State {
       case RunQuery::Kind::any:
         return joined(query.of, " OR ", bound);
     }
-    return tl::unexpected(std::string("no such question"));
+    return tl::unexpected(std::string("no such condition"));
   }
   tl::expected<std::string, std::string> joined(const std::vector<RunQuery>& parts, const char* joint,
                                                 std::vector<Value>& bound) {

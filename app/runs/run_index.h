@@ -13,12 +13,12 @@
 
 namespace skein::app {
 
-/// What all kept runs of a directory are known by. The truth is each run's run.json; this is a copy of it in SQLite,
-/// DIRECTORY/.index.sqlite, that finds runs quickly and may be thrown away: it is made anew. Where it cannot be
-/// written, it is made in memory for the moment. One thread; several programs may use one directory.
+/// The index of all kept runs of a directory: a copy of each run's run.json in SQLite, DIRECTORY/.index.sqlite, for
+/// fast searches. It may be deleted: it is rebuilt. If it cannot be written, it is built in memory. One thread; several
+/// programs may use one directory.
 class RunIndex {
  public:
-  /// Brings the copy up to date with the folders. The error says why the directory cannot be read.
+  /// Updates the index from the folders. The error says why the directory cannot be read.
   static tl::expected<RunIndex, std::string> open(const std::string& directory);
   RunIndex(RunIndex&&) noexcept;
   RunIndex& operator=(RunIndex&&) noexcept;
@@ -30,9 +30,9 @@ class RunIndex {
     std::map<std::string, Value> facts;
   };
 
-  /// All runs, the oldest first, with those facts that are asked for.
+  /// All runs, the oldest first, with the requested facts.
   std::vector<Run> all(const std::vector<std::string>& keys);
-  /// Those for which the query holds. The error names a key that no run has, or that could be several.
+  /// The runs that match the query. The error names an unknown or ambiguous key.
   tl::expected<std::vector<Run>, std::string> find(const RunQuery& query, const std::vector<std::string>& keys);
   /// Every fact of a run.
   std::map<std::string, Value> facts(const std::string& id);

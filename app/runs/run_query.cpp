@@ -136,7 +136,7 @@ class Parser {
   Result refuse(std::string_view allowed) {
     skip();
     const std::string found = at_ < text_.size() ? fmt::format("\"{}\"", text_.substr(at_, 20)) : "the end";
-    return tl::unexpected(fmt::format("place {} of the question: found {}, allowed: {}", at_ + 1, found, allowed));
+    return tl::unexpected(fmt::format("column {} of the condition: found {}, allowed: {}", at_ + 1, found, allowed));
   }
 
   std::string_view text_;

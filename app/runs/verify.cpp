@@ -33,25 +33,25 @@ Step check_files(const std::string& folder, const Json& story) {
     step.holds = false;
   };
   if (!story.contains("files") || !story["files"].is_object()) {
-    fail("run.json names no files: the run did not come to its end");
+    fail("run.json names no files: the run did not finish");
     return step;
   }
   std::set<std::string> known{run_files::story};
   for (const auto& [name, file] : story["files"].items()) {
     known.insert(name);
     if (fs::path(name).is_absolute() || name.find("..") != std::string::npos) {
-      fail(fmt::format("{}: is no name of a file in the folder", name));
+      fail(fmt::format("{}: is not the name of a file in the folder", name));
       continue;
     }
     const auto hash = sha256_of_file((fs::path(folder) / name).string());
     if (!hash)
       fail(hash.error());
     else if (!file.is_object() || file.value("sha256", std::string()) != *hash)
-      fail(fmt::format("{}: has been changed since: its SHA-256 is {}", name, *hash));
+      fail(fmt::format("{}: was changed after the run: its SHA-256 is {}", name, *hash));
   }
   for (const std::string& name : files_of_run(folder))
     if (!known.contains(name)) fail(fmt::format("{}: does not belong to the run", name));
-  if (step.holds) step.finding = fmt::format("{} files have the hashes that run.json says", known.size() - 1);
+  if (step.holds) step.finding = fmt::format("{} files have their hashes in run.json", known.size() - 1);
   return step;
 }
 
@@ -80,7 +80,7 @@ Step check_commands(const std::string& folder, const std::string& csv, std::vect
             fmt::format("{} of {} commands and {} of {} poses differ, first at {}", result->different, result->commands,
                         result->poses_different, result->poses, result->first)};
   return {"commands", true,
-          fmt::format("{} commands of {} ticks come out bit for bit{}", result->commands, result->ticks,
+          fmt::format("{} commands of {} ticks are the same, bit for bit{}", result->commands, result->ticks,
                       result->filmed ? fmt::format(", from the {} frames of the film", result->frames) : "")};
 }
 
@@ -140,8 +140,9 @@ Step run_again(const std::string& folder, const std::string& csv) {
   (*session)->run();
   (*session)->close();
   if (const auto line = comparison.difference())
-    return {"run_again", false, fmt::format("run again, line {} of run.csv comes out otherwise", *line)};
-  return {"run_again", true, fmt::format("run again, {} lines of run.csv come out bit for bit", comparison.lines())};
+    return {"run_again", false, fmt::format("run again, line {} of run.csv differs", *line)};
+  return {"run_again", true,
+          fmt::format("run again, {} lines of run.csv are the same, bit for bit", comparison.lines())};
 }
 
 }  // namespace
@@ -164,7 +165,8 @@ tl::expected<Verification, std::string> verify_run(const std::string& folder) {
     result.steps.push_back(run_again(folder, csv));
   else
     result.notes.emplace_back(
-        "the run lived in real time, or was stopped by hand: it follows from what was measured and done");
+        "the run was in real time, or was stopped by hand: it follows from its measurements and the operator's "
+        "commands");
   return result;
 }
 

@@ -8,19 +8,19 @@
 
 namespace skein::app {
 
-/// A thread that only waits for absolute deadlines and notes how late it wakes: what the machine can do, beside what
-/// the tick makes of it.
+/// A thread that only waits for absolute deadlines and records how late it wakes: the machine's latency, for comparison
+/// with the tick's.
 class BareThread {
  public:
   /// Starts it. `priority`: real-time priority, where the system grants it; 0: none. The first deadline is in one and a
-  /// half periods [s], so that one beside a control loop of the same rate is not in its way.
+  /// half periods [s], so that it does not disturb a control loop of the same rate.
   BareThread(double period, int priority);
 
-  /// The priority that it got; 0: none, and why. Waits until the thread knows.
+  /// Its priority; 0: none, with the reason. Waits until the thread has set it.
   int priority() const;
   std::string no_priority() const;
 
-  /// Ends it, within a period. How late it woke.
+  /// Ends it, within a period. Returns how late it woke.
   Histogram end();
 
  private:

@@ -298,7 +298,7 @@ void CameraRig::explainer(const std::stop_token& stop) {
       explain(question.frame, question.missing);
     } catch (const std::exception& error) {
       lock.lock();
-      alarms_.push_back(fmt::format("why a tag is not seen cannot be told: {}", error.what()));
+      alarms_.push_back(fmt::format("the reason why a tag is not seen cannot be determined: {}", error.what()));
       lock.unlock();
     }
     lock.lock();

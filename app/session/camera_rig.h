@@ -28,17 +28,17 @@
 
 namespace skein::app {
 
-/// The tags that an experiment looks for, those of its robots, in their order; `every`: and behind them all others that
-/// there are.
+/// The tags that an experiment looks for, those of its robots, in their order; `every`: followed by all other
+/// tags.
 std::vector<int> wanted_tags(const Experiment& experiment, bool every = false);
-/// What a frame showed becomes the newest measurement of each wanted tag that was seen in it.
+/// Updates the newest measurement of each wanted tag that was seen in a frame.
 void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest);
 
-/// When a frame went through its stations. Session's clock; none: not known. [s]
+/// When a frame passed its stages. Session's clock; none: not known. [s]
 struct FrameTimes {
   double captured_at = none;  ///< the camera's stamp
-  double arrived_at = none;   ///< the driver handed it over
-  double grey_at = none;      ///< the picture is in the tracker's hands
+  double arrived_at = none;   ///< the driver delivered it
+  double grey_at = none;      ///< the grey image has reached the tracker
   double ready_at = none;     ///< its poses are known
 };
 
@@ -46,43 +46,43 @@ struct FrameTimes {
 tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment);
 
 /// The camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
-/// clock it runs on a thread of its own; on the virtual one it looks when it is told to.
+/// clock it runs on a thread of its own; on the virtual one it takes a frame on request.
 class CameraRig {
  public:
-  /// `wanted`: the tags to look for. `await`: a real camera that cannot be opened is tried again every second.
+  /// `wanted`: the tags to look for. `await`: a real camera that cannot be opened is retried every second.
   static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
                                                                     SimulatedWorld& world, bool pictures,
                                                                     std::vector<int> wanted, bool await = false);
   ~CameraRig();
 
-  /// Keeps every frame, as the tracker got it, in a film. Before the first frame.
+  /// Records every frame of the tracker in a film. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
   /// Any thread.
   VideoStatus video() const;
   vision::SourceStatus camera() const;
-  /// Events: the film has broken off, once; why a robot that was seen has not been seen for half a second. The control
-  /// thread's.
+  /// Events: the film has broken off, once; why a robot has not been seen for half a second. Control thread
+  /// only.
   void tell(EventList& events) noexcept;
 
   /// Wall clock: starts the thread.
   void start();
   void end();
-  /// Virtual clock: takes and works off one frame now.
+  /// Virtual clock: takes and processes one frame now.
   void look();
 
-  /// Overwrites the measurement of every wanted tag that was seen since, as far as there is room, and says when; false:
-  /// nothing new. The control thread's.
+  /// Overwrites the measurement of every wanted tag that was seen since, as far as there is room, and returns the
+  /// times; false: nothing new. Control thread only.
   bool newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept;
-  /// Waits until the newest frame was ready at `since` or later, at most until `until`. Wall clock only; the control
-  /// thread's. [s, session's clock]
+  /// Waits until the newest frame was ready at `since` or later, at most until `until`. Wall clock only; control thread
+  /// only. [s, session's clock]
   void wait_for_frame(double since, double until) noexcept;
 
-  /// Why robots' tags were not seen in the next frame, a sentence each (see vision::sentence); none: all were, or no
-  /// frame came for a second. Takes up to some seconds. Wall clock only; not the control thread's, one caller at a
+  /// Why robots' tags were not seen in the next frame, a sentence each (see vision::sentence); none: all were seen, or
+  /// no frame came for a second. Takes up to some seconds. Wall clock only; not on the control thread, one caller at a
   /// time.
   std::vector<std::string> why_not_seen();
 
-  /// Sentences about robots that were lost, as `why_not_seen` has them, each once. Any thread, one caller at a time.
+  /// Sentences about lost robots, as from `why_not_seen`, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
 
   bool picture(Picture& out);
@@ -98,7 +98,7 @@ class CameraRig {
   void thread(const std::stop_token& stop);
   tl::expected<void, std::string> open_source();
   void await_source(const std::stop_token& stop);
-  bool capture();  // false: the stream is over or broken, reason_ says which
+  bool capture();  // false: the stream has ended or failed, see reason_
   void work_off();
   void answer_question();
   void explain_absences();
@@ -111,7 +111,7 @@ class CameraRig {
   vision::Calibration calibration_;
   std::vector<int> wanted_;
   vision::TagTracker tracker_;
-  std::unique_ptr<vision::SyntheticCamera> synthetic_, bumped_;  // the second: as it hangs from camera.bump_at on
+  std::unique_ptr<vision::SyntheticCamera> synthetic_, bumped_;  // the second: tilted, from camera.bump_at on
   std::unique_ptr<vision::FrameSource> source_;                  // null: synthetic, or not open yet
   std::atomic<bool> awaited_{false};  // a real camera that has not opened yet; then the thread owns source_
   std::string why_awaited_;           // set before the thread begins
@@ -127,10 +127,10 @@ class CameraRig {
     std::vector<core::Measurement> tags;
     FrameTimes times;
   };
-  Sight seen_;  // by the camera's side
+  Sight seen_;  // written by the camera's thread
   Newest<Sight> sights_;
   std::atomic<double> ready_at_{-1e9};  // of the newest frame
-  int ready_ = -1;                      // eventfd: rung for every frame that was worked off
+  int ready_ = -1;                      // eventfd: signalled for every processed frame
   Newest<Picture> picture_;
   struct Question {
     vision::Frame frame;
@@ -138,10 +138,10 @@ class CameraRig {
   };
   std::mutex question_mutex_;  // of what follows
   std::condition_variable answered_;
-  bool asked_ = false;  // the next frame is wanted
+  bool asked_ = false;  // the next frame is requested
   Question answer_;
-  // Why robots are lost: asked by the camera's side, answered in time on the virtual clock and by a thread on the wall
-  // clock.
+  // Why robots are lost: requested by the camera's thread, diagnosed at once on the virtual clock and in a separate
+  // thread on the wall clock.
   std::vector<bool> told_of_;  // the camera side's: of robots that are not seen
   double next_absence_ = none;
   std::vector<vision::MissingTag> missing_;

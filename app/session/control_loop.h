@@ -21,42 +21,42 @@
 
 namespace skein::app {
 
-/// Drives the tick: measure, tick, act, report, 25 times a second or as fast as the virtual clock goes. The same
+/// Runs the tick: measure, tick, act, report, 25 times per second or as fast as possible on the virtual clock. The same
 /// `cycle` in both.
 class ControlLoop {
  public:
-  /// `report` gets every record on the control thread; it must neither wait nor allocate on the wall clock.
+  /// `report` gets every record on the control thread; it must neither block nor allocate on the wall clock.
   /// `controller`: the run's own, if it has one.
   ControlLoop(const Experiment& experiment, SessionClock& clock, Plant& plant,
               std::function<void(const TickRecord&)> report, OwnController* controller = nullptr);
 
   // --- any one controlling thread ---
-  /// What a hand does to a simulated robot.
+  /// Moves a simulated robot, as a hand does.
   using Gesture = std::variant<events::Move, events::Kick>;
 
-  /// The next ticks do it, in the order in which it was asked for. False: the queue is full, and it will not be done.
-  /// There is room for everything that can be set at once: every gain and every coupling of each pair.
+  /// Queues a command for the next ticks, in order. False: the queue is full, and the command is not executed. There is
+  /// room for everything that can be set at once: every gain and every coupling of each pair.
   [[nodiscard]] bool post(const OperatorCommand& command) { return commands_.push(command); }
   [[nodiscard]] bool post(const Gesture& gesture) { return hand_.push(gesture); }
   /// From ready or paused: one tick of the experiment, and paused again.
   void step() noexcept { steps_.fetch_add(1, std::memory_order_acq_rel); }
-  /// Wall clock: how much faster than real time a simulation runs. Other than 1, it is paced: every tick runs at
-  /// exactly its time, none is skipped, and one that cannot be in time delays the rest. Not with anything that lives in
-  /// real time.
+  /// Wall clock: how much faster than real time a simulation runs. At any speed but 1 it is paced: every tick runs at
+  /// exactly its time, none is skipped, and a late one delays the rest. Not with links or cameras, which run in real
+  /// time.
   void set_speed(double speed) noexcept { speed_.store(speed, std::memory_order_release); }
   double speed() const noexcept { return speed_.load(std::memory_order_acquire); }
   /// Any thread: STOP, latched.
   void stop() noexcept { stop_.store(true, std::memory_order_release); }
   bool stop_asked() const noexcept { return stop_.load(std::memory_order_acquire); }
 
-  /// Wall clock: runs cycles at absolute deadlines until told to end. An exception in it is a stop and a failure.
+  /// Wall clock: runs cycles at absolute deadlines until told to end. An exception in it causes a stop and a failure.
   void start_thread();
   void end_thread();
   /// Virtual clock: one tick.
   void cycle_virtual();
 
   Phase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
-  /// The first robot whose pose is not known now, from 0; -1: all are.
+  /// The first robot without a known pose, from 0; -1: all are known.
   int unseen() const noexcept { return unseen_.load(std::memory_order_acquire); }
   /// The couplings of the latest tick: their present gains, where these are going, and which pairs are switched off.
   double gain(core::GainName name, std::size_t i, std::size_t j) const noexcept {
@@ -70,17 +70,17 @@ class ControlLoop {
   }
   /// Whether some robot whose pose is known is not at its start.
   bool away() const noexcept { return away_.load(std::memory_order_acquire); }
-  /// For how long the control thread stood still when that was a STOP [s]; 0: it was not. Only with real robots: they
-  /// have been stopped meanwhile by their links or the guard, and nobody drives on by itself afterwards.
+  /// For how long the control thread stalled when that caused a STOP [s]; 0: it did not. Only with real robots: their
+  /// links or the guard have stopped them meanwhile, and no robot drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
-  /// What the tags did when the camera was bumped and everybody was stopped for it; empty: it was not.
+  /// The tags' motion when the camera was bumped and all robots were stopped for it; empty: it was not.
   std::optional<events::CameraMoved> camera_moved() const noexcept {
     return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
   }
-  /// Set when the control thread died; the reason may be read then.
+  /// Set when the control thread failed; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
-  /// How well the thread kept time, at real-time speed; after end_thread().
+  /// The thread's timing at real-time speed; after end_thread().
   const Timing& timing() const noexcept { return timing_; }
   const TickRecord& prototype() const noexcept { return tick_.record(); }
 
@@ -116,12 +116,12 @@ class ControlLoop {
   boost::lockfree::spsc_queue<OperatorCommand> commands_;
   boost::lockfree::spsc_queue<Gesture> hand_;
   TickInput input_;
-  std::vector<OperatorCommand> obeyed_;  // by this tick; what its events have no room for waits for the next
+  std::vector<OperatorCommand> obeyed_;  // by this tick; commands whose events have no room wait for the next
   std::vector<core::Measurement> newest_;
   std::vector<core::Pose> truth_;
   std::vector<core::WheelSpeeds> wheels_;
   FrameTimes frame_;          // the newest frame's
-  bool new_frame_ = false;    // it came since the tick before
+  bool new_frame_ = false;    // it came since the previous tick
   Latency latency_;           // of this tick, as far as it is known
   double decided_at_ = none;  // when this tick's commands were given
   std::vector<comms::CommandTimes> command_times_;

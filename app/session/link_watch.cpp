@@ -47,7 +47,7 @@ LinkWatch::LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall) 
   for (const std::size_t robot : robots) cells_.emplace_back(robot);
 }
 
-std::optional<std::string> LinkWatch::look(const std::vector<comms::LinkStatus>& links) {
+std::optional<std::string> LinkWatch::update(const std::vector<comms::LinkStatus>& links) {
   std::optional<std::string> lost;
   for (std::size_t k = 0; k < links.size() && k < cells_.size(); ++k) {
     const comms::LinkStatus& link = links[k];

@@ -13,23 +13,23 @@
 
 namespace skein::app {
 
-/// The state of a link as the run's vocabulary has it.
+/// The state of a link in the vocabulary of app/run.
 LinkState state_of(comms::LinkState state) noexcept;
 
-/// Carries what is known of the links to the control thread without a lock, and says which of them are lost.
+/// Passes the links' status to the control thread without a lock, and detects lost links.
 class LinkWatch {
  public:
   /// `robots`: the robot of each link. `bridge`: how long a link with a connection may be
-  /// without an answer [s]; without one it is lost at once. `wall`: the run's clock.
+  /// without an answer [s]; without a connection it is lost at once. `wall`: the run's clock.
   LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall);
 
-  /// Takes in the links' status. Returns a sentence about the first link that is lost, if one is. One thread.
-  std::optional<std::string> look(const std::vector<comms::LinkStatus>& links);
+  /// Updates the links' status. Returns a sentence about the first lost link, if any. One thread.
+  std::optional<std::string> update(const std::vector<comms::LinkStatus>& links);
 
-  /// Adds an event for every link that was lost or came back since the last call, as far as there is room. The control
-  /// thread's.
+  /// Adds an event for every link that was lost or came back since the last call, as far as there is room. Control
+  /// thread only.
   void tell(EventList& events) noexcept;
-  /// Fills in what is known of the links. The control thread's.
+  /// Fills in the links' status. Control thread only.
   void fill(std::vector<RobotRecord>& robots) const noexcept;
 
  private:
@@ -40,7 +40,7 @@ class LinkWatch {
     std::atomic<LinkState> reported{LinkState::up};  // "up" until it is lost
     std::atomic<double> round_trip{none}, round_trip_p99{none}, battery{none}, left{none}, right{none}, bytes{none},
         losses{none}, reconnects{none};
-    LinkState told = LinkState::up;  // the control thread's
+    LinkState told = LinkState::up;  // control thread only
   };
 
   std::deque<Cell> cells_;  // atomics cannot move

@@ -6,8 +6,8 @@
 
 namespace skein::app {
 
-/// Hands the newest value from one thread to another; older ones that nobody took are overwritten. Neither side ever
-/// waits (a triple buffer): the writer fills `draft()` and publishes it, the reader takes what was published last.
+/// Passes the newest value from one thread to another; older values that were not read are overwritten. Neither side
+/// waits (a triple buffer): the writer fills `draft()` and publishes it, the reader takes the value published last.
 template <typename T>
 class Newest {
  public:
@@ -23,7 +23,7 @@ class Newest {
     read_ = shared_.exchange(read_, std::memory_order_acq_rel) & index;
     return true;
   }
-  /// What `take` took last: the reader's own.
+  /// The value of the last `take`: the reader's own.
   const T& value() const noexcept { return buffers_[read_]; }
 
  private:

@@ -95,8 +95,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     plant->camera_ = std::move(*camera);
     if (clock.wall()) plant->camera_->start();
   } else if (!options.video.empty()) {
-    return tl::unexpected(
-        fmt::format("{}: there is no camera to make a film of (camera.source = \"none\")", options.video));
+    return tl::unexpected(fmt::format("{}: there is no camera to record (camera.source = \"none\")", options.video));
   }
   return plant;
 }
@@ -225,7 +224,7 @@ std::vector<RobotStatus> Plant::robots() const {
 
 std::string stood_still_sentence(double seconds) {
   return fmt::format(
-      "the program stood still for {:.1f} s (suspended, stopped by a debugger, or the machine was too busy): STOP",
+      "the program stalled for {:.1f} s (suspended, stopped by a debugger, or the machine was too busy): STOP",
       seconds);
 }
 
@@ -241,7 +240,7 @@ std::optional<std::string> Plant::failure() {
   if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
   if (!links_ || !final_status_.empty()) return {};
   if (const double gap = links_->stood_still(); gap > 0.0) return stood_still_sentence(gap);
-  auto lost = watch_->look(links_->status());
+  auto lost = watch_->update(links_->status());
   if (experiment_.failure.link_lost == FailureSpec::LinkLost::others_go_on) return {};
   return lost;
 }

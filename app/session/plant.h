@@ -22,37 +22,37 @@
 
 namespace skein::app {
 
-/// Everything between a wheel command and a measured pose: what stands at the two ends of the control tick. Simulated
-/// robots, emulated ones and real ones, a camera or none, as the experiment file says for each.
+/// Everything between a wheel command and a measured pose, on both sides of the control tick. Simulated, emulated and
+/// real robots, a camera or none, as the experiment file defines for each.
 class Plant {
  public:
   static tl::expected<std::unique_ptr<Plant>, std::string> open(const Experiment& experiment, SessionClock& clock,
                                                                 const SessionOptions& options);
   ~Plant();
 
-  /// The newest pose of each robot at time `now` (and, where `newest` has room, of the other tags), and the true ones
-  /// of those that are simulated. The control thread's. True when a camera's frame has been worked off since the last
-  /// call; `frame` says when it went where.
+  /// The newest pose of each robot at time `now` (and, if `newest` has room, of the other tags), and the true ones of
+  /// simulated robots. Control thread only. True if a camera's frame has been processed since the last call; `frame`
+  /// has its times.
   bool measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame);
-  /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all where there
-  /// is no camera. Wall clock only; the control thread's.
+  /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all without a
+  /// camera. Wall clock only; control thread only.
   void wait_for_frame(double since, double until) noexcept;
   /// When every robot's command that was given since `given_at` was written and answered, on the session's clock; none:
-  /// not yet. Zeros: the robot has no link. The control thread's.
+  /// not yet. Zeros: the robot has no link. Control thread only.
   void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;
-  /// What is known of each robot's link as a tick needs it; untouched where there is none, and on the virtual clock.
-  /// The control thread's.
+  /// The state of each robot's link for the tick; unchanged without a link, and on the virtual clock. Control thread
+  /// only.
   void look_at_links(std::span<LinkInput> robots) const noexcept;
-  /// Wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. The control
-  /// thread's.
+  /// Sends wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. Control
+  /// thread only.
   void act(std::span<const core::WheelSpeeds> wheels);
-  /// Events of links that were lost or came back since the last call, and of a film that broke off. The control
-  /// thread's.
+  /// Events of links that were lost or came back since the last call, and of a film that broke off. Control thread
+  /// only.
   void tell(EventList& events) noexcept {
     if (watch_) watch_->tell(events);
     if (camera_) camera_->tell(events);
   }
-  /// What is known of the robots' links. The control thread's.
+  /// The status of the robots' links. Control thread only.
   void fill_links(std::vector<RobotRecord>& robots) const noexcept {
     if (watch_) watch_->fill(robots);
   }
@@ -65,18 +65,18 @@ class Plant {
   void kick(std::size_t robot, double vx, double vy) { world_.kick(robot, vx, vy); }
   core::Pose pose(std::size_t robot) const { return world_.pose(robot); }
 
-  /// The tags that the camera looks for, and of which measure() gives the newest measurements: the robots' first.
+  /// The tags that the camera looks for, whose newest measurements measure() returns: the robots' first.
   const std::vector<int>& tags() const noexcept { return tags_; }
   CameraRig* camera() noexcept { return camera_.get(); }
   const CameraRig* camera() const noexcept { return camera_.get(); }
 
   std::vector<RobotStatus> robots() const;
-  /// app::check_wheels of a robot that has a link and stands; `act` passes it over meanwhile. Blocks for some
-  /// seconds; one at a time, on a thread of its own, and only while the control thread runs.
+  /// app::check_wheels of a robot that has a link and stands; `act` skips it meanwhile. Blocks for some seconds; one at
+  /// a time, on a thread of its own, and only while the control thread runs.
   tl::expected<WheelCheck, std::string> check_wheels(std::size_t robot, const std::function<std::string()>& keep_on);
-  /// Sends a robot nothing for so long, unless it is to be stopped.
+  /// Sends a robot nothing for this long, unless it must be stopped.
   void hush(std::size_t robot, double seconds);
-  /// Looks after links and camera: why the run cannot go on, if it cannot. Not the control thread's.
+  /// Supervises links and camera: returns why the run cannot go on, if so. Not on the control thread.
   std::optional<std::string> failure();
   /// Stops every robot and waits, at most a second, until each has acknowledged.
   void close();
@@ -96,11 +96,11 @@ class Plant {
   std::atomic<bool> stopped_{false}, unacknowledged_{false};
   std::optional<LinkWatch> watch_;
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
-  std::atomic<std::size_t> tested_{nobody};  // the robot that `act` passes over
+  std::atomic<std::size_t> tested_{nobody};  // the robot that `act` skips
   std::atomic<std::uint64_t> acts_{0};       // finished ones
 };
 
-/// Why a run ends after its program stood still.
+/// Why a run ends after its program stalled.
 std::string stood_still_sentence(double seconds);
 /// Why it ends after its camera was bumped.
 std::string camera_moved_sentence(const events::CameraMoved& moved);

@@ -31,7 +31,7 @@ Check camera(const Experiment& e, const std::string& down) {
       !e.camera.calibration.empty() && !std::filesystem::exists(file))
     return {What::camera, State::fails, fmt::format("there is no {}", file.string()), real};
   if (!down.empty())
-    return {What::camera, State::fails, fmt::format("{}; it is tried again until it is there", down), true};
+    return {What::camera, State::fails, fmt::format("{}; it is retried until it is there", down), true};
   return {What::camera, State::holds,
           e.camera.calibration.empty() ? "the synthetic camera's own" : e.camera.calibration, real};
 }
@@ -82,10 +82,10 @@ Check batteries(std::span<const RobotStatus> robots) {
 }
 
 Check gains(const Certificate* certificate) {
-  if (!certificate) return {What::gains, State::waits, "being worked out", true};
+  if (!certificate) return {What::gains, State::waits, "being computed", true};
   if (!certificate->other_law.empty())
     return {What::gains, State::holds,
-            fmt::format("not asked: (18) is about (15), and {} drives", certificate->other_law), true};
+            fmt::format("not checked: (18) holds for (15), and {} drives", certificate->other_law), true};
   double forward = 1.0, turning = 1.0;
   bool positive = true;
   for (const Certificate::Robot& r : certificate->robots) {
@@ -101,7 +101,7 @@ Check gains(const Certificate* certificate) {
 }
 
 Check reference(const Certificate* certificate) {
-  if (!certificate) return {What::reference, State::waits, "being worked out", true};
+  if (!certificate) return {What::reference, State::waits, "being computed", true};
   double v = 0.0, omega = 0.0, wheel = 0.0;
   for (const Certificate::Robot& r : certificate->robots) {
     v = std::max(v, r.v.value);
@@ -127,10 +127,9 @@ Check places(const Experiment& e, const TickRecord* record) {
     if (!at_start(robot.pose, robot.nominal.pose, start_tolerance(e.staging))) away.push_back(i);
   }
   if (away.empty() && !unseen.empty())
-    return {What::places, State::fails, fmt::format("{} not seen: where it stands is not known", numbers(unseen)),
-            false};
+    return {What::places, State::fails, fmt::format("{} not seen: its position is not known", numbers(unseen)), false};
   if (away.empty())
-    return {What::places, State::holds, fmt::format("everybody within {:.0f} mm", std::ceil(1000 * farthest)), false};
+    return {What::places, State::holds, fmt::format("all robots within {:.0f} mm", std::ceil(1000 * farthest)), false};
   return {What::places, State::fails,
           fmt::format("{} not in place, up to {:.0f} cm away", numbers(away), 100 * farthest), false};
 }

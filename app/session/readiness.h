@@ -9,7 +9,7 @@
 
 namespace skein::app {
 
-/// One of the things that are looked at before a start.
+/// One check before a start.
 struct Check {
   enum class What { camera, tags, links, batteries, gains, reference, places };
   enum class State {
@@ -19,8 +19,8 @@ struct Check {
   };
   What what;
   State state;
-  std::string reason;  ///< why, in words; where it holds, what was found
-  bool hard;           ///< nobody starts without it; what is soft, an operator may overrule
+  std::string reason;  ///< the reason in words; if the check holds, the finding
+  bool hard;           ///< required for a start; an operator may override soft checks
 
   bool holds() const noexcept {
     switch (state) {
@@ -34,9 +34,9 @@ struct Check {
   }
 };
 
-/// Whether an experiment can start, from what is known by now; empty pointers: not known yet. All checks, in the order
-/// in which they are mended.
-/// `camera_down`: why the camera does not deliver; empty: it does.
+/// The checks for a start, from what is known by now; empty pointers: not known yet. In the order in which problems
+/// should be fixed.
+/// `camera_down`: why the camera does not deliver frames; empty: it does.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const std::string& camera_down = {});
 

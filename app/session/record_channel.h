@@ -10,9 +10,9 @@
 
 namespace skein::app {
 
-/// Carries records from the control thread to one other thread. Bounded, lock-free, allocates nothing after it was
-/// made: records are copied into a pool of their own. When the reader is too slow, new records are dropped and counted;
-/// the control thread never waits.
+/// Carries records from the control thread to one other thread. Bounded, lock-free, allocates only in the constructor:
+/// records are copied into its own pool. When the reader is too slow, new records are dropped and counted; the control
+/// thread never waits.
 class RecordChannel {
  public:
   /// `prototype`: a record of the run's size.
@@ -35,10 +35,10 @@ class RecordChannel {
     filled_.push(slot);
   }
 
-  /// The control thread's side: the next record would be dropped.
+  /// The control thread's side: whether the next record would be dropped.
   bool full() const noexcept { return free_.read_available() == 0; }
 
-  /// The reader's side: every record there is, oldest first.
+  /// The reader's side: all waiting records, oldest first.
   template <typename Take>
   std::size_t drain(Take&& take) {
     std::size_t count = 0;

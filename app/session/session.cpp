@@ -134,7 +134,7 @@ std::vector<std::string> Session::alarms() {
   if (wiring_->sleep)
     if (std::string problem = wiring_->sleep->problem();
         !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
-      all.push_back("this machine may go to sleep while robots drive, and nothing stops them then: " + problem);
+      all.push_back("this machine may suspend while robots drive, and nothing then stops them: " + problem);
   return all;
 }
 
@@ -172,7 +172,7 @@ Phase Session::run(const std::function<bool()>& keep_on) {
       else if (began)
         return;
       if (i.clock.now() < give_up) continue;
-      i.fail(fmt::format("staging: not everybody has reached its start within {} s", i.experiment.staging.timeout));
+      i.fail(fmt::format("staging: not every robot has reached its start within {} s", i.experiment.staging.timeout));
       while (!over() && !i.loop->failed()) turn();
     }
   };

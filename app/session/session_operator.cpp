@@ -72,7 +72,7 @@ SessionWiring::Answer SessionWiring::check_pair(std::size_t i, std::size_t j) co
   const std::size_t robots = experiment.robots.size();
   if (i < robots && j < robots && i != j) return {};
   return tl::unexpected(
-      fmt::format("robots {} and {} are no pair, allowed: two different ones from 1 to {}", i + 1, j + 1, robots));
+      fmt::format("robots {} and {} are not a pair, allowed: two different robots from 1 to {}", i + 1, j + 1, robots));
 }
 
 core::CouplingGains SessionWiring::targets() const {
@@ -104,14 +104,14 @@ double Session::gain_border(core::GainName name, std::size_t i, std::size_t j) c
 Session::Answer Session::move_robot(std::size_t robot, const core::Pose& pose) {
   if (robot >= wiring_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   if (!wiring_->plant->simulated(robot))
-    return tl::unexpected(fmt::format("robot {} is real: put it there by hand", robot + 1));
+    return tl::unexpected(fmt::format("robot {} is real: move it by hand", robot + 1));
   return wiring_->ask(events::Move{robot, pose});
 }
 
 Session::Answer Session::kick_robot(std::size_t robot, double vx, double vy) {
   if (robot >= wiring_->experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   if (!wiring_->plant->simulated(robot))
-    return tl::unexpected(fmt::format("robot {} is real: only simulated ones are kicked", robot + 1));
+    return tl::unexpected(fmt::format("robot {} is real: only simulated robots can be kicked", robot + 1));
   if (!std::isfinite(vx) || !std::isfinite(vy)) return tl::unexpected(std::string("a kick needs a velocity"));
   return wiring_->ask(events::Kick{robot, vx, vy});
 }
@@ -129,7 +129,7 @@ Session::Answer Session::check_wheels(std::size_t robot) {
   if (robot >= impl.experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   const std::string name = fmt::format("robot {}", robot + 1);
   if (!impl.experiment.robots[robot].has_link())
-    return tl::unexpected(name + " is simulated: it has neither a link nor a battery to test");
+    return tl::unexpected(name + " is simulated: it has no link and no battery to test");
   if (!impl.clock.wall()) return tl::unexpected(std::string("robots are tested in real time"));
   if (impl.test.valid()) return tl::unexpected(std::string("one test at a time"));
   if (impl.loop->phase() != Phase::ready || impl.loop->stop_asked())
@@ -163,7 +163,8 @@ tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacl
   };
   std::size_t number = 0;
   while (number < all.size() && taken(number)) ++number;
-  if (number == all.size()) return tl::unexpected(fmt::format("there are {} obstacles, no more can be added", number));
+  if (number == all.size())
+    return tl::unexpected(fmt::format("there are {} obstacles, and no more can be added", number));
   if (auto put = move_obstacle(number, obstacle); !put) return tl::unexpected(put.error());
   return number;
 }
@@ -171,7 +172,7 @@ tl::expected<std::size_t, std::string> Session::add_obstacle(const core::Obstacl
 Session::Answer Session::move_obstacle(std::size_t number, const core::Obstacle& obstacle) {
   const Experiment& e = wiring_->experiment;
   const bool on_floor = std::abs(obstacle.x) <= e.arena_width / 2 && std::abs(obstacle.y) <= e.arena_height / 2;
-  if (!on_floor) return tl::unexpected(std::string("an obstacle stands inside the arena"));
+  if (!on_floor) return tl::unexpected(std::string("an obstacle must be inside the arena"));
   if (!(obstacle.radius > 0.0 && obstacle.radius <= std::max(e.arena_width, e.arena_height)))
     return tl::unexpected(fmt::format("an obstacle cannot have a radius of {} m", obstacle.radius));
   return wiring_->put(number, obstacle);

@@ -28,16 +28,16 @@ inline constexpr auto recorder_period = std::chrono::milliseconds(20);
 inline constexpr auto supervisor_period = std::chrono::milliseconds(20);
 inline constexpr auto longest_hold =
     std::chrono::seconds(1);                   // a paced simulation waits so long for its sinks and its window
-inline constexpr double window_silence = 3.0;  // robots with links do not drive on under a window that hangs [s]
+inline constexpr double window_silence = 3.0;  // robots with links are stopped when the window hangs for longer [s]
 
-/// The rows of a run: its running ticks, and after the start whatever else something happened in (pause, stop).
+/// The rows of a run: its running ticks, and after the start all other ticks with events (pause, stop).
 inline bool belongs_to_run(const TickRecord& record, bool started) noexcept {
   const bool driving_back = record.phase == Phase::staging && record.tick > 0;
   return record.phase == Phase::running || (record.phase == Phase::staging && !driving_back) ||
          (started && !driving_back && !record.events.empty());
 }
 
-/// Every arrow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control loop.
+/// The data flow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control loop.
 struct SessionWiring {
   SessionWiring(const Experiment& e, SessionOptions::Clock c, SessionOptions o)
       : experiment(e), options(std::move(o)), clock(c == SessionOptions::Clock::wall), obstacles(e.obstacles) {}
@@ -52,7 +52,7 @@ struct SessionWiring {
     }
   }
 
-  /// A paced simulation has time: it waits for a slow disk or window rather than lose a row. STOP ends the wait.
+  /// A paced simulation waits for a slow disk or window instead of losing a row. STOP ends the wait.
   void hold() const {
     const auto give_up = std::chrono::steady_clock::now() + longest_hold;
     while ((recorder_channel->full() || (!std::isnan(last_look.load()) && window_channel->full())) &&
@@ -85,7 +85,7 @@ struct SessionWiring {
   Answer ask(const ControlLoop::Gesture& gesture) { return taken(loop->post(gesture)); }
   static Answer taken(bool posted) {
     if (posted) return {};
-    return tl::unexpected(std::string("too much is asked at once: not done, ask again"));
+    return tl::unexpected(std::string("too many commands at once: this one was not executed, repeat it"));
   }
 
   Answer put(std::size_t number, const core::Obstacle& obstacle) {
@@ -108,14 +108,14 @@ struct SessionWiring {
     stop();
   }
 
-  /// Rows to the sinks, on a thread of its own: nobody else waits for a slow one.
+  /// Passes rows to the sinks, on a separate thread: only it waits for a slow sink.
   void recorder(const std::stop_token& token) {
     while (true) {
       const bool last = token.stop_requested();
       try {
         recorder_channel->drain([this](const TickRecord& record) { tell_sinks(record); });
       } catch (const std::exception& error) {
-        fail(fmt::format("the record of the run could not be kept: {}", error.what()));
+        fail(fmt::format("the run could not be recorded: {}", error.what()));
         return;
       }
       if (last) return;
@@ -123,7 +123,7 @@ struct SessionWiring {
     }
   }
 
-  /// An eye on links, camera, window and guard: a thread of its own, which waits for no file.
+  /// Supervises links, camera, window and guard: a separate thread, which waits for no file.
   void supervise(const std::stop_token& token) {
     for (; !token.stop_requested(); std::this_thread::sleep_for(supervisor_period)) {
       try {
@@ -144,7 +144,7 @@ struct SessionWiring {
     sleep->hold(moves || (over && sleep->held() && !all_acknowledged()));
   }
 
-  /// Every real robot has said that it stands.
+  /// Whether every real robot is known to stand.
   bool all_acknowledged() const {
     const std::vector<StopResult> robots = stop_results(experiment, plant->robots());
     return std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
@@ -164,10 +164,11 @@ struct SessionWiring {
     watch_controller();
     const bool moves = phase == Phase::running || phase == Phase::staging;
     if (real_time && moves && clock.now() - last_look.load() > window_silence)
-      fail(fmt::format("the window has not answered for {:g} s: nobody could see or stop the robots", window_silence));
+      fail(fmt::format("the window has not responded for {:g} s: the operator could neither see nor stop the robots",
+                       window_silence));
   }
 
-  /// A run whose controller has ended is over, unless the built-in law drives on.
+  /// Ends a run whose controller has ended, unless the built-in law drives on.
   void watch_controller() {
     if (!controller || controller->state() != ControllerState::ended || told_of_controller) return;
     told_of_controller = true;
@@ -177,10 +178,10 @@ struct SessionWiring {
     alarms.push_back(why + "; the built-in law drives on");
   }
 
-  /// Why a robot can be tested no more; empty: it can.
+  /// Why a robot's test must end; empty: it may go on.
   std::string test_ends() const {
     if (loop->stop_asked()) return "STOP was pressed";
-    return ends_test.load() || loop->phase() != Phase::ready ? "the robots no longer stand ready" : "";
+    return ends_test.load() || loop->phase() != Phase::ready ? "the robots are no longer ready" : "";
   }
 
   Answer check_pair(std::size_t i, std::size_t j) const;

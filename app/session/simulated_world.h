@@ -9,16 +9,16 @@ namespace skein::app {
 
 /// The floor with the simulated robots of an experiment (those behind an emulated e-puck included). Shared by the
 /// control thread, the camera's and the emulator's: every call is short and holds the one mutex. Robots that are not
-/// simulated are not on it: they have no pose (NaN) and ignore everything.
+/// simulated have no pose (NaN) and ignore everything.
 class SimulatedWorld {
  public:
   explicit SimulatedWorld(const Experiment& experiment);
 
-  /// Everybody drives on until `now` [s]. Times in the past change nothing.
+  /// Advances all robots to `now` [s]. Times in the past change nothing.
   void advance(double now);
   /// Wheel speeds as commanded [steps/s], from now on.
   void command(std::size_t robot, const core::WheelSpeeds& wheels);
-  /// What an emulated robot's firmware tells its motors at time `now` [steps/s].
+  /// The command of an emulated robot's firmware to its motors at time `now` [steps/s].
   void turn(std::size_t robot, double now, const core::WheelSpeeds& commanded);
   void stop();
 

@@ -5,11 +5,11 @@
 
 namespace skein::app {
 
-/// When the control loop's ticks begin. Without a camera: at absolute deadlines, so that lateness does not add up. With
-/// one that delivers a frame (or 2, 3...) a period: as soon as one has been worked off, so that poses do not grow old
-/// waiting for a tick; the deadlines are drawn to the frames, after the first second by at most a twentieth of a period
-/// a tick, and a frame that does not come is waited for no longer. A camera of another rate leaves the deadlines alone.
-/// All times on the session's clock [s]; no clock, no waiting in here.
+/// Determines when the control loop's ticks begin. Without a camera: at absolute deadlines, so that lateness does not
+/// accumulate. With a camera that delivers one (or 2, 3...) frames per period: as soon as a frame has been processed,
+/// so that poses do not age while waiting for a tick; the deadlines are shifted to the frames, after the first second
+/// by at most a twentieth of a period per tick, and a tick does not wait for a missing frame. A camera of another rate
+/// does not affect the deadlines. All times on the session's clock [s]; no clock, no waiting in here.
 class TickTimer {
  public:
   TickTimer(double period, double first) noexcept : period_(period), deadline_(first) {}
@@ -20,9 +20,9 @@ class TickTimer {
   };
   Window window() const noexcept;
 
-  /// The newest frame at hand; it has been worked off.
+  /// The newest processed frame.
   void frame(double captured_at, double ready_at) noexcept;
-  /// A tick is over. Returns the periods from its deadline to the next one's: 1, or more where deadlines have passed
+  /// Ends a tick. Returns the number of periods from its deadline to the next one: 1, or more if deadlines have passed
   /// meanwhile.
   int ticked(double now) noexcept;
 
@@ -30,7 +30,7 @@ class TickTimer {
   bool follows_frames() const noexcept;
 
  private:
-  static constexpr std::size_t memory = 5;  // intervals that must agree before they are believed
+  static constexpr std::size_t memory = 5;  // intervals that must agree before they are used
   double period_, deadline_;
   double captured_at_ = 0.0, ready_at_ = 0.0;  // of the newest frame
   std::array<double, memory> intervals_{};

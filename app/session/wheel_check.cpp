@@ -77,7 +77,7 @@ std::string wheel_fault(const char* wheel, double its_own, double other, double 
   if (std::abs(its_own) < few && std::abs(other) < few)
     return fmt::format("the {} wheel{}: {:.3g} {}", wheel, still, its_own, unit);
   if (std::abs(its_own) < few)
-    return fmt::format("the wheels are swapped: the {} wheel's command turns the other", wheel);
+    return fmt::format("the wheels are swapped: the {} wheel's command turns the other wheel", wheel);
   if (std::abs(other) >= few) return fmt::format("the {} wheel's command turns both wheels", wheel);
   if (its_own < 0) return fmt::format("the {} wheel turns backwards: {:.3g} {}", wheel, its_own, unit);
   return {};

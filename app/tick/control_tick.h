@@ -11,8 +11,8 @@ namespace skein::app {
 
 struct TickState;
 
-/// The control tick: measurements and the time in, wheel speeds and a full record out. No I/O, no waiting, no
-/// allocation, no lock, no exception: the same code in the window, headless and in a replay.
+/// The control tick: its inputs are measurements and the time, its outputs wheel speeds and a full record. No I/O, no
+/// waiting, no allocation, no lock, no exception: the same code in the window, headless and in a replay.
 class ControlTick {
  public:
   explicit ControlTick(const Experiment& experiment);
@@ -23,18 +23,18 @@ class ControlTick {
     see(input);
     return decide(input);
   }
-  /// Its two parts, for whoever wants to know how long each takes: where the robots are, and what they shall do. Both
-  /// with the same input.
+  /// Its two parts, so that each can be timed: estimation of the poses, and computation of the commands. Both with the
+  /// same input.
   void see(const TickInput& input) noexcept;
-  /// Between the two, where the run has a controller of its own: what that is to be asked at this tick, valid until the
-  /// next call of `see`. Null where the tick does not need it. Its answer goes into the input of `decide`.
+  /// Between the two, if the run has a controller of its own: the question to it at this tick, valid until the next
+  /// call of `see`. Null if the tick does not need it. Its answer goes into the input of `decide`.
   const core::ControllerInput* ask() noexcept;
   const TickRecord& decide(const TickInput& input) noexcept;
 
   /// The time of the experiment that the next tick will have, if `elapsed` ticks pass until then. [s]
   double next_time(int elapsed) const noexcept;
 
-  /// The couplings as they are, and where they are going.
+  /// The present couplings and their targets.
   const Couplings& couplings() const noexcept;
 
   const TickRecord& record() const noexcept;  ///< of the latest tick

@@ -8,23 +8,23 @@
 
 namespace skein::app {
 
-/// The couplings of a run: what the file schedules and what the operator asks for, each approached by a ramp and held
-/// where (18f, g) end. A pair can be switched off: its gains go to zero, are kept in mind, and come back with it.
-/// Part of the tick: allocates in its constructor only.
+/// The couplings of a run: changes scheduled by the file and commands of the operator, each approached by a ramp and
+/// clamped at the limit of (18f, g). A pair can be switched off: its gains go to zero, are remembered, and restored
+/// with it. Part of the tick: allocates in its constructor only.
 class Couplings {
  public:
   Couplings(const Experiment& experiment, const core::Gains& gains, const core::ReferenceDemand& demand);
 
-  /// What the operator asks for. Before the run (`ready`) it counts at once: there is no motion yet that a jump could
-  /// disturb. `recorded`: of a run that is repeated, where the value has been held at its border already.
+  /// The operator's command. Before the run (`ready`) it takes effect at once: there is no motion yet that a jump could
+  /// disturb. `recorded`: from a repeated run, whose values have already been clamped.
   void set(const commands::SetGain& command, bool ready, bool recorded, EventList& events) noexcept;
   void set(const commands::SetPairGain& command, bool ready, bool recorded, EventList& events) noexcept;
   void couple(const commands::Couple& command, bool ready, bool recorded, EventList& events) noexcept;
-  /// What was changed before the run began belongs into its record, or it could not be repeated from it.
+  /// Changes before the run must be in its record, so that it can be repeated from it.
   void note_changes_before_start(EventList& events) const noexcept;
   /// The file's changes that are due at time t. [s]
   void follow_file(double t, EventList& events) noexcept;
-  /// Goes on by dt [s] and puts the present values into `gains`: (18f, g) hold with them at every step.
+  /// Advances by dt [s] and writes the present values to `gains`: (18f, g) hold with them at every step.
   void step(double dt, core::Gains& gains) noexcept;
 
   const core::CouplingGains& now() const noexcept { return schedule_.now(); }
@@ -35,23 +35,23 @@ class Couplings {
   bool is_pair(std::size_t i, std::size_t j) const noexcept;
   void switch_on(std::size_t i, std::size_t j, bool ready, bool recorded, EventList& events) noexcept;
   void switch_off(std::size_t i, std::size_t j, bool ready, EventList& events) noexcept;
-  /// The value that the pair may have where `recorded` does not say that it has it; notes where that is less than was
-  /// asked for.
+  /// The allowed value for the pair, unless `recorded`; records whether it is less than
+  /// requested.
   double held(const commands::SetPairGain& asked, bool recorded, EventList& events) const noexcept;
   void go(core::GainName name, std::size_t i, std::size_t j, double value, bool ready, double seconds = 0.0) noexcept;
   double rate(core::GainName name, bool ready) const noexcept;
-  /// A change of the file was checked with the file's other gains, not with the operator's: it is held where (18f, g)
-  /// end beside these.
+  /// A change of the file was checked with the file's other gains, not with the operator's: it is clamped at the limit
+  /// of (18f, g) with these.
   void hold_file(const GainChange& change, EventList& events) noexcept;
   double base(core::GainName name, std::size_t i, std::size_t j) const noexcept;
 
   const std::vector<GainChange> changes_;
   const core::CouplingGains file_;
-  const core::Gains limits_;  // v_max, omega_max and what is reserved to tracking
+  const core::Gains limits_;  // v_max, omega_max and the reserve for tracking
   const core::ReferenceDemand demand_;
   std::size_t next_change_ = 0;
   core::GainSchedule schedule_;
-  core::CouplingGains wanted_;  // where the pairs would be going, were none switched off
+  core::CouplingGains wanted_;  // the pairs' targets if none were switched off
   core::PairTable off_;         // 1: the pair is switched off
   bool any_off_ = false, shapes_change_ = false;
   bool asked_ = false;  // the operator has changed something

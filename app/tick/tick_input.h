@@ -7,7 +7,7 @@
 
 namespace skein::app {
 
-/// Everything that a tick may know.
+/// The inputs of a tick.
 struct TickInput {
   double now = 0.0;   ///< session's clock [s]
   int elapsed = 1;    ///< ticks since the one before: 1, or more when deadlines were missed
@@ -15,14 +15,14 @@ struct TickInput {
   std::span<const core::Measurement> measurements;  ///< the newest of each robot
   std::span<const core::Pose> truth;                ///< of each robot, NaN where unknown
   std::span<const double> delays;    ///< from each robot's command to its wheels, as measured [s]; empty: none
-  std::span<const LinkInput> links;  ///< of each robot; empty: nobody has one
+  std::span<const LinkInput> links;  ///< of each robot; empty: no robot has one
   std::span<const OperatorCommand> commands;
-  bool recorded = false;  ///< the commands are those of a recorded run: their values are held at their borders already
-  /// What the run's own controller asks for, one a robot: none where it says nothing of use. Empty: it was not asked.
+  bool recorded = false;  ///< the commands are those of a recorded run: their values are already clamped
+  /// The commands of the run's own controller, one per robot: none if invalid. Empty: it was not asked.
   std::span<const core::Twist> law;
   std::span<const double> logged;  ///< by it, as TickRecord::logged
   ControllerState controller = ControllerState::answered;
-  EventList events;  ///< what the world reports: perturbations, moves, links
+  EventList events;  ///< reported by the world: perturbations, moves, links
 };
 
 }  // namespace skein::app

@@ -12,32 +12,32 @@
 
 namespace skein::app {
 
-/// Views of a calibration board, collected frame by frame: of single pictures every one, of a film or a camera those
-/// that show the board elsewhere or otherwise than the views before.
+/// Views of a calibration board, collected frame by frame: every one of single images; from a film or a camera those
+/// that show the board in a new place or orientation.
 class BoardViews {
  public:
   /// `live`: a camera, watched until it has seen enough; of a film, which is over when it is over, more is kept.
   BoardViews(const vision::Board& board, const vision::FrameSource& source, bool live);
 
-  enum class Look {
+  enum class FrameKind {
     view,        ///< kept
-    known,       ///< the board as it was seen before
+    known,       ///< the board as in an earlier view
     no_board,    ///< none is seen
-    other_size,  ///< not of the first frame's size: passed over
+    other_size,  ///< not of the first frame's size: skipped
   };
-  static constexpr bool is_kept(Look look) noexcept {
-    switch (look) {
-      case Look::view:
+  static constexpr bool is_kept(FrameKind kind) noexcept {
+    switch (kind) {
+      case FrameKind::view:
         return true;
-      case Look::known:
-      case Look::no_board:
-      case Look::other_size:
+      case FrameKind::known:
+      case FrameKind::no_board:
+      case FrameKind::other_size:
         return false;
     }
     return false;
   }
-  /// The error: the board detector's module is not there.
-  tl::expected<Look, std::string> look(const vision::Frame& frame);
+  /// The error: the board detector's module is missing.
+  tl::expected<FrameKind, std::string> add(const vision::Frame& frame);
 
   const std::vector<vision::BoardCorner>& newest() const noexcept { return newest_; }  ///< corners of the last frame
   std::vector<vision::BoardView>& views() noexcept { return views_; }

@@ -53,7 +53,7 @@ struct CameraCalibration::Work {
       const auto more = (*opened)->read(frame);
       if (!more) return end(more.error());
       if (!*more) break;
-      const auto found = seen.look(frame);
+      const auto found = seen.add(frame);
       if (!found) return end(found.error());
       const std::lock_guard lock(mutex);
       newest.width = frame.width;
@@ -112,7 +112,7 @@ struct CameraCalibration::Work {
   std::int64_t frames = 0;
   std::vector<std::array<double, 2>> corners;
   std::vector<vision::BoardView> views;
-  tl::expected<vision::Intrinsics, std::string> solved = tl::unexpected(std::string("no board was seen yet"));
+  tl::expected<vision::Intrinsics, std::string> solved = tl::unexpected(std::string("no board has been seen yet"));
   std::pair<std::size_t, int> solved_of{0, 0};
   std::string problem;
   bool over = false, fresh = false;

@@ -12,7 +12,7 @@
 
 namespace skein::app {
 
-/// The camera, as an experiment will use it: with another size or focus its lens is another one.
+/// The camera with the settings of the experiments: a calibration holds for one size and focus.
 struct CalibratedCamera {
   std::string source;                   ///< v4l2:DEVICE, images:DIR, video:FILE
   std::string size{};                   ///< "1280x960"; empty: as the camera is set
@@ -27,13 +27,13 @@ struct CalibrationBoard {
   double marker = 0.015;       ///< ChArUco: edge of a marker [m]
 };
 
-/// How far the calibration of a camera has come.
+/// The progress of a camera's calibration.
 struct CalibrationProgress {
   static constexpr int columns = 10, rows = 8;  ///< parts of the picture whose coverage is counted
   struct View {
     std::string name;
     int corners = 0, outliers = 0;
-    double rms = none;      ///< of its corners from where the result puts them; none: not solved since it came [px]
+    double rms = none;      ///< reprojection error of its corners; none: not solved since it was added [px]
     bool left_out = false;  ///< fits three times worse than the others
   };
   struct Result {
@@ -43,31 +43,31 @@ struct CalibrationProgress {
   };
   int width = 0, height = 0;  ///< [px]; 0 before the first picture
   std::int64_t frames = 0;
-  std::vector<std::array<double, 2>> corners;  ///< that the newest picture shows; empty: no board in it [px]
+  std::vector<std::array<double, 2>> corners;  ///< in the newest image; empty: no board in it [px]
   std::array<int, columns * rows> coverage{};  ///< corners seen in each part, row by row
   double covered = 0.0;                        ///< share of the parts that had any
   std::vector<View> views;
   std::optional<Result> result;
   std::string unsolved;  ///< why there is none
-  std::string problem;   ///< of the camera; it is looked at no more
-  bool over = false;     ///< the pictures are at their end
+  std::string problem;   ///< of the camera, which is then closed
+  bool over = false;     ///< there are no more images
 };
 
-/// Finds out what a camera's lens does (intrinsics), while somebody shows it a board: looks at its pictures on a thread
-/// of its own, keeps the views that show something new, and solves again whenever there are more. All calls from one
+/// Calibrates a camera's lens (intrinsics) while a board is shown to it: processes its images on a separate
+/// thread, keeps the views that add information, and solves again after each new one. All calls from one
 /// thread.
 class CameraCalibration {
  public:
   CameraCalibration(const CalibratedCamera& camera, const CalibrationBoard& board);
   ~CameraCalibration();
 
-  void end();  ///< lets the camera go, which takes a frame or two; the views stay
+  void end();  ///< closes the camera, which takes a frame or two; the views are kept
   CalibrationProgress progress() const;
-  /// The newest picture, if there is a newer one than the last that was handed over.
+  /// The newest image, if it is newer than the last one returned.
   bool picture(Picture& out);
-  /// Takes a view out, from 0.
+  /// Removes a view, from 0.
   void forget(std::size_t view);
-  /// Writes the calibration file, as it is solved now; its floor has to be calibrated anew.
+  /// Writes the calibration file with the present result; its floor has to be calibrated again.
   tl::expected<void, std::string> save(const std::string& path) const;
 
  private:

@@ -19,11 +19,12 @@ void CameraWords::add_to(CLI::App& command, bool calibrated) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   if (!calibrated)
-    command.add_option("--size", size, "of a camera's frames; default: the calibration's, or as it is set")
+    command.add_option("--size", size, "of a camera's frames; default: the calibration's, or the present setting")
         ->type_name("WxH");
-  command.add_option("--format", format, "of a camera's frames; default: the cheapest that gives size and rate")
+  command.add_option("--format", format, "of a camera's frames; default: the cheapest that supports size and rate")
       ->type_name("YUYV|MJPG|...");
-  command.add_option("--rate", rate, "of a camera [frames/s]; default: as it is set")->check(CLI::Range(0.1, 10000.0));
+  command.add_option("--rate", rate, "of a camera [frames/s]; default: the present setting")
+      ->check(CLI::Range(0.1, 10000.0));
 }
 
 tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::string& source) const {
@@ -47,7 +48,7 @@ tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::st
                            : rate > 0.0      ? "--rate"
                                              : nullptr;
   if (word != nullptr && !vision::is_camera(source))
-    return tl::unexpected(fmt::format("{}: {} is no camera; allowed with {}: v4l2:DEVICE", word, source, word));
+    return tl::unexpected(fmt::format("{}: {} is not a camera; allowed with {}: v4l2:DEVICE", word, source, word));
   return options;
 }
 

@@ -13,21 +13,21 @@ class App;
 
 namespace skein::app {
 
-/// How a camera is asked to be, in the words of `skein track` and `skein calibrate`.
+/// A camera's requested settings, as options of `skein track` and `skein calibrate`.
 struct CameraWords {
   std::string size{};    ///< "1280x960"; empty: the calibration's, or as it is set
   std::string format{};  ///< "MJPG"; empty: any
   double rate = 0.0;
   std::vector<std::string> settings{};  ///< "exposure=0.005"
 
-  /// `calibrated`: the frames' size is the calibration's, and not asked for.
+  /// `calibrated`: the frames' size is the calibration's, without an option.
   void add_to(CLI::App& command, bool calibrated);
-  /// The same for vision::open_source. Waiting for a camera that does not deliver ends with the program. The error says
-  /// which word is wrong, or that `source` is no camera.
+  /// The same for vision::open_source. Waiting for a camera that delivers no frames ends with the program. The error
+  /// names the wrong option, or says that `source` is not a camera.
   tl::expected<vision::SourceOptions, std::string> read(const std::string& source) const;
 };
 
-/// None, or why `source` cannot be opened whatever there is on this machine.
+/// None, or why `source` can never be opened.
 std::string wrong_source(const std::string& source);
 
 }  // namespace skein::app

@@ -107,10 +107,9 @@ std::string as_lines(const ControllerCheck& c) {
   fmt::format_to(out, "final_error: {:.4g} m\n", c.final_error);
   if (!c.failure.empty()) fmt::format_to(out, "failure: {}\n", c.failure);
   fmt::format_to(out, "verdict: {}\n",
-                 c.fit()
-                     ? "fit to drive: in time, numbers only, and with limits and shield behind it nobody collided or "
-                       "left the arena"
-                     : "NOT fit to drive real robots: see above");
+                 c.fit() ? "fit to drive: every answer was in time and a number, and with limits and shield no robot "
+                           "collided or left the arena"
+                         : "NOT fit to drive real robots: see above");
   return text;
 }
 

@@ -201,34 +201,36 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
   std::vector<std::string> sentences;
   const std::size_t poses = robot.history.input.poses.size();
   if (!found.converged) {
-    sentences.push_back(
-        found.driven + found.turned > 0.0
-            ? fmt::format("{} poses over {:.2f} m tell nothing: record a run that drives", poses, found.driven)
-            : fmt::format("it never drove, in {} poses: nothing can be told", poses));
+    sentences.push_back(found.driven + found.turned > 0.0
+                            ? fmt::format("{} poses over {:.2f} m determine nothing: record a run that drives farther",
+                                          poses, found.driven)
+                            : fmt::format("it never drove, in {} poses: nothing can be identified", poses));
     return sentences;
   }
   const auto interval = [](const core::Estimate& e) { return fmt::format("{:.3g} to {:.3g}", e.low, e.high); };
   if (!found.wheel_diameter.known)
-    sentences.push_back(fmt::format("the data cannot tell the wheels' diameters ({} m): drive farther than {:.2f} m",
-                                    interval(found.wheel_diameter), found.driven));
+    sentences.push_back(
+        fmt::format("the data do not determine the wheels' diameters ({} m): drive farther than {:.2f} m",
+                    interval(found.wheel_diameter), found.driven));
   if (!found.wheel_ratio.known)
     sentences.push_back(
-        fmt::format("the data cannot tell in what the wheels differ (ratio {}): drive farther than {:.2f} m",
+        fmt::format("the data do not determine the ratio of the wheels ({}): drive farther than {:.2f} m",
                     interval(found.wheel_ratio), found.driven));
   if (!found[Unknown::track].known)
-    sentences.push_back(fmt::format("the data cannot tell the track ({} m): turn more than {:.1f} rad",
+    sentences.push_back(fmt::format("the data do not determine the track ({} m): turn more than {:.1f} rad",
                                     interval(found[Unknown::track]), found.turned));
   if (!found[Unknown::delay].known)
-    sentences.push_back(fmt::format("the data cannot tell the delay ({} s): change speed and turning rate more often",
-                                    interval(found[Unknown::delay])));
+    sentences.push_back(
+        fmt::format("the data do not determine the delay ({} s): change speed and turning rate more often",
+                    interval(found[Unknown::delay])));
   constexpr double hangs_together = 0.25, many = 0.02;
   if (std::abs(robot.persistence) > hangs_together)
     sentences.push_back(
-        fmt::format("residuals hang together (correlation {:.2f} from one to the next): something else "
-                    "moves the robot or its tag, and the intervals are too narrow",
+        fmt::format("residuals are correlated ({:.2f} from one to the next): something else moves the robot or its "
+                    "tag, and the intervals are too narrow",
                     robot.persistence));
   if (static_cast<double>(robot.outliers) > many * static_cast<double>(found.innovations.size()))
-    sentences.push_back(fmt::format("{} of {} poses do not fit: look at the tags and at who touched the robot",
+    sentences.push_back(fmt::format("{} of {} poses are outliers: check the tags and whether the robot was touched",
                                     robot.outliers, found.innovations.size()));
   return sentences;
 }

@@ -139,7 +139,7 @@ std::string header() {
 tl::expected<Outcomes, std::string> read_rows(std::istream& in) {
   Outcomes outcomes;
   std::string line;
-  if (!std::getline(in, line) || line != header()) return tl::unexpected(std::string("its columns are others"));
+  if (!std::getline(in, line) || line != header()) return tl::unexpected(std::string("it has other columns"));
   for (std::size_t row = 1; std::getline(in, line); ++row) {
     const std::vector<std::string_view> cells = cells_of(line);
     const bool whole = !in.eof();
@@ -187,9 +187,9 @@ tl::expected<Part, std::string> part_of_job() {
     const auto first = environment_number("SLURM_ARRAY_TASK_MIN"), last = environment_number("SLURM_ARRAY_TASK_MAX"),
                count = environment_number("SLURM_ARRAY_TASK_COUNT");
     if (!first || !last || !count || (*first != 0 && *first != 1) || *last - *first + 1 != *count)
-      return tl::unexpected(std::string(
-          "--part auto: this Slurm array is no whole one (such as --array=1-16), so that it does not say into "
-          "how many parts the study was cut; allowed here: i/n"));
+      return tl::unexpected(
+          std::string("--part auto: this Slurm array is incomplete (complete: such as --array=1-16), so that the "
+                      "number of parts is not known; allowed here: i/n"));
     array = *id - *first, arrays = *count;
     found = true;
   }
@@ -204,10 +204,10 @@ tl::expected<Part, std::string> part_of_job() {
   const Part part{array * ranks + rank + 1, arrays * ranks};
   if (!found)
     return tl::unexpected(
-        std::string("--part auto: this is no task of a Slurm array, of a Slurm step or of an MPI job; allowed here: "
+        std::string("--part auto: this is not a task of a Slurm array, of a Slurm step or of an MPI job; allowed here: "
                     "i/n, as in 3/16"));
   if (array < 0 || rank < 0 || rank >= ranks || array >= arrays)
-    return tl::unexpected(fmt::format("--part auto: the job says that this is part {} of {}", part.index, part.of));
+    return tl::unexpected(fmt::format("--part auto: according to the job this is part {} of {}", part.index, part.of));
   return part;
 }
 
@@ -266,7 +266,8 @@ tl::expected<Outcomes, std::string> load_part(const std::string& directory, cons
   if (!text) return tl::unexpected(fs::exists(path) ? text.error().front().message() : std::string("it is not there"));
   const std::string expected = head(study, part);
   if (!text->starts_with(expected))
-    return tl::unexpected(fmt::format("{}: it is of another study, other runs, other --set or another program", path));
+    return tl::unexpected(
+        fmt::format("{}: it belongs to another study, other --runs, --seed or --set, or another program", path));
   std::istringstream in(text->substr(expected.size()));
   auto outcomes = read_rows(in);
   if (!outcomes) return tl::unexpected(fmt::format("{}: {}", path, outcomes.error()));
@@ -277,7 +278,7 @@ tl::expected<Outcomes, std::string> load_part(const std::string& directory, cons
     return k == rows.size();
   };
   if (!whole(outcomes->study) || !(study.control.empty() ? outcomes->control.empty() : whole(outcomes->control)))
-    return tl::unexpected(fmt::format("{}: it has not all of its runs", path));
+    return tl::unexpected(fmt::format("{}: some of its runs are missing", path));
   return outcomes;
 }
 
@@ -295,7 +296,7 @@ tl::expected<Merged, std::string> merge_parts(const std::string& directory, cons
   if (cuts.empty())
     return tl::unexpected(fmt::format("{}: there are no parts of a study (part-1-of-16.csv, ...)", directory));
   if (cuts.size() > 1)
-    return tl::unexpected(fmt::format("{}: there are parts of studies that were cut into {} and into {}: a folder each",
+    return tl::unexpected(fmt::format("{}: there are parts of studies with {} and with {} parts: use a folder for each",
                                       directory, *cuts.begin(), *cuts.rbegin()));
   Merged merged;
   merged.parts = *cuts.begin();

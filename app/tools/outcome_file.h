@@ -10,32 +10,32 @@
 
 namespace skein::app {
 
-/// What came of the runs of a study and, where it has one, of its control; each in the order of the seeds.
+/// The outcomes of a study's runs and, if it has one, of its control; each in the order of the seeds.
 struct Outcomes {
   std::vector<RunOutcome> study, control;
 };
 
-/// A table of outcomes, one row a run, the study's before the control's: CSV with a header row, doubles as the shortest
-/// text that reads back to the same bits.
+/// A table of outcomes, one row per run, the study's before the control's: CSV with a header row, doubles as the
+/// shortest text that reads back to the same bits.
 void write_outcomes(std::ostream& out, const Outcomes& outcomes);
 
 /// "3/16", or "auto": this task's place in a Slurm array, among the tasks of a Slurm step or of an MPI job, or in all
 /// of these at once. The error says what is allowed, or that there is no such job.
 tl::expected<Part, std::string> parse_part(const std::string& text);
 
-/// Where a part is kept.
+/// The path of a part.
 std::string part_file(const std::string& directory, const Part& part);
 
-/// A part on disk, whole or not at all. It begins with the study's fingerprint: everything that decides what comes of
-/// its runs, the program's version included.
+/// Writes a part atomically. It begins with the study's fingerprint: everything that determines the outcomes, including
+/// the program's version.
 tl::expected<void, std::string> save_part(const std::string& directory, const Study& study, const Part& part,
                                           const Outcomes& outcomes);
 
-/// Reads a part. The error says why it is no such part of this study: not there, torn, of another study or program.
+/// Reads a part. The error says why it is not a part of this study: missing, torn, of another study or program.
 tl::expected<Outcomes, std::string> load_part(const std::string& directory, const Study& study, const Part& part);
 
-/// All parts of a study that a directory has; it says itself into how many it was cut. What is missing or no part of
-/// this study is named in `missing`, each with its reason; then the outcomes are not whole.
+/// All parts of a study in a directory; their names have the number of parts. Missing and foreign parts are listed in
+/// `missing`, each with its reason; then the outcomes are incomplete.
 struct Merged {
   Outcomes outcomes;
   std::int64_t parts = 0;

@@ -11,12 +11,12 @@
 
 namespace skein::app {
 
-/// How the links of an experiment do under its own traffic.
+/// Measurements of an experiment's links under its own traffic.
 struct RobotPing {
   struct Robot {
     std::string name;
     std::string adapter;       ///< as the file says; empty: the system's choice, or no Bluetooth
-    comms::LinkStatus status;  ///< as it was before the links were closed
+    comms::LinkStatus status;  ///< before the links were closed
     comms::RoundTrips times;
     bool stop_acknowledged = false;
   };
@@ -25,17 +25,17 @@ struct RobotPing {
 };
 
 /// Connects to every robot that has a link and sends it speeds of 0 at the experiment's rate, as a run would send its
-/// own, for `seconds`; `keep_on` is asked in every tick, false ends it. The error: a robot cannot be reached.
+/// own, for `seconds`; `keep_on` is called in every tick, false ends it. The error: a robot cannot be reached.
 tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, double seconds,
                                                  const std::function<bool()>& keep_on);
 
 /// What [links] should be for a robot at `speed` [m/s] over a radio whose round trips have this 99.9th percentile: the
-/// blind distance holds two of them and a tick twice over, so that a robot is not slowed as long as they last; a reply
-/// is lost after three of them.
+/// blind distance covers twice the sum of two of them and a tick, so that a robot is not slowed within that sum; a
+/// reply counts as lost after three of them.
 LinksSpec proposed_links(double rtt_p999, double speed, double period);
 
-/// Round trips in classes, a line each: "  20 ..   50 ms  ######## 61.2 %". Classes without any at the ends are left
-/// out.
+/// Histogram of the round trips, a line per bin: " 20 .. 50 ms ######## 61.2 %". Empty bins at the ends are
+/// omitted.
 std::vector<std::string> histogram(const comms::RoundTrips& times);
 
 }  // namespace skein::app

@@ -132,19 +132,19 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   const auto its_own =
       std::find_if(turned.begin(), turned.end(), [&](const Moved* moved) { return moved->tag == expected; });
   if (turned.empty()) {
-    result.faults.push_back(seen ? fmt::format("its tag {} is seen and does not turn with it: do its wheels turn, and "
-                                               "is the tag on another robot?",
-                                               expected)
-                            : expected < 0 ? "no tag that the camera sees turns with it"
-                                           : fmt::format("no tag that the camera sees turns with it: is its tag {} "
-                                                         "covered, or outside the picture?",
-                                                         expected));
+    result.faults.push_back(
+        seen ? fmt::format(
+                   "its tag {} is seen but does not turn with it: do its wheels turn, or is the tag on another robot?",
+                   expected)
+        : expected < 0
+            ? "no visible tag turns with it"
+            : fmt::format("no visible tag turns with it: is its tag {} covered, or outside the picture?", expected));
     return;
   }
   const Moved& with_left = its_own == turned.end() ? *turned.front() : **its_own;
   result.tag = with_left.tag;
   if (turned.size() > 1)
-    result.notes.push_back(fmt::format("{} tags turned at once: did somebody move a robot?", turned.size()));
+    result.notes.push_back(fmt::format("{} tags turned at once: was a robot moved by hand?", turned.size()));
   if (expected >= 0 && result.tag != expected)
     result.faults.push_back(
         fmt::format("the wrong tag: it carries tag {}{}, instead of tag {}", result.tag, whose(result.tag), expected));
@@ -167,7 +167,7 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
     const bool said = std::any_of(result.faults.begin(), result.faults.end(), [&](const std::string& fault) {
       return fault.find(wheel + std::string(" wheel")) != std::string::npos;
     });
-    if (!wrong.empty() && !said) result.faults.push_back(fmt::format("{}, as the camera sees", wrong));
+    if (!wrong.empty() && !said) result.faults.push_back(fmt::format("{}, according to the camera", wrong));
   }
 }
 
@@ -199,8 +199,8 @@ tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTes
   const double sign = free_way(result.tag, distance, radius) ? 1.0 : -1.0;
   if (sign < 0.0 && !free_way(result.tag, -distance, radius)) {
     result.notes.push_back(
-        fmt::format("its wheels were not measured: it needs {:.0f} mm ahead of it or behind it, "
-                    "inside the arena and away from other robots",
+        fmt::format("its wheels were not measured: it needs {:.0f} mm of free floor ahead or behind, inside the arena "
+                    "and away from other robots",
                     1e3 * (distance + radius)));
     return {};
   }
@@ -236,7 +236,7 @@ tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTes
   result.track = track;
   const auto compare = [&](const char* key, double measured, double file, double tolerance) {
     if (std::abs(measured / file - 1.0) <= tolerance) return;
-    result.faults.push_back(fmt::format("{} is {} by the camera, {:+.1f} % off the {} that are said of it", key,
+    result.faults.push_back(fmt::format("{} is {} according to the camera, {:+.1f} % off the configured {}", key,
                                         in_mm(measured), 1e2 * (measured / file - 1.0), in_mm(file)));
   };
   compare("wheel_diameter", diameter, drive.wheel_diameter, diameter_tolerance);

@@ -12,35 +12,35 @@
 
 namespace skein::app {
 
-/// What one robot was found to be.
+/// The result of testing one robot.
 struct RobotTestResult {
   RobotStatus status;                      ///< version, battery, round trip
-  double left_steps = 0, right_steps = 0;  ///< that each wheel counted while it was told to turn alone [steps]
+  double left_steps = 0, right_steps = 0;  ///< of each wheel while it was commanded alone [steps]
   int tag = -1;                            ///< that turned with it; -1: the camera saw none, or there is no camera
-  std::optional<double> wheel_diameter;    ///< from the camera's way against the encoders' [m]
-  std::optional<double> track;             ///< from the camera's turn against the encoders' [m]
-  /// How long after the last byte from the host it stopped by itself: its dead man's switch. 0: it has none, it drove
-  /// on for the whole second in which nothing was sent. Empty: not looked at. [s]
+  std::optional<double> wheel_diameter;    ///< from the camera's and the encoders' distance [m]
+  std::optional<double> track;             ///< from the camera's and the encoders' rotation [m]
+  /// How long after the last byte from the host it stopped by itself: its watchdog. 0: it has none, it drove on for the
+  /// whole second in which nothing was sent. Empty: not tested. [s]
   std::optional<double> watchdog;
   std::vector<std::string> faults;  ///< a sentence each; empty: none found
-  std::vector<std::string> notes;   ///< what could not be looked at, and why
+  std::vector<std::string> notes;   ///< tests that were not possible, and why
 };
 
-/// What a robot that was told `speed` and then nothing for `silence` has for a dead man's switch, from the steps that
-/// its wheels made in that time: see RobotTestResult::watchdog. [steps/s], [s]
+/// The watchdog time of a robot that was commanded `speed` and then nothing for `silence`, from the steps that its
+/// wheels made in that time: see RobotTestResult::watchdog. [steps/s], [s]
 double watchdog_of(double steps, double speed, double silence) noexcept;
 
 /// Tests robots one after the other, while all others stand: turns each wheel about 10 mm forward and compares its
-/// encoder, and with a camera the tags, with the command; with a camera it then drives 6 cm forth and back and turns
-/// 110 degrees to and fro, and says how large its wheels are and how far apart. Encoders count the steps that motors
-/// are told to make: swapped motor cables, a wheel that slips, the wrong tag, only a camera sees.
+/// encoder, and with a camera the tags, with the command; with a camera it then drives 6 cm forward and back and turns
+/// by 110 degrees and back, and computes wheel diameter and track. Encoders count the commanded steps: only a camera
+/// detects swapped motor cables, a slipping wheel or a wrong tag.
 class RobotTest {
  public:
-  /// `plant`: opened with SessionOptions::every_tag. `believed`: what the files say of its robots, in their order.
-  /// `keep_on` is asked in every tick; false ends the test.
+  /// `plant`: opened with SessionOptions::every_tag. `believed`: the files' values for its robots, in order. `keep_on`
+  /// is called in every tick; false ends the test.
   RobotTest(Plant& plant, SessionClock& clock, const Experiment& believed, std::function<bool()> keep_on);
 
-  /// The error: the robot, or the camera, was lost meanwhile, or the test was ended. Everybody stands then.
+  /// The error: the robot, or the camera, was lost meanwhile, or the test was ended. Then all robots stand.
   tl::expected<RobotTestResult, std::string> test(std::size_t robot);
 
  private:

@@ -45,7 +45,7 @@ void read_texts(TomlTable& t, const char* key, std::vector<std::string>& texts) 
 void read_study(const toml::table& document, Study& study, Problems& problems) {
   TomlTable t(&document, "", problems);
   t.text("name", study.name);
-  t.require("experiment", "the experiment file that the study runs, seen from the study's folder");
+  t.require("experiment", "the experiment file that the study runs, relative to the study's folder");
   t.text("experiment", study.experiment);
   read_texts(t, "set", study.sets);
   t.integer("runs", study.runs, 1, 10'000'000);

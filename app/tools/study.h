@@ -17,18 +17,18 @@ namespace skein::app {
 /// From low to high, both allowed.
 using Span = std::array<double, 2>;
 
-/// What a study file says: an experiment, and what chance changes in it from run to run (docs/studies.md).
+/// The contents of a study file: an experiment and its random changes from run to run (docs/studies.md).
 struct Study {
   std::string name;
   std::string experiment;         ///< path of the experiment file
   std::vector<std::string> sets;  ///< "key=value", as --set
   std::int64_t runs = 100;
-  std::uint64_t seed = 1;  ///< of the first run; the next ones count on
+  std::uint64_t seed = 1;  ///< of the first run; each further run adds 1
 
   /// Any number of the experiment, anywhere in a range.
   std::vector<std::pair<std::string, Span>> vary;
 
-  /// One to `robots` robots at once, put elsewhere: any direction, any heading.
+  /// One to `robots` robots at once are moved: any direction, any heading.
   struct Hand {
     double t = 2.0;
     std::int64_t robots = 1;
@@ -45,7 +45,7 @@ struct Study {
   };
   std::optional<Field> field;
 
-  /// Robots stand elsewhere at first, and drive to their starts before the run.
+  /// Robots are scattered first, and drive to their starts before the run.
   struct Scatter {
     double distance = 0.0;  ///< from the start at most [m]; 0: anywhere in the arena
     double heading = core::pi;
@@ -53,7 +53,7 @@ struct Study {
   };
   std::optional<Scatter> scatter;
 
-  /// Robots of its own instead of the experiment's: any start, any heading, each a straight line to any place.
+  /// Replaces the experiment's robots: any start, any heading, each with a straight line to any place.
   struct Crowd {
     std::array<std::int64_t, 2> robots{4, 30};  ///< from ... to, both allowed
     double clearance = 0.12;                    ///< between two starts, and between two places [m]
@@ -61,7 +61,7 @@ struct Study {
   };
   std::optional<Crowd> crowd;
 
-  /// What is changed in the control: the same runs once more, with these keys on top, beside the others in the summary.
+  /// The control: the same runs again, with these keys added, beside the others in the summary.
   std::vector<std::string> control;
   /// More controls, each with a name: one row of a table each.
   std::vector<std::pair<std::string, std::vector<std::string>>> compare;
@@ -82,8 +82,8 @@ struct Study {
 /// Reads a study (TOML) and the experiment it names; every problem of both.
 tl::expected<Study, std::vector<Problem>> load_study(const std::string& path);
 
-/// What the run with this seed changes in the experiment, as --set says it: `skein run` with these makes the same run.
-/// An error where chance finds no room for what the study asks.
+/// The changes of the run with this seed, as for --set: `skein run` with these gives the same run. The error: there is
+/// no room for the random placement.
 tl::expected<std::vector<std::string>, std::string> variation(const Study& study, std::uint64_t seed);
 
 }  // namespace skein::app

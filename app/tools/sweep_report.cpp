@@ -34,8 +34,8 @@ struct Quantity {
 };
 constexpr auto if_number = [](double value) { return std::isnan(value) ? std::nullopt : std::optional<double>(value); };
 constexpr std::array quantities{
-    Quantity{"recovery", "everybody on his place again after [s]", 1.0, [](const RunOutcome& o) { return o.recovery; },
-             true},
+    Quantity{"recovery", "all robots back on their places after [s]", 1.0,
+             [](const RunOutcome& o) { return o.recovery; }, true},
     Quantity{"formation_settled", "distances (37) within 1 cm after [s]", 1.0,
              [](const RunOutcome& o) { return o.formation_settled; }, true},
     Quantity{"relative_settled", "relative positions within 1 cm after [s]", 1.0,

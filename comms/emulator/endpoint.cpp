@@ -212,7 +212,7 @@ tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view t
     if (!address) return tl::unexpected(address.error());
     in_addr here{};
     if (::inet_pton(AF_INET, address->device.c_str(), &here) != 1)
-      return refuse(fmt::format("\"{}\" is no IPv4 address of this machine", address->device));
+      return refuse(fmt::format("\"{}\" is not an IPv4 address of this machine", address->device));
     return ListenAddress{address->kind, address->device, address->channel};
   }
   if (!text.starts_with(rfcomm)) return refuse("begins with neither \"rfcomm:\" nor \"tcp:\" nor \"udp:\"");

@@ -13,7 +13,7 @@
 
 namespace skein::comms {
 
-/// Where a host reaches one emulated robot, seen from the robot. No call waits. Not thread-safe.
+/// The robot's end of the connection to one emulated robot. No call blocks. Not thread-safe.
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
@@ -28,7 +28,7 @@ class Endpoint {
   };
   /// When the descriptor is readable.
   virtual Arrival read(std::span<std::uint8_t> into) = 0;
-  /// To the host. What finds no room or no host is lost: a robot waits for nobody.
+  /// Sends to the host. Bytes without room or host are lost: a robot does not wait.
   virtual void write(std::span<const std::uint8_t> bytes) noexcept = 0;
   /// Breaks the connection; a host may come again.
   virtual void hang_up() = 0;

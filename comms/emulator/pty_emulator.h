@@ -18,8 +18,8 @@ class PtyEmulator {
 
   /// As EmulatorLoop. `directory`: where the robots' names robot1, robot2, ... are made, symbolic links that follow a
   /// robot whose pseudo-terminal changes (see hang_up); made if it does not exist; empty: a new directory for temporary
-  /// files. A broken connection is a line that hangs up, and its successor a line that nobody answers while the fault
-  /// lasts. Throws std::system_error when the system refuses a pseudo-terminal or a file.
+  /// files. A broken connection is a line that hangs up; the new line does not answer while the fault lasts. Throws
+  /// std::system_error when the system refuses a pseudo-terminal or a file.
   PtyEmulator(const std::vector<core::MotorModel>& robots, WheelsTold on_wheels, std::function<double()> clock,
               std::string directory = {}, const std::vector<Fault>& faults = {}, std::uint64_t seed = 0);
 

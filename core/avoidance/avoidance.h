@@ -13,20 +13,20 @@
 
 namespace skein::core {
 
-/// Collision avoidance by changed references, one state machine a robot:
+/// Collision avoidance by modified references, one state machine per robot:
 ///   nominal    the reference is the formation's
 ///   avoiding   another robot or an obstacle is inside the detection region: (31)-(34) make the reference
-///   detouring  the reference is steered round whoever is in the way, see `Steering`
-///   returning  nobody is: the reference drives back to the formation's as a unicycle of its own
-/// A robot takes a detour when it is stuck: the field or the shield has held it up for `patience` without bringing it
-/// nearer to its place. With a look-ahead (horizon > 0) it does so as soon as it would meet somebody within that time,
-/// and the field is not used.
+///   detouring the reference is steered round the robots in the way, see `Steering`
+///   returning no obstructor is left: the reference drives back to the formation's as a unicycle
+/// A robot takes a detour when it is stuck: field or shield have acted for `patience` while it made no progress towards
+/// its place. With a look-ahead (horizon > 0) it does so as soon as it would meet another robot or an obstacle within
+/// that time, and the field is not used.
 ///
 /// Beyond the paper: v_ref and omega_ref stay inside `reference_bounds` (34e reaches 78 rad/s, and the gains of (36)
 /// then turn negative); the heading of the reference turns at a bounded rate and v_ref is the part of the repulsion
-/// along it, so that the reference is one that a unicycle can follow; a region once entered is left only at 1.1 times
-/// its size; on leaving the reference does not jump back to the nominal one; and a robot that was pushed away from a
-/// place at rest, where the law has no hold on the lateral error, is driven back to it.
+/// along it, so that a unicycle can follow the reference; a robot leaves a region that it entered only at 1.1 times its
+/// size; on leaving, the reference does not jump back to the nominal one; and a robot that was pushed away from a place
+/// at rest, where the law does not reduce the lateral error, is driven back to it.
 class Avoidance {
  public:
   enum class State { nominal, avoiding, detouring, returning };
@@ -35,7 +35,7 @@ class Avoidance {
 
   /// One step of length dt [s]. reference[i] is written for every robot: equal to nominal[i], bit for bit, in state
   /// nominal.
-  /// `own`: of each robot, where they differ in region, attraction and repulsion (30); empty: `parameters`.
+  /// `own`: the parameters of each robot, if they differ in region, attraction and repulsion (30); empty: `parameters`.
   void step(const AvoidanceParameters& parameters, const Gains& gains, double dt, const Scene& scene,
             std::span<const ReferencePoint> nominal, std::span<ReferencePoint> reference,
             std::span<const AvoidanceParameters> own = {}) noexcept;
@@ -54,12 +54,12 @@ class Avoidance {
     ReferencePoint reference;  // while not nominal
     Pose previous;             // its pose at t_{k-1}
     bool has_previous = false;
-    bool straight = false;  // returning: heads for its place whatever way that one looks, until it is near
+    bool straight = false;  // returning: heads straight for its place whatever the place's heading, until it is near
     bool found_stuck = false;
-    double heading = std::numeric_limits<double>::quiet_NaN();  // of its course, while detouring
-    double waited = 0.0;                                        // detouring: how long it has stood in others' way [s]
-    double left = 0.0;                                          // detouring: to its place, at the tick before [m]
-    double nearest = 0.0;    // to its place since it was last held up less than now [m]
+    double heading = std::numeric_limits<double>::quiet_NaN();  // heading of its course while detouring
+    double waited = 0.0;                                        // detouring: how long it has blocked others [s]
+    double left = 0.0;                                          // detouring: previous distance to its place [m]
+    double nearest = 0.0;    // smallest distance to its place since it was last obstructed less than now [m]
     double stuck_for = 0.0;  // [s]
   };
 
@@ -69,8 +69,8 @@ class Avoidance {
   void come_back(std::size_t i, const Gains&, double dt, const ReferencePoint& nominal) noexcept;
 
   std::vector<Robot> robots_;
-  std::vector<Twist> moves_;     // how each is taken to drive on
-  NearRobots touching_, ahead_;  // who is inside a region; whom a detour may meet
+  std::vector<Twist> moves_;     // expected motion of each
+  NearRobots touching_, ahead_;  // robots inside a region; robots that a detour may meet
   Steering steering_;
 };
 

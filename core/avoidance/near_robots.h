@@ -9,22 +9,22 @@
 
 namespace skein::core {
 
-/// Who is near whom: robots sorted into square cells, so that looking around one costs what is near it and not what
-/// there is. Allocates when it is made, never later.
+/// Neighbour search: robots sorted into square cells, so that the cost of a search grows with the neighbours and not
+/// with the group. Only the constructor allocates.
 class NearRobots {
  public:
   explicit NearRobots(std::size_t robots);
 
-  /// Sorts the robots where they stand now; those whose pose is not known (NaN) are nobody's neighbours. `reach`: how
-  /// far `around` must see [m].
+  /// Sorts the robots by their present positions; robots without a pose (NaN) are no neighbours. `reach`: the range of
+  /// `around` [m].
   void sort(std::span<const Pose> poses, double reach) noexcept;
 
-  /// Every other robot whose x and y differ by no more than the reach, in rising order, and perhaps some that are
-  /// farther; or, with `above`, only those of them behind robot i. Valid until the next call.
+  /// Every other robot whose x and y differ by no more than the reach, in rising order, and possibly some farther ones;
+  /// or, with `above`, only those with a number above i. Valid until the next call.
   std::span<const std::uint32_t> around(std::size_t i) noexcept { return gather(i, 0); }
   std::span<const std::uint32_t> above(std::size_t i) noexcept { return gather(i, i + 1); }
 
-  /// The smallest distance between any two, as looking at every pair gives it; NaN where there are no two. Sorts anew.
+  /// The smallest distance between any two robots, equal to that over all pairs; NaN for fewer than two. Sorts again.
   double smallest_distance(std::span<const Pose> poses) noexcept;
 
  private:
@@ -39,7 +39,7 @@ class NearRobots {
   std::vector<Cell> cells_;            // of each robot
   std::vector<std::uint32_t> begin_;   // of each bucket in `sorted_`, and the last one's end
   std::vector<std::uint32_t> sorted_;  // robots by bucket, in each bucket in rising order
-  std::vector<std::uint32_t> near_;    // what `around` gives
+  std::vector<std::uint32_t> near_;    // the result of `around`
   double last_reach_ = 0.1;            // that `smallest_distance` needed last [m]
 };
 

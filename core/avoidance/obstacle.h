@@ -7,7 +7,7 @@
 
 namespace skein::core {
 
-/// A round obstacle that stands on the floor.
+/// A round obstacle on the floor.
 struct Obstacle {
   double x = 0.0;       ///< [m]
   double y = 0.0;       ///< [m]
@@ -15,12 +15,12 @@ struct Obstacle {
   friend bool operator==(const Obstacle&, const Obstacle&) = default;
 };
 
-/// The body that distances of parameters are meant for, an e-puck's: what is to be kept between midpoints, or around
-/// one, holds for bodies of this radius. [m]
+/// The radius of the standard body, an e-puck's: parameters that are distances between midpoints, or around one, hold
+/// for bodies of this radius. [m]
 inline constexpr double standard_radius = 0.035;
 
-/// How much larger the bodies of a group are than that; smaller: negative. A pair keeps what two standard bodies would,
-/// and both of these on top: so the gap between any two bodies is the same. [m]
+/// How much larger than that each body of a group is; negative: smaller. A pair keeps the distance of two standard
+/// bodies plus both of these, so that the gap between any two bodies is the same. [m]
 class Sizes {
  public:
   Sizes() noexcept = default;
@@ -30,14 +30,14 @@ class Sizes {
   }
   double beyond(std::size_t i) const noexcept { return beyond_.empty() ? 0.0 : beyond_[i]; }
   double beyond(std::size_t i, std::size_t j) const noexcept { return beyond(i) + beyond(j); }
-  double most() const noexcept { return most_; }  ///< of the largest, at least 0
+  double most() const noexcept { return most_; }  ///< that of the largest body, at least 0
  private:
   std::span<const double> beyond_;
   double most_ = 0.0;
 };
 
-/// The obstacles of a run: those that it began with, and those that are dropped, moved and taken away meanwhile. Each
-/// keeps its number. Only the constructor allocates.
+/// The obstacles of a run: those of the file, and those that are added, moved and removed during the run. Each keeps
+/// its number. Only the constructor allocates.
 class ObstacleField {
  public:
   static constexpr std::size_t room_for_more = 16;
@@ -47,10 +47,10 @@ class ObstacleField {
     standing_.reserve(all_.size());
   }
 
-  /// All numbers, those that are not there too.
+  /// All numbers, including absent obstacles.
   std::span<const Obstacle> all() const noexcept { return all_; }
   std::span<const Obstacle> standing() const noexcept { return standing_; }
-  /// Puts one somewhere, or with radius 0 takes it away. False: there is no such number, or it was so already.
+  /// Places an obstacle, or removes it with radius 0. False: there is no such number, or nothing changed.
   bool put(std::size_t number, const Obstacle& obstacle) noexcept {
     if (number >= all_.size() || all_[number] == obstacle) return false;
     all_[number] = obstacle;

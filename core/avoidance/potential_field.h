@@ -7,9 +7,9 @@
 
 namespace skein::core {
 
-/// What changes references so that robots do not meet.
+/// The methods that modify references for collision avoidance.
 enum class AvoidanceKind {
-  field,  ///< the paper's (29)-(34), and detours where that is stuck
+  field,  ///< the paper's (29)-(34), with detours for stuck robots
   plan,   ///< planned routes: `Planner`
 };
 
@@ -28,13 +28,13 @@ constexpr std::string_view word(AvoidanceKind kind) noexcept {
 struct AvoidanceParameters {
   AvoidanceKind kind = AvoidanceKind::field;
   bool enabled = true;
-  double alpha = 0.10;  ///< half width of the detection region along x [m]; smaller than the formation's spacing, or it
-                        ///< avoids itself
-  double beta = 0.10;   ///< along y [m]
-  int p = 2;            ///< shape: 2 an ellipse, larger more like a rectangle
-  double K_a = 0.1;     ///< attraction to the reference [1/s]
-  double K_o = 0.02;    ///< repulsion [m^2/s]
-  double horizon = 0.0;  ///< look-ahead instead of the field [s]; 0: the field, and detours only where that is stuck
+  double alpha = 0.10;   ///< half width of the detection region along x [m]; must be smaller than the formation's
+                         ///< spacing
+  double beta = 0.10;    ///< along y [m]
+  int p = 2;             ///< shape: 2 an ellipse, larger more like a rectangle
+  double K_a = 0.1;      ///< attraction to the reference [1/s]
+  double K_o = 0.02;     ///< repulsion [m^2/s]
+  double horizon = 0.0;  ///< look-ahead instead of the field [s]; 0: the field, and detours only for stuck robots
 };
 
 /// |dx/alpha|^p + |dy/beta|^p of (30), with absolute values (an odd p would make it negative): at most 1 inside the
@@ -56,7 +56,7 @@ struct Velocity {
 Velocity descent(const AvoidanceParameters& parameters, double x, double y, double x_ref, double y_ref, double x_j,
                  double y_j) noexcept;
 
-/// The region of a robot whose body, with that of the other, is so much larger than two standard ones [m].
+/// The region for a pair whose bodies together exceed two standard ones by this much [m].
 AvoidanceParameters wider(const AvoidanceParameters& parameters, double by) noexcept;
 
 /// The region around a round obstacle: the same gap between the bodies as between two robots.

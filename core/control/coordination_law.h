@@ -9,22 +9,22 @@
 namespace skein::core {
 
 /// The coordinated tracking controller (15) for a group of n robots.
-/// errors, reference, command: one entry a robot, in the gains' order; command must not overlap the inputs.
-/// Nothing is limited here: see core/safety/limits.h.
+/// errors, reference, command: one entry per robot, in the gains' order; command must not overlap the inputs. Commands
+/// are not limited here: see core/safety/limits.h.
 ///
-/// A robot whose error is given as zero drops out of the group: every coupling to it and its share of the common
-/// normaliser vanish. The formulas are those of the paper with the third term of (15b) read as k_y v_ref k y_e / sqrt(1
-/// + k^2 e_xy' e_xy) sinc(theta_e).
+/// A robot whose error is given as zero leaves the group: every coupling to it and its share of the common normaliser
+/// vanish. The formulas are those of the paper with the third term of (15b) read as k_y v_ref k y_e / sqrt(1 + k^2
+/// e_xy' e_xy) sinc(theta_e).
 void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
                       std::span<Twist> command) noexcept;
 
-/// The same to 1e-12 of the limits, many pairs at once where the group is big; bit for bit the same in a small one, and
-/// on every processor. `pairs` is made for at least as many robots.
+/// The same to 1e-12 of the limits, with vectorised pairs for large groups; bit for bit the same for small ones, and on
+/// every processor. `pairs` is constructed for at least as many robots.
 void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
                       std::span<Twist> command, LawPairs& pairs) noexcept;
 
-/// The coupling sums (21, 22) over the group: A_x, A_theta and A_y are zero but for rounding. What the coupling terms
-/// contribute to dV/dt, computed from the terms as (15) applies them.
+/// The coupling sums (21, 22) over the group: A_x, A_theta and A_y are zero except for rounding. They are the coupling
+/// terms' contribution to dV/dt, computed from the terms as (15) applies them.
 struct CouplingSums {
   double x, theta, y;
 };

@@ -8,21 +8,21 @@
 
 namespace skein::core {
 
-/// Watches whether V of (19) falls as (20) says it does. Continuous time forbids every rise; between two samples V may
-/// rise a little all the same: commands are held, references jump in omega where a bend begins, limits and the shield
-/// take something away. All of that is known, so that V can be worked out ahead: it is V of robots that drive from
-/// their last poses exactly as they were told, seen from the references as they are now. What V rises beyond both its
-/// last value and that one has no explanation, and is added up; each tick in which V stays below takes from the sum.
-/// Part of the tick: allocates in its constructor only.
+/// Checks whether V of (19) falls as (20) predicts. In continuous time V never rises; between two samples it may
+/// rise a little: commands are held, references jump in omega where a bend begins, limits and shield reduce
+/// commands. All of that is known, so that V can be predicted: it is the V of robots that drive from their last
+/// poses exactly as commanded, with the present references. A rise beyond both the last value and this prediction is
+/// unexplained, and is summed; each tick in which V stays below reduces the sum. Part of the tick: allocates in its
+/// constructor only.
 class DescentWatch {
  public:
-  /// `tolerance`: the sum that noise may reach [the unit of V, rad^2].
+  /// `tolerance`: the sum that noise alone may reach [the unit of V, rad^2].
   DescentWatch(std::size_t robots, double tolerance)
       : tolerance_(tolerance), poses_(robots), twists_(robots), expected_(robots) {}
 
-  /// One tick, `dt` after the last one [s]: where the robots are, what they follow, their errors (zero for a robot that
-  /// does not count). Returns by how much V has risen without an explanation as soon as that is more than the
-  /// tolerance, and begins again; otherwise 0.
+  /// One tick, `dt` after the last one [s]: the robots' poses, references and errors (zero for a robot that
+  /// does not count). Returns the unexplained rise of V when it exceeds the tolerance, and starts again;
+  /// otherwise 0.
   double step(const Gains& gains, std::span<const Pose> poses, std::span<const ReferencePoint> references,
               std::span<const TrackingError> errors, double dt) noexcept;
   /// How robot i drives until the next tick.
@@ -30,7 +30,7 @@ class DescentWatch {
     poses_[i] = from;
     twists_[i] = twist;
   }
-  /// A hand, a stop, a robot lost or found: what V does until the next tick says nothing.
+  /// After a hand, a stop, a lost or found robot: ignores the change of V until the next tick.
   void forget() noexcept { knows_ = false, sum_ = 0.0; }
 
  private:

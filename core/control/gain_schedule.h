@@ -40,13 +40,13 @@ constexpr std::string_view word(GainName name) noexcept {
   return {};
 }
 
-/// Those that say how strong a coupling is, which (18f, g) bound and the operator may change.
+/// The strengths of the couplings, which (18f, g) bound and the operator may change.
 inline constexpr std::array gain_names{GainName::k_xx, GainName::k_tt, GainName::k_yy};
-/// All that a pair has.
+/// All parameters of a pair.
 inline constexpr std::array pair_names{GainName::k_xx, GainName::k_tt, GainName::k_yy, GainName::c_xx,
                                        GainName::c_tt, GainName::c_yy, GainName::l_xx, GainName::l_tt};
 
-/// The most that a reference asks for over its whole course; what couplings may take is what it leaves.
+/// The largest velocities of a reference over its whole course; couplings may use the remainder.
 struct ReferenceDemand {
   double v = 0.0;        ///< largest |v_ref| [m/s]
   double turning = 0.0;  ///< largest |omega_ref| + k_y |v_ref| [rad/s]
@@ -62,11 +62,11 @@ double gain_border(GainName name, const Gains& gains, const CouplingGains& other
 double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
                    const ReferenceDemand& demand) noexcept;
 
-/// The share of one gain's table that (18f, g) leave to it, with the others as they are: 1 where all of it may stand.
+/// The share of one gain's table that (18f, g) allow with the others unchanged; 1: all of it.
 double held_share(GainName name, const Gains& gains, const CouplingGains& couplings,
                   const ReferenceDemand& demand) noexcept;
 
-/// Coupling gains that change with time, never by a jump: Theorem 1 wants them continuous.
+/// Coupling gains that change with time, without jumps: Theorem 1 requires continuous gains.
 class GainSchedule {
  public:
   explicit GainSchedule(CouplingGains start) : now_(start), target_(start), rate_(std::move(start)) {}

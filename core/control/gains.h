@@ -32,10 +32,10 @@ constexpr std::string_view word(Coupling form) noexcept {
   return {};
 }
 
-/// Where the tracking gains k_x, k_theta come from.
+/// How the tracking gains k_x, k_theta are determined.
 enum class GainPolicy {
   authority,  ///< all that (18f, g) leaves, as in (36): see `use_all_authority`
-  fixed,      ///< numbers that were given, the same all along the reference
+  fixed,      ///< given numbers, constant along the reference
 };
 
 /// As files call it (core/words.h).
@@ -49,7 +49,7 @@ constexpr std::string_view word(GainPolicy policy) noexcept {
   return {};
 }
 
-/// The design parameters of the law (15), as they are at one time. Robots counted from 0.
+/// The design parameters of the law (15) at one time. Robots counted from 0.
 struct Gains {
   Saturation saturation = Saturation::tanh;
   Coupling coupling = Coupling::paper;
@@ -71,30 +71,30 @@ struct Gains {
   std::size_t robots() const noexcept { return v_max.size(); }
 };
 
-/// The share of v_max and omega_max that always stays with tracking: neither the couplings nor a modified reference may
-/// take it, so that (18a) holds for the gains of (36). 5 % still corrects 1 cm in 2 s, and leaves nearly everything to
+/// The share of v_max and omega_max that is reserved for tracking: neither the couplings nor a modified reference may
+/// use it, so that (18a) holds for the gains of (36). 5 % still corrects 1 cm in 2 s, and leaves nearly everything to
 /// the experiment.
 inline constexpr double tracking_share = 0.05;
 
 /// The values of (36) for n robots. k_x and k_theta are those of `use_all_authority` at standstill.
 Gains paper_gains(std::size_t robots);
 
-/// (18f, g) met with equality, as (36) does: whatever authority the reference and the couplings leave goes to tracking,
+/// (18f, g) met with equality, as (36) does: all authority that the reference and the couplings leave goes to tracking,
 ///   k_x,i = v_max,i - |v_ref,i| - sum_j k_xx,i,j        k_theta,i = omega_max,i - |omega_ref,i| - k_y |v_ref,i| -
 ///   sum_j (k_tt,i,j + k_yy,i,j).
-/// Can turn out negative, where (18a) fails: see `margins`.
+/// Can be negative; then (18a) fails: see `margins`.
 void use_all_authority(Gains& gains, std::span<const Twist> reference) noexcept;
 
-/// The tracking gains of the policy beside these references: `use_all_authority`, or as they are.
+/// The tracking gains of the policy with these references: `use_all_authority`, or unchanged.
 void use_policy(Gains& gains, std::span<const Twist> reference) noexcept;
 
-/// What reference and couplings together may take of robot i's v_max [m/s] and omega_max [rad/s]: what is not reserved
-/// to tracking, by `tracking_share` or by fixed gains.
+/// The parts of robot i's v_max [m/s] and omega_max [rad/s] that reference and couplings may use together: those not
+/// reserved for tracking, by `tracking_share` or by fixed gains.
 double free_v(const Gains& gains, std::size_t i) noexcept;
 double free_omega(const Gains& gains, std::size_t i) noexcept;
 
-/// How far one robot is inside each inequality of (18); negative: violated. (a) asks for more than 0, the others for at
-/// least 0.
+/// The margin of one robot in each inequality of (18); negative: violated. (a) must be above 0, the others at least
+/// 0.
 struct Margins {
   double a;  ///< smallest of k_x, k_theta, c_x, c_theta, k_y, k
   double b;  ///< smallest of its coupling parameters

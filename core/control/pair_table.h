@@ -6,8 +6,8 @@
 
 namespace skein::core {
 
-/// One number for every pair of different robots. Symmetric by construction, as (18c-e) ask: (i, j) and (j, i) are the
-/// same cell.
+/// One number for every pair of different robots. Symmetric by construction, as (18c-e) require: (i, j) and (j, i) are
+/// the same cell.
 class PairTable {
  public:
   PairTable() = default;
@@ -27,9 +27,9 @@ class PairTable {
     uniform_ = true;
   }
 
-  /// Every pair is known to have the same value: it was filled, and no pair was set on its own since.
+  /// Whether all pairs are known to have the same value: the table was filled, and no pair was set individually since.
   bool uniform() const noexcept { return uniform_; }
-  /// The values of the pairs (i, i+1), (i, i+2), ..., one after the other, for loops over whole rows; i < robots - 1.
+  /// The values of the pairs (i, i+1), (i, i+2), ..., contiguous, for loops over whole rows; i < robots - 1.
   const double* row(std::size_t i) const noexcept { return cells_.data() + cell(i, i + 1); }
 
   /// The sum over all robots j != i, as in (18f, g).

@@ -4,7 +4,7 @@
 
 namespace skein::core {
 
-/// A robot's reference at one time: where it should be and how it should move there (2, 3).
+/// A robot's reference at one time: pose and velocities (2, 3).
 struct ReferencePoint {
   Pose pose;
   Twist twist;

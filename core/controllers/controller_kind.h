@@ -4,7 +4,7 @@
 
 namespace skein::core {
 
-/// The laws that are built in.
+/// The built-in laws.
 enum class ControllerKind {
   kostic,             ///< (15): saturated tracking, mutual coupling
   virtual_structure,  ///< van den Broek, van de Wouw, Nijmeijer 2009

@@ -28,7 +28,7 @@ const std::array types{
                    LeaderFollowerController::parameters, LeaderFollowerController::logs,
                    make<LeaderFollowerController>},
     ControllerType{
-        ControllerKind::independent, "every robot tracks its reference by itself", {}, {}, make<IndependentController>},
+        ControllerKind::independent, "every robot tracks its own reference", {}, {}, make<IndependentController>},
 };
 static_assert(std::tuple_size_v<decltype(types)> == all_of<ControllerKind>().size(), "one row a kind, in their order");
 

@@ -7,11 +7,11 @@
 namespace skein::core {
 
 /// Saturated tracking of one robot by itself: (15) with every coupling at zero and the normaliser of its own position
-/// error alone. What the couplings do not take goes to tracking: k_x and k_theta are all that (14) leaves beside the
-/// reference, unless the gains are fixed.
+/// error alone. The authority of the couplings goes to tracking: k_x and k_theta are the whole remainder of (14) after
+/// the reference, unless the gains are fixed.
 Twist track_alone(const Gains& gains, std::size_t i, const TrackingError& error, const Twist& reference) noexcept;
 
-/// Every robot on its own: the group is as many copies of the same law as there are robots.
+/// Each robot separately: the group is one copy of the same law per robot.
 class IndependentController final : public Controller {
  public:
   explicit IndependentController(std::size_t) {}

@@ -5,7 +5,7 @@
 
 namespace skein::core {
 
-/// (15) as the gains of the input say. No parameters of its own: they are keys of [controller].
+/// (15) with the gains of the input. It has no parameters of its own: they are keys of [controller].
 class KosticController final : public Controller {
  public:
   explicit KosticController(std::size_t robots) : pairs_(robots) {}

@@ -7,24 +7,24 @@
 
 namespace skein::core {
 
-/// Where a follower's point is, as its leader sees it: the distance l from the leader's midpoint [m] and the bearing
-/// phi from the leader's heading, counter-clockwise [rad].
+/// The position of a follower's control point relative to its leader: the distance l from the leader's midpoint [m] and
+/// the bearing phi from the leader's heading, counter-clockwise [rad].
 struct Separation {
   double l = 0.0, phi = 0.0;
 };
-/// Of the point `ahead` of the follower's midpoint [m].
+/// For the point `ahead` of the follower's midpoint [m].
 Separation separation(const Pose& leader, const Pose& follower, double ahead) noexcept;
-/// How it changes while both drive. l is above 0. [m/s, rad/s]
+/// Its rate of change while both drive. Requires l above 0. [m/s, rad/s]
 Separation separation_rate(const Pose& leader, const Twist& leads, const Pose& follower, const Twist& follows,
                            double ahead) noexcept;
 
 /// Leader and followers by separation and bearing: the l-phi control of Desai, Ostrowski and Kumar (2001), which
 /// linearises input to output, so that
 ///   l' = l_ref' + alpha_l (l_ref - l)        phi' = phi_ref' + alpha_phi (phi_ref - phi)
-/// of the point `ahead` of the follower's midpoint. Robot 1 tracks its reference by itself (`track_alone`), every other
-/// one follows the robot before it; where that is out of the group, the nearest one before it that is not, and where
-/// there is none it leads. l_ref and phi_ref are those of the references, and change where the formation bends. The
-/// errors of a leader are handed down the line: nobody corrects its own place in the world.
+/// of the point `ahead` of the follower's midpoint. Robot 1 tracks its own reference (`track_alone`), every other robot
+/// follows the robot before it; if that one is out of the group, the nearest one before it that is in it, and if there
+/// is none it leads. l_ref and phi_ref are those of the references, and change where the formation bends. Errors of a
+/// leader propagate to its followers: no follower corrects its own place in the world.
 class LeaderFollowerController final : public Controller {
  public:
   enum Parameter : std::size_t { alpha_l, alpha_phi, ahead };

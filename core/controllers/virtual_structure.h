@@ -10,9 +10,9 @@ namespace skein::core {
 /// (4):
 ///   v_i     = v_ref,i + c_x x_i - c_y omega_ref,i y_i + sum_j c_xx (x_i - x_j) - sum_j c_yy omega_ref,i (y_i - y_j)
 ///   omega_i = omega_ref,i + c_theta theta_i + sum_j c_tt (theta_i - theta_j)
-/// the sums over all other robots that are in the group. Linear, without any bound: far from the formation the limits
-/// decide what a robot does. Errors to the side vanish only while omega_ref keeps on being nonzero (it must excite
-/// persistently): along a straight line they stay. Gains do not follow from [controller]: the parameters are its own.
+/// the sums over all other robots in the group. Linear and unbounded: for large errors the limits act. Lateral errors
+/// vanish only while omega_ref is nonzero (persistently exciting): along a straight line they persist. The gains are
+/// its own parameters, not those of [controller].
 class VirtualStructureController final : public Controller {
  public:
   enum Parameter : std::size_t { c_x, c_y, c_theta, c_xx, c_yy, c_tt };

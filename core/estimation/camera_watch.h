@@ -10,51 +10,51 @@
 
 namespace skein::core {
 
-/// What the tags of all robots did at once.
+/// The common motion of all robots' tags.
 struct CommonMotion {
-  std::size_t tags = 0;   ///< that took part: all that were seen
-  double distance = 0.0;  ///< by which they moved, their mean [m]
+  std::size_t tags = 0;   ///< that took part: all visible ones
+  double distance = 0.0;  ///< their mean displacement [m]
   double turn = 0.0;      ///< counter-clockwise [rad]
 };
 
-/// Tells a bumped camera from carried robots: after a bump every tag stands elsewhere by one and the same rigid motion
-/// of the plane, which the commanded motion does not explain. The motion must be there in two sights of each tag, since
-/// a torn frame shows the same for once. Tags that a bump has hidden may come back one after the other, within 2 s.
-/// A motion that stays below the robots' own way and 6 mm from frame to frame is not seen, and of a single tag nobody
-/// can know whether the robot or the camera was moved. Allocates in its constructor alone.
+/// Distinguishes a bumped camera from carried robots: after a bump every tag is displaced by the same rigid motion of
+/// the plane, which the commanded motion does not explain. The motion must show in two measurements of each tag, since
+/// a single torn frame looks the same. Tags that a bump has hidden may come back one after the other, within 2 s. A
+/// motion below the robots' own motion plus 6 mm from frame to frame is not detected, and with a single tag a moved
+/// robot and a moved camera look the same. Allocates in its constructor only.
 class CameraWatch {
  public:
-  static constexpr double lever = 0.1;  ///< a turn counts as the way of a point so far out [m]
+  static constexpr double lever = 0.1;  ///< a rotation counts as the displacement of a point this far out [m]
 
   explicit CameraWatch(std::size_t robots) : robots_(robots) {}
 
-  /// What was seen until now is no evidence any more.
+  /// Discards all evidence so far.
   void forget() noexcept;
-  /// A hand is known to be at this robot until then: its sights say nothing about the camera. [s]
+  /// A hand is known to move this robot until then: its measurements are ignored. [s]
   void excuse(std::size_t robot, double until) noexcept { robots_[robot].excused_until = until; }
 
-  /// How far a robot may be from where it is expected with the camera where it was.
+  /// How far a robot may be from its expected pose if the camera has not moved.
   struct Doubt {
-    double way = 0.0;    ///< it was told to drive, since its sight before: it may have stood all the while [m]
-    double turn = 0.0;   ///< the same of a turn, by the lever [m]
-    double noise = 0.0;  ///< what both poses leave open, a turn by its lever [m]
+    double way = 0.0;    ///< commanded distance since its previous measurement: it may have stood all the while [m]
+    double turn = 0.0;   ///< the same for a rotation, times the lever [m]
+    double noise = 0.0;  ///< uncertainty of both poses, a rotation times the lever [m]
   };
-  /// A robot's newest sight, before its filter takes it in.
+  /// A robot's newest measurement, before its filter is updated.
   void see(std::size_t robot, const PoseFilter& filter, const FilterParameters& parameters,
            const Measurement& measurement) noexcept;
-  /// The same: a robot's newest sight, and where its sight before and its commands say that it should be. One that is
-  /// not newer changes nothing.
+  /// The same, with the pose expected from its previous measurement and its commands. A measurement that is not newer
+  /// changes nothing.
   void see(std::size_t robot, const Pose& expected, const Pose& measured, double captured_at,
            const Doubt& doubt) noexcept;
 
-  /// After all sights of a tick: the motion, once, where all robots that were seen took part in it and at least `least`
-  /// of them moved.
+  /// After all measurements of a tick: the motion, once, if all visible robots took part in it and at least `least` of
+  /// them moved.
   std::optional<CommonMotion> moved(std::size_t least = 2) noexcept;
 
  private:
   struct Robot {
     double seen_at = Measurement{}.captured_at, excused_until = seen_at;  // [s]
-    // Of the newest sight; since something moved, of all sights together.
+    // Of the newest measurement; since something moved, of all measurements together.
     Pose measured, change;
     Doubt doubt;
     std::size_t sights = 0;
@@ -62,7 +62,7 @@ class CameraWatch {
     bool displaced() const noexcept;
   };
   struct Motion {
-    Pose from, to;  // of the middle of the tags, and by how much everything turns about it
+    Pose from, to;  // of the centre of the tags, and the rotation about it
 
     Pose change_at(const Pose& before) const noexcept;
   };
@@ -72,9 +72,9 @@ class CameraWatch {
 
   std::vector<Robot> robots_;
   bool suspects_ = false;
-  double since_ = 0.0;     // of what is suspected: the last moment at which nothing had moved [s]
-  double began_at_ = 0.0;  // of the first sight of it [s]
-  double newest_ = 0.0;    // of all sights [s]
+  double since_ = 0.0;     // of the suspected motion: the last moment at which nothing had moved [s]
+  double began_at_ = 0.0;  // of its first measurement [s]
+  double newest_ = 0.0;    // of all measurements [s]
 };
 
 }  // namespace skein::core

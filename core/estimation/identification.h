@@ -14,23 +14,23 @@
 
 namespace skein::core {
 
-// What a differential drive really is, from what its wheels were told and where it was seen: the wheels' diameters, the
-// track, the delay from command to pose, the wheels' slip, where the tag sits on the robot, and how noisy poses are;
-// the maximum of their posterior, by the innovations of an extended Kalman filter. Not for the tick: these allocate.
+// Identifies a differential drive from its wheel commands and its measured poses: the wheels' diameters, the track, the
+// delay from command to pose, the wheels' slip, the tag's pose on the robot, and the noise of the poses; the maximum of
+// their posterior, by the innovations of an extended Kalman filter. Not for the tick: these allocate.
 
-/// How far the wheels had turned by a time, had they obeyed their commands at once: between two knots they turn evenly,
-/// before the first and behind the last they stand.
+/// The wheels' angles at a time if they obeyed their commands at once: between two knots they turn evenly, before the
+/// first and after the last they stand.
 struct WheelKnot {
   double t = 0.0;                  ///< [s]
   double left = 0.0, right = 0.0;  ///< [steps]
 };
 
-/// The knots of commands, as the robot's motors carry them out. Times must not run backwards.
+/// The knots of the commands as the robot's motors execute them. Times must not decrease.
 class WheelLog {
  public:
   explicit WheelLog(MotorModel motor) noexcept;
   void command(double t, const WheelSpeeds& speeds);
-  /// The wheels stand from `t` on, and all is noted.
+  /// The wheels stand from `t` on; ends the record.
   std::vector<WheelKnot> finish(double t) &&;
 
  private:
@@ -42,20 +42,20 @@ class WheelLog {
 
 /// A pose as it was measured.
 struct SeenPose {
-  double t = 0.0;  ///< when the robot stood there, as the camera says, on the clock of the commands [s]
+  double t = 0.0;  ///< capture time reported by the camera, on the clock of the commands [s]
   Pose pose;
-  bool anew = false;  ///< nothing is known of how it came here from the pose before: somebody carried it
+  bool anew = false;  ///< not connected to the previous pose: the robot was carried
 };
 
-/// What is looked for.
+/// The parameters to be identified.
 enum class Unknown : std::uint8_t {
   left_diameter,   ///< [m]
   right_diameter,  ///< [m]
   track,           ///< [m]
-  delay,           ///< from a command's time to a pose's: actuation, and what is wrong with the pose's time [s]
-  slip,            ///< standard deviation of each wheel's way within `slip_period`, as a share of it
+  delay,           ///< from a command's time to a pose's: actuation delay, plus the error of the pose's time [s]
+  slip,            ///< standard deviation of each wheel's distance within `slip_period`, as a share of it
   tag_heading,     ///< the tag's heading on the robot [rad]
-  tag_ahead,       ///< the tag's midpoint before that of the axle [m]
+  tag_ahead,       ///< the tag's midpoint ahead of that of the axle [m]
   tag_left,        ///< and to the left of it [m]
   sigma_xy,        ///< standard deviation of a measured x, and y [m]
   sigma_theta,     ///< and of theta [rad]
@@ -90,7 +90,7 @@ constexpr std::string_view word(Unknown unknown) noexcept {
 inline constexpr std::size_t unknowns = 10;
 
 struct IdentificationInput {
-  DifferentialDrive believed;  ///< where the search begins; the prior is wide about it (20 %, track 30 %)
+  DifferentialDrive believed;  ///< the initial guess; the prior is wide about it (20 %, track 30 %)
   std::vector<WheelKnot> wheels;
   std::vector<SeenPose> poses;  ///< in the order of their times
   double slip_period = 0.04;    ///< [s]
@@ -98,9 +98,9 @@ struct IdentificationInput {
 
 struct Estimate {
   double value = 0.0, low = 0.0, high = 0.0;  ///< with the limits of a 95 % interval
-  /// How much the data say: 1 is all, 0 nothing beyond what was believed before (1 - posterior / prior variance).
+  /// Information in the data: 1 is complete, 0 is nothing beyond the prior (1 - posterior / prior variance).
   double told = 0.0;
-  /// Whether the data tell it: the interval is narrow enough to be of use (see useful_width).
+  /// Whether the data determine it: the interval is narrow enough to be useful (see useful_width).
   bool known = false;
 };
 
@@ -110,7 +110,7 @@ struct Innovation {
   double ahead = 0.0, left = 0.0;  ///< [m]
   double theta = 0.0;              ///< [rad]
   double normalised = 0.0;         ///< Mahalanobis distance squared: 3 on average
-  bool used = true;                ///< false: an outlier, which counts for nothing
+  bool used = true;                ///< false: an outlier, which is ignored
 };
 
 struct Identification {
@@ -120,16 +120,16 @@ struct Identification {
   Eigen::Matrix<double, unknowns, unknowns> correlation;  ///< of the estimates' errors
   std::vector<Innovation> innovations;
   double driven = 0.0;  ///< [m]
-  double turned = 0.0;  ///< whichever way [rad]
+  double turned = 0.0;  ///< in either direction [rad]
   int iterations = 0;
-  bool converged = false;  ///< false: nothing of it can be believed
+  bool converged = false;  ///< false: the result is not valid
 
   const Estimate& operator[](Unknown unknown) const { return estimates[static_cast<std::size_t>(unknown)]; }
-  DifferentialDrive drive(const DifferentialDrive& believed) const;  ///< what was found
+  DifferentialDrive drive(const DifferentialDrive& believed) const;  ///< the identified drive
 };
 
-/// Half an interval of use is at most so wide: 1 % of a diameter and of the track, 20 ms, half and twice the slip,
-/// 2 degrees, 3 mm; half and twice the noise.
+/// The largest useful half-width of an interval: 1 % of a diameter and of the track, 20 ms, half and twice the slip, 2
+/// degrees, 3 mm; half and twice the noise.
 double useful_width(Unknown unknown, double value) noexcept;
 /// Of the wheels' ratio 0.3 %: over a metre of a straight line an e-puck turns by 3 degrees.
 inline constexpr double useful_ratio = 0.003;

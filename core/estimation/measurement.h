@@ -7,11 +7,11 @@
 
 namespace skein::core {
 
-/// How a tag came to be known in a picture.
+/// How a tag was found in a frame.
 enum class How : std::uint8_t {
-  none,       ///< there was no tag: the pose came straight from a simulation
+  none,       ///< no tag: the pose came directly from a simulation
   detected,   ///< seen for the first time
-  tracked,    ///< found where the pictures before said that it would be
+  tracked,    ///< found where it was predicted
   recovered,  ///< found again after it was lost
 };
 
@@ -30,11 +30,11 @@ constexpr std::string_view word(How how) noexcept {
   return {};
 }
 
-/// The newest pose that was measured of one robot, by a camera or a simulation.
+/// The newest measured pose of one robot, from a camera or a simulation.
 struct Measurement {
   Pose pose;  ///< in the world frame
   double captured_at =
-      -1e9;                  ///< when the robot stood there, on the session's monotonic clock [s]; far past: never seen
+      -1e9;  ///< time at which the robot was there, on the session's monotonic clock [s]; far past: never seen
   double sigma_xy = 0.0;     ///< standard deviation of x, and of y [m]
   double sigma_theta = 0.0;  ///< of theta [rad]
   How how = How::none;

@@ -10,7 +10,7 @@ enum class NotSeen : std::uint8_t {
   not_found,     ///< nothing in the frame decodes as this tag
   wrong_size,    ///< it is there, but larger or smaller than the calibration's tag_size on the plane of the tags
   lifted,        ///< it is there, but nearer to the camera than the other tags
-  tilted,        ///< it is there, but no square on the plane of the tags
+  tilted,        ///< it is there, but not a square on the plane of the tags
   doubled,       ///< it is there twice
   covered,       ///< it is there, but part of it is hidden or blurred
   at_border,     ///< the border of the frame cuts it, or did when it was last seen

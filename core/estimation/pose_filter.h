@@ -9,35 +9,35 @@
 
 namespace skein::core {
 
-/// What the filter believes of a robot between two measurements.
+/// The filter's assumptions about a robot between two measurements.
 struct FilterParameters {
-  double slip = 0.03;    ///< standard deviation of a wheel's way, as a share of it: slip, wheels of unequal size
-  double kidnap = 0.02;  ///< a pose this much farther from where the robot should be than it can have driven: somebody
-                         ///< carried it there [m]
+  double slip = 0.03;    ///< standard deviation of a wheel's distance, as a share of it: slip, unequal wheels
+  double kidnap = 0.02;  ///< a pose this much farther from the expected one than the robot can have driven: it was
+                         ///< carried [m]
 };
 
-/// Where a robot is, from measurements as old as they are and the commands that were sent: an extended Kalman filter on
-/// the unicycle kinematics (1), one a robot. Its state is the pose at the newest measurement's time of capture; the
-/// predictor carries it on to the time at which a command acts. A measurement without uncertainty is believed as it is,
-/// bit for bit.
+/// Estimates a robot's pose from delayed measurements and the commands that were sent: an extended Kalman filter on the
+/// unicycle kinematics (1), one per robot. Its state is the pose at the newest measurement's time of capture; the
+/// predictor carries it to the time at which a command acts. A measurement without uncertainty is used unchanged, bit
+/// for bit.
 class PoseFilter {
  public:
-  /// Notes that the robot drives with `twist` from time `acts_at` on. Times must not run backwards. [s]
+  /// Records that the robot drives with `twist` from time `acts_at` on. Times must not decrease. [s]
   void command(double acts_at, const Twist& twist) noexcept { predictor_.command(acts_at, twist); }
 
-  /// Takes in the newest measurement; one that is not newer than the last changes nothing. The pose that was expected
-  /// instead, where the robot has been carried elsewhere: then the filter begins anew from the measurement.
+  /// Updates the state with the newest measurement; one that is not newer than the last changes nothing. Returns the
+  /// expected pose if the robot has been carried elsewhere: then the filter restarts from the measurement.
   std::optional<Pose> see(const FilterParameters& parameters, const Measurement& measurement) noexcept;
 
-  /// Whether a measurement was taken in, and how far the robot was told to drive from the newest one to `time`. [s]
+  /// Whether there was a measurement, and the commanded distance from the newest one to `time`. [s]
   bool known() const noexcept { return known_; }
   Predictor::Way way_to(double time) const noexcept { return predictor_.way(captured_at_, time); }
   /// The pose at `time`; requires one measurement. [s]
   Pose predict(double time) const noexcept { return predictor_.predict(pose_, captured_at_, time); }
   /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].
   double sigma_xy() const noexcept;
-  /// The same of a position that was carried along `way` metres of commanded motion: sideways by what the heading was
-  /// off, and along the way by what the wheels slipped. [m]
+  /// The same for a position predicted along `way` metres of commanded motion: sideways by the heading's error, along
+  /// the path by the wheels' slip. [m]
   double sigma_after(const FilterParameters& parameters, double way) const noexcept {
     const double sigma = sigma_xy();
     return std::sqrt(sigma * sigma + way * way * (covariance_(2, 2) + parameters.slip * parameters.slip));
@@ -46,9 +46,9 @@ class PoseFilter {
   const Eigen::Matrix3d& covariance() const noexcept { return covariance_; }
   double sigma_theta() const noexcept { return std::sqrt(covariance_(2, 2)); }
 
-  /// Somebody is known to have put the robot elsewhere at this time: the next jump, within half a second, is expected.
+  /// The robot is known to have been moved by hand at this time: a jump within half a second is expected.
   void displaced(double time) noexcept { displaced_at_ = time; }
-  /// The next measurement is believed as it is, and is no surprise.
+  /// The next measurement is used unchanged, and is not a kidnap.
   void forget() noexcept { known_ = false; }
 
  private:

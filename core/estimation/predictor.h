@@ -8,21 +8,21 @@
 
 namespace skein::core {
 
-/// Carries a measured pose to the time at which the next command acts, along the arcs that the robot was told to drive
-/// since. One for each robot. A measurement that is as old as the command's time comes back unchanged, bit for bit.
+/// Carries a measured pose to the time at which the next command acts, along the arcs commanded since. One for each
+/// robot. A measurement taken at the command's time is returned unchanged, bit for bit.
 class Predictor {
  public:
-  /// Notes that the robot drives with `twist` from time `acts_at` on. Times must not run backwards. [s]
+  /// Records that the robot drives with `twist` from time `acts_at` on. Times must not decrease. [s]
   void command(double acts_at, const Twist& twist) noexcept;
 
-  /// The pose at `time`, from the measurement and the noted commands. Further back than the memory reaches (2.5 s at 25
-  /// Hz), the robot counts as having stood still.
+  /// The pose at `time`, from the measurement and the recorded commands. Before the oldest recorded command (2.5 s at
+  /// 25 Hz), the robot counts as standing.
   Pose predict(const Measurement& measurement, double time) const noexcept {
     return predict(measurement.pose, measurement.captured_at, time);
   }
   Pose predict(const Pose& pose, double captured_at, double time) const noexcept;
 
-  /// How far the robot was told to drive and to turn between two times, whichever way.
+  /// The commanded distance and rotation between two times, in either direction.
   struct Way {
     double driven = 0.0;  ///< [m]
     double turned = 0.0;  ///< [rad]
@@ -41,7 +41,7 @@ class Predictor {
   static constexpr std::size_t memory = 64;
 
   std::array<Entry, memory> entries_{};
-  std::size_t count_ = 0;  // of all that were ever noted; entry k lives at k % memory
+  std::size_t count_ = 0;  // of all ever recorded; entry k is at k % memory
 };
 
 }  // namespace skein::core

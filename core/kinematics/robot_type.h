@@ -10,26 +10,26 @@
 
 namespace skein::core {
 
-/// A kind of robot, as the key `model` of a file names it. A file can give a robot other measures than its type has.
+/// A type of robot, named by the key `model` of a file. A file can override the dimensions of the type.
 struct RobotType {
   std::string_view name;          ///< "epuck2"
   double radius = 0.035;          ///< of the body [m]
   DifferentialDrive wheels = {};  ///< its unit of speed, "steps/s", is that of the robot's commands
   MotorModel motor = MotorModel::servo;
-  /// How long after the last command it stops by itself [s]; empty: it never does.
+  /// How long after the last command it stops by itself [s]; empty: it has no watchdog.
   std::optional<double> watchdog = {};
-  /// What it speaks (comms/protocol.h); empty: what robots on such a link speak as a rule.
+  /// Its protocol (comms/protocol.h); empty: the default protocol of its link.
   std::string_view protocol = {};
 };
 
-/// Every type, a row each: whoever asks what a robot is like takes it from here.
+/// All types, one row each: the only source of a type's properties.
 inline constexpr std::array robot_types{
-    // Simulated only: an e-puck whose motors run exactly what the law asks for.
+    // Simulated only: an e-puck whose motors execute the law's commands exactly.
     RobotType{.name = "ideal", .motor = MotorModel::ideal},
     RobotType{.name = "epuck1", .motor = MotorModel::epuck1},
     RobotType{.name = "epuck2", .wheels = {.max_step_rate = 1100}, .motor = MotorModel::epuck2},
-    // Wheels of 42 mm, 105.4 mm apart. Speeds count 100 pulses of the encoder a second, 0.6781 mm/s; 1200 of these,
-    // 0.81 m/s, is as fast as it goes.
+    // Wheels of 42 mm, 105.4 mm apart. The unit of speed is 100 encoder pulses per second, 0.6781 mm/s; the largest is
+    // 1200 of these, 0.81 m/s.
     RobotType{.name = "khepera4",
               .radius = 0.0704,
               .wheels = {.wheel_diameter = 0.042,
@@ -37,7 +37,7 @@ inline constexpr std::array robot_types{
                          .steps_per_turn = pi * 42.0 / 0.6781,
                          .max_step_rate = 1200},
               .protocol = "khepera4"},
-    // A home-made robot that speaks docs/open-protocol.md: speeds in 0.1 mm/s. Its own measures stand in the file.
+    // A home-made robot with the protocol of docs/open-protocol.md: speeds in 0.1 mm/s. The file has its dimensions.
     RobotType{.name = "open",
               .radius = 0.06,
               .wheels = {.wheel_diameter = 0.065, .track = 0.1, .steps_per_turn = pi * 650.0, .max_step_rate = 5000},

@@ -6,20 +6,20 @@
 
 namespace skein::core {
 
-/// One wheel's stepper motor and the timer that drives it, step by step, as the robots' firmware runs them (e-puck1
-/// e_motors.c and e_agenda.c, e-puck2 motors.c). Between two steps it turns evenly, towards where the next step is due.
+/// One wheel's stepper motor and its timer, step by step, as in the robots' firmware (e-puck1 e_motors.c and
+/// e_agenda.c, e-puck2 motors.c). Between two steps it turns evenly towards the next step.
 ///
 /// - e-puck1: a timer of 10 kHz counts to floor(10000/|s|). Below 601 steps/s the coils are switched off 1.5 ms after a
 ///   step (power saving), in two counts: a speed command in the meantime, even of the same speed, delays the next step
 ///   by 1.5 ms, or by a whole step if it comes within these 1.5 ms.
-/// - e-puck2: half steps, a timer of 100 kHz whose period is preloaded: a new speed waits until the half step that is
-///   under way has ended; only a change of direction and a stop act at once. A standing motor's timer runs at 100 Hz.
+/// - e-puck2: half steps, a timer of 100 kHz whose period is preloaded: a new speed waits until the current half step
+///   has ended; only a change of direction and a stop act at once. A standing motor's timer runs at 100 Hz.
 /// - ideal, servo: exactly the commanded rate.
 class StepMotor {
  public:
   explicit StepMotor(MotorModel model) noexcept : model_(model) {}
 
-  /// A speed command arrives now. [steps/s], clamped as the firmware does
+  /// A speed command arrives now. [steps/s], clamped as by the firmware
   void command(double speed) noexcept;
   /// Lets time pass. [s]
   void advance(double dt) noexcept;
@@ -28,7 +28,7 @@ class StepMotor {
   /// command.
   double rate() const noexcept { return rate_; }
   double rate_lasts() const noexcept;
-  /// The rate of the commanded speed, once the step that is under way has ended. [steps/s]
+  /// The rate of the commanded speed, once the current step has ended. [steps/s]
   double settled_rate() const noexcept { return actual_step_rate(model_, speed_); }
 
   /// Where the shaft is, fractions of a step included; and the counter, whole steps. [steps]
@@ -46,15 +46,15 @@ class StepMotor {
   double speed_ = 0.0;  // commanded and clamped
   double rate_ = 0.0;
   double position_ = 0.0;
-  double landed_ = 0.0;    // where the newest step or half step ended
-  double elapsed_ = 0.0;   // the timer, since it was reset last [s]
-  double period_ = 0.01;   // what it counts to [s]
+  double landed_ = 0.0;    // position after the newest step or half step
+  double elapsed_ = 0.0;   // the timer, since its last reset [s]
+  double period_ = 0.01;   // its period [s]
   bool coils_on_ = false;  // e-puck1: the power saving's first count runs
-  bool settled_ = true;    // the step under way began at the commanded speed, or it stands
+  bool settled_ = true;    // the current step began at the commanded speed, or it stands
 };
 
-/// How many steps a change of the commanded speed costs on average, for a moment of the change that nobody has chosen:
-/// positive when the wheel comes less far than at the new rate from now on. `from`, `to`: commanded. [steps]
+/// The mean loss of steps at a change of the commanded speed, over a random moment of the change: positive if the wheel
+/// rolls less far than at the new rate from now on. `from`, `to`: commanded. [steps]
 double steps_lost_by_change(MotorModel model, double from, double to) noexcept;
 
 }  // namespace skein::core

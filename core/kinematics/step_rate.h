@@ -6,9 +6,9 @@
 
 namespace skein::core {
 
-/// How a robot's motors turn a commanded speed into steps.
+/// How a robot's motors convert a commanded speed into steps.
 enum class MotorModel {
-  ideal,   ///< runs exactly what the law asks for, fractions of a step included (simulation only)
+  ideal,   ///< executes the law's command exactly, fractions of a step included (simulation only)
   epuck1,  ///< timer of 10 kHz: a step every floor(10000/|s|) ticks; clamps at 1000 steps/s
   epuck2,  ///< timer of 50 kHz: a step every floor(50000/|s|) ticks; clamps at 1100 steps/s
   servo,   ///< a wheel that its robot's own controller keeps at the speed commanded, a whole number
@@ -29,14 +29,14 @@ constexpr std::string_view word(MotorModel motor) noexcept {
   return {};
 }
 
-/// Largest speed that the motors' firmware accepts before it clamps. [steps/s]
+/// Speed at which the motors' firmware clamps. [steps/s]
 double max_step_rate(MotorModel motor) noexcept;
 
-/// The step rate that the motor really runs when `commanded` (a whole number unless `ideal`) is asked for. [steps/s]
+/// The real step rate of the motor for the command `commanded` (a whole number unless `ideal`). [steps/s]
 double actual_step_rate(MotorModel motor, double commanded) noexcept;
 
-/// The slowest speed that a real motor is given [steps/s]: after a slower one an e-puck2 takes up to half a second to
-/// obey (12 steps/s: 42 ms, one tick). What lies between 0 and it is made of both in turn.
+/// The slowest speed commanded to a real motor [steps/s]: after a slower one an e-puck2 takes up to half a second to
+/// obey (12 steps/s: 42 ms, one tick). Speeds between 0 and it are made by alternating both.
 inline constexpr double slowest_command = 13.0;
 
 /// The whole-number command, 0 or at least `slowest_command`, whose actual step rate is nearest to `wanted` (`wanted`

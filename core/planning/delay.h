@@ -5,9 +5,9 @@
 
 namespace skein::core {
 
-/// How far a clock is behind the experiment's: it slows down to a stop, stands for a while, then runs faster until it
+/// The delay of a clock behind the experiment's: it slows down to a stop, stands for a while, then runs faster until it
 /// has caught up. Its rate is continuous. A robot that yields follows its reference on such a clock, and so does a
-/// formation that waits for one of its robots: whoever shares a clock keeps the formation's distances.
+/// formation that waits for one of its robots: robots that share a clock keep the formation's distances.
 class Delay {
  public:
   Delay() = default;  ///< none

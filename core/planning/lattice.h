@@ -16,9 +16,9 @@ struct HalfSize {
   double width = 1.0, height = 0.75;
 };
 
-/// The places that routes run through: one in each cell of a square grid, at its centre, or beside obstacles where
-/// there is most room in the cell, so that a gap narrower than a cell is found. Neighbours (8 of them) are joined where
-/// the straight line between them is free. Allocates in its constructor only.
+/// The vertices of routes: one in each cell of a square grid, at its centre, or near obstacles where the cell has most
+/// room, so that a gap narrower than a cell is found. The 8 neighbours are joined if the straight line between them is
+/// free. Allocates in its constructor only.
 class Lattice {
  public:
   static constexpr std::size_t directions = 8;
@@ -35,13 +35,13 @@ class Lattice {
     double x, y;
   };
   const Place& place(std::size_t vertex) const noexcept { return places_[vertex]; }
-  /// The neighbour in direction d (0: +x, counter-clockwise), where the way there is free; otherwise size().
+  /// The neighbour in direction d (0: +x, counter-clockwise), if the line there is free; otherwise size().
   std::size_t neighbour(std::size_t vertex, std::size_t d) const noexcept;
 
-  /// Whether a midpoint may stand there, and drive straight from there to there.
+  /// Whether a midpoint may stand at a point; whether it may drive straight between two points.
   bool free(double x, double y) const noexcept { return clearance(x, y) >= 0.0; }
   bool free(const Place& from, const Place& to) const noexcept;
-  /// The nearest point inside the arena's edges less what is to be kept.
+  /// The nearest point that keeps its distance from the arena's edges.
   Place inside(double x, double y) const noexcept;
 
   /// Calls f(vertex) for every free vertex within `reach` of a point [m].
@@ -63,18 +63,18 @@ class Lattice {
   }
 
  private:
-  /// How much more room there is than must be kept; negative: too little. [m]
+  /// The room beyond the required distance; negative: too little. [m]
   double clearance(double x, double y) const noexcept { return clearance(x, y, obstacles_); }
   bool free(const Place& from, const Place& to, std::span<const Obstacle> obstacles) const noexcept;
   double clearance(double x, double y, std::span<const Obstacle> obstacles) const noexcept;
 
   double keep_, cell_, left_, bottom_;
   std::size_t columns_, rows_;
-  HalfSize most_, routes_;  // that a midpoint's coordinates may be, and those of a route's places
+  HalfSize most_, routes_;  // bounds on a midpoint's coordinates, and on a route's vertices
   std::vector<Place> places_;
   std::vector<std::uint8_t> free_, open_;  // open_: a bit for each direction
   std::vector<Obstacle> obstacles_;
-  std::vector<Obstacle> close_;  // those that matter to one cell
+  std::vector<Obstacle> close_;  // those near one cell
 };
 
 }  // namespace skein::core

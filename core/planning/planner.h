@@ -20,25 +20,25 @@
 
 namespace skein::core {
 
-/// Coordination by planned routes, above the law and below nothing but the shield. A robot whose nominal reference is
-/// free follows that. One that would meet somebody, or has been put elsewhere, gets a route of its own:
+/// Coordination by planned routes, which only law, limits and shield follow. A robot whose nominal reference is free
+/// follows that. A robot that would meet another, or has been put elsewhere, gets a route of its own:
 ///   to a place at rest     all robots concerned are planned one after the other, each through the traffic of those
-///                          before it (prioritised planning, restarted with whoever failed in front)
-///   to a place that moves  the soonest way that is where the place is, with its heading and speed (`Merge`); where
-///                          others are in the way that only follow their references, some of them yield: their clock
-///                          stands for a moment and catches up, and whoever would come too near to them yields too
-/// Routes are driven on clocks: a robot goes only past points that everybody who was due there earlier has left, and a
-/// robot that falls behind its reference holds its clock back. So a delay of one robot delays others and breaks
-/// nothing. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
+///                          before it (prioritised planning, restarted with the failed robot first)
+///   to a place that moves  the fastest route that meets the place with its heading and speed (`Merge`); if robots
+///                          that only follow their references block it, some of them yield: their clock stands for a
+///                          moment and catches up, and robots that would come too near to them yield too
+/// Routes are driven on clocks: a robot passes a point only after all robots due there earlier have left it, and a
+/// robot that falls behind its reference holds its clock back. So a delay of one robot delays others but causes no
+/// conflict. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
 /// constructor only.
 class Planner {
  public:
   enum class State {
     nominal,    ///< follows the formation's reference
     driving,    ///< on a route
-    returning,  ///< behind a route's end, towards its moving place as the law would drive it
-    yielding,   ///< follows the formation's reference on a clock that is behind, to let somebody pass
-    waiting,    ///< stands: it is out of the group, is being planned, or there is no way
+    returning,  ///< after a route's end, towards its moving place as the law would drive it
+    yielding,   ///< follows the formation's reference on a delayed clock, to let another robot pass
+    waiting,    ///< stands: it is out of the group, is being planned, or there is no route
   };
 
   struct Setup {
@@ -58,22 +58,22 @@ class Planner {
     bool to_starts = false;  ///< places stand where they are at t = 0
     std::span<const Pose> poses;
     std::span<const Twist> commands;    ///< the latest
-    std::span<const std::uint8_t> out;  ///< lost or held: stands wherever it is
+    std::span<const std::uint8_t> out;  ///< lost or held: stands where it is
     std::span<const Obstacle> obstacles;
-    double doubt = 0.0;  ///< how far off the least certain pose may be [m]
+    double doubt = 0.0;  ///< uncertainty of the least certain pose [m]
   };
   /// One step of length dt [s]. `gains`: with the couplings as they are now.
   void step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
             std::span<ReferencePoint> reference) noexcept;
 
   State state(std::size_t i) const noexcept { return robots_[i].state; }
-  /// What share of its couplings robot i has: they are released while it is on a way of its own, and come back.
+  /// The share of its couplings that robot i has: they are released while it is on a route, and restored.
   double share(std::size_t i) const noexcept { return robots_[i].share; }
-  /// Planning has found no way for robot i, and goes on trying.
+  /// Planning has found no route for robot i, and keeps trying.
   bool no_way(std::size_t i) const noexcept { return robots_[i].no_way; }
-  /// Robot i waits for somebody to pass first, or nobody (robots()).
+  /// The robot for which robot i waits to pass first, or none (robots()).
   std::size_t waits_for(std::size_t i) const noexcept { return robots_[i].waits_for; }
-  /// Nodes that the latest step took.
+  /// Nodes expanded in the latest step.
   std::size_t nodes() const noexcept { return spent_; }
   void reset() noexcept;
 
@@ -86,14 +86,14 @@ class Planner {
     State state = State::nominal;
     Route route;
     double clock = 0.0, rate = 0.0;  // [s], its share of real time
-    double due = 0.0;                // time of the experiment at which its clock was 0, were nothing late [s]
+    double due = 0.0;                // time of the experiment at which its clock was 0, without delays [s]
     double share = 1.0;
-    double held_for = 0.0;  // how long its clock has hardly run [s]
+    double held_for = 0.0;  // how long its clock has hardly advanced [s]
     double retry = 0.0;     // no new plan before [s]
-    double joins = 0.0;     // its place moves: when its route is there, on its clock [s]
-    double keeps = 0.0;     // distance from others' routes that its own was planned with [m]
+    double joins = 0.0;     // for a moving place: when its route meets it, on its clock [s]
+    double keeps = 0.0;     // distance from others' routes used in planning [m]
     ReferencePoint reference;
-    Pose before;  // where it was at the step before
+    Pose before;  // its pose at the previous step
     std::size_t waits_for = 0;
     bool no_way = false, needs_plan = false, was_out = false;
   };
@@ -141,8 +141,8 @@ class Planner {
   double lag(std::size_t i) const noexcept { return now_ - robots_[i].due - robots_[i].clock; }
 
   static constexpr double never = std::numeric_limits<double>::infinity();
-  static constexpr double put_elsewhere = 0.03;    // from a place that moves, or a route: a new plan [m]
-  static constexpr double looks_elsewhere = 0.35;  // than its place: the law turns slowly [rad]
+  static constexpr double put_elsewhere = 0.03;    // from a moving place, or a route: a new plan [m]
+  static constexpr double looks_elsewhere = 0.35;  // heading error that causes one, as the law turns slowly [rad]
 
   const Reference* reference_;
   Setup setup_;
@@ -152,7 +152,7 @@ class Planner {
   Merge merge_;
   Pace pace_;
   std::vector<Robot> robots_;
-  std::vector<Pose> goals_;        // where references come to rest
+  std::vector<Pose> goals_;        // final poses of references
   std::vector<double> rest_from_;  // since when, or infinity [s]
   std::vector<bool> coupled_;
   std::vector<double> shift_;  // robot i's schedule as robot j's plan took it, against its own [s], n x n
@@ -165,12 +165,12 @@ class Planner {
     bool active = false, everybody = false, asking = false;
     double began = 0.0, lead = 0.0;                                    // [s]
     std::size_t next = 0;                                              // in the order
-    enum class Others { leave, stay, absent } others = Others::leave;  // what those without a route are taken to do
+    enum class Others { leave, stay, absent } others = Others::leave;  // assumed behaviour of robots without a route
     int attempt = 0;
     std::vector<std::size_t> order;
     std::vector<std::uint8_t> member, planned, failed;
-    std::vector<Pose> from;      // where members stand when they have braked
-    std::vector<double> stands;  // from when on, after `began` [s]
+    std::vector<Pose> from;      // poses of members after braking
+    std::vector<double> stands;  // since when, after `began` [s]
     std::vector<Route> routes, best;
     double best_arrival = 0.0;  // of the last of all, after `began` [s]
     int improvements = 0;

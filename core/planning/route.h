@@ -18,7 +18,7 @@ struct Pace {
 
   double turn_time(double angle) const noexcept;      ///< from rest to rest [s]
   double drive_time(double distance) const noexcept;  ///< from rest to rest [s]
-  double start_time() const noexcept;                 ///< what a start and a stop take more than driving on [s]
+  double start_time() const noexcept;                 ///< extra time of a start and a stop, compared to driving on [s]
 };
 
 /// One leg of a route: turn on the spot towards a point at once, wait for the time to set off, drive there.
@@ -28,9 +28,9 @@ struct Leg {
   double arrives_at = 0.0;  ///< [s]
 };
 
-/// A way that a unicycle can drive exactly: brake, then turns on the spot, waits and straight lines, each from rest to
-/// rest with bounded acceleration; or lines and arcs that are driven without a stop between them. A value of fixed
-/// size: it never allocates.
+/// A route that a unicycle can follow exactly: brake, then turns on the spot, waits and straight lines, each from rest
+/// to rest with bounded acceleration; or lines and arcs without a stop between them. A value of fixed size: it never
+/// allocates.
 class Route {
  public:
   static constexpr std::size_t most_legs = 48;
@@ -43,9 +43,9 @@ class Route {
   static Pose stop(const Pose& pose, double v, const Pace& pace) noexcept;
   static double stop_time(double v, const Pace& pace) noexcept;
   /// Appends legs; their times count from the start of the route. At the end it turns to `heading`.
-  /// False where there is no room for them.
+  /// False if there is no room for them.
   bool append(std::span<const Leg> legs, double heading, const Pace& pace) noexcept;
-  /// Turns on the spot by an angle, from rest to rest. False where there is no room for it; so do those below.
+  /// Turns on the spot by an angle, from rest to rest. False if there is no room for it; likewise below.
   bool turn(double angle, const Pace& pace) noexcept;
   /// Drives on along a line or an arc (counter-clockwise above 0) [m, 1/m], its speed changing evenly from v_0 to v_1,
   /// of which at least one is above 0 [m/s].

@@ -12,9 +12,9 @@
 
 namespace skein::core {
 
-/// The fastest way of one robot through the others' traffic: safe-interval path planning (Phillips and Likhachev, 2011)
-/// on the lattice, with the heading as a part of the state, then straightened. Work is counted in nodes and comes in
-/// slices, so that a tick can do as much as it has time for and every run repeats it. Allocates in its constructor
+/// The fastest route of one robot through the others' traffic: safe-interval path planning (Phillips and
+/// Likhachev, 2011) on the lattice, with the heading as part of the state, then straightened. Work is counted in
+/// nodes and done in slices of fixed size per tick, so that every run repeats it. Allocates in its constructor
 /// only.
 class RouteSearch {
  public:
@@ -26,20 +26,20 @@ class RouteSearch {
     double begins = 0.0;    ///< [s]
     Pose to;                ///< at rest, for ever
     double keep = 0.1;      ///< between two midpoints [m]
-    double least = 0.0785;  ///< and where both want to be nearer, at least [m]
+    double least = 0.0785;  ///< smaller limit if both goals are closer than that [m]
     Pace pace;
   };
   enum class Status { idle, searching, found, none };
 
   void begin(const Query& query, const Traffic& traffic) noexcept;
-  /// Goes on with up to so many nodes; returns those that it took.
+  /// Continues with up to this many nodes; returns the number expanded.
   std::size_t advance(std::size_t nodes) noexcept;
   Status status() const noexcept { return status_; }
-  /// Where it was found: the legs, with times that count as the query's, and when the robot has arrived and turned. [s]
+  /// If a route was found: the legs, with times relative to the query's, and when the robot has arrived and turned. [s]
   std::span<const Leg> legs() const noexcept { return {legs_.data(), leg_count_}; }
   double arrival() const noexcept { return arrival_; }
 
-  /// Whether a robot that is at (x, y) at time t of the traffic keeps its distance from everybody.
+  /// Whether a robot at (x, y) at time t of the traffic keeps its distance from all others.
   bool clear(double x, double y, double t) const noexcept;
 
  private:
@@ -82,7 +82,7 @@ class RouteSearch {
   std::vector<std::uint64_t> taken_;          // a bit for each step of each vertex
   std::vector<Interval> intervals_;           // of each vertex
   std::vector<std::uint8_t> interval_count_;  // 255: not looked for yet
-  std::vector<float> left_;                   // way from each vertex to the goal [m]
+  std::vector<float> left_;                   // distance from each vertex to the goal [m]
   std::vector<float> best_;                   // arrival at each state
   std::vector<std::uint32_t> best_of_;        // the search that it belongs to
   std::vector<Node> nodes_;

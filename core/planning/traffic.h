@@ -10,11 +10,11 @@
 
 namespace skein::core {
 
-/// Where every robot is expected to be, every tenth of a second from now on. Allocates in its constructor only.
+/// The expected position of every robot, at every tenth of a second from now on. Allocates in its constructor only.
 class Traffic {
  public:
   static constexpr double step = 0.1;         ///< [s]
-  static constexpr std::size_t steps = 1280;  ///< whoever drives longer is taken to stand at the end
+  static constexpr std::size_t steps = 1280;  ///< a robot that drives longer is assumed to stand at the end
 
   explicit Traffic(std::size_t robots)
       : x_(robots * steps), y_(robots * steps), still_from_(robots), present_(robots, false) {}
@@ -28,19 +28,19 @@ class Traffic {
 
   void remove(std::size_t j) noexcept { present_[j] = false; }
   void stands(std::size_t j, double x, double y) noexcept;
-  /// Stands there for a while [s], and is nowhere afterwards.
+  /// Stands there for a while [s], and is absent afterwards.
   void stands(std::size_t j, double x, double y, double seconds) noexcept;
-  /// Drives a route that it has come to `clock` of [s].
+  /// Drives a route from the route's time `clock` on [s].
   void drives(std::size_t j, const Route& route, double clock) noexcept;
-  /// Drives a route that it has come to `clock` of and that is at its place at `joins` [s]: then it follows its
+  /// Drives a route from the route's time `clock` on, which meets its place at `joins` [s]: then it follows its
   /// reference.
   void joins(std::size_t j, const Route& route, double clock, double joins, const Reference& reference, double t,
              double horizon, const Delay& delay = {}) noexcept;
-  /// Follows its reference, which is at time t now, on a clock that is behind [s]; only as far as `horizon` looks.
+  /// Follows its reference, which is at time t now, on a delayed clock [s]; only up to `horizon`.
   void follows(std::size_t j, const Reference& reference, double t, double horizon, const Delay& delay = {}) noexcept;
-  /// Does as it does in another traffic.
+  /// Copies its motion from another traffic.
   void copy(std::size_t j, const Traffic& from) noexcept;
-  /// Does as it does in another traffic, which begins at time t of a clock that falls behind. [s]
+  /// Copies its motion from another traffic, which begins at time t, on a clock that falls behind. [s]
   void copy(std::size_t j, const Traffic& from, double t, const Delay& delay) noexcept;
 
  private:

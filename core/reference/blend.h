@@ -2,7 +2,7 @@
 
 namespace skein::core {
 
-/// How far a change is: the share that is done, its rate [1/s] and the rate of that [1/s^2]. No velocity and no
+/// Progress of a change: the completed share, its rate [1/s] and its second derivative [1/s^2]. Zero velocity and
 /// acceleration at both ends (10 w^3 - 15 w^4 + 6 w^5).
 struct Blend {
   double share, rate, rate_rate;

@@ -16,8 +16,8 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// A curve given by some parameter u, made a path by arc length: a table of lengths at construction, then
-/// Newton's method on the exact integral between two of its entries. Unit speed to about 1e-12; no allocation in `at`.
+/// A curve given by a parameter u, reparametrised by arc length: a table of lengths at construction, then Newton's
+/// method on the exact integral between two of its entries. Unit speed to about 1e-12; no allocation in `at`.
 class Curve : public Path {
  public:
   PathPoint at(double s) const noexcept final;
@@ -28,7 +28,7 @@ class Curve : public Path {
   /// The point at u and its first three derivatives by u, smooth between the table's entries.
   using Derivatives = std::array<Point, 4>;
   virtual Derivatives derivatives(double u) const noexcept = 0;
-  /// The last act of a subclass's constructor: u runs from 0 to `end`, in `cells` equal parts.
+  /// Must be the last call in a subclass's constructor: u runs from 0 to `end`, in `cells` equal parts.
   void tabulate(double end, std::size_t cells);
 
  private:

@@ -9,14 +9,14 @@
 
 namespace skein::core {
 
-/// The robots' places in a formation, seen from its centre: x ahead along the path, y to its left. [m]
+/// The robots' places in a formation, relative to its centre: x ahead along the path, y to its left. [m]
 using Shape = std::vector<Point>;
 
 /// Shapes by name; neighbours are `spacing` apart, and the mean of the places is the centre.
 enum class ShapeName {
   line,     ///< side by side, robot 1 on the left
   column,   ///< one behind the other, robot 1 in front
-  diamond,  ///< on the sides of a square that stands on its corner: robot 1 in front, then counter-clockwise
+  diamond,  ///< on the sides of a square standing on its corner: robot 1 in front, then counter-clockwise
   v,        ///< robot 1 in front, the even ones behind it to the left, the odd ones to the right
   circle,   ///< robot 1 in front, then counter-clockwise
 };
@@ -52,8 +52,8 @@ struct ShapeChange {
 /// the bend's own change and the shape's.
 class Formation final : public Reference {
  public:
-  /// `changes` in the order of time, one over before the next begins; requires path->smooth(). speed [m/s]; `start`:
-  /// arc length at which the centre begins [m].
+  /// `changes` in order of time, each ending before the next begins; requires path->smooth(). speed [m/s]; `start`: arc
+  /// length at which the centre begins [m].
   Formation(std::shared_ptr<const Path> path, double speed, double start, Shape shape, std::vector<ShapeChange> changes)
       : path_(std::move(path)), speed_(speed), start_(start), shape_(std::move(shape)), changes_(std::move(changes)) {}
 
@@ -63,11 +63,11 @@ class Formation final : public Reference {
 
   ReferencePoint at(std::size_t i, double t) const noexcept override;
   void at(double t, std::span<ReferencePoint> points) const noexcept override;
-  /// The largest of many samples and a thousandth more: every shape all along the path, every change.
+  /// The largest of many samples plus a thousandth: every shape along the whole path, every change.
   ReferenceDemand demand(double k_y) const noexcept override;
 
  private:
-  /// A robot's place in the formation, how fast it changes, and how fast that does.
+  /// A robot's place in the formation, its velocity and its acceleration.
   struct Place {
     Point place, velocity, acceleration;
   };

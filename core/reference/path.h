@@ -8,7 +8,7 @@
 
 namespace skein::core {
 
-/// A point of a path: where it is, which way it runs (theta), and how it bends there.
+/// A point of a path: position, direction (theta) and curvature.
 struct PathPoint {
   Pose pose;
   double curvature = 0.0;       ///< left positive [1/m]
@@ -33,7 +33,7 @@ class Path {
   virtual bool closed() const noexcept { return true; }
 
  protected:
-  /// The arc length that `at` means by s.
+  /// The arc length that `at` uses for s.
   double on_path(double s) const noexcept { return closed() ? wrap_length(s, length()) : std::clamp(s, 0.0, length()); }
 };
 

@@ -18,8 +18,8 @@ struct SpacingChange {
 /// of section V. While the spacing changes, those behind drive slower or faster than robot 1.
 class Platoon final : public Reference {
  public:
-  /// spacing [m], speed [m/s]; `start` is the arc length at which robot 1 begins [m]. `changes` in the order of time,
-  /// one over before the next begins.
+  /// spacing [m], speed [m/s]; `start` is the arc length at which robot 1 begins [m]. `changes` in order of time, each
+  /// ending before the next begins.
   Platoon(std::shared_ptr<const Path> path, std::size_t robots, double spacing, double speed, double start,
           std::vector<SpacingChange> changes = {}) noexcept
       : path_(std::move(path)),

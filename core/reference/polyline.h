@@ -19,8 +19,8 @@ class Polyline final : public Path {
   bool smooth() const noexcept override { return largest_curvature_ == 0.0; }
   bool closed() const noexcept override { return closed_; }
 
-  /// The largest radius for which the arcs at both ends of every side have room on it; 0 where the line turns back on
-  /// itself or two neighbouring points coincide. [m]
+  /// The largest radius for which the arcs at both ends of every side fit on it; 0 if the line turns back on itself or
+  /// two neighbouring points coincide. [m]
   static double largest_radius(const std::vector<Point>& points, bool closed = true) noexcept;
 
  private:

@@ -10,7 +10,7 @@
 
 namespace skein::core {
 
-/// Where every robot should be, and how it should move there (2, 3), at any time. Velocities come from the motion
+/// The pose and velocities that every robot should have (2, 3), at any time. Velocities are derived from the motion
 /// itself and not from differences of poses, so that heading and turning rate are known through a stop.
 class Reference {
  public:
@@ -18,11 +18,11 @@ class Reference {
   virtual std::size_t robots() const noexcept = 0;
   /// The reference of robot i (from 0) at time t. [s]
   virtual ReferencePoint at(std::size_t i, double t) const noexcept = 0;
-  /// The most that it asks for over its whole course, or a little more, beside the law's k_y [rad/m].
+  /// Its largest velocities over the whole course, or slightly more, with the law's k_y [rad/m].
   virtual ReferenceDemand demand(double k_y) const noexcept = 0;
   /// Whether every omega_ref is continuous.
   virtual bool smooth() const noexcept = 0;
-  /// What it drives along, as lines to draw and to look at: one for all robots, or one for each.
+  /// Its paths as lines to draw and to check: one for all robots, or one for each.
   virtual std::vector<std::vector<Pose>> lines() const = 0;
 
   /// All robots' references.

@@ -7,21 +7,21 @@
 
 namespace skein::core {
 
-/// Where a robot is to be at one time. [s, m]
+/// The required position of a robot at one time. [s, m]
 struct TimedPoint {
   double t = 0.0;
   Point place;
 };
 
 /// A trajectory through places at given times, from rest to rest: the cubic spline over time, so that velocities and
-/// accelerations are continuous, with no velocity at both ends. The heading is the direction of motion; where the robot
-/// stands, that in which it will set off or has come.
+/// accelerations are continuous, with zero velocity at both ends. The heading is the direction of motion; at rest, the
+/// direction of the next or the last motion.
 class Timetable final : public Trajectory {
  public:
   /// Requires at least 2 points, their times increasing, no two neighbours at the same place.
   explicit Timetable(const std::vector<TimedPoint>& points);
   ReferencePoint at(double t) const noexcept override;
-  /// The largest of many samples and a hundredth more.
+  /// The largest of many samples plus a hundredth.
   ReferenceDemand demand(double k_y) const noexcept override;
   bool smooth() const noexcept override { return true; }
   double end() const noexcept override { return times_.back(); }

@@ -14,15 +14,15 @@ class Trajectory {
  public:
   virtual ~Trajectory() = default;
   virtual ReferencePoint at(double t) const noexcept = 0;  ///< t [s]
-  /// The most that it asks for over its whole course, or a little more, beside the law's k_y [rad/m].
+  /// Its largest velocities over the whole course, or slightly more, with the law's k_y [rad/m].
   virtual ReferenceDemand demand(double k_y) const noexcept = 0;
   virtual bool smooth() const noexcept = 0;  ///< whether omega_ref is continuous
-  /// From when on it stays where it is; infinite where it never does. [s]
+  /// From when on it rests; infinite if it never does. [s]
   virtual double end() const noexcept = 0;
   virtual std::vector<Pose> line() const = 0;
 };
 
-/// Along a path, for ever at one speed: every lap of a closed path like the one before.
+/// Along a closed path for ever, at constant speed.
 class Rounds final : public Trajectory {
  public:
   /// Requires a closed path. speed [m/s]; `start`: arc length at t = 0 [m].
@@ -39,9 +39,9 @@ class Rounds final : public Trajectory {
   double speed_, start_;
 };
 
-/// A drive along a path from rest to rest, and then, if asked for, turning on the spot for ever. Position, heading,
-/// v_ref and its derivative are continuous; omega_ref is as continuous as the path's curvature. Heading and curvature
-/// are known at rest, since the path is one by arc length.
+/// A drive along a path from rest to rest, then, if requested, turning on the spot for ever. Position, heading, v_ref
+/// and its derivative are continuous; omega_ref is as continuous as the path's curvature. Heading and curvature are
+/// known at rest, since the path is one by arc length.
 class Drive final : public Trajectory {
  public:
   /// Sets off at time t0 [s] from arc length `start` [m]; `turn_rate`: after the arrival [rad/s].

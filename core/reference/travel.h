@@ -13,22 +13,22 @@ struct SmoothStep {
   static constexpr double steepest = 1.5;
 };
 
-/// The way from one rest to another: speed up to `speed`, hold it, come to rest, with an acceleration that is
-/// continuous and at most what was given. A way that is too short for the speed is driven with less of it.
+/// Motion from rest to rest: accelerate to `speed`, hold it, come to rest, with a continuous, bounded acceleration. If
+/// the distance is too short for the speed, the speed is lower.
 class Travel {
  public:
   /// distance >= 0 [m], speed > 0 [m/s], acceleration > 0 [m/s^2].
   Travel(double distance, double speed, double acceleration) noexcept;
-  /// As fast as takes `duration` [s]. Requires at least `shortest(distance, acceleration)`.
+  /// With the speed for which it takes `duration` [s]. Requires at least `shortest(distance, acceleration)`.
   static Travel within(double distance, double duration, double acceleration) noexcept;
-  /// The time of a way that is as fast as the acceleration allows. [s]
+  /// The time of the fastest motion that the acceleration allows. [s]
   static double shortest(double distance, double acceleration) noexcept;
 
   struct State {
     double s = 0.0;  ///< [m]
     double v = 0.0;  ///< [m/s]
   };
-  /// t seconds after it sets off; at rest before and afterwards.
+  /// t seconds after the start; at rest before and afterwards.
   State at(double t) const noexcept;
   double duration() const noexcept { return 2.0 * up_.duration + cruise_; }
   double speed() const noexcept { return up_.height; }  ///< the largest [m/s]

@@ -4,7 +4,7 @@
 
 namespace skein::core {
 
-/// What one robot can do: the box (14) and its wheels, which make a diamond |v| + |omega| track/2 <= wheel limit.
+/// The limits of one robot: the box (14) and its wheels, which form a diamond |v| + |omega| track/2 <= wheel limit.
 struct CommandLimits {
   double v_max = 0.1;      ///< (14) [m/s]
   double omega_max = 1.7;  ///< (14) [rad/s]
@@ -12,15 +12,15 @@ struct CommandLimits {
 
   /// The largest turning rate that box and wheels allow. [rad/s]
   double omega_limit() const noexcept;
-  /// The largest forward speed that box and wheels allow beside this turning rate. [m/s]
+  /// The largest forward speed that box and wheels allow at this turning rate. [m/s]
   double v_limit(double omega) const noexcept;
-  /// Which of them take something from a wanted twist: the box for v, the box for omega, the wheels.
+  /// Which limits reduce a requested twist: the box for v, the box for omega, the wheels.
   struct Biting {
     bool v = false, omega = false, wheels = false;
   };
   Biting biting(const Twist& wanted) const noexcept;
-  /// The twist held inside box and diamond, signs kept. The turning rate is served first: it keeps the robot on its
-  /// path, and what the wheels have left goes to the forward speed.
+  /// The twist clamped to box and diamond, signs kept. The turning rate has priority: it keeps the robot on its path,
+  /// and the forward speed gets the remainder of the wheels' speed.
   Twist limit(const Twist& wanted) const noexcept;
 };
 

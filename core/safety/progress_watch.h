@@ -7,14 +7,14 @@
 
 namespace skein::core {
 
-/// Finds robots that come no nearer to their places, whatever holds them up. Part of the tick: allocates in its
+/// Detects robots that make no progress towards their places, whatever the cause. Part of the tick: allocates in its
 /// constructor only.
 class ProgressWatch {
  public:
   explicit ProgressWatch(std::size_t robots) : robots_(robots) {}
 
-  /// One tick: robot i is `distance` from its place [m] and has been driven for `dt` [s]. True once when it has come no
-  /// nearer for `patience`, and again only after it has made progress or has been at its place.
+  /// One tick: robot i is `distance` from its place [m] and has been driven for `dt` [s]. True once when it has made no
+  /// progress for `patience`, and again only after it has made progress or has been at its place.
   bool stuck(std::size_t i, double distance, double dt) noexcept {
     Robot& robot = robots_[i];
     if (distance < at_its_place || distance < robot.nearest - progress) {
@@ -26,12 +26,12 @@ class ProgressWatch {
     if (robot.told || robot.waited < patience - 1e-9) return false;
     return robot.told = true;
   }
-  /// Robot i has been put somewhere else: what it waited for before says nothing.
+  /// Robot i has been put somewhere else: restarts its time without progress.
   void restart(std::size_t i) noexcept { robots_[i] = {}; }
 
   static constexpr double patience = 3.0;       ///< [s]
   static constexpr double progress = 0.01;      ///< that counts [m]
-  static constexpr double at_its_place = 0.02;  ///< nobody is stuck who is so near to where it should be [m]
+  static constexpr double at_its_place = 0.02;  ///< a robot this near to its place is not stuck [m]
 
  private:
   struct Robot {

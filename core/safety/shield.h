@@ -13,31 +13,31 @@ namespace skein::core {
 
 struct ShieldParameters {
   bool enabled = true;
-  double distance = 0.078;  ///< midpoints of standard bodies are kept this far apart [m]: an e-puck's 70 mm, and 8 mm
-                            ///< for what sampling and wheels lose; others keep the same gap
-  double gamma = 4.0;       ///< how fast the gap may close, as a share of what is left of it [1/s]
+  double distance = 0.078;  ///< midpoints of standard bodies are kept this far apart [m]: an e-puck's 70 mm plus 8 mm
+                            ///< for sampling and wheels; others keep the same gap
+  double gamma = 4.0;       ///< how fast the gap may close, as a share of the remaining gap [1/s]
   /// Half the arena's size, centred on the origin: a body keeps as far from its edge as from an obstacle. [m]
   double half_width = std::numeric_limits<double>::infinity();
   double half_height = std::numeric_limits<double>::infinity();
 };
 
-/// The last word before the wheels: changes forward speeds alone, as little as possible, so that no two robots close in
+/// The last step before the wheels: changes forward speeds only, as little as possible, so that no two robots close in
 /// faster than the gap between them allows:
 ///   minimise sum (v_i - v_i*)^2   s.t.  n_ij . (v_i u_i - v_j u_j) >= -gamma (d_ij - D),   |v_i| <= v_limit,i
 /// with u_i the heading and n_ij the unit vector from j to i. v = 0 always satisfies it, so it is always feasible;
-/// where d < D already, it asks that the gap does not shrink. Turning rates stay as they are: robots go on turning
+/// if d < D already, it requires that the gap does not shrink. Turning rates stay as they are: robots go on turning
 /// away. A round obstacle counts as a robot that stands still, and so does the nearest point of each edge of the arena:
 /// a robot that is already over the edge may drive back, never farther out.
 class Shield {
  public:
   Shield(std::size_t robots, std::size_t obstacles);
 
-  /// Changes `commands` in place; `touched[i]` becomes true where v_i had to change (by more than 1e-9 m/s).
-  /// v_limit: what the limits leave each robot beside its turning rate [m/s]; |v_i| <= v_limit,i on entry.
-  /// doubt: how far off each robot's pose may be [m]; two robots keep theirs on top of D, empty: none.
-  /// sizes: of the bodies.
-  /// adrift: robots that drive with commands[i].v whatever they are told (empty: none). Their speed is not changed; the
-  /// others allow for it, as far as they can by not driving towards them.
+  /// Changes `commands` in place; `touched[i]` becomes true if v_i had to change (by more than 1e-9 m/s).
+  /// v_limit: the limit of each robot's speed at its turning rate [m/s]; |v_i| <= v_limit,i on entry.
+  /// doubt: uncertainty of each robot's pose [m]; two robots add theirs to D, empty: none. sizes: of the
+  /// bodies.
+  /// adrift: robots that drive with commands[i].v and do not obey (empty: none). Their speed is not changed; the others
+  /// account for it, as far as possible by not driving towards them.
   void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
              std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
              std::span<const double> doubt = {}, std::span<const bool> adrift = {}, const Sizes& sizes = {}) noexcept;

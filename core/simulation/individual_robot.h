@@ -12,25 +12,25 @@
 
 namespace skein::core {
 
-/// What tells one robot, and how it is seen, from the drawing.
+/// The deviations of one robot, and of its camera, from the nominal ones.
 struct Individual {
   DifferentialDrive wheels;
-  double actuation_delay = 0.0;  ///< from a command to the moment at which the motors hear of it [s]
-  double camera_delay = 0.0;     ///< the camera says a pose was taken so much later than it was [s]
-  double slip = 0.0;             ///< standard deviation of each wheel's way in a step, as a share of it
-  double tag_heading = 0.0, tag_ahead = 0.0, tag_left = 0.0;  ///< where the tag sits on the axle's midpoint [rad, m, m]
+  double actuation_delay = 0.0;  ///< from a command to its arrival at the motors [s]
+  double camera_delay = 0.0;     ///< lateness of the camera's time stamps [s]
+  double slip = 0.0;             ///< standard deviation of each wheel's distance in a step, as a share of it
+  double tag_heading = 0.0, tag_ahead = 0.0, tag_left = 0.0;  ///< of the tag, from the axle's midpoint [rad, m, m]
   double pose_noise = 0.0;                                    ///< standard deviation of a measured x, and of y [m]
   double heading_noise = 0.0;                                 ///< [rad]
   double dropout = 0.0;                                       ///< share of poses that are lost
 };
 
-/// A robot as it may come out of the box, and a camera as it may hang in a lab.
+/// A random robot and camera with realistic deviations.
 Individual random_individual(std::uint64_t seed);
-/// What `identify` is to find of it.
+/// The true values that `identify` must find.
 double truth_of(const Individual& individual, Unknown unknown) noexcept;
 
-/// Such a robot on the floor, for studies of what can be found out about it (core/estimation/identification.h). Not for
-/// the tick. The same seed and the same calls give the same bits.
+/// Such a robot on the floor, for studies of identification (core/estimation/identification.h). Not for the tick. The
+/// same seed and the same calls give the same bits.
 class IndividualRobot {
  public:
   IndividualRobot(const Individual& individual, MotorModel motor, std::uint64_t seed);
@@ -43,7 +43,7 @@ class IndividualRobot {
   void command(const WheelSpeeds& speeds);
   /// Drives for dt seconds, slipping by one draw.
   void step(double dt);
-  /// What a camera says of it now; none: it did not see it. `captured_at` is wrong by the camera delay.
+  /// The camera's measurement now; none: not seen. `captured_at` is wrong by the camera delay.
   std::optional<Measurement> see();
 
  private:

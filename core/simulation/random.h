@@ -5,11 +5,11 @@
 
 namespace skein::core {
 
-/// A seeded source of random numbers whose values are the same with every standard library: the engine's sequence is
-/// fixed by the C++ standard, the distributions are ours (std::normal_distribution is each library's own).
+/// A seeded random number generator with the same values for every standard library: the engine's sequence is fixed by
+/// the C++ standard, the distributions are ours (std::normal_distribution is each library's own).
 class Random {
  public:
-  /// Streams of one seed are independent of one another: one for each robot.
+  /// Streams of one seed are independent: one for each robot.
   Random(std::uint64_t seed, std::uint64_t stream);
 
   /// Uniform in [0, 1).

@@ -15,40 +15,40 @@ namespace skein::core {
 struct Imperfection {
   double pose_noise = 0.0;     ///< standard deviation of measured x and y [m]
   double heading_noise = 0.0;  ///< of the measured heading [rad]
-  double latency = 0.0;        ///< from the moment of capture until the pose is at hand [s]; at most 2.5 s at 25 Hz
+  double latency = 0.0;        ///< from the capture to the arrival of the pose [s]; at most 2.5 s at 25 Hz
   double dropout = 0.0;        ///< share of measurements that are lost, 0 to 1
-  double slip = 0.0;           ///< standard deviation of each wheel's way, as a share of it, drawn anew every step
+  double slip = 0.0;           ///< standard deviation of each wheel's distance, as a share of it, drawn in every step
 };
 
-/// A robot on the floor: wheels that run as its motors run them, exact arcs, and a localisation with faults.
-/// The same seed and the same calls give the same bits.
+/// A robot on the floor: wheels driven by its motor model, exact arcs, and an imperfect localisation. The same seed and
+/// the same calls give the same bits.
 class SimulatedRobot {
  public:
   SimulatedRobot(const DifferentialDrive& drive, MotorModel motor, const Imperfection& imperfection, std::uint64_t seed,
                  std::uint64_t stream);
 
-  /// From now on its motors hear of commands so much later [s]; of the newest 64 that are on their way.
+  /// From now on commands reach its motors this much later [s]; at most 64 are delayed at once.
   void delay_commands(double seconds) noexcept { actuation_delay_ = seconds; }
 
   const Pose& pose() const noexcept { return pose_; }
-  /// Puts the robot somewhere, as a hand does: there it stands still, but for its wheels.
+  /// Puts the robot somewhere, as a hand does; its wheels go on.
   void place(const Pose& pose) noexcept { pose_ = pose, slide_x_ = slide_y_ = 0.0; }
-  /// Kicks it: it slides with this velocity [m/s, world frame] on top of what its wheels do, until friction has taken
-  /// all of it.
+  /// Kicks it: it slides with this velocity [m/s, world frame] in addition to its wheels' motion, until friction stops
+  /// it.
   void kick(double vx, double vy) noexcept { slide_x_ += vx, slide_y_ += vy; }
-  /// What friction takes of a slide [m/s^2]: rubber on a smooth floor, a friction coefficient of 0.3.
+  /// Deceleration of a slide [m/s^2]: rubber on a smooth floor, a friction coefficient of 0.3.
   static constexpr double friction = 3.0;
-  /// What a kick does to a robot is over by then, with room to spare: 1 m/s is the hardest. [s]
+  /// A kick is over after this time, with a margin: 1 m/s is the hardest. [s]
   static constexpr double slides_for = 1.0;
 
-  /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot. Speeds that it has already
-  /// change nothing: links do not send them again.
+  /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot. Unchanged speeds have no
+  /// effect: links do not send them again.
   void command(const WheelSpeeds& commanded) noexcept;
-  /// The same of a robot whose link is emulated: what its firmware tells the motors, whether it is new or not.
+  /// The same for a robot whose link is emulated: its firmware's commands to the motors, new or unchanged.
   void turn(const WheelSpeeds& commanded) noexcept;
-  /// The step rates that its motors run once the steps under way have ended.
+  /// The step rates of its motors once the current steps have ended.
   WheelSpeeds wheels() const noexcept { return {left_.settled_rate(), right_.settled_rate()}; }
-  /// The twist that these give without slip.
+  /// The twist from these without slip.
   Twist twist() const noexcept { return drive_.twist(wheels()); }
 
   /// Drives for dt seconds.
@@ -78,10 +78,10 @@ class SimulatedRobot {
   StepMotor left_, right_;
   WheelSpeeds commanded_;
   double actuation_delay_ = 0.0, clock_ = 0.0;  // [s]
-  std::array<Told, in_flight> told_{};          // commands on their way; number k lives at k % in_flight
+  std::array<Told, in_flight> told_{};          // delayed commands; number k is at k % in_flight
   std::size_t given_ = 0, heard_ = 0;
   double slide_x_ = 0.0, slide_y_ = 0.0;        // of a kick [m/s]
-  std::array<Measurement, in_flight> queue_{};  // measurements on their way; number k lives at k % in_flight
+  std::array<Measurement, in_flight> queue_{};  // delayed measurements; number k is at k % in_flight
   std::size_t taken_ = 0, arrived_ = 0;
   Measurement newest_;
 };

@@ -26,8 +26,8 @@ TEST(ListenAddress, RefusalsNameWhatWasFoundAndWhatIsAllowed) {
   refused("rfcomm:eth0/1", "eth0");
   refused("rfcomm:hci4/31", "1 to 30");
   refused("rfcomm:hci4/x", "1 to 30");
-  refused("tcp:999.1.1.1:80", "is no IPv4 address");
-  refused("tcp:localhost:80", "is no IPv4 address");
+  refused("tcp:999.1.1.1:80", "is not an IPv4 address");
+  refused("tcp:localhost:80", "is not an IPv4 address");
 }
 
 TEST(Emulate, RefusesToListenWhereNobodyCan) {

@@ -160,7 +160,7 @@ TEST_F(Supervised, ALineThatSaysNothingForLongIsOpenedAgain) {
   options.silence_reconnect = 0.2;
   start(1, options);
   robots->silence(0, true);
-  EXPECT_TRUE(wait_until([&] { return status(0).reason.find("said nothing") != std::string::npos; }));
+  EXPECT_TRUE(wait_until([&] { return status(0).reason.find("sent nothing") != std::string::npos; }));
   robots->silence(0, false);
   EXPECT_TRUE(wait_until([&] { return status(0).reconnects >= 1; }));
 }

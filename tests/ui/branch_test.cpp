@@ -68,7 +68,7 @@ TEST_F(Branch, OfAReplayGoesOnLiveFromItsPresentMoment) {
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_NEAR(record().t, there.t, 1e-9);
   expect_same_places(record(), there, 1e-7);
-  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("As it was")); })) << alert().toStdString();
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("Repeated up to")); })) << alert().toStdString();
 }
 
 TEST_F(Branch, NeedsARunAndSaysSo) {

@@ -81,7 +81,7 @@ TEST_F(Operator, FindsAGainHeldAtItsBorder) {
   const QStringList events = saved_events();
   EXPECT_EQ(count(events, "gain_held k_yy "), 1);
   EXPECT_EQ(count(events, "gain k_yy "), 1);
-  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("border")); }));
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("its limit")); }));
 }
 
 TEST_F(Operator, PutsTheGainsBackToTheFiles) {

@@ -194,9 +194,9 @@ TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
     }
     return strip.text();
   };
-  EXPECT_FALSE(drive(0.0, 0.8, app::limited).contains(QStringLiteral("Limits"))) << "a short one is no news";
+  EXPECT_FALSE(drive(0.0, 0.8, app::limited).contains(QStringLiteral("LIMITED"))) << "a short one is no news";
   EXPECT_TRUE(drive(0.8, 2.0, app::limited).contains(QStringLiteral("robot 2")));
-  EXPECT_FALSE(drive(2.0, 2.1, app::tracking).contains(QStringLiteral("Limits"))) << "it is over";
+  EXPECT_FALSE(drive(2.0, 2.1, app::tracking).contains(QStringLiteral("LIMITED"))) << "it is over";
 }
 
 TEST(AlertStrip, SaysWhyARobotIsNotSeenAsLongAsItIsLost) {

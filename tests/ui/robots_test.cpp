@@ -73,10 +73,11 @@ TEST_F(Robots, OneIsTestedFromTheKeyboardAndTheVerdictIsShown) {
   ASSERT_TRUE(eventually([&] { return window.findChild<MessageDialog*>() != nullptr; })) << "no verdict came";
   EXPECT_EQ(live().phase(), app::Phase::ready);
   auto* verdict = find<MessageDialog>("problem_dialog");
-  EXPECT_TRUE(verdict->text().contains(QStringLiteral("Robot 2 does as it is told"))) << verdict->text().toStdString();
+  EXPECT_TRUE(verdict->text().contains(QStringLiteral("Robot 2 executes its commands")))
+      << verdict->text().toStdString();
   EXPECT_TRUE(verdict->text().contains(QStringLiteral("Version")));
   delete verdict;
-  EXPECT_FALSE(log_line(QStringLiteral("Robot 2 does as it is told")).isEmpty());
+  EXPECT_FALSE(log_line(QStringLiteral("Robot 2 executes its commands")).isEmpty());
   EXPECT_TRUE(eventually([&] { return find<QAbstractButton>("test_robot")->isEnabled(); }));
 }
 

@@ -165,8 +165,9 @@ TEST_F(Run, StopsWhenTheDiskFillsUp) {
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, old);
   ASSERT_TRUE(over) << "the robots drive on without a record";
-  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("could not be kept")); }))
-      << find<QLabel>("alert")->text().toStdString();
+  EXPECT_TRUE(eventually([&] {
+    return find<QLabel>("alert")->text().contains(QStringLiteral("could not be recorded"));
+  })) << find<QLabel>("alert")->text().toStdString();
 }
 
 TEST_F(Run, GoesOnWithoutAFilmWhenTheDiskFillsUp) {
@@ -194,7 +195,7 @@ TEST_F(Run, GoesOnUnderAWindowThatHangs) {
   QThread::msleep(1500);  // what a driver, a dialog or a bug may do to the window's thread
   ASSERT_TRUE(eventually([&] { return record().tick >= before + 30; }));
   EXPECT_TRUE(running());
-  EXPECT_TRUE(logged().contains(QStringLiteral("the window stood still")));
+  EXPECT_TRUE(logged().contains(QStringLiteral("the window stalled")));
 }
 
 TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
@@ -204,7 +205,7 @@ TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
   QThread::msleep(3600);  // five seconds would only make the test longer
   ASSERT_TRUE(eventually([&] { return stopped(); })) << "nobody could have stopped them";
   EXPECT_TRUE(eventually(
-      [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not answered")); }));
+      [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not responded")); }));
 }
 
 TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
@@ -221,9 +222,9 @@ TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
   });
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "nobody could have stopped them";
   mend.join();
-  EXPECT_TRUE(eventually([&] { return logged().contains(QStringLiteral("the window stood still")); }));
+  EXPECT_TRUE(eventually([&] { return logged().contains(QStringLiteral("the window stalled")); }));
   EXPECT_TRUE(eventually(
-      [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not answered")); }));
+      [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not responded")); }));
 }
 
 }  // namespace

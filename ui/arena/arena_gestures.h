@@ -23,7 +23,7 @@ struct ArenaRequests {
   std::function<void(int number, const core::Obstacle&)> obstacle;  // number -1: a new one; radius 0: take it away
 };
 
-/// One drag of the mouse from press to release: shows in the scene what would happen, and on release asks for it.
+/// One drag of the mouse from press to release: shows its effect in the scene, and executes it on release.
 class ArenaGesture {
  public:
   virtual ~ArenaGesture() = default;

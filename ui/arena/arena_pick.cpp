@@ -63,7 +63,7 @@ bool ArenaView::may_take(int robot, QPoint where) {
 }
 
 QString ArenaView::why_not(int robot) const {
-  return tr("Robot %1 is a real one: put it in its new place by hand.").arg(robot + 1);
+  return tr("Robot %1 is real: move it by hand.").arg(robot + 1);
 }
 
 QString ArenaView::tip_at(QPoint where) const {
@@ -71,8 +71,8 @@ QString ArenaView::tip_at(QPoint where) const {
   const int robot = robot_under(where), obstacle = obstacle_under(where);
   if (robot < 0 && obstacle >= 0) {
     const core::Obstacle& o = scene_.obstacles[static_cast<std::size_t>(obstacle)];
-    return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>"
-              "Drag to move it, wheel to resize it; drag it off the floor, or press Delete, to take it away.")
+    return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>Drag to move it, wheel to resize it; drag it off "
+              "the floor, or press Delete, to remove it.")
         .arg(obstacle + 1)
         .arg(o.x, 0, 'f', 3)
         .arg(o.y, 0, 'f', 3)

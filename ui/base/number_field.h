@@ -8,8 +8,8 @@ namespace skein::ui {
 /// A number as people type it, with either decimal sign; empty: it is none.
 std::optional<double> parse_number(const QString& text);
 
-/// A spin box that takes any number that is typed: what is too large or too small is held by whoever uses it, who says
-/// so. Qt's own swallows digits that would leave its range: "0.3" typed where 0.17 is the most becomes 0.
+/// A spin box that accepts any typed number: the code that uses it clamps too large or too small values, and tells so.
+/// Qt's own swallows digits that would leave its range: "0.3" typed where 0.17 is the most becomes 0.
 class NumberField final : public QDoubleSpinBox {
   Q_OBJECT
 

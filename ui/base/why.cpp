@@ -61,7 +61,7 @@ QString why(const app::TickRecord& record, std::size_t robot) {
     case app::Phase::running:
       break;
   }
-  if (r.is(app::stopped)) return tr("stands, out of the group, until it is let go");
+  if (r.is(app::stopped)) return tr("held, out of the group, until it is released");
   if (r.is(app::shielded)) {
     const QString of = nearest(record, robot);
     return of.isEmpty()
@@ -71,8 +71,8 @@ QString why(const app::TickRecord& record, std::size_t robot) {
   if (r.is(app::avoiding)) {
     const QString of = nearest(record, robot);
     const double off = core::distance(r.nominal.pose, r.reference.pose);
-    return of.isEmpty() ? tr("goes round, %1 cm beside its place").arg(100 * off, 0, 'f', 1)
-                        : tr("goes round %1, %2 cm beside its place").arg(of).arg(100 * off, 0, 'f', 1);
+    return of.isEmpty() ? tr("on a detour, %1 cm from its place").arg(100 * off, 0, 'f', 1)
+                        : tr("drives round %1, %2 cm from its place").arg(of).arg(100 * off, 0, 'f', 1);
   }
   if (r.is(app::limited)) return limits(r);
   return tr("tracks its place, %1 cm off").arg(100 * std::hypot(r.error.x, r.error.y), 0, 'f', 1);

@@ -50,7 +50,7 @@ QVariant ViewModel::data(const QModelIndex& index, int role) const {
     return static_cast<int>(Qt::AlignRight | Qt::AlignVCenter);
   if (role == Qt::ForegroundRole && view.left_out) return colours_.alarm;
   if (role == Qt::ToolTipRole && view.left_out)
-    return tr("It fits three times worse than the others, and is left out: take it out, or show the board again");
+    return tr("It fits three times worse than the others, and is rejected: remove it, or show the board again");
   if (role != Qt::DisplayRole) return {};
   switch (index.column()) {
     case name:
@@ -78,7 +78,7 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
       size_(new QLineEdit(QString::fromStdString(camera.size), this)),
       file_(new QLineEdit(file, this)),
       look_(new QPushButton(this)),
-      remove_(new QPushButton(tr("Take view out"), this)),
+      remove_(new QPushButton(tr("Remove view"), this)),
       save_(new QPushButton(tr("Save"), this)),
       advice_(new QLabel(this)),
       result_(new QLabel(this)),
@@ -108,7 +108,7 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
   file_->setToolTip(tr("Its name goes into the experiment file, as camera.calibration"));
   size_->setObjectName(QStringLiteral("calibration_size"));
   size_->setAccessibleName(tr("Size of the pictures"));
-  size_->setPlaceholderText(tr("as the camera is set"));
+  size_->setPlaceholderText(tr("the camera's setting"));
   size_->setToolTip(
       tr("Such as 1280x960: a calibration holds for this size, and for this focus. Exposure, gain and focus "
          "are set as the experiment says."));
@@ -121,8 +121,8 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
   tabs_->setAccessibleName(tr("Lens and floor"));
   tabs_->addTab(build_lens(), tr("1  Lens"));
   tabs_->addTab(floor_, tr("2  Floor"));
-  tabs_->setTabToolTip(0, tr("What the lens does: once for a camera, a lens, a focus and a resolution"));
-  tabs_->setTabToolTip(1, tr("Where the camera hangs: whenever it was moved"));
+  tabs_->setTabToolTip(0, tr("The lens: once for a camera, a lens, a focus and a resolution"));
+  tabs_->setTabToolTip(1, tr("The camera's pose: after every move of the camera"));
   right->addWidget(tabs_, 1);
   auto* layout = new QHBoxLayout(this);
   layout->addLayout(left, 1);
@@ -257,12 +257,12 @@ QString CalibrationDialog::advice(const app::CalibrationProgress& progress) cons
   if (!progress.problem.empty()) return QString::fromStdString(progress.problem);
   if (progress.frames == 0)
     return tr(
-        "Show the board from all sides, tilted up to 45°, near and far, out to the picture's corners. What is "
-        "shaded has not seen it yet.");
+        "Show the board from all sides, tilted up to 45°, near and far, out to the picture's corners. Shaded parts "
+        "have not been covered yet.");
   const QString place = next_place(progress);
   QString text = tr("%n view(s), %1 % of the picture covered. ", nullptr, static_cast<int>(progress.views.size()))
                      .arg(100 * progress.covered, 0, 'f', 0);
-  if (progress.over) return text + tr("The pictures are at their end.");
+  if (progress.over) return text + tr("There are no more images.");
   text += progress.corners.empty() ? tr("No board is seen: more light, nearer, or other squares? ") : QString();
   return place.isEmpty() ? text + tr("All of it is covered: tilt the board, and save.")
                          : text + tr("Show it %1, tilted.").arg(place);
@@ -272,8 +272,8 @@ void CalibrationDialog::dress(const app::CalibrationProgress& progress) {
   looks_ = calibration_ && !progress.over;
   look_->setText(looks_ ? tr("Stop looking") : tr("Look"));
   look_->setAccessibleName(look_->text());
-  look_->setToolTip(looks_ ? tr("Lets the camera go; the views stay")
-                           : tr("Looks at the camera's pictures for the board. An open experiment is ended first."));
+  look_->setToolTip(looks_ ? tr("Closes the camera; the views are kept")
+                           : tr("Searches the camera's images for the board. An open experiment is ended first."));
   look_->setEnabled(true);
   advice_->setText(advice(progress));
   const auto& r = progress.result;
@@ -286,12 +286,12 @@ void CalibrationDialog::dress(const app::CalibrationProgress& progress) {
                .arg(r->cx, 0, 'f', 1)
                .arg(r->cy, 0, 'f', 1)
                .arg(r->centre_sigma, 0, 'f', 1);
-    if (r->rms > good_error) text += tr(" That is much: is the board flat, are its squares as said?");
-    if (progress.covered < enough_covered) text += tr(" Where no board was seen, distortion is a guess.");
+    if (r->rms > good_error) text += tr(" That is large: is the board flat, and are its squares described correctly?");
+    if (progress.covered < enough_covered) text += tr(" Where no board was seen, distortion is extrapolated.");
   }
   result_->setText(!note_.isEmpty() ? note_ : calibration_ ? text : QString());
   save_->setEnabled(r.has_value());
-  save_->setToolTip(r ? tr("Writes the calibration file. Where the camera hangs comes next: the floor.")
+  save_->setToolTip(r ? tr("Writes the calibration file. The next step is the camera's pose: the floor.")
                       : tr("There is nothing to save yet"));
   remove_->setEnabled(!progress.views.empty());
 }

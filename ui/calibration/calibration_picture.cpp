@@ -36,7 +36,7 @@ QString next_place(const Progress& progress) {
 
 CalibrationPicture::CalibrationPicture(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("calibration_picture"));
-  setAccessibleName(tr("The camera's picture, and what of it a board has covered"));
+  setAccessibleName(tr("The camera's image, and the part of it that a board has covered"));
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Expanding);
 }
 

@@ -119,16 +119,16 @@ FloorPage::FloorPage(QWidget* parent)
       size_(millimetres(this, QStringLiteral("floor_tag_size"), tr("Edge of the robots' tags in millimetres"), 40)),
       height_(
           millimetres(this, QStringLiteral("floor_tag_height"), tr("Height of the robots' tags in millimetres"), 60)),
-      add_(button(this, tr("Add tag"), QStringLiteral("floor_add"), tr("Another tag that lies on the floor"))),
-      remove_(button(this, tr("Remove"), QStringLiteral("floor_remove"), tr("Takes the selected tag out"))),
+      add_(button(this, tr("Add tag"), QStringLiteral("floor_add"), tr("Adds a tag on the floor"))),
+      remove_(button(this, tr("Remove"), QStringLiteral("floor_remove"), tr("Removes the selected tag"))),
       look_(button(this, tr("Look and save"), QStringLiteral("floor_look"),
-                   tr("Looks at the floor, and writes where the camera hangs into the calibration file"))),
+                   tr("Measures the tags on the floor, and writes the camera's pose to the calibration file"))),
       result_(new QLabel(this)) {
   setObjectName(QStringLiteral("floor_page"));
-  auto* what = new QLabel(
-      tr("Put four tags or more onto the floor, spread over the arena, six are better. Measure where their middles are "
-         "(x right, y up, origin in the middle of the arena), and write it here."),
-      this);
+  auto* what =
+      new QLabel(tr("Put at least four tags, better six, onto the floor, spread over the arena. Measure the positions "
+                    "of their centres (x right, y up, origin in the middle of the arena), and enter them here."),
+                 this);
   what->setWordWrap(true);
   result_->setObjectName(QStringLiteral("floor_result"));
   result_->setWordWrap(true);
@@ -192,14 +192,14 @@ void FloorPage::settle() {
   const auto survey = survey_.get();
   if (!survey) return refuse(QString::fromStdString(survey.error()));
   tags_.show(survey->tags);
-  QString text = tr("Written. Off by %1 mm (rms), %2 mm at most. The camera hangs at x %3, y %4, z %5 m.")
+  QString text = tr("Written. Error %1 mm (rms), %2 mm at most. The camera is at x %3, y %4, z %5 m.")
                      .arg(1000 * survey->rms, 0, 'f', 1)
                      .arg(1000 * survey->worst, 0, 'f', 1)
                      .arg(survey->camera[0], 0, 'f', 3)
                      .arg(survey->camera[1], 0, 'f', 3)
                      .arg(survey->camera[2], 0, 'f', 3);
   if (!survey->suspect.empty())
-    text += tr(" %1: the others agree without it: check its place.").arg(QString::fromStdString(survey->suspect));
+    text += tr(" %1: the others agree without it: check its position.").arg(QString::fromStdString(survey->suspect));
   refuse(text);
   emit saved();
 }

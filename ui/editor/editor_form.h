@@ -14,7 +14,7 @@ class EditorForm final : public QWidget {
 
  public:
   explicit EditorForm(QWidget* parent = nullptr);
-  /// What the text says; the fields that are being edited are left alone.
+  /// Shows the values of the text; fields being edited are not changed.
   void show_text(const QString& text);
 
  signals:

@@ -55,7 +55,7 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   save_->setObjectName(QStringLiteral("editor_save"));
   save_as_->setObjectName(QStringLiteral("editor_save_as"));
   open_->setObjectName(QStringLiteral("editor_open"));
-  open_->setToolTip(tr("Ends the run that is on, and sets this experiment up in the window"));
+  open_->setToolTip(tr("Ends the present run, and sets this experiment up in the window"));
   for (auto* button : {save_, save_as_, open_}) {
     button->setAccessibleName(button->text());
     button->setAutoDefault(false);
@@ -136,7 +136,7 @@ void ExperimentEditor::check() {
   list_->setVisible(!problems.empty());
   const Colours c = colours(palette());
   const QString verdict = problems.empty() ? tr("This experiment can be run.")
-                                           : tr("%n problem(s): it cannot be run like this.", nullptr, problems_);
+                                           : tr("%n problem(s): this experiment cannot run.", nullptr, problems_);
   verdict_->setText(
       QStringLiteral("<span style=\"color:%1\">%2</span>").arg((problems.empty() ? c.good : c.alarm).name(), verdict));
   open_->setEnabled(problems.empty());
@@ -176,13 +176,13 @@ bool ExperimentEditor::was_changed_by_others() const {
 }
 
 void ExperimentEditor::ask_overwrite(bool then_open) {
-  auto* box =
-      new QMessageBox(QMessageBox::Warning, tr("Changed meanwhile"),
-                      tr("%1 was changed by somebody else since it was opened here.").arg(QFileInfo(file_).fileName()),
-                      QMessageBox::NoButton, this);
+  auto* box = new QMessageBox(
+      QMessageBox::Warning, tr("Changed meanwhile"),
+      tr("%1 was changed by another program since it was opened here.").arg(QFileInfo(file_).fileName()),
+      QMessageBox::NoButton, this);
   box->setObjectName(QStringLiteral("editor_overwrite_dialog"));
   auto* overwrite = box->addButton(tr("Overwrite it"), QMessageBox::DestructiveRole);
-  auto* reload = box->addButton(tr("Open what is there"), QMessageBox::ResetRole);
+  auto* reload = box->addButton(tr("Open the changed file"), QMessageBox::ResetRole);
   auto* other = box->addButton(tr("Save under another name …"), QMessageBox::ActionRole);
   box->addButton(QMessageBox::Cancel);
   connect(overwrite, &QPushButton::clicked, this, [this, then_open] { write_and(then_open); });
@@ -200,12 +200,12 @@ void ExperimentEditor::reject() {
 
 void ExperimentEditor::ask_close() {
   if (auto* asked = findChild<QMessageBox*>(QStringLiteral("editor_close_dialog"))) return asked->raise();
-  auto* box = new QMessageBox(QMessageBox::Question, tr("Not saved"),
-                              tr("This experiment has changes that no file has yet."), QMessageBox::NoButton, this);
+  auto* box = new QMessageBox(QMessageBox::Question, tr("Not saved"), tr("This experiment has unsaved changes."),
+                              QMessageBox::NoButton, this);
   box->setObjectName(QStringLiteral("editor_close_dialog"));
   auto* keep = box->addButton(tr("Save"), QMessageBox::AcceptRole);
-  auto* discard = box->addButton(tr("Throw them away"), QMessageBox::DestructiveRole);
-  box->addButton(tr("Go on editing"), QMessageBox::RejectRole);
+  auto* discard = box->addButton(tr("Discard them"), QMessageBox::DestructiveRole);
+  box->addButton(tr("Keep editing"), QMessageBox::RejectRole);
   connect(keep, &QPushButton::clicked, this, [this] { save_and(false); });
   connect(discard, &QPushButton::clicked, this, [this] { QDialog::reject(); });
   show_beside(box);

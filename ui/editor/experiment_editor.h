@@ -24,13 +24,13 @@ class ExperimentEditor final : public QDialog {
   void edit(const QString& text, const QString& file);
   QString text() const;
   bool is_valid() const { return problems_ == 0; }
-  /// It differs from what was opened or saved last.
+  /// Whether it differs from the last opened or saved text.
   bool has_changes() const { return text() != kept_; }
-  /// Writes the text, finished or not. The answer says what went wrong; empty: nothing.
+  /// Writes the text, finished or not. Returns the error; empty: none.
   QString save(const QString& file);
 
  public slots:
-  void reject() override;  ///< closes, or asks what to do with the changes
+  void reject() override;  ///< closes, or asks about unsaved changes
 
  signals:
   void open_wanted(const QString& file);  ///< it is saved, and the window is to run it

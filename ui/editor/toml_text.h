@@ -24,7 +24,7 @@ class TomlColours final : public QSyntaxHighlighter {
   Colours colours_;
 };
 
-/// A text of TOML: coloured, with a wavy line under what is wrong and the reason when the mouse is on it.
+/// A TOML text: coloured, with a wavy line under mistakes and their reasons as tool tips.
 class TomlText final : public QPlainTextEdit {
   Q_OBJECT
 

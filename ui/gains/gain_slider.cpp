@@ -184,7 +184,7 @@ int GainSlider::step_of(double value) const {
 
 void GainSlider::choose(double value) {
   if (value < 0.0) {
-    emit refused(tr("%1 is held at 0, its border: found %2").arg(QLatin1String(core::word(gain_).data())).arg(value));
+    emit refused(tr("%1 is clamped at 0, its limit: found %2").arg(QLatin1String(core::word(gain_).data())).arg(value));
     value = 0.0;
   }
   const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
@@ -247,11 +247,10 @@ void GainSlider::show_text() {
   const bool on_its_way = std::abs(now_ - spin_->value()) > 0.5e-4;
   now_text_->setText(on_its_way ? tr("now %1 …").arg(number(now_)) : tr("now %1").arg(number(now_)));
   border_text_->setText(tr("border %1").arg(number(border_)));
-  border_text_->setToolTip(
-      tr("The largest value that (18f) and (18g) leave over the whole reference. Now they would leave "
-         "%1: the reference asks for less here than elsewhere.")
-          .arg(number(border_now_)) +
-      QLatin1Char(' ') + tr(way_on(gain_)));
+  border_text_->setToolTip(tr("The largest value that (18f) and (18g) leave over the whole reference. At this moment "
+                              "they would leave %1: the reference needs less here than elsewhere.")
+                               .arg(number(border_now_)) +
+                           QLatin1Char(' ') + tr(way_on(gain_)));
 }
 
 }  // namespace skein::ui

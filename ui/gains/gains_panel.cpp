@@ -91,8 +91,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   ramp_->setSuffix(tr(" s"));
   ramp_->setSpecialValueText(tr("as fast as is safe"));
   ramp_->setToolTip(
-      tr("During a run a gain goes to its new value along a ramp of this length. Never faster than from nothing to all "
-         "authority in 5 s: Theorem 1 wants gains that are continuous. Before a start it changes at once."));
+      tr("During a run a gain goes to its new value along a ramp of this length. Never faster than from zero to full "
+         "authority in 5 s: Theorem 1 requires continuous gains. Before a start it changes at once."));
   over->addWidget(new QLabel(tr("Change within"), this));
   over->addWidget(ramp_, 1);
   layout->addLayout(over);
@@ -104,8 +104,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   coupling_->addItem(tr("as printed (15)"), QStringLiteral("paper"));
   coupling_->addItem(tr("bounded"), QStringLiteral("bounded"));
   coupling_->setToolTip(
-      tr("As printed, the forward and heading couplings may ask for more than their gains, and commands are limited "
-         "after the law; bounded, (18f, g) imply the limits (14). Changed before the start."));
+      tr("As printed, the forward and heading couplings may exceed their gains, and commands are limited after the "
+         "law; bounded, (18f, g) imply the limits (14). Can be changed before the start only."));
   connect(coupling_, &QComboBox::activated, this, [this] {
     emit experiment_wanted(QStringLiteral("controller.coupling=") + coupling_->currentData().toString());
   });
@@ -126,8 +126,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   tabs_->setDocumentMode(true);
   delay_->setObjectName(QStringLiteral("delay_margin"));
   delay_->setToolTip(
-      tr("The delay from a pose to the wheels' answer that the loop of the robot that bears least bears beside this "
-         "reference, and the delay now. Prediction makes up for what is known of it: the loop bears more than this."));
+      tr("The smallest delay margin of all robots with this reference, from a pose to the wheels' response, and the "
+         "present delay. Prediction compensates the known part of the delay: the loops tolerate more than this."));
   delay_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   auto* margins = new QWidget;
   auto* margins_layout = new QVBoxLayout(margins);
@@ -272,7 +272,7 @@ void GainsPanel::fill_presets() {
     if (preset.own) forget->addAction(preset.name, this, [name = preset.name] { forget_gain_preset(name); });
   }
   menu->addSeparator();
-  menu->addAction(tr("Keep the present gains …"), this, &GainsPanel::keep_as_preset)
+  menu->addAction(tr("Save the present gains …"), this, &GainsPanel::keep_as_preset)
       ->setObjectName(QStringLiteral("keep_preset"));
   if (forget) menu->addMenu(forget);
 }
@@ -280,7 +280,7 @@ void GainsPanel::fill_presets() {
 void GainsPanel::keep_as_preset() {
   auto* dialog = new QInputDialog(this);
   dialog->setObjectName(QStringLiteral("preset_dialog"));
-  dialog->setWindowTitle(tr("Keep the present gains"));
+  dialog->setWindowTitle(tr("Save the present gains"));
   dialog->setLabelText(tr("Under the name"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setModal(false);  // STOP can be clicked beside it

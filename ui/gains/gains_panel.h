@@ -21,7 +21,7 @@
 
 namespace skein::ui {
 
-/// The three coupling gains, their schedule, and what they leave to tracking. Every change can be undone.
+/// The three coupling gains, their schedule, and the margins for tracking. Every change can be undone.
 class GainsPanel final : public QWidget {
   Q_OBJECT
 
@@ -39,9 +39,9 @@ class GainsPanel final : public QWidget {
   /// How the pairs are asked for: now and whenever one of them is changed.
   void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
   void refresh_pairs();
-  /// Couples two robots that are not, and the other way round.
+  /// Toggles the coupling of two robots.
   void switch_pair(int i, int j);
-  /// Nothing can be changed, and why: what is there can be read all the same; empty: it can.
+  /// Disables changes, with the reason; the values remain readable; empty: enables them.
   void set_fixed(const QString& why);
   /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
   void set_before_start(bool before);

@@ -79,9 +79,9 @@ QVariant PairModel::data(const QModelIndex& index, int role) const {
     case Qt::ForegroundRole:
       return pair.coupled ? QVariant() : QVariant(colours_.faint_text);
     case Qt::ToolTipRole:
-      return tr("%1 of robots %2 and %3: %4, at most %5 beside the others.\nAbove the diagonal the values: "
-                "double-click, "
-                "or F2, changes one. Below it the ticks: a click, or X, switches the whole coupling off and on.")
+      return tr("%1 of robots %2 and %3: %4, at most %5 beside the others.\nValues are above the diagonal: "
+                "double-click or F2 changes one. Ticks are below it: a click or X switches the whole coupling off and "
+                "on.")
           .arg(QLatin1String(core::word(gain_).data()))
           .arg(i + 1)
           .arg(j + 1)

@@ -30,7 +30,7 @@ class PairModel final : public QAbstractTableModel {
   void show_robots(std::size_t robots);
   void show_gain(core::GainName gain);
   core::GainName gain() const { return gain_; }
-  void refresh(const Ask& ask);  ///< takes every pair's values
+  void refresh(const Ask& ask);  ///< updates every pair's values
   void set_colours(const Colours& colours);
   void set_fixed(bool fixed) { fixed_ = fixed; }
 

@@ -112,8 +112,8 @@ QVariant ScheduleModel::headerData(int section, Qt::Orientation orientation, int
                              : QString::fromUtf8(keys[static_cast<std::size_t>(section)]);
   if (role == Qt::ToolTipRole)
     return section == t      ? tr("When the change begins")
-           : section == ramp ? tr("How long it takes: Theorem 1 wants gains that are continuous")
-                             : tr("Its new value for all pairs; empty: as it is");
+           : section == ramp ? tr("How long it takes: Theorem 1 requires continuous gains")
+                             : tr("Its new value for all pairs; empty: unchanged");
   return {};
 }
 
@@ -146,7 +146,7 @@ ScheduleEditor::ScheduleEditor(QWidget* parent)
     b->setToolTip(tip);
   };
   button(add_, QStringLiteral("schedule_add"), tr("Another change, after the last"));
-  button(remove_, QStringLiteral("schedule_remove"), tr("Takes the selected change out"));
+  button(remove_, QStringLiteral("schedule_remove"), tr("Removes the selected change"));
   button(apply_, QStringLiteral("schedule_apply"), tr("Sets the experiment up again with this schedule"));
 
   auto* row = new QHBoxLayout;
@@ -158,7 +158,7 @@ ScheduleEditor::ScheduleEditor(QWidget* parent)
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 4, 0, 0);
   layout->setSpacing(4);
-  auto* what = new QLabel(tr("From t on, each gain goes to its new value within the ramp; empty: it stays."), this);
+  auto* what = new QLabel(tr("From t on, each gain moves to its new value within the ramp; empty: unchanged."), this);
   what->setWordWrap(true);
   layout->addWidget(table_, 1);
   layout->addWidget(what);

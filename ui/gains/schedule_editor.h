@@ -52,7 +52,7 @@ class ScheduleEditor final : public QWidget {
  public:
   explicit ScheduleEditor(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
-  /// Changes are possible only before the start; what holds then is the file's.
+  /// Changes are possible only before the start; afterwards the file's values hold.
   void set_editable(bool editable);
 
  signals:

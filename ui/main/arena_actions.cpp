@@ -43,9 +43,9 @@ ArenaActions::ArenaActions(ArenaView* arena, QObject* parent) : QObject(parent),
   tool(ArenaTool::hand, tr("&Hand"), QStringLiteral("tool_hand"), QKeySequence(tr("H")),
        tr("Hand (H): drag robots and obstacles, turn robots with the wheel, click a coupling to switch it"));
   tool(ArenaTool::kick, tr("&Kick"), QStringLiteral("tool_kick"), QKeySequence(tr("K")),
-       tr("Kick (K): draw an arrow out of a simulated robot, and it slides that way"));
+       tr("Kick (K): draw an arrow from a simulated robot, and it slides in that direction"));
   tool(ArenaTool::measure, tr("&Measure"), QStringLiteral("tool_measure"), QKeySequence(tr("M")),
-       tr("Measure (M): drag from point to point; the ends hold on to robots and obstacles"));
+       tr("Measure (M): drag from point to point; the ends snap to robots and obstacles"));
   tool(ArenaTool::obstacle, tr("&Obstacle"), QStringLiteral("tool_obstacle"), QKeySequence(tr("O")),
        tr("Obstacle (O): click drops one, drag draws it out to its size"));
 }

@@ -35,7 +35,7 @@ void BranchController::go_on_from_here() {
   for (const auto& row : kept)
     if (row->t <= t) rows.push_back(row.get());
   if (rows.empty() || runs_.live().is_busy())
-    return messages_.say(tr("There is no run yet that could go on from here"), Severity::notice);
+    return messages_.say(tr("There is no run yet to go on from"), Severity::notice);
   auto repeated = app::parse_experiment(app::text_as_done(experiment, rows), experiment.name);
   if (!repeated)
     return messages_.problem(tr("This run cannot be repeated"),
@@ -54,8 +54,7 @@ void BranchController::go_on_from_here() {
 void BranchController::take(const app::TickRecord& record) {
   if (!pause_at_ || !record.events.contains<app::events::Pause>()) return;
   messages_.tell(runs_.live().set_speed(speed_));
-  messages_.say(tr("As it was, up to %1 s. Change what you like; F5 goes on").arg(*pause_at_, 0, 'f', 2),
-                Severity::note);
+  messages_.say(tr("Repeated up to %1 s. Change what you like; F5 goes on").arg(*pause_at_, 0, 'f', 2), Severity::note);
   pause_at_.reset();
 }
 

@@ -77,7 +77,7 @@ Notice CheckController::banner() const {
   if (!amiss) return {tr("Ready – start with F5")};
   const QString reason = QString::fromStdString(amiss->reason);
   if (amiss->state == app::Check::State::waits) return {tr("Not ready yet: %1").arg(reason)};
-  return {amiss->hard ? tr("Not ready: %1").arg(reason) : tr("Not in order: %1").arg(reason)};
+  return {amiss->hard ? tr("Not ready: %1").arg(reason) : tr("Check failed: %1").arg(reason)};
 }
 
 void CheckController::start(bool overrule) {

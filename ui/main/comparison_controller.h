@@ -21,7 +21,7 @@ class ComparisonController final : public QObject {
                        QObject* parent = nullptr);
   void build_menu(QMenu* file);
   void load(const QString& file);
-  void compare_with_now();  ///< what the run that is shown has been so far stays behind those that follow
+  void compare_with_now();  ///< keeps the present run so far for comparison with later ones
   /// Another run is shown: the second one stays if it has as many robots.
   void show_experiment();
   void refresh();  ///< thirty times a second

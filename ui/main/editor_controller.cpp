@@ -18,7 +18,7 @@ bool EditorController::ask_about_changes() const {
     editor->reject();
     asked = true;
   }
-  if (asked) messages_.say(tr("Not closed: an experiment has changes that no file has yet"), Severity::warning);
+  if (asked) messages_.say(tr("Not closed: an experiment has unsaved changes"), Severity::warning);
   return asked;
 }
 
@@ -51,14 +51,14 @@ void EditorController::edit_experiment() {
 void EditorController::edit_present() {
   const RunSource& run = runs_.shown();
   const app::Experiment& experiment = run.experiment();
-  if (!run.latest()) return messages_.say(tr("There are no gains to write down: no run is open"), Severity::notice);
+  if (!run.latest()) return messages_.say(tr("There are no gains to write: no run is open"), Severity::notice);
   core::CouplingGains gains = experiment.controller.gains;
   const std::size_t n = experiment.robots.size();
   for (const core::GainName name : core::gain_names)
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = i + 1; j < n; ++j) core::table(gains, name).set(i, j, run.gain_target(name, i, j));
   const auto text = app::text_with_gains(experiment.source, gains);
-  if (!text) return messages_.problem(tr("The gains cannot be written down"), QString::fromStdString(text.error()));
+  if (!text) return messages_.problem(tr("The gains cannot be written"), QString::fromStdString(text.error()));
   edit(QString::fromStdString(*text), {});
 }
 

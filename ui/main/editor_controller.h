@@ -14,7 +14,7 @@ class EditorController final : public QObject {
   EditorController(const Runs& runs, FileController& files, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* file);
   void edit(const QString& text, const QString& file);
-  /// Every editor whose text no file has asks what to do with it; false: there is none.
+  /// Every editor with an unsaved text asks what to do with it; false: there is none.
   bool ask_about_changes() const;
   void edit_experiment();  ///< the one that is shown, as its file has it
 

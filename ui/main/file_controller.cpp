@@ -53,7 +53,7 @@ void FileController::ask() {
 
 bool FileController::real_robots_move() const {
   if (!live_.is_under_way() || live_.real_time_reason().isEmpty()) return false;
-  messages_.problem(tr("Not while robots are under way"), tr("Stop the run first, then open the file."));
+  messages_.problem(tr("Not while robots drive"), tr("Stop the run first, then open the file."));
   return true;
 }
 
@@ -61,7 +61,7 @@ void FileController::open(const QString& file) {
   const QString kind = QFileInfo(file).suffix().toLower();
   if (kind == QStringLiteral("csv")) return open_recording(file);
   if (kind != QStringLiteral("toml")) {
-    messages_.problem(tr("This is no file for Skein"),
+    messages_.problem(tr("Skein cannot open this file"),
                       tr("Found %1, allowed: an experiment (.toml) or a recorded run (.csv).").arg(file));
     return;
   }
@@ -81,7 +81,7 @@ void FileController::open(const QString& file) {
   if (real_robots_move()) return;
   if (live_.is_busy()) {
     messages_.problem(tr("Not yet"),
-                      tr("The experiment before is still being opened or closed: try again in a moment."));
+                      tr("The previous experiment is still being opened or closed: try again in a moment."));
     return;
   }
   emit experiment_wanted(*experiment);

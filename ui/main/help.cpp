@@ -12,23 +12,23 @@ QString shortcuts_text() {
     return QStringLiteral("<tr><td colspan=\"2\" style=\"padding-top: 8px\"><i>%1</i></td></tr>").arg(title);
   };
   return QStringLiteral("<table>") + section(tr("The run")) +
-         row.arg(tr("Space, Esc"), tr("STOP: all robots, at once, wherever the focus is, also while you type")) +
+         row.arg(tr("Space, Esc"), tr("STOP: all robots, at once, wherever the focus is, even while you type")) +
          row.arg(QStringLiteral("F5"), tr("Start, pause, resume")) +
          row.arg(QStringLiteral("F6"), tr("A simulation: one tick on, and pause")) +
          row.arg(tr("Ctrl+Up, Ctrl+Down"), tr("A simulation: faster, slower")) +
          row.arg(QStringLiteral("Ctrl+R"), tr("Record as CSV")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
-         row.arg(QStringLiteral("Ctrl+B"), tr("A simulation or its replay: go on from this moment, otherwise")) +
-         row.arg(QStringLiteral("Ctrl+L"), tr("Check list: what has to hold before a start")) +
+         row.arg(QStringLiteral("Ctrl+B"), tr("A simulation or its replay: go on from this moment, with changes")) +
+         row.arg(QStringLiteral("Ctrl+L"), tr("Check list: the conditions for a start")) +
          row.arg(tr("Ctrl+Z, Ctrl+Shift+Z"), tr("Undo and redo a change of a gain")) +
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
-         section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Puts it somewhere else; it keeps its heading")) +
+         section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Moves it; it keeps its heading")) +
          row.arg(tr("Wheel"), tr("Turns it by 15° a notch, with Shift by 1°")) +
          row.arg(tr("Shift+drag, K"), tr("Kicks it: it slides along the arrow")) +
          row.arg(tr("Click, 1 … 9"), tr("Selects it: bold in the plots, marked in the table")) +
          row.arg(tr("Arrows, Page Up, Page Down"), tr("Move and turn the selected one, with Shift finely")) +
          section(tr("The arena")) + row.arg(tr("H, K, M, O"), tr("Hand, kick, measure, obstacle")) +
          row.arg(tr("Click on a coupling"), tr("Switches it off and on; X does in the table of pairs")) +
-         row.arg(tr("Wheel, Delete on an obstacle"), tr("Another size; takes it away")) +
+         row.arg(tr("Wheel, Delete on an obstacle"), tr("Changes its size; removes it")) +
          row.arg(tr("Ctrl+wheel, Ctrl++, Ctrl+−"), tr("Zoom")) + row.arg(tr("Middle or right drag"), tr("Pan")) +
          row.arg(tr("Ctrl+0, double click"), tr("All of it")) + section(tr("The plots")) +
          row.arg(tr("Wheel, drag"), tr("Zoom and move along the time; the run goes on")) +

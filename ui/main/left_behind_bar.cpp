@@ -51,7 +51,7 @@ void LeftBehindBar::look() {
   for (const app::RunMarker& run : app::bad_ends())
     runs << tr("The run \"%1\" ended badly, and its robots may still be driving: %2.")
                 .arg(QString::fromStdString(run.experiment), QString::fromStdString(run.names()));
-  if (failed_ && !runs.isEmpty()) runs << tr("Not all have acknowledged the stop: switch them off by hand.");
+  if (failed_ && !runs.isEmpty()) runs << tr("Not all robots have acknowledged the stop: switch those off by hand.");
   text_->setText(runs.join(QLatin1Char(' ')));
   stop_->setEnabled(true);
   stop_->setText(tr("Stop them now"));

@@ -116,7 +116,7 @@ void MainWindow::build_panels() {
   check_list_->hide();
   pace_ = new QLabel;
   pace_->setObjectName(QStringLiteral("pace"));
-  pace_->setToolTip(tr("Pace of the control loop, and what a tick takes of it"));
+  pace_->setToolTip(tr("Period of the control loop, and the duration of a tick"));
   pace_->setContentsMargins(8, 0, 8, 0);
 }
 
@@ -307,7 +307,7 @@ void MainWindow::build_view_menu(QMenu* view) {
   view->addSeparator();
   dark_ = add_toggle(view, tr("Dar&k palette"), QStringLiteral("view_dark"),
                      [this](bool on) { set_theme(on ? Theme::dark : Theme::light); });
-  add(view, tr("As the des&ktop"), QStringLiteral("view_as_desktop"), {}, [this] {
+  add(view, tr("Like the des&ktop"), QStringLiteral("view_as_desktop"), {}, [this] {
     set_theme(desktop_at_start_);
     theme_chosen_ = false;
   });
@@ -388,11 +388,11 @@ void MainWindow::connect_session() {
   });
   connect(live, &LiveRun::refused, this, [this](const QString& why) { messages_->note(why, Severity::warning); });
   connect(live, &LiveRun::was_away, this, [this](double seconds) {
-    messages_->note(tr("the window stood still for %1 s; the control loop did not").arg(seconds, 0, 'f', 1),
+    messages_->note(tr("the window stalled for %1 s; the control loop did not").arg(seconds, 0, 'f', 1),
                     Severity::warning);
   });
   connect(live, &LiveRun::rows_missed, this, [this](int rows) {
-    messages_->note(tr("The window hung: it has missed %n row(s). The record has them.", nullptr, rows),
+    messages_->note(tr("The window hung: it has missed %n row(s), which are in the recording.", nullptr, rows),
                     Severity::warning);
   });
   connect(live, &LiveRun::closed, this, [this] {
@@ -458,7 +458,7 @@ void MainWindow::on_opened() {
   const LiveRun& live = runs_.live();
   gains_->show_experiment(live.experiment(), [&live](core::GainName gain) { return live.gain_border(gain); });
   if (const auto why = live.unguarded()) {  // nothing would stop the robots should this program be killed
-    const QString text = tr("NO GUARD: should this program be killed, nothing stops the robots (%1)").arg(*why);
+    const QString text = tr("NO GUARD: if this program is killed, nothing stops the robots (%1)").arg(*why);
     log_->note(0.0, text, Severity::warning);
     alert_->warn_unguarded(text);
   }
@@ -616,7 +616,7 @@ void MainWindow::reopen_with(const QString& set) {
   const app::Experiment& now = live.experiment();
   auto changed = app::parse_experiment(now.source, now.name, {set.toStdString()});
   if (!changed) {
-    messages_->problem(tr("This cannot be run"), QString::fromStdString(changed.error().front().message()));
+    messages_->problem(tr("This cannot run"), QString::fromStdString(changed.error().front().message()));
     show_run();  // what the panels show is what holds
     on_opened();
     return;

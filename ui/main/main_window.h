@@ -47,13 +47,13 @@ class MainWindow final : public QMainWindow {
   ~MainWindow() override;
 
   void open(const app::Experiment& experiment, bool start_at_once);
-  /// Reads an experiment file and opens it, or says what is wrong with it; plays a recorded run (.csv).
+  /// Reads an experiment file and opens it, or shows its problems; replays a recorded run (.csv).
   void open_file(const QString& file);
   /// Where the open experiment comes from, for the editor and the list of recent files; empty: nobody knows.
   void set_experiment_file(const QString& file);
   void save_csv(const QString& file);
   void save_plot(const QString& file, bool everything = false);
-  /// Records this run to the file as it goes, what was before included, and those that follow to files beside it.
+  /// Records this run to the file live, including its beginning, and later runs to files beside it.
   void record_to(const QString& file);
   void set_theme(Theme theme);  ///< and keep to it, instead of following the desktop
 
@@ -62,7 +62,7 @@ class MainWindow final : public QMainWindow {
   /// Draws a recorded run pale behind the one that is shown.
   void compare_with(const QString& file);
 
-  /// Without a display: stops all robots, waits for their answers, completes the recording; says how that went.
+  /// Without a display: stops all robots, waits for their answers, completes the recording; reports the result.
   QString close_session();
 
   const LiveRun& live() const { return runs_.live(); }
@@ -70,7 +70,7 @@ class MainWindow final : public QMainWindow {
 
  public slots:
   void stop();
-  void go();    ///< what the first button says: start, pause, resume, play
+  void go();    ///< the action of the first button: start, pause, resume, play
   void step();  ///< a simulation or a replay, one tick on
   void set_speed(double speed);
   void record(bool on);

@@ -107,7 +107,7 @@ void RecordingController::refresh() {
   if (!problem.isEmpty())
     messages_.problem(tr("The run was not saved"), problem);
   else if (const auto gone = live_.history().dropped())
-    messages_.say(tr("Saved %1 without its first %2 rows: the run was too long to keep them").arg(file).arg(gone),
+    messages_.say(tr("Saved %1 without its first %2 rows, which were no longer in memory").arg(file).arg(gone),
                   Severity::warning);
   else
     messages_.say(tr("Saved %1").arg(file), Severity::good);

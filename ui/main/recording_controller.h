@@ -17,7 +17,7 @@ class RecordingController final : public QObject {
 
   bool records() const { return records_; }  ///< this run and those that follow
   void record(bool on);
-  /// Records this run to the file as it goes, what was before included, and those that follow to files beside it.
+  /// Records this run to the file live, including its beginning, and later runs to files beside it.
   void record_to(const QString& file);
   /// Where the film of a run of this experiment goes, if runs are recorded; empty: there is none.
   QString film_path(const app::Experiment& experiment) const;

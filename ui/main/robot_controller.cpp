@@ -36,7 +36,7 @@ QString RobotController::in_the_way(int robot, const core::Pose& pose) const {
     const std::vector<app::RobotSpec>& robots = runs_.shown().experiment().robots;
     const double need = robots[moved].radius + robots[k].radius;
     if (away < need && away < now)  // two that stand too near already may be turned, and moved apart
-      return tr("Robot %1 was not moved: robot %2 stands there, %3 cm away, and two robots need %4 cm")
+      return tr("Robot %1 was not moved: robot %2 is %3 cm away, and two robots need %4 cm")
           .arg(robot + 1)
           .arg(k + 1)
           .arg(100 * away, 0, 'f', 1)
@@ -77,18 +77,18 @@ void RobotController::test(int robot) {
 
 void RobotController::show_test(const app::WheelCheck& test) {
   emit testing(false);
-  QStringList lines{test.version.empty() ? tr("firmware: not said") : QString::fromStdString(test.version)};
+  QStringList lines{test.version.empty() ? tr("firmware: not reported") : QString::fromStdString(test.version)};
   const QString low = test.battery_low ? tr(", low: charge it") : QString();
   lines << (std::isfinite(test.battery) ? tr("battery %1 V").arg(test.battery, 0, 'f', 2) + low
-                                        : tr("battery: no number said") + low);
+                                        : tr("battery: not reported") + low);
   lines << tr("counters: left %1, right %2 steps").arg(test.left_steps).arg(test.right_steps);
   for (const std::string& fault : test.faults) lines << QString::fromStdString(fault);
   const bool well = test.faults.empty();
-  const QString verdict = well ? tr("Robot %1 does as it is told").arg(test.robot + 1)
-                               : tr("Robot %1 does NOT do as it is told").arg(test.robot + 1);
+  const QString verdict = well ? tr("Robot %1 executes its commands").arg(test.robot + 1)
+                               : tr("Robot %1 does NOT execute its commands").arg(test.robot + 1);
   messages_.note(verdict + QStringLiteral(": ") + lines.join(QStringLiteral("; ")),
                  well ? Severity::good : Severity::alarm);
-  messages_.problem(verdict, tr("What the test has found:"), lines.join(QLatin1Char('\n')));
+  messages_.problem(verdict, tr("Results of the test:"), lines.join(QLatin1Char('\n')));
 }
 
 }  // namespace skein::ui

@@ -27,7 +27,7 @@ QToolButton* menu_button(const QString& text, const QString& name, const QString
 void PlotsPanel::build_tools(QHBoxLayout* tools) {
   span_box_->setObjectName(QStringLiteral("plot_span"));
   span_box_->setAccessibleName(tr("Time seen"));
-  span_box_->setToolTip(tr("How much of the time is seen"));
+  span_box_->setToolTip(tr("Length of the time axis"));
   for (const auto& [text, seconds] : {std::pair{tr("10 s"), 10.0},
                                       {tr("1 min"), 60.0},
                                       {tr("5 min"), 300.0},
@@ -41,14 +41,14 @@ void PlotsPanel::build_tools(QHBoxLayout* tools) {
   freeze->setObjectName(QStringLiteral("freeze_plots"));
   freeze->setText(tr("Hold"));
   freeze->setAccessibleName(tr("Hold the plots"));
-  freeze->setToolTip(tr("The picture stands still to be read; the run goes on, and nothing of it is lost"));
+  freeze->setToolTip(tr("Freezes the plots for reading; the run goes on and is still recorded"));
   freeze->setAutoRaise(true);
   connect(freeze, &QToolButton::clicked, this, [this] { live_ ? leave_live() : go_live(); });
 
   connect(plots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_plots_menu);
   connect(robots_menu_, &QMenu::aboutToShow, this, &PlotsPanel::fill_robots_menu);
   auto* save = new QMenu(this);
-  save->addAction(tr("What is seen …"), this, [this] { emit save_wanted(false); });
+  save->addAction(tr("Visible part …"), this, [this] { emit save_wanted(false); });
   save->addAction(tr("Everything …"), this, [this] { emit save_wanted(true); });
   tools->addWidget(span_box_);
   tools->addWidget(freeze);
@@ -108,7 +108,7 @@ void PlotsPanel::fill_robots_menu() {
 void PlotsPanel::context_menu(const QPoint& where) {
   auto* menu = new QMenu(this);
   menu->setAttribute(Qt::WA_DeleteOnClose);
-  menu->addAction(tr("Save what is seen …"), this, [this] { emit save_wanted(false); });
+  menu->addAction(tr("Save the visible part …"), this, [this] { emit save_wanted(false); });
   menu->addAction(tr("Save everything …"), this, [this] { emit save_wanted(true); });
   menu->addAction(tr("Back to live"), this, &PlotsPanel::go_live)->setEnabled(!live_);
   menu->popup(view_->mapToGlobal(where));

@@ -43,7 +43,7 @@ class PlotsPanel final : public QWidget {
 
   void select(int robot);  ///< from 0, drawn bold; -1: all alike
   void go_live();
-  void show_time(double t);  ///< in the middle, and the picture stands still
+  void show_time(double t);  ///< in the middle, with frozen plots
   bool is_live() const { return live_; }
   /// How much of the time is seen; 0: all there is. [s]
   void set_span(double seconds);

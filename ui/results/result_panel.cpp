@@ -32,18 +32,18 @@ ResultPanel::ResultPanel(QWidget* parent)
       copy_latex_(new QPushButton(tr("Copy as LaTeX"), this)) {
   setObjectName(QStringLiteral("results"));
   table_->setObjectName(QStringLiteral("result_table"));
-  table_->setAccessibleName(tr("What every kick has shown"));
+  table_->setAccessibleName(tr("Results of every kick"));
   table_->setColumnCount(columns);
   table_->setHorizontalHeaderLabels(
       {tr("t"), tr("Kick"), tr("Formation"), tr("Tracking"), tr("Order"), tr("Closest"), tr("Error"), tr("Beside")});
   const QStringList tips{tr("When [s]"),
-                         tr("What was done"),
-                         tr("Until the distances in the formation stayed within 1 cm of what they should be"),
-                         tr("Until every robot stayed within 1 cm of its place"),
+                         tr("The kick"),
+                         tr("Time until the distances in the formation stayed within 1 cm of their references"),
+                         tr("Time until every robot stayed within 1 cm of its place"),
                          tr("What settled first, and by how much"),
                          tr("The smallest distance of two robots until the next kick"),
                          tr("The largest distance of a robot from its reference until the next kick"),
-                         tr("Against the run that this one is compared with")};
+                         tr("Difference to the compared run")};
   for (int k = 0; k < columns; ++k) table_->horizontalHeaderItem(k)->setToolTip(tips[k]);
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setSelectionBehavior(QAbstractItemView::SelectRows);

@@ -10,7 +10,7 @@
 
 namespace skein::ui {
 
-/// The result card: what the experiment is for, live and at the end. Beside a second run, the differences to it.
+/// The results of the experiment, live and at the end. With a second run, the differences to it.
 class ResultPanel final : public QWidget {
   Q_OBJECT
 
@@ -21,7 +21,7 @@ class ResultPanel final : public QWidget {
   /// A second run to compare with; no rows: none.
   void compare(const QString& name, const app::Experiment& experiment, const std::vector<app::TickRecord>& rows);
   void end_comparison();
-  void refresh();  ///< now and then; what is not seen costs nothing
+  void refresh();  ///< at intervals; costs nothing while hidden
   const RunResults* results() const { return results_ ? &*results_ : nullptr; }
   QSize sizeHint() const override { return {300, 140}; }
   QSize minimumSizeHint() const override { return {120, 60}; }

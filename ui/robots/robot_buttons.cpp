@@ -86,16 +86,15 @@ void RobotButtons::dress() {
       : is_held     ? tr("Let robot %1 go").arg(selected_ + 1)
                     : tr("Hold robot %1").arg(selected_ + 1),
       selected_ < 0 ? tr("Select a robot first: here, or in the arena")
-                    : tr("Makes this one stand, out of the group; the others drive on. In danger: STOP."),
+                    : tr("Holds this robot, out of the group; the others drive on. In danger: STOP."),
       state_.open && selected_ >= 0 && !over);
   dress_test();
   const bool any_link = std::any_of(specs_.begin(), specs_.end(), [](const auto& spec) { return spec.has_link(); });
   connect_->setVisible(any_link);
   const bool rests = !state_.open || state_.phase == app::Phase::ready || over;
   say(connect_, tr("Connect again"),
-      rests ? tr("Sets the experiment up again, and connects to every robot anew; a link that is lost meanwhile is "
-                 "tried again by itself")
-            : tr("A link that is lost is tried again by itself; anew only before a start, or after STOP"),
+      rests ? tr("Sets the experiment up again, and connects to every robot anew; a lost link reconnects by itself")
+            : tr("A lost link reconnects by itself; this is possible only before a start, or after STOP"),
       rests && !state_.busy);
 }
 
@@ -109,11 +108,12 @@ void RobotButtons::dress_test() {
                           : simulated    ? tr("This robot is simulated: it has neither link nor battery")
                           : testing_     ? tr("One at a time")
                           : !state_.open ? tr("No experiment is open")
-                          : state_.phase != app::Phase::ready ? tr("Robots are tested before a start, while they stand")
-                          : !up                               ? tr("Its link is not up")
-                                                              : QString();
+                          : state_.phase != app::Phase::ready
+                              ? tr("Robots can be tested only before a start, while they stand")
+                          : !up ? tr("Its link is not up")
+                                : QString();
   say(test_, testing_ ? tr("Testing …") : text,
-      why_not.isEmpty() ? tr("Turns each wheel about 1 cm forward, and says whether the robot does as it is told")
+      why_not.isEmpty() ? tr("Turns each wheel about 1 cm forward, and reports whether the robot executes its commands")
                         : why_not,
       why_not.isEmpty());
 }

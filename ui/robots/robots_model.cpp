@@ -127,7 +127,7 @@ QString RobotsModel::tip(std::size_t i, int column) const {
     return tip.trimmed();
   }
   if (column == mode && may_be_driving(i))
-    return tr("It was told to stop and has not acknowledged it: nobody knows whether it stands");
+    return tr("It was told to stop and has not acknowledged it: it is not known to stand");
   if (column == mode && static_cast<qsizetype>(i) < why_.size()) return why_[static_cast<qsizetype>(i)];
   if (column == robot) return tr("Robot %1, tag %2").arg(i + 1).arg(specs_[i].tag);
   return text(i, column);
@@ -188,17 +188,18 @@ QVariant RobotsModel::headerData(int section, Qt::Orientation orientation, int r
       case round_trip:
         return tr("Round trip: from a command to the robot's answer, median");
       case battery:
-        return tr("As the robot says it, about every 10 s");
+        return tr("Reported by the robot, about every 10 s");
       case mode:
         return tr("What governs the robot now");
       case found:
         return tr(
-            "Where its pose comes from: acquired (seen for the first time), tracked (where it was expected),\n"
-            "recovered (found again), bridged (not seen for a moment, and carried on), lost, or a simulation");
+            "Where its pose comes from: acquired (seen for the first time), tracked (where it was "
+            "expected),\nrecovered (found again), bridged (not seen for a moment, and predicted), lost, or a "
+            "simulation");
       case tag_age:
-        return tr("Tag age: since the pose that is in use was captured");
+        return tr("Age of the pose in use, since its capture");
       case firmware:
-        return tr("As the robot says it");
+        return tr("Reported by the robot");
       case wheels:
         return tr("Left / right wheel, motor steps per second");
       default:

@@ -243,7 +243,9 @@ RunSource::Done LiveRun::set_speed(double speed) {
   wanted_speed_ = speed;
   if (!session_) return {};
   const Done done = session_->set_speed(speed);
-  return done ? done : tl::unexpected(tr("No other speed: %1").arg(QString::fromStdString(done.error())).toStdString());
+  return done ? done
+              : tl::unexpected(
+                    tr("The speed cannot be changed: %1").arg(QString::fromStdString(done.error())).toStdString());
 }
 
 QString LiveRun::real_time_reason() const {

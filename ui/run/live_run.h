@@ -14,8 +14,8 @@
 
 namespace skein::ui {
 
-/// The session in the window's thread: thirty times a second it hands on what the control thread has left for it.
-/// Opening and closing, which may wait for cameras and robots, happen aside, so that the window never waits.
+/// The session in the window's thread: thirty times per second it passes on the control thread's records. Opening and
+/// closing, which may wait for cameras and robots, happen aside, so that the window never waits.
 class LiveRun final : public RunSource {
   Q_OBJECT
 
@@ -31,7 +31,7 @@ class LiveRun final : public RunSource {
   /// Ends the session for good; `closed` follows.
   void close();
 
-  /// Ends the session here and now, for the end of the program; says what went wrong with the recording.
+  /// Ends the session at once, for the end of the program; reports errors of the recording.
   QString close_now();
 
   const app::Experiment& experiment() const override { return experiment_; }
@@ -62,7 +62,7 @@ class LiveRun final : public RunSource {
   bool stop_is_due() const { return !stop_asked_ || since_stop_.hasExpired(1000); }
   /// Robots are driving, or will be driving again as soon as the run is resumed.
   bool is_under_way() const;
-  /// Robots stand, nobody tests one, and nothing is about to start by itself: there is nothing that STOP could stop.
+  /// Robots stand, none is being tested, and no start is pending: STOP would have no effect.
   bool all_stand() const;
   const RunHistory& history() const { return history_; }
 
@@ -78,7 +78,7 @@ class LiveRun final : public RunSource {
   Done set_speed(double speed) override;
   bool seek(double) override { return false; }
   double speed() const { return session_ ? session_->speed() : 1.0; }
-  /// Why it lives in real time, if it does.
+  /// Why it runs in real time, if it does.
   QString real_time_reason() const;
 
   /// Writes this run, what was before included, to a CSV as it goes; no file: ends that. The answer says what went
@@ -121,7 +121,7 @@ class LiveRun final : public RunSource {
   void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
   void robot_tested(const skein::app::WheelCheck& result);
   void test_failed(const QString& reason);
-  void refused(const QString& why);  ///< the session did not take what was asked of it
+  void refused(const QString& why);  ///< the session refused a command
   void starting();                   ///< the first row of a run is about to come
   void rows_missed(int rows);        ///< by this thread, which was away for too long; the record has them
   void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty

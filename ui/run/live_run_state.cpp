@@ -61,9 +61,9 @@ RunState LiveRun::state() const {
   state.records = records_next_ || !record_file_.isEmpty();
   state.record.possible = records_next_ || !is_over();
   state.record.tip = !record_file_.isEmpty() ? tr("Recording to %1").arg(record_file_)
-                     : records_next_ ? tr("Every run from now on is recorded, as CSV and the camera's film (Ctrl+R)")
-                                     : tr("Records this run, what was before included, and those "
-                                          "that follow, as CSV (Ctrl+R)");
+                     : records_next_
+                         ? tr("Every run from now on is recorded, as CSV and the camera's film (Ctrl+R)")
+                         : tr("Records this run from its beginning, and those that follow, as CSV (Ctrl+R)");
   state.may_save = history_.size() > 0;
   return state;
 }

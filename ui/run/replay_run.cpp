@@ -51,9 +51,9 @@ QStringList ReplayRun::verdict() const {
   const app::ReplayResult& check = run_->check;
   QStringList found;
   if (check.different == 0)
-    found << tr("%1 commands come out bit for bit").arg(check.commands);
+    found << tr("%1 commands are the same, bit for bit").arg(check.commands);
   else
-    found << tr("%1 of %2 commands come out differently, first: %3")
+    found << tr("%1 of %2 commands differ, first: %3")
                  .arg(check.different)
                  .arg(check.commands)
                  .arg(QString::fromStdString(check.first));
@@ -74,7 +74,7 @@ RunState ReplayRun::state() const {
   state.change_speed = {true, tr("How much faster than real time it goes (Ctrl+Up, Ctrl+Down)")};
   state.new_run_text = tr("Leave replay");
   state.new_run = {true, tr("Back to the experiment, live (Ctrl+N)")};
-  state.record = {false, tr("A replay is recorded already")};
+  state.record = {false, tr("A replay is already recorded")};
   return state;
 }
 

@@ -20,7 +20,7 @@ class ReplayRun final : public RunSource {
 
  public:
   using Recording = std::shared_ptr<const app::RecordedRun>;
-  static constexpr double memory = 20.0;  ///< after a jump, so much of what came before is shown again [s]
+  static constexpr double memory = 20.0;  ///< after a jump, this much of the time before is shown again [s]
 
   explicit ReplayRun(QObject* parent = nullptr);
   void load(Recording run);  ///< null: nothing to play

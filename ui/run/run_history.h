@@ -37,7 +37,7 @@ class RunHistory {
   bool started_ = false;
 };
 
-/// Writes rows as CSV. The answer says what went wrong; empty: nothing did.
+/// Writes rows as CSV. Returns the error; empty: none.
 QString write_csv(const RunHistory::Rows& rows, const app::Experiment& experiment, const QString& file);
 
 }  // namespace skein::ui

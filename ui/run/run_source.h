@@ -39,28 +39,28 @@ class RunSource : public QObject {
   virtual double t() const = 0;
   /// The rows that are kept: of a live run those so far, of a replay all.
   virtual RunHistory::Rows rows() const = 0;
-  /// All its rows are there from the beginning, and any time of it can be gone to.
+  /// Whether all its rows are available from the beginning, so that it can seek to any time.
   virtual bool is_complete() const = 0;
   /// What was found out when it was opened, for the log.
   virtual std::vector<Notice> findings() const = 0;
   virtual const std::vector<app::RobotStatus>& robots() const = 0;
   virtual bool stop_asked() const = 0;            ///< by the operator
   virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator has made to stand
-  /// The robots, from 0, that were told to stand and have not acknowledged it: nobody knows that they do.
+  /// The robots, from 0, that were told to stop and have not acknowledged it: they may be driving.
   virtual std::vector<std::size_t> may_be_driving() const = 0;
 
   /// A session is open, and its robots and gains can be acted on.
   virtual bool is_open() const = 0;
   /// A session is being opened or closed.
   virtual bool is_busy() const = 0;
-  /// It can be started, or could be if what is amiss were mended.
+  /// Whether it can be started, or could be once the failed checks are fixed.
   virtual bool is_before_start() const = 0;
   /// Why the operator cannot change anything here; empty: he can.
   virtual QString why_fixed() const = 0;
 
   /// Across the arena; no text: nothing.
   virtual Notice banner() const = 0;
-  /// What stands in the alert strip as long as this run is shown; no text: nothing does.
+  /// The permanent text of the alert strip for this run; no text: none.
   virtual Notice lasting_alert() const = 0;
 
   // Gains of pairs i != j, from 0, at the present moment. `name` is one of core::gain_names.

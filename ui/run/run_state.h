@@ -6,7 +6,7 @@
 
 namespace skein::ui {
 
-/// Something that can be pressed: whether now, and what its tip says.
+/// A control: whether it is enabled, and its tool tip.
 struct Offer {
   bool possible = false;
   QString tip;

@@ -36,7 +36,7 @@ QString reason(core::NotSeen why) {
     case core::NotSeen::mirrored:
       return AlertStrip::tr("the camera mirrors the picture");
     case core::NotSeen::other_family:
-      return AlertStrip::tr("its number is there on a tag of another family than 36h11");
+      return AlertStrip::tr("a tag with its number, but of a family other than 36h11, is in the picture");
   }
   return {};
 }
@@ -55,19 +55,19 @@ QString sentence(const app::Event& event, double t) {
                 e.ticks);
           },
           [&](const GainHeld& e) {
-            return tr("%1 is held at %2, its border: (18) allows no more")
+            return tr("%1 is held at %2, its limit: (18) allows no more")
                 .arg(QLatin1String(core::word(e.gain).data()))
                 .arg(e.held, 0, 'g', 4);
           },
           [&](const PairGainHeld& e) {
-            return tr("%1 of robots %2 and %3 is held at %4, its border: (18) allows no more")
+            return tr("%1 of robots %2 and %3 is held at %4, its limit: (18) allows no more")
                 .arg(QLatin1String(core::word(e.gain).data()))
                 .arg(e.i + 1)
                 .arg(e.j + 1)
                 .arg(e.held, 0, 'g', 4);
           },
           [&](const Couple& e) { return tr("Robots %1 and %2 are coupled again").arg(e.i + 1).arg(e.j + 1); },
-          [&](const Uncouple& e) { return tr("Robots %1 and %2 are not coupled any more").arg(e.i + 1).arg(e.j + 1); },
+          [&](const Uncouple& e) { return tr("Robots %1 and %2 are no longer coupled").arg(e.i + 1).arg(e.j + 1); },
           [&](const CameraMoved& e) {
             return tr("The camera moved, or the floor under it: all %1 tags moved by %2 mm at once. Poses are wrong "
                       "until the camera is calibrated again")
@@ -78,17 +78,18 @@ QString sentence(const app::Event& event, double t) {
             return tr("The camera does not see robot %1: %2").arg(e.robot + 1).arg(reason(e.why));
           },
           [&](const FilmBroken&) {
-            return tr("The film broke off (is the disk full?): no more frames are kept, the run goes on");
+            return tr("The film broke off (is the disk full?): no more frames are recorded, the run goes on");
           },
           [&](const app::events::Link& e) {
-            return (e.state == app::LinkState::up ? tr("The link of robot %1 is up again; let it go when it may drive")
-                                                  : tr("The link of robot %1 is lost: it was told to stop"))
+            return (e.state == app::LinkState::up
+                        ? tr("The link of robot %1 is up again; release the robot when it may drive")
+                        : tr("The link of robot %1 is lost: it was told to stop"))
                 .arg(e.robot + 1);
           },
           [&](const Perturb& e) { return tr("Robot %1 was moved by the experiment").arg(e.robot + 1); },
           [&](const Move& e) { return tr("Robot %1 was moved by hand").arg(e.robot + 1); },
           [&](const Kidnap& e) {
-            return tr("Robot %1 is not where its wheels took it: it was carried or pushed").arg(e.robot + 1);
+            return tr("Robot %1 is not where it drove: it was carried or pushed").arg(e.robot + 1);
           },
           [&](const Hold& e) { return tr("Robot %1 is held: it stands, the others drive on").arg(e.robot + 1); },
           [&](const Release& e) { return tr("Robot %1 drives again").arg(e.robot + 1); },
@@ -100,11 +101,11 @@ QString sentence(const app::Event& event, double t) {
                                                  .arg(e.number + 1)
                                                  .arg(e.obstacle.x, 0, 'f', 2)
                                                  .arg(e.obstacle.y, 0, 'f', 2)
-                                           : tr("Obstacle %1 was taken away").arg(e.number + 1);
+                                           : tr("Obstacle %1 was removed").arg(e.number + 1);
           },
-          [&](const NoWay& e) { return tr("Robot %1 stands: there is no way to its place").arg(e.robot + 1); },
+          [&](const NoWay& e) { return tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1); },
           [&](const NoProgress& e) {
-            return tr("Robot %1 has come no nearer to its place for 3 s, %2 m away (%3)")
+            return tr("Robot %1 has made no progress to its place for 3 s, %2 m away (%3)")
                 .arg(e.robot + 1)
                 .arg(e.distance, 0, 'f', 2)
                 .arg(QString::fromUtf8(word(e.hindrance).data()));
@@ -115,14 +116,14 @@ QString sentence(const app::Event& event, double t) {
               case app::ControllerState::answered:
                 return tr("The controller answers in time again");
               case app::ControllerState::late:
-                return tr("The controller is late: what it drives stands, or the built-in law drives");
+                return tr("The controller is late: its robots stand, or the built-in law drives");
               case app::ControllerState::ended:
                 break;
             }
             return tr("The controller has ended");
           },
           [&](const NoNumber& e) {
-            return tr("Robot %1 stands: what the law asks of it is no number").arg(e.robot + 1);
+            return tr("Robot %1 stands: the law's output for it is not a number").arg(e.robot + 1);
           },
           // Said elsewhere in the window: the run bar, the sliders, the state of the strip.
           [](const one_of<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear,
@@ -193,20 +194,19 @@ void AlertStrip::watch(const app::TickRecord& record) {
   }
   const auto join = [](const QStringList& robots) { return robots.join(QStringLiteral(", ")); };
   stand(State::limited,
-        limited.isEmpty() ? QString()
-                          : tr("Limits bite: robot %1 is asked for more than (14) or its wheels allow, and drives as "
-                               "fast as they let it")
-                                .arg(join(limited)),
+        limited.isEmpty()
+            ? QString()
+            : tr("LIMITED: the law commands robot %1 more than (14) or its wheels allow; it drives at its limits")
+                  .arg(join(limited)),
         Severity::warning);
   stand(State::link,
         out.isEmpty() ? QString() : tr("LINK DOWN: robot %1 – it is told to stop until it answers").arg(join(out)),
         Severity::alarm);
   if (!running || record.t < v_rose_at_ || record.t - v_rose_at_ > v_rise_is_old) v_rose_at_ = app::none;
   stand(State::v_rises,
-        std::isnan(v_rose_at_)
-            ? QString()
-            : tr("V RISES, and nothing that is known explains it: a robot does not do as it is told. "
-                 "The run goes on: look at who strays, and STOP if in doubt"),
+        std::isnan(v_rose_at_) ? QString()
+                               : tr("V RISES more than known causes explain: a robot does not execute its commands. "
+                                    "The run goes on: look for the robot that leaves its place, and STOP if in doubt"),
         Severity::warning);
 }
 

@@ -22,7 +22,7 @@ class AlertStrip final : public QLabel {
   void say(const QString& text, Severity severity);
   /// Stays until `clear`, over everything else: STOP, a failure.
   void hold(const QString& text, Severity severity);
-  /// Nothing stops the robots should this program be killed: said as long as nothing graver is, until `clear`.
+  /// Nothing stops the robots if this program is killed: shown unless something more severe is, until `clear`.
   void warn_unguarded(const QString& text) { stand(State::unguarded, text, Severity::warning); }
   void clear_alert();
   /// The warning or alarm that is shown now; empty: there is none.
@@ -34,7 +34,7 @@ class AlertStrip final : public QLabel {
   void paintEvent(QPaintEvent*) override;
 
  private:
-  /// The first is said where two are equally grave.
+  /// The first is shown if two are equally severe.
   enum class State { lost, link, v_rises, limited, unguarded };
   struct Said {
     QString text;

@@ -21,7 +21,7 @@ struct Entry {
 /// In the order of `Check::What`.
 constexpr std::array entries{
     Entry{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "Calibrate …"),
-          QT_TRANSLATE_NOOP("CheckList", "Looks at a board with the camera, and writes the calibration file")},
+          QT_TRANSLATE_NOOP("CheckList", "Calibrates the camera with a board, and writes the calibration file")},
     Entry{"tags", QT_TRANSLATE_NOOP("CheckList", "All tags seen"), QT_TRANSLATE_NOOP("CheckList", "Show picture"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the camera's picture, to find the robot that is missing in it")},
     Entry{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),
@@ -89,7 +89,7 @@ CheckList::CheckList(QWidget* parent)
   layout->setColumnStretch(2, 1);
   anyway_->setObjectName(QStringLiteral("start_anyway"));
   anyway_->setAccessibleName(anyway_->text());
-  anyway_->setToolTip(tr("Starts although not everything is as it should be; what endangers nobody may be overruled"));
+  anyway_->setToolTip(tr("Starts although a check has failed; only failures without danger can be overridden"));
   connect(anyway_, &QPushButton::clicked, this, &CheckList::start_anyway);
   layout->addWidget(anyway_, static_cast<int>(entries.size()) - 2, 3);
 }

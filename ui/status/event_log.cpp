@@ -130,14 +130,14 @@ EventPanel::EventPanel(QWidget* parent)
   level_->setObjectName(QStringLiteral("event_level"));
   level_->setAccessibleName(tr("Which events are shown"));
   level_->addItem(tr("Everything"), static_cast<int>(Severity::note));
-  level_->addItem(tr("Notices and graver"), static_cast<int>(Severity::notice));
-  level_->addItem(tr("Warnings and graver"), static_cast<int>(Severity::warning));
+  level_->addItem(tr("Notices and above"), static_cast<int>(Severity::notice));
+  level_->addItem(tr("Warnings and above"), static_cast<int>(Severity::warning));
   level_->addItem(tr("Alarms"), static_cast<int>(Severity::alarm));
   level_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   level_->setMinimumContentsLength(8);  // the list itself is as wide as its words
-  level_->view()->setMinimumWidth(level_->fontMetrics().horizontalAdvance(tr("Warnings and graver")) + 40);
+  level_->view()->setMinimumWidth(level_->fontMetrics().horizontalAdvance(tr("Warnings and above")) + 40);
   words_->setObjectName(QStringLiteral("event_words"));
-  words_->setAccessibleName(tr("Words that an event has to have"));
+  words_->setAccessibleName(tr("Words that an event must contain"));
   words_->setPlaceholderText(tr("Filter: r2, gain …"));
   words_->setClearButtonEnabled(true);
   connect(level_, &QComboBox::currentIndexChanged, this,

@@ -42,7 +42,7 @@ class EventModel final : public QAbstractTableModel {
   Colours colours_;
 };
 
-/// Lets through what is grave enough and has the words that are looked for.
+/// Filters events by severity and by the words searched for.
 class EventFilter final : public QSortFilterProxyModel {
   Q_OBJECT
 

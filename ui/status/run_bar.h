@@ -23,7 +23,7 @@ class RunBar final : public QWidget {
   void show_experiment(const app::Experiment& experiment);
   void take(const app::TickRecord& record) { time_line_->take(record); }
   void show_state(const RunState& state);
-  void pick_speed(int steps);  ///< so many steps faster; negative: slower
+  void pick_speed(int steps);  ///< this many steps faster; negative: slower
 
   QSize minimumSizeHint() const override { return smallest_; }
 

@@ -50,7 +50,7 @@ void TimeLine::set_scrubbable(bool on, const RunHistory::Rows& rows) {
   scrubbable_ = on;
   setFocusPolicy(on ? Qt::StrongFocus : Qt::NoFocus);
   setCursor(on ? Qt::PointingHandCursor : Qt::ArrowCursor);
-  setAccessibleName(on ? tr("Time of the replay: arrow keys go on and back") : tr("Progress of the run"));
+  setAccessibleName(on ? tr("Time of the replay: arrow keys move forward and back") : tr("Progress of the run"));
   events_.clear();
   if (!on) return update();
   for (const auto& row : rows)

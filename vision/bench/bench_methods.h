@@ -10,11 +10,11 @@
 
 namespace skein::vision::detail {
 
-/// One way from a frame to the poses of tags.
+/// A method that computes the poses of tags from a frame.
 class BenchMethod {
  public:
   virtual ~BenchMethod() = default;
-  /// Forgets what it has seen.
+  /// Resets its state.
   virtual void restart() {}
   virtual const std::vector<TagPose>& look(const Frame& frame) = 0;
 

@@ -10,7 +10,7 @@
 
 namespace skein::vision::detail {
 
-/// What a camera sees in one frame, and which of it a tracker can be asked for.
+/// The contents of one frame, and the tags that a tracker must find.
 struct BenchMoment {
   std::vector<SyntheticTag> tags;
   std::vector<SyntheticDisc> discs;

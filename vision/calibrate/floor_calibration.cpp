@@ -109,7 +109,7 @@ tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration
   for (const FloorMark& mark : marks) {
     if (!mark.seen) continue;
     const auto at = world_from_pixel(calibration, {mark.u, mark.v}, mark.z);
-    if (!at) return tl::unexpected(fmt::format("{}: its pixel does not see the floor", mark.name));
+    if (!at) return tl::unexpected(fmt::format("{}: its pixel does not show the floor", mark.name));
     const FloorResidual residual{&mark, at->x() - mark.x, at->y() - mark.y};
     const double off = std::hypot(residual.dx, residual.dy);
     squares += off * off;
@@ -125,9 +125,9 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
   const std::vector<FloorMark> seen = seen_ones(marks);
   if (seen.size() < least_marks)
     return tl::unexpected(
-        fmt::format("{} of {} marks are seen; needed: {} and more", seen.size(), marks.size(), least_marks));
+        fmt::format("{} of {} marks are seen; needed: {} or more", seen.size(), marks.size(), least_marks));
   if (spread(seen) < 0.05)
-    return tl::unexpected(std::string("the marks that are seen lie on one line; spread them over the arena"));
+    return tl::unexpected(std::string("the visible marks lie on one line; spread them over the arena"));
   const auto module = boards();
   if (!module) return tl::unexpected(module.error());
   std::vector<Landmark> landmarks;
@@ -197,7 +197,7 @@ tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& i
 std::string wrong_tag_height(const Calibration& calibration) {
   const double camera = calibration.world_from_camera->position.z();
   if (calibration.tag_height < camera) return {};
-  return fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which hangs at {:.0f} mm",
+  return fmt::format("tags at a height of {:.0f} mm; allowed: below the camera, which is at {:.0f} mm",
                      1e3 * calibration.tag_height, 1e3 * camera);
 }
 

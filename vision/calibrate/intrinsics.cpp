@@ -111,8 +111,8 @@ std::string uneven_focal_lengths(const Intrinsics& intrinsics) {
   const double fx = intrinsics.calibration.fx, fy = intrinsics.calibration.fy, apart = std::abs(fx - fy);
   if (apart <= share * std::min(fx, fy) || apart <= deviations * std::sqrt(2.0) * intrinsics.focal_sigma) return {};
   return fmt::format(
-      "fx and fy differ by {:.1f} %, but cameras have square pixels: the board is probably longer one way than it "
-      "should be; measure ten of its squares both ways, print it without scaling, and show it turned by 90 deg as well",
+      "fx and fy differ by {:.1f} %, but cameras have square pixels: the board is probably stretched in one direction; "
+      "measure ten of its squares in both directions, print it without scaling, and also show it turned by 90 deg",
       100.0 * apart / std::min(fx, fy));
 }
 
@@ -143,10 +143,10 @@ tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> vi
     if (round == most_rounds || !reject(in, residuals)) break;
   }
   if (const double allowed = std::max(1.5, largest_rms * width); result.rms > allowed)
-    return tl::unexpected(fmt::format(
-        "no one camera sees the board like this: the corners are {:.3g} px (rms) from where they should be; "
-        "allowed: {:.3g} px. Is the board described as it was printed (kind, columns x rows)?",
-        result.rms, allowed));
+    return tl::unexpected(
+        fmt::format("no single camera model fits these views: the corners are {:.3g} px (rms) from where they should "
+                    "be; allowed: {:.3g} px. Is the board described as it was printed (kind, columns x rows)?",
+                    result.rms, allowed));
   if (!std::isfinite(result.rms + result.focal_sigma + result.centre_sigma) || !(result.calibration.fx > 0.0))
     return tl::unexpected(
         std::string("the views do not determine the camera: show the board from other sides, tilted"));

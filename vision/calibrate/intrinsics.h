@@ -36,8 +36,8 @@ struct Coverage {
 /// from where they were seen is an error: the board is another one.
 tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> views, int width, int height);
 
-/// None, or what it means that fx and fy differ by more than 0.3 % and four of their deviations: cameras have square
-/// pixels, so that the board is longer one way than it should be.
+/// None, or a warning if fx and fy differ by more than 0.3 % and four of their deviations: cameras have square pixels,
+/// so that the board is longer one way than it should be.
 std::string uneven_focal_lengths(const Intrinsics& intrinsics);
 
 /// True where a view shows the board elsewhere or otherwise than all the others, by `least_px` in the mean of the

@@ -26,7 +26,7 @@ struct Board {
   int inner_corners() const { return (columns - 1) * (rows - 1); }
 };
 
-/// Empty, or what is wrong with it.
+/// Empty, or its error.
 std::string check(const Board& board);
 
 /// A corner of the board in one frame.

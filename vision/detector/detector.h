@@ -25,7 +25,7 @@ struct Window {
   int height = 0;
 };
 
-/// Finds the tags of the family 36h11: AprilTag's answer, less what does not look like the tag that it decodes to.
+/// Finds the tags of the family 36h11: AprilTag's detections that also correlate with the tag that they decode to.
 /// Takes ~80 ms and ~30 MB to build: once, never per frame. Not for two threads at once.
 class TagDetector {
  public:

@@ -35,8 +35,8 @@ struct TagDiagnosis {
   Window crop{};                          // the part of the frame that shows it; width 0: none
 };
 
-/// Searches one frame in ways for which the tracker has no time (0.1 to 1 s at 1280x960), and says for each tag why the
-/// tracker reports none. The calibration must have a world frame and hold for frames of this size.
+/// Searches one frame with methods that are too slow for the tracker (0.1 to 1 s at 1280x960), and says for each tag
+/// why the tracker reports none. The calibration must have a world frame and hold for frames of this size.
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
                                    std::span<const MissingTag> missing);
 

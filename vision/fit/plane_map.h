@@ -19,7 +19,7 @@ struct LocalMap {
   std::array<double, terms> v{};
 
   Eigen::Vector2d pixel(double px, double py) const;
-  /// How many pixels a metre takes: the root of the area's growth.
+  /// Scale in pixels per metre: the square root of the area's scale.
   double px_per_metre() const;
 };
 

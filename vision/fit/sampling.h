@@ -19,7 +19,7 @@ enum class Instructions {
 /// The best that this machine knows. The environment's SKEIN_BASELINE=1 holds it to the baseline.
 Instructions best_instructions();
 
-/// Where the points of the grid fall in the picture, counted from a corner of it that keeps the numbers small. [px]
+/// Image positions of the grid's points, relative to a corner that keeps the numbers small. [px]
 struct Places {
   alignas(32) std::array<float, SampleGrid::count> u;
   alignas(32) std::array<float, SampleGrid::count> v;

@@ -7,7 +7,7 @@
 
 namespace skein::vision {
 
-/// What is said of a film as a whole: short names in capitals (PROGRAM, SOURCE, CALIBRATION), texts of any length.
+/// Metadata of a film: short names in capitals (PROGRAM, SOURCE, CALIBRATION), texts of any length.
 using FilmNotes = std::map<std::string, std::string>;
 
 /// A film as it is written, frame by frame: lossless (FFV1 in Matroska), every frame with its index and its capture
@@ -15,7 +15,7 @@ using FilmNotes = std::map<std::string, std::string>;
 class FilmWriter {
  public:
   virtual ~FilmWriter() = default;
-  /// Appends a frame; the first one sets the size. Empty, or what went wrong: then the film ends with the frame before.
+  /// Appends a frame; the first one sets the size. Empty, or the error: then the film ends with the previous frame.
   virtual std::string write(const Frame& frame) = 0;
   /// Completes the file; the same answer.
   virtual std::string finish() = 0;

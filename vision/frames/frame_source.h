@@ -25,7 +25,7 @@ struct SourceStatus {
   std::vector<std::string> notices{};  // controls that took another value than they were asked to
 };
 
-/// What captured_at of a source's frames stands for.
+/// The meaning of captured_at of a source's frames.
 enum class TimeStamps {
   exposure_start,  // CLOCK_MONOTONIC, stamped by the camera's driver when the shutter opened
   frame_end,       // CLOCK_MONOTONIC, stamped by the driver when the frame was complete: later than its exposure
@@ -55,7 +55,7 @@ class FrameSource {
   /// Where an index is missing, the recorder dropped the frame.
   virtual bool recorded() const { return false; }
 
-  /// What is said of the film as a whole; of a recorded one, what its Recorder was given.
+  /// Metadata of the film; of a recorded one, those given to its Recorder.
   virtual const FilmNotes& notes() const {
     static const FilmNotes none;
     return none;

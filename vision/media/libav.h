@@ -35,10 +35,10 @@ using Picture = std::unique_ptr<AVFrame, FrameDeleter>;
 using Packet = std::unique_ptr<AVPacket, PacketDeleter>;
 using Scaler = std::unique_ptr<SwsContext, ScalerDeleter>;
 
-/// FFmpeg's words for one of its error numbers.
+/// FFmpeg's message for one of its error numbers.
 std::string reason(int error);
 
-/// The note by which a recorded film is known, and its value: the way in which Stamp is written.
+/// The note that marks a recorded film, and its value: the format of Stamp.
 inline constexpr const char* film_note = "SKEIN_FILM";
 inline constexpr const char* film_version = "1";
 

@@ -197,7 +197,7 @@ std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& er
   }
   auto video = std::make_unique<Video>(path);
   if (video->open()) return video;
-  error = fmt::format("{}: not a video that can be read", path);
+  error = fmt::format("{}: not a readable video", path);
   return nullptr;
 }
 

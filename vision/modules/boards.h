@@ -20,7 +20,7 @@ struct Landmark {
   double u, v;     // [px]
 };
 
-/// Texts that are returned: empty, or what went wrong.
+/// Returned texts: empty, or the error.
 struct Boards {
   /// The tags of DICT_APRILTAG_36h11, their corners refined to parts of a pixel (CORNER_REFINE_SUBPIX, window 3), on
   /// one thread.

@@ -28,10 +28,10 @@ struct RecorderStatus {
 /// (open_source("video:...")).
 class Recorder {
  public:
-  /// `capacity`: frames that may wait to be written. The error says why the film cannot be begun.
+  /// `capacity`: frames that may wait to be written. The error says why the film cannot be created.
   static tl::expected<std::unique_ptr<Recorder>, std::string> open(const std::string& path, const FilmNotes& notes = {},
                                                                    std::size_t capacity = 50);
-  /// The same for a film that is already begun.
+  /// The same for a film that is already open.
   explicit Recorder(std::unique_ptr<FilmWriter> film, std::size_t capacity = 50);
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -43,11 +43,11 @@ class Recorder {
   /// The same where there is time (films, the virtual clock): waits for room instead.
   void add(const Frame& frame);
 
-  /// Writes what is waiting and completes the file; nothing may be offered afterwards. Idempotent.
+  /// Writes the waiting frames and completes the file; no frame may be offered afterwards. Idempotent.
   RecorderStatus finish();
   /// Any thread, at any time.
   RecorderStatus status() const;
-  /// Nothing more is written: status() says why. Any thread, without a lock.
+  /// Whether writing has ended: status() has the reason. Any thread, without a lock.
   bool broken() const noexcept { return broken_.load(std::memory_order_acquire); }
 
  private:

@@ -33,7 +33,7 @@ tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, con
 tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vector<Page>& pages,
                                                                 const std::string& path);
 
-/// A page as a picture: what a camera straight above it would see.
+/// A page as an image, as seen by a camera directly above it.
 tl::expected<void, std::string> rasterise(const Page& page, double px_per_mm, Frame& frame);
 
 }  // namespace skein::vision

@@ -56,7 +56,7 @@ constexpr std::array<std::array<float, 2>, count> sample_places() {
   return places;
 }
 
-/// Draws what lies on planes above the floor into a canvas, as the calibration's camera sees it.
+/// Renders objects on planes above the floor into a canvas, as seen by the calibration's camera.
 class Painter {
  public:
   /// light(u, v) multiplies what a shader says.

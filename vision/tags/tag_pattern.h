@@ -11,7 +11,7 @@ inline constexpr int pattern_cells = 10;
 /// true: paper, false: ink; row by row from the top left as printed upright.
 using TagPattern = std::array<bool, pattern_cells * pattern_cells>;
 
-/// AprilTag's own pictures of the family 36h11 by id, so that what is drawn and tracked is what is looked for.
+/// AprilTag's own images of the family 36h11 by id, so that drawing, tracking and detection use the same tags.
 std::vector<TagPattern> tag_patterns();
 
 }  // namespace skein::vision::detail

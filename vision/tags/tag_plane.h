@@ -22,7 +22,7 @@ struct TagOnPlane {
 /// picture. None where a corner cannot be placed on the plane.
 std::optional<TagOnPlane> place_on_plane(const Calibration& calibration, const Corners& corners);
 
-/// A tag's edge at the place of its plane that the middle of the picture shows. 0 without a world frame. [px]
+/// The edge of a tag in the middle of the image. 0 without a world frame. [px]
 double tag_edge_px(const Calibration& calibration);
 
 /// The usual noise of a corner, in u and in v: measured with 36h11 of 38 px, sensor noise 4 of 255, blur 0.7 px.

@@ -218,7 +218,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
   summary.skipped.assign(skipped.begin(), skipped.end());
   if (summary.frames == 0 && !summary.skipped.empty()) {
     return tl::unexpected(
-        fmt::format("{}: none of its pictures can be read: {}", summary.source, fmt::join(summary.skipped, "; ")));
+        fmt::format("{}: none of its images can be read: {}", summary.source, fmt::join(summary.skipped, "; ")));
   }
   return summary;
 }

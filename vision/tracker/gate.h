@@ -27,7 +27,7 @@ class Gate {
   /// Edge of the squares that are looked for, in cells.
   int square() const { return square_; }
 
-  /// Looks at the rows of cells [first, last) of the picture; what the others were is remembered.
+  /// Examines the rows of cells [first, last) of the image; the other rows keep their results.
   void look(const Frame& frame, int first, int last, int threshold);
 
   /// Middles of the squares of busy cells that begin in the rows [first, last), none of them within `apart` of another

@@ -14,7 +14,7 @@
 
 namespace skein::vision {
 
-/// A wanted tag: what is known from the frames before and what this frame has shown.
+/// A wanted tag: its state from previous frames and its result in this frame.
 struct WantedTag {
   int tag = 0;
   detail::TagModel model;
@@ -71,7 +71,7 @@ struct TrackerParts {
 
   TrackerParts(Calibration c, TrackerOptions o);
 
-  // The stages, in this order; each looks only for what the ones before have not found.
+  // The stages, in this order; each searches only for tags that the previous ones have not found.
   void begin();
   void follow(const Frame& frame);        // fits from the predicted poses
   void look_nearby(const Frame& frame);   // AprilTag in windows around them

@@ -40,7 +40,7 @@ struct CameraDescription {
   std::vector<CameraControl> controls{};
 };
 
-/// What a camera can do and how it is set. Does not disturb whoever reads frames from it.
+/// A camera's modes and settings. Does not disturb a reader of its frames.
 tl::expected<CameraDescription, std::string> describe_camera(const std::string& device,
                                                              V4l2Kernel& kernel = system_kernel());
 

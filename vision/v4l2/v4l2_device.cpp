@@ -12,7 +12,7 @@ std::string V4l2Device::open() {
   fd_ = kernel_.open(path_.c_str());
   if (fd_ < 0) return failed("cannot be opened");
   v4l2_capability capability{};
-  if (control(VIDIOC_QUERYCAP, &capability) == -1) return path_ + ": is no V4L2 camera";
+  if (control(VIDIOC_QUERYCAP, &capability) == -1) return path_ + ": is not a V4L2 camera";
   const auto text = [](const auto& letters) {
     const char* begin = reinterpret_cast<const char*>(letters);
     return std::string(begin, strnlen(begin, sizeof letters));

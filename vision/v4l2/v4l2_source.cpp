@@ -114,7 +114,7 @@ class V4l2Camera final : public FrameSource {
   std::string slow_rate() const {
     constexpr double as_good = 0.99;  // 29.97 is 30
     if (options_.rate <= 0.0 || 1.0 / period_ >= as_good * options_.rate) return {};
-    return fmt::format("{}: gives {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
+    return fmt::format("{}: delivers {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
                        height_, four_letters(format_), options_.rate);
   }
 
@@ -319,10 +319,9 @@ class V4l2Camera final : public FrameSource {
   static const char* stamps_lack(TimeStamps stamps) {
     switch (stamps) {
       case TimeStamps::arrival:
-        return "its driver does not say when a frame was taken: it counts as taken when it arrives, which is later";
+        return "its driver does not report capture times: a frame counts as captured when it arrives, which is later";
       case TimeStamps::frame_end:
-        return "its driver stamps the end of a frame, not the start of its exposure: poses count as later than they "
-               "are";
+        return "its driver stamps the end of a frame, not the start of its exposure: poses are stamped too late";
       case TimeStamps::exposure_start:
       case TimeStamps::film:
       case TimeStamps::nominal:

@@ -87,7 +87,7 @@ TEST_F(KnownRobotsCommands, AreIdentifiedFromARunAndTheNextRunKnows) {
   const std::string said = testing::internal::GetCapturedStdout(), errors = testing::internal::GetCapturedStderr();
   EXPECT_THAT(said, HasSubstr("robot 1 (anna)\nruns: 1\nposes: 15"));
   EXPECT_THAT(said, HasSubstr("believed 0.041"));
-  EXPECT_THAT(errors, HasSubstr("robot 2 (carl) is not in " + path("robots.toml") + ": nothing of it was saved"));
+  EXPECT_THAT(errors, HasSubstr("robot 2 (carl) is not in " + path("robots.toml") + ": none of its values was saved"));
   EXPECT_GT(fs::file_size(path("residuals/residuals_1.svg")), 10000u);
 
   write("e.toml", "robots_file = \"robots.toml\"\n[[robot]]\nname = \"anna\"\nlink = \"sim\"\n[[robot]]\ntag = 2\n");

@@ -288,7 +288,7 @@ TEST(OwnController, ThatCannotDriveIsRefusedBeforeTheRunWithTheReason) {
   const auto error = [](std::initializer_list<std::string> sets) { return outcome_of(experiment_of(sets)).error; };
   EXPECT_THAT(error({command("/no/such/program")}), HasSubstr("/no/such/program: cannot be started: No such file"));
   EXPECT_THAT(error({command("sh -c 'echo it is broken; exit 3'")}),
-              HasSubstr("did not get ready: it ended with exit status 3: it is broken"));
+              HasSubstr("did not become ready: it exited with status 3: it is broken"));
   EXPECT_THAT(error({command("'" + law_program() + "' 'not with four'")}), HasSubstr("refuses: not with four"));
   EXPECT_THAT(error({command("a | b")}), HasSubstr("controller.command: found \"a | b\", allowed: "));
   EXPECT_THAT(error({command("'" + law_program() + "'"), "controller.parameters.k_z=1"}),

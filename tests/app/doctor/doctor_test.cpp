@@ -130,7 +130,7 @@ const Fault faults[] = {
     {"GroupDialout", State::ill, "group dialout", [](Patient& p) { p.machine.groups = {"video"}; }},
     {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
     {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
-    {"PriorityBelowTheGuards", State::ill, "limit 21, asked for 22", [](Patient& p) { p.machine.rtprio = 21; }},
+    {"PriorityBelowTheGuards", State::ill, "limit 21, requested 22", [](Patient& p) { p.machine.rtprio = 21; }},
     {"NoShareForRealTime", State::ill, "sched_rt_runtime_us is 0",
      [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_runtime_us", "0\n"); }},
     {"Governor", State::ill, "CPU frequency: governor powersave",
@@ -143,7 +143,7 @@ const Fault faults[] = {
      [](Patient& p) { p.write("/proc/loadavg", "3.10 2.0 1.0 4/200 1\n"); }},
     {"Memory", State::ill, "memory: 98 MB available",
      [](Patient& p) { p.write("/proc/meminfo", "MemAvailable: 100000 kB\n"); }},
-    {"KeepingTime", State::ill, "keeping time: bare threads late by",
+    {"KeepingTime", State::ill, "keeping time: latency of bare threads",
      [](Patient& p) { p.machine.keep_time = [](double) { return Patient::late(5e-3); }; }},
     {"OneLongStandstill", State::ill, "keeping time",
      [](Patient& p) {
@@ -180,14 +180,14 @@ const Fault faults[] = {
      [](Patient& p) { p.lab().robots[1].adapter = "hci3"; }},
     {"ModemManager", State::note, "ModemManager", [](Patient& p) { p.write("/proc/800/comm", "ModemManager\n"); }},
     {"CableGone", State::ill, "/dev/ttyACM0: is not there", [](Patient& p) { p.remove("/dev/ttyACM0"); }},
-    {"CameraForbidden", State::ill, "/dev/video0: may not be opened",
+    {"CameraForbidden", State::ill, "/dev/video0: you have no permission to open it",
      [](Patient& p) { p.machine.usable = [](const std::string& path) { return path != "/dev/video0"; }; }},
     {"NoCamera", State::ill, "camera: none", [](Patient& p) { p.remove("/sys/class/video4linux"); }},
     {"OtherCamera", State::ill, "/dev/video2: is not there",
      [](Patient& p) { p.lab().camera.source = "v4l2:/dev/video2"; }},
     {"NoCalibration", State::ill, "calibration: ", [](Patient& p) { p.remove("/cal.toml"); }},
     {"CalibrationTorn", State::ill, "calibration: ", [](Patient& p) { p.write("/cal.toml", "width = 1280\nhei"); }},
-    {"NoFloor", State::ill, "does not say where the camera hangs",
+    {"NoFloor", State::ill, "has no pose of the camera",
      [](Patient& p) {
        vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
        calibration.world_from_camera.reset();
@@ -216,7 +216,8 @@ const Fault faults[] = {
     {"NoGnuplot", State::note, "gnuplot: is missing",
      [](Patient& p) { p.machine.has_program = [](const std::string& name) { return name != "gnuplot"; }; }},
     {"NoDisplay", State::note, "display: none", [](Patient& p) { p.machine.display = ""; }},
-    {"DeadDisplay", State::ill, "DISPLAY is :7.0, and nothing answers", [](Patient& p) { p.machine.display = ":7.0"; }},
+    {"DeadDisplay", State::ill, "DISPLAY is :7.0, but there is no display server",
+     [](Patient& p) { p.machine.display = ":7.0"; }},
 };
 static_assert(std::size(faults) >= 20);
 

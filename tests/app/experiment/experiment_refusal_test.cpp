@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[[robot]]\ntruth = {wheel = 1}", "e.toml:2:10: robot.1.truth.wheel: unknown key"},
         Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'c.toml'\n[[robot]]\nlink = 'tcp:a'\ntruth = "
                 "{track = 0.05}",
-                "e.toml:6:9: robot.1.truth: found one of a real robot"},
+                "e.toml:6:9: robot.1.truth: found for a real robot"},
         Refused{"[robot_defaults]\ntag = 3", "e.toml:2:1: robot_defaults.tag: unknown key"},
         Refused{"[camera]\nsource = 'webcam'",
                 "e.toml:2:10: camera.source: found \"webcam\", allowed: \"none\", \"synth"},
@@ -131,11 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
     KeysTogether, RefusedText,
     testing::Values(
         Refused{"[[robot]]\ntag = 4\n[[robot]]\ntag = 4",
-                "e.toml:4:7: robot.2.tag: found 4, which robot 1 has already, allowed: a tag of its own"},
-        Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 has already"},
+                "e.toml:4:7: robot.2.tag: found 4, which robot 1 already has, allowed: a different tag for each robot"},
+        Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'\n[[robot]]\nlink = 'serial:/dev/a'\n[camera]\nsource='v4l2:x'\n"
                 "calibration='c'",
-                "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 has already"},
+                "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'", "e.toml: camera.source: found \"none\", allowed"},
         Refused{"[camera]\nsource = 'synthetic'\n[[robot]]\nlink = 'serial:/dev/a'",
                 "e.toml:2:10: camera.source: found \"synthetic\", allowed: images:DIR, video:FILE, v4l2:DEVICE, since"},
@@ -183,15 +183,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[reference]\nkind = 'formation'\nshape = 'line'\nspacing = 0.15\nspeed = 0.03\n"
                 "path = { shape = 'circle', radius = 0.4 }\n"
                 "change = [{ t = 1, duration = 5, shape = 'v' }, { t = 4, duration = 1, shape = 'v' }]",
-                "e.toml:7:55: reference.change.2.t: found 4, allowed: 6 and later, when the change before is over"},
+                "e.toml:7:55: reference.change.2.t: found 4, allowed: 6 and later, when the previous change is over"},
         Refused{"[[reference.change]]\nt = 5\nduration = 8", "e.toml:1:1: reference.change.1.spacing: missing"},
         Refused{"[reference]\nchange = [{ t = 5, duration = 8, spacing = 0.07 }]",
                 "e.toml:2:10: reference.change: found 0.07, with which robots of 0.07 m width come within"},
         Refused{"[reference]\nspacing = 0.2\nchange = [{ t = 1, duration = 2, spacing = 0.15 }]",
                 "e.toml:3:10: reference.change: found changes of spacing in which robots drive up to 0.190625 m/s"},
         Refused{"[reference]\nspeed = 0.08", "e.toml:2:9: reference.speed: (18f) fails for robot 1 by 0.004 m/s"},
-        Refused{"[reference]\nspeed = 0.2",
-                "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails whatever the"},
+        Refused{"[reference]\nspeed = 0.2", "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails with any"},
         Refused{"[controller.gains]\nk_xx = 0.02",
                 "e.toml:2:8: controller.gains.k_xx: (18f) fails for robot 1 by 0.01 m/s: v_max 0.1 - reference 0.05 - "
                 "couplings 0.06 leaves k_x = -0.01, which must be above 0; allowed: k_xx below 0.0166667 for all pairs "
@@ -208,10 +207,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[simulation]\nlatency = 0.3", "e.toml: estimation.bridge: found 0.2"}));
 
 TEST(ExperimentFile, AKeyThatIsNotThereIsNamedWithoutAPlace) {
-  EXPECT_THAT(
-      messages("[simulation]\nlatency = 0.3"),
-      ElementsAre("e.toml: estimation.bridge: found 0.2, allowed: above simulation.latency, 0.3 s, or every pose is "
-                  "too old when it comes and every robot lost"));
+  EXPECT_THAT(messages("[simulation]\nlatency = 0.3"),
+              ElementsAre("e.toml: estimation.bridge: found 0.2, allowed: above simulation.latency, 0.3 s; otherwise "
+                          "every pose is too old when it arrives and every robot is lost"));
 }
 
 TEST(ExperimentFile, SaysEverythingAtOnceInTheOrderOfTheFile) {

@@ -79,9 +79,9 @@ TEST_F(KnownRobots, AreInTheTextThatARunKeeps) {
 
 TEST_F(KnownRobots, MistakesAreNamedInTheFileWhereTheyAre) {
   write("robots.toml", std::string(robots_text) + "tag = 7\n");
-  EXPECT_EQ(message(), path("robots.toml") +
-                           ":6:7: robot.2.tag: found 7, which robot 1 has already, allowed: a tag of "
-                           "its own");
+  EXPECT_EQ(message(),
+            path("robots.toml") +
+                ":6:7: robot.2.tag: found 7, which robot 1 already has, allowed: a different tag for each robot");
   write("robots.toml", std::string(robots_text) + "wheel = 3\n");
   EXPECT_THAT(message(), HasSubstr(path("robots.toml") + ":14:1: robot.2.wheel: unknown key"));
   write("robots.toml", "[[robot]\n");
@@ -91,7 +91,8 @@ TEST_F(KnownRobots, MistakesAreNamedInTheFileWhereTheyAre) {
   write("robots.toml", "[[robot]]\nname = \"carl\"\n");
   EXPECT_THAT(message(), HasSubstr(path("robots.toml") + ":1:1: robot.1.link: missing"));
   write("robots.toml", "[[robot]]\nname = \"anna\"\nlink = \"tcp:a\"\n[[robot]]\nname = \"anna\"\nlink = \"tcp:b\"\n");
-  EXPECT_THAT(message(), HasSubstr(path("robots.toml") + ":5:8: robot.2.name: found \"anna\", which robot 1 has"));
+  EXPECT_THAT(message(),
+              HasSubstr(path("robots.toml") + ":5:8: robot.2.name: found \"anna\", which robot 1 already has"));
   write("robots.toml", "[[robot]]\nname = \"anna\"\nlink = \"tcp:a\"\n");
   EXPECT_EQ(message(), path("e.toml") + ":6:8: robot.1.name: found \"bert\", allowed: a robot of " +
                            path("robots.toml") + ": \"anna\"");
@@ -103,8 +104,8 @@ TEST_F(KnownRobots, MistakesAreNamedInTheFileWhereTheyAre) {
 TEST_F(KnownRobots, AreTakenOnce) {
   write("e.toml", std::string(experiment_text) + "[[robot]]\nname = \"anna\"\n");
   EXPECT_EQ(message(), path("e.toml") +
-                           ":11:8: robot.3.name: found \"anna\", as robot 2 is called, allowed: a name of "
-                           "its own");
+                           ":11:8: robot.3.name: found \"anna\", which is the name of robot 2, allowed: a different "
+                           "name for each robot");
 }
 
 TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
@@ -164,7 +165,7 @@ TEST_F(KnownRobots, SevenAnAdapter) {
     text += "[[robot]]\nlink = \"rfcomm:10:00:E8:00:00:0" + std::to_string(i) + "/1\"\nadapter = \"hci0\"\n";
   EXPECT_THAT(messages(text),
               ElementsAre("e.toml:28:11: robot.8.adapter: found \"hci0\" for more than 7 robots, allowed: "
-                          "7 an adapter; give others another one, as in adapter = \"hci1\""));
+                          "7 per adapter; use another one for the others, as in adapter = \"hci1\""));
   EXPECT_THAT(messages(text, {"robot.8.adapter=hci1"}), ElementsAre());
 }
 

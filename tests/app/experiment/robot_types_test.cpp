@@ -101,9 +101,9 @@ TEST(RobotTypes, TheLinkSaysWhatIsSpokenWhereTheModelDoesNot) {
   EXPECT_EQ(only("link = \"khepera4+rfcomm:10:00:E8:AA:BB:CC/1\"\n").type->name, "khepera4");
   EXPECT_EQ(only("link = \"serial:/dev/ttyACM0\"\n").type->name, "epuck2");
   EXPECT_THAT(messages(camera + "link = \"udp:192.168.1.20\"\nmodel = \"epuck2\"\n"),
-              testing::Contains(HasSubstr("robot.1.model: found a robot that does not speak \"open\"")));
+              testing::Contains(HasSubstr("robot.1.model: found a robot without the protocol \"open\"")));
   EXPECT_THAT(messages(camera + "link = \"open+serial:/dev/ttyUSB0\"\nmodel = \"khepera4\"\n"),
-              testing::Contains(HasSubstr("robot.1.model: found a robot that speaks \"khepera4\"")));
+              testing::Contains(HasSubstr("robot.1.model: found a robot with the protocol \"khepera4\"")));
 }
 
 TEST(RobotTypes, ATickThatIsLongerThanAWatchdogIsRefused) {

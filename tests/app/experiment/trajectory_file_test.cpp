@@ -69,19 +69,20 @@ INSTANTIATE_TEST_SUITE_P(
     Trajectories, WrongTrajectory,
     testing::Values(
         Wrong{", duration = 3", "e.toml:6:88: robot.1.trajectory.duration: found 3, allowed: at least 7.74597 s"},
-        Wrong{", duration = 30, speed = 0.1", "e.toml:6:88: robot.1.trajectory.duration: found 30, allowed: one of"},
+        Wrong{", duration = 30, speed = 0.1",
+              "e.toml:6:88: robot.1.trajectory.duration: found 30, allowed: only one of"},
         Wrong{", distance = 1.2", "e.toml:6:88: robot.1.trajectory.distance: found 1.2, allowed: up to 1 m"},
         Wrong{", start = 1.0", "e.toml:6:85: robot.1.trajectory.start: found 1, allowed: from 0 to below 1 m"},
         Wrong{", speed = 0", "e.toml:6:85: robot.1.trajectory.speed: found 0, with which the robot never arrives"},
         Wrong{", speed = 0.2", "e.toml:6:85: robot.1.trajectory.speed: found a reference of up to 0.2 m/s, for which"},
         Wrong{", turn_rate = 2",
-              "e.toml:6:89: robot.1.trajectory.turn_rate: found 2, for which (18g) fails whatever the couplings; "
+              "e.toml:6:89: robot.1.trajectory.turn_rate: found 2, for which (18g) fails with any couplings; "
               "allowed: below 1.7"},
         Wrong{", sped = 2", "e.toml:6:77: robot.1.trajectory.sped: unknown key; did you mean speed?"}));
 
 TEST(Trajectories, BelongToIndependentReferencesAlone) {
   EXPECT_THAT(messages("[[robot]]\ntrajectory = { path = { shape = 'circle', radius = 0.3 } }"),
-              Contains(StartsWith("e.toml:2:14: robot.1.trajectory: found with a reference that leads all robots")));
+              Contains(StartsWith("e.toml:2:14: robot.1.trajectory: found with a common reference")));
   EXPECT_THAT(messages("[reference]\nkind = 'independent'"),
               Contains(StartsWith("e.toml: robot.1.trajectory: missing, allowed: a trajectory for every robot")));
   EXPECT_THAT(messages("[reference.path]\nshape = 'line'\nfrom = [0, 0]\nto = [1, 0]"),

@@ -206,9 +206,9 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
   EXPECT_EQ(refusal({"track", "film.mkv"}),
             "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE (such as v4l2:/dev/video0)\n");
   EXPECT_EQ(refusal({"track", "images:.", "--set", "gain=3"}),
-            "skein: --set: images:. is no camera; allowed with --set: v4l2:DEVICE\n");
+            "skein: --set: images:. is not a camera; allowed with --set: v4l2:DEVICE\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "images:.", "--out", "c.toml", "--size", "640x480"}),
-            "skein: --size: images:. is no camera; allowed with --size: v4l2:DEVICE\n");
+            "skein: --size: images:. is not a camera; allowed with --size: v4l2:DEVICE\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "v4l2:/dev/nowhere", "--out", "c.toml", "--size", "640"}),
             "skein: --size 640; allowed: WIDTHxHEIGHT, such as 1280x960\n");
   EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--set", "exposure"}),
@@ -237,8 +237,8 @@ TEST(CommandLine, CheckCertifiesTheGains) {
 TEST(CommandLine, CheckSaysWhatTheorem1AsksInVain) {
   const Result r = skein({"check", experiments + "lemniscate.toml", "--set", "reference.speed=0"});
   EXPECT_TRUE(has(r.out,
-                  "theorem_1: does not apply: v_ref vanishes (0 m/s, robot 1 at t = 0 s), against case 1, and "
-                  "omega_ref vanishes (0 rad/s, robot 1 at t = 0 s), against case 2"))
+                  "theorem_1: does not apply: v_ref vanishes (0 m/s, robot 1 at t = 0 s), which violates case 1, and "
+                  "omega_ref vanishes (0 rad/s, robot 1 at t = 0 s), which violates case 2"))
       << r.out << r.err;
   // The inner robot is the slowest.
   const Result door = skein({"check", experiments + "unequal-speeds.toml"});

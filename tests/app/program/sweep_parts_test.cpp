@@ -78,17 +78,17 @@ TEST_F(Parts, ThoseThatWereKilledAreNamedAndMadeAgain) {
   EXPECT_EQ(shell("$skein --part 2/3 --into parts > again.txt && cmp kept parts/part-2-of-3.csv"), 0);
   EXPECT_THAT(read("again.txt"), Not(HasSubstr("already")));
   EXPECT_EQ(shell("$skein --part 2/3 --into parts > again.txt"), 0);
-  EXPECT_THAT(read("again.txt"), HasSubstr("it was there already"));
+  EXPECT_THAT(read("again.txt"), HasSubstr("already there"));
   EXPECT_EQ(shell("$skein --merge parts > merged.txt && $skein > whole.txt && cmp merged.txt whole.txt"), 0);
 }
 
 TEST_F(Parts, OfAnotherStudyAreRefused) {
   EXPECT_EQ(shell("for i in 1 2; do $skein --runs 2 --part $i/2 --into parts --quiet || exit 9; done"), 0);
   EXPECT_EQ(shell("$skein --runs 2 --set controller.k_y=9 --merge parts 2> said.txt"), 1);
-  EXPECT_THAT(read("said.txt"), HasSubstr("of another study, other runs, other --set or another program"));
+  EXPECT_THAT(read("said.txt"), HasSubstr("to another study, other --runs, --seed or --set, or another program"));
   EXPECT_EQ(shell("$skein --runs 2 --merge parts --quiet 2> said.txt"), 0) << read("said.txt");
   EXPECT_EQ(shell("$skein --runs 2 --part 1/3 --into parts --quiet && $skein --runs 2 --merge parts 2> said.txt"), 2);
-  EXPECT_THAT(read("said.txt"), HasSubstr("a folder each"));
+  EXPECT_THAT(read("said.txt"), HasSubstr("use a folder for each"));
   EXPECT_EQ(shell("$skein --merge nowhere 2> said.txt"), 2);
   EXPECT_THAT(read("said.txt"), HasSubstr("nowhere: cannot be read"));
 }
@@ -104,7 +104,7 @@ TEST_F(Parts, JobsSayThemselvesWhichPartIsTheirs) {
   EXPECT_EQ(shell("SLURM_ARRAY_TASK_ID=7 SLURM_ARRAY_TASK_MIN=3 SLURM_ARRAY_TASK_MAX=7 SLURM_ARRAY_TASK_COUNT=2 "
                   "$skein --runs 3 --part auto --into parts 2> said.txt"),
             2);
-  EXPECT_THAT(read("said.txt"), HasSubstr("no whole one"));
+  EXPECT_THAT(read("said.txt"), HasSubstr("this Slurm array is incomplete"));
   EXPECT_EQ(shell("$skein --part auto --into parts 2> said.txt"), 2);
   EXPECT_THAT(read("said.txt"), HasSubstr("allowed here: i/n"));
   for (const char* part : {"0/3", "4/3", "1", "1/0", "a/b", "1/3x"})

@@ -185,10 +185,10 @@ TEST(CsvReader, FindsCellsByName) {
 }
 
 TEST(CsvReader, SaysWhereAFileIsBroken) {
-  EXPECT_EQ(read_error(""), "run.csv:0: ends before a header row, allowed: a CSV that `skein run --csv` wrote");
+  EXPECT_EQ(read_error(""), "run.csv:0: ends before a header row, allowed: a CSV written by `skein run --csv`");
   EXPECT_EQ(read_error("# skein 1\n# seed: x\n"), "run.csv:2: the seed is not a whole number");
   EXPECT_EQ(read_error("a,b\n1,2\n"),
-            "run.csv:1: the header row has no column t, allowed: a CSV that `skein run --csv` wrote");
+            "run.csv:1: the header row has no column t, allowed: a CSV written by `skein run --csv`");
   EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3\n1,2\n"), "run.csv:3: found 2 cells, allowed: 3 as in the header row");
   EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3x\n"), "run.csv:2: column r1_x: found \"3x\", allowed: a number or nothing");
   EXPECT_EQ(read_error("t,tick,r1_x\n1,2.5,3\n"), "run.csv:2: column tick: found \"2.5\", allowed: a whole number");

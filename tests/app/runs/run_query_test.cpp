@@ -52,7 +52,7 @@ TEST(RunQuery, WhatItCannotReadIsRefusedWithItsPlace) {
     ASSERT_FALSE(query) << bad;
     EXPECT_NE(query.error().find("allowed"), std::string::npos) << bad << ": " << query.error();
   }
-  EXPECT_NE(read("a=1 b=2").find("place 5"), std::string::npos);
+  EXPECT_NE(read("a=1 b=2").find("column 5"), std::string::npos);
   EXPECT_FALSE(parse_query(std::string(100'000, '(')));
 }
 

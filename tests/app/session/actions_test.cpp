@@ -162,7 +162,7 @@ TEST(Actions, AreRefusedWhereTheyMakeNoSense) {
   const auto read = parse_experiment("[[operator]]\nt = 1", "e.toml");
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().front().message(),
-            "e.toml:1:1: operator.1.does: missing, allowed: what happens then, such as \"kick r2 vx=0.3 vy=0\"");
+            "e.toml:1:1: operator.1.does: missing, allowed: the action, such as \"kick r2 vx=0.3 vy=0\"");
 }
 
 TEST(RunText, WritesGainsAsOneNumberOrForEveryPair) {

@@ -88,7 +88,7 @@ TEST(Asked, WhatDoesNotFitIsRefused) {
         (*session)->couple(0, 1, false), (*session)->set_gain(core::GainName::k_xx, 0, 1, 0.001),
         (*session)->hold_robot(0, true)}) {
     ASSERT_FALSE(answer);
-    EXPECT_NE(answer.error().find("too much is asked at once"), std::string::npos) << answer.error();
+    EXPECT_NE(answer.error().find("too many commands at once"), std::string::npos) << answer.error();
   }
 }
 
@@ -99,7 +99,7 @@ TEST(Asked, APairIsOfTwoRobotsThatAreThere) {
   EXPECT_FALSE((*session)->couple(1, 1, false));
   const auto answer = (*session)->set_gain(core::GainName::k_xx, 0, 4, 0.001);
   ASSERT_FALSE(answer);
-  EXPECT_EQ(answer.error(), "robots 1 and 5 are no pair, allowed: two different ones from 1 to 4");
+  EXPECT_EQ(answer.error(), "robots 1 and 5 are not a pair, allowed: two different robots from 1 to 4");
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ class FailureLinks {
           status.push_back(link->session.status(now_));
           status.back().out_for = std::max(0.0, now_ - link->session.out_since());
         }
-        if (auto lost = watch_.look(status); lost && !lost_at) lost_at = now_, why = *lost;
+        if (auto lost = watch_.update(status); lost && !lost_at) lost_at = now_, why = *lost;
       }
     }
   }

@@ -317,7 +317,7 @@ TEST(LinkWatch, ToldOnceWhenALinkIsLostAndWhenItIsBack) {
     links[0].state = comms::LinkState::up;
     links[1].state = state;
     links[1].out_for = out_for;
-    const auto lost = watch.look(links);
+    const auto lost = watch.update(links);
     EventList events;
     watch.tell(events);
     return std::pair(lost, events);

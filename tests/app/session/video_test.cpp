@@ -153,7 +153,7 @@ TEST(Video, NeedsACamera) {
   options.video = "run.mkv";
   const auto session = Session::open(short_film_run({"camera.source=none"}), Session::Clock::virtual_, options);
   ASSERT_FALSE(session);
-  EXPECT_EQ(session.error(), "run.mkv: there is no camera to make a film of (camera.source = \"none\")");
+  EXPECT_EQ(session.error(), "run.mkv: there is no camera to record (camera.source = \"none\")");
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ TEST_F(WheelChecks, TheSessionMayBeClosedInTheMiddle) {
 TEST(WheelCheck, SimulatedOnesHaveNothingToTest) {
   auto session = Session::open(paper_experiment(), Session::Clock::virtual_);
   ASSERT_TRUE(session);
-  EXPECT_EQ((*session)->check_wheels(0).error(), "robot 1 is simulated: it has neither a link nor a battery to test");
+  EXPECT_EQ((*session)->check_wheels(0).error(), "robot 1 is simulated: it has no link and no battery to test");
 }
 
 }  // namespace

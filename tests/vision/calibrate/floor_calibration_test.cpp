@@ -141,13 +141,13 @@ TEST(FloorCalibration, MeasuresHowHighATagIsCarried) {
 
 TEST(FloorCalibration, SaysWhatIsMissing) {
   Lab lab;
-  EXPECT_EQ(solve_floor(lab.intrinsics(), lab.marks).error(), "0 of 9 marks are seen; needed: 4 and more");
+  EXPECT_EQ(solve_floor(lab.intrinsics(), lab.marks).error(), "0 of 9 marks are seen; needed: 4 or more");
   for (std::size_t i = 0; i < 9; ++i) {
     lab.marks[i].seen = true;
     lab.marks[i].y = 0.0;
   }
   EXPECT_EQ(solve_floor(lab.intrinsics(), lab.marks).error(),
-            "the marks that are seen lie on one line; spread them over the arena");
+            "the visible marks lie on one line; spread them over the arena");
   EXPECT_EQ(check_floor(lab.intrinsics(), lab.marks).error(), "the calibration has no world frame");
   Drawn small(std::vector<Frame>{test::uniform_frame(64, 48, 0)});
   EXPECT_EQ(look_at_floor(small, lab.truth, 1).error(), "frame  is 64x48 px, but the calibration holds for 1280x960");

@@ -29,9 +29,9 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
       {"images:" + folder.path(), folder.path() + ": no picture (png, jpg, pgm, ppm, bmp, tif) in this folder"},
       {"video:/nowhere.mp4", "/nowhere.mp4: no such file"},
       {"video:" + folder.path(), folder.path() + ": no such file"},
-      {"video:" + folder.file("text.mp4"), folder.file("text.mp4") + ": not a video that can be read"},
+      {"video:" + folder.file("text.mp4"), folder.file("text.mp4") + ": not a readable video"},
       {"v4l2:/dev/no_such_camera", "/dev/no_such_camera: cannot be opened (No such file or directory)"},
-      {"v4l2:/dev/null", "/dev/null: is no V4L2 camera"},
+      {"v4l2:/dev/null", "/dev/null: is not a V4L2 camera"},
   };
   for (const auto& [source, message] : cases) {
     const auto opened = open_source(source);

@@ -157,7 +157,7 @@ TEST(Track, FailsClearly) {
   test::write_file(folder.file("small.pgm"), "broken");
   const auto unreadable = track({.source = "images:" + folder.path()});
   ASSERT_FALSE(unreadable);
-  EXPECT_NE(unreadable.error().find("none of its pictures can be read"), std::string::npos) << unreadable.error();
+  EXPECT_NE(unreadable.error().find("none of its images can be read"), std::string::npos) << unreadable.error();
 
   test::write_pgm(folder.file("small.pgm"), test::uniform_frame(64, 48, 100));
   std::ofstream full("/dev/full");

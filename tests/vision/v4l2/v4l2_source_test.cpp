@@ -70,7 +70,7 @@ TEST(V4l2, ChoosesTheFormatBySizeAndRate) {
     EXPECT_EQ(fake.pixelformat, V4L2_PIX_FMT_YUYV) << "as it was asked for";
     const auto notices = (*camera)->status().notices;
     ASSERT_EQ(notices.size(), 1U);
-    EXPECT_EQ(notices[0], "/dev/fake: gives 10 frames/s at 1280x960 YUYV, not 25");
+    EXPECT_EQ(notices[0], "/dev/fake: delivers 10 frames/s at 1280x960 YUYV, not 25");
   }
 }
 
@@ -96,7 +96,7 @@ TEST(V4l2, StampsFramesItselfWhenTheDriversClockIsAnother) {
   ASSERT_TRUE((*camera)->read(frame).value());
   EXPECT_NEAR(frame.captured_at, static_cast<double>(before.tv_sec), 10.0);
   ASSERT_EQ((*camera)->status().notices.size(), 1U);
-  EXPECT_NE((*camera)->status().notices[0].find("does not say when a frame was taken"), std::string::npos);
+  EXPECT_NE((*camera)->status().notices[0].find("does not report capture times"), std::string::npos);
 }
 
 TEST(V4l2, SaysWhenStampsAreNotTheStartOfExposure) {
