@@ -89,7 +89,8 @@ constexpr Bench table[] = {
     {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
      /*unasked=*/false},
     {"planner", "what planning costs a tick: 30 robots anywhere, kicks of the platoon", [](double) {}, report_planner},
-    {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", [](double) {}, report_swaps,
+    {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", [](double) {},
+     report_swaps,
      /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios; --faults at random", [](double) { register_radio_benchmarks(); },
@@ -126,7 +127,8 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::optional<std::int64_t> runs;
   program
       .add_option("--runs", runs,
-                  "controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; default: 140, 1000, 8, 40")
+                  "controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; default: "
+                  "140, 1000, 8, 40")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->type_name("N");
   double hours = 0.0;
@@ -136,7 +138,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   std::uint64_t seed = 1;
-  program.add_option("--seed", seed, "controllers, identify, planner, swaps, radio: of the first of them; the next ones count on")
+  program
+      .add_option("--seed", seed,
+                  "controllers, identify, planner, swaps, radio: of the first of them; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");

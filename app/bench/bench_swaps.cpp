@@ -47,7 +47,8 @@ SwapOutcome run_baseline(const Experiment& experiment, SwapMethod& method) {
       there = there && core::distance(poses[i], places[i]) <= near_enough;
     }
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j) outcome.least = std::min(outcome.least, core::distance(poses[i], poses[j]));
+      for (std::size_t j = i + 1; j < n; ++j)
+        outcome.least = std::min(outcome.least, core::distance(poses[i], poses[j]));
     if (!there)
       outcome.arrived.reset();
     else if (!outcome.arrived)
@@ -71,7 +72,7 @@ tl::expected<SwapOutcome, std::string> run_skein(const Experiment& experiment) {
 
 struct SwapRow {
   const char* name;
-  std::vector<std::string> sets;                                                             // of Skein's own
+  std::vector<std::string> sets;                                                         // of Skein's own
   std::unique_ptr<SwapMethod> (*make)(const core::CommandLimits&, HalfArena) = nullptr;  // or a baseline
 };
 
@@ -85,8 +86,8 @@ int bench_swaps(const SwapsBench& bench) {
       {"ORCA, differential drive", {}, make_nh_orca},
       {"barrier certificates", {}, make_barrier_certificates},
   };
-  print_out(fmt::format("{:>2} {:<30} {:>5} {:>8} {:>8} {:>8} {:>9} {:>10}\n", "n", "", "runs", "never", "p50 s", "max s",
-                        "collided", "least mm"));
+  print_out(fmt::format("{:>2} {:<30} {:>5} {:>8} {:>8} {:>8} {:>9} {:>10}\n", "n", "", "runs", "never", "p50 s",
+                        "max s", "collided", "least mm"));
   bool good = true;
   for (const std::int64_t n : {4, 8, 12, 16, 20, 30})
     for (const SwapRow& method : methods) {
@@ -103,7 +104,8 @@ int bench_swaps(const SwapsBench& bench) {
         }
         SwapOutcome outcome;
         if (method.make != nullptr) {
-          const auto baseline = method.make(make_limits(*scene, 0), {0.5 * scene->arena_width, 0.5 * scene->arena_height});
+          const auto baseline =
+              method.make(make_limits(*scene, 0), {0.5 * scene->arena_width, 0.5 * scene->arena_height});
           outcome = run_baseline(*scene, *baseline);
         } else {
           const auto made = run_skein(*scene);

@@ -57,14 +57,12 @@ class NhOrca final : public SwapMethod {
     for (std::size_t i = 0; i < n; ++i) velocities_[i] = commands[i].v * ahead(poses[i]);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j)
-        if (j != i)
-          errors_[i] = std::clamp(0.5 * (core::distance(poses[i], poses[j]) - kept), least_error, errors_[i]);
+        if (j != i) errors_[i] = std::clamp(0.5 * (core::distance(poses[i], poses[j]) - kept), least_error, errors_[i]);
     for (std::size_t i = 0; i < n; ++i) {
       constrain(i, poses, dt);
       const Vector2d chosen = choose(i, poses[i], wanted(poses[i], places[i]));
       const double speed = chosen.norm();
-      const double angle =
-          speed < 1e-4 ? 0.0 : core::wrap_angle(std::atan2(chosen.y(), chosen.x()) - poses[i].theta);
+      const double angle = speed < 1e-4 ? 0.0 : core::wrap_angle(std::atan2(chosen.y(), chosen.x()) - poses[i].theta);
       const NhTurn turn = nh_turn(limits_, angle, speed);
       commands[i] = {turn.v, turn.omega};
     }
@@ -72,8 +70,8 @@ class NhOrca final : public SwapMethod {
 
  private:
   static constexpr double most_error = 0.02, least_error = 0.002;  // [m]
-  static constexpr double horizon = 4.0;                          // [s]
-  static constexpr double sees = 0.9;                             // [m]
+  static constexpr double horizon = 4.0;                           // [s]
+  static constexpr double sees = 0.9;                              // [m]
 
   struct Line {
     Vector2d point, direction;  // allowed: to the left of it
@@ -125,8 +123,8 @@ class NhOrca final : public SwapMethod {
     wall({0.0, -1.0}, h - poses[i].y), wall({0.0, 1.0}, h + poses[i].y);
   }
 
-  /// The velocity nearest to the wanted one that all lines allow and the wheels can follow; where there is none, the one
-  /// that is least on the wrong side of a line. Its candidates: the wanted one, the nearest of each line, where two
+  /// The velocity nearest to the wanted one that all lines allow and the wheels can follow; where there is none, the
+  /// one that is least on the wrong side of a line. Its candidates: the wanted one, the nearest of each line, where two
   /// lines cross, and a grid of what the wheels can follow.
   Vector2d choose(std::size_t i, const core::Pose& pose, const Vector2d& want) {
     Vector2d best = Vector2d::Zero();
@@ -216,9 +214,9 @@ class BarrierCertificates final : public SwapMethod {
  private:
   // The point must not keep robots apart that stand 12 cm from one another, as places may be.
   static constexpr double point_ahead = 0.01, apart = kept + 2.0 * point_ahead;  // [m]
-  static constexpr double gain = 480.0;  // the Robotarium's 100, for robots and speeds of this size [1/(m^4 s)]
-  static constexpr double wall_gain = 4.0;                // [1/s]
-  static constexpr double patience = 0.5, turned = 1.5;   // [s]
+  static constexpr double gain = 480.0;     // the Robotarium's 100, for robots and speeds of this size [1/(m^4 s)]
+  static constexpr double wall_gain = 4.0;  // [1/s]
+  static constexpr double patience = 0.5, turned = 1.5;  // [s]
   static constexpr int sweeps = 300;
 
   struct Barrier {

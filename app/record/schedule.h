@@ -7,7 +7,8 @@
 
 namespace skein::app {
 
-/// Where robots would be on time: of a formation that waits for one of its robots, `nominal` is what its own clock says.
+/// Where robots would be on time: of a formation that waits for one of its robots, `nominal` is what its own clock
+/// says.
 class Schedule {
  public:
   explicit Schedule(const Experiment& experiment)

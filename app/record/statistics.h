@@ -62,7 +62,7 @@ class Statistics final : public RecordSink {
     double obstacle_gap = none;  ///< smallest between a robot's edge and an obstacle's; none without any [m]
     /// The most that the formation's clock was behind, and at the end; nothing of one that waits for nobody. [s]
     std::optional<double> largest_lag, final_lag;
-    double outside = 0.0;        ///< farthest that a robot's body was over the edge of the arena [m]
+    double outside = 0.0;  ///< farthest that a robot's body was over the edge of the arena [m]
     std::int64_t collisions =
         0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
     std::int64_t missed_deadlines = 0;

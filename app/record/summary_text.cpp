@@ -29,16 +29,16 @@ std::vector<int> from_one(const std::vector<int>& robots) {
 
 Json json(const PerturbationResult& p, bool waits) {
   Json result{{"t", json(p.t)},
-          {"robot", p.robot + 1},
-          {"what", p.what},
-          {"formation_1cm", json(p.settling.formation_1cm)},
-          {"formation_5mm", json(p.settling.formation_5mm)},
-          {"tracking_1cm", json(p.settling.tracking_1cm)},
-          {"tracking_5mm", json(p.settling.tracking_5mm)},
-          {"relative_1cm", json(p.settling.relative_1cm)},
-          {"relative_5mm", json(p.settling.relative_5mm)},
-          {"formation_first", p.formation_first()},
-          {"relative_first", p.relative_first()}};
+              {"robot", p.robot + 1},
+              {"what", p.what},
+              {"formation_1cm", json(p.settling.formation_1cm)},
+              {"formation_5mm", json(p.settling.formation_5mm)},
+              {"tracking_1cm", json(p.settling.tracking_1cm)},
+              {"tracking_5mm", json(p.settling.tracking_5mm)},
+              {"relative_1cm", json(p.settling.relative_1cm)},
+              {"relative_5mm", json(p.settling.relative_5mm)},
+              {"formation_first", p.formation_first()},
+              {"relative_first", p.relative_first()}};
   if (waits)
     result.update({{"whole_1cm", json(p.settling.whole_1cm)},
                    {"whole_5mm", json(p.settling.whole_5mm)},

@@ -27,8 +27,8 @@ struct RunOutcome {
   /// Until all perturbations had settled to 1 cm, the slowest of them: formation, relative positions, tracking; see
   /// Settling. Empty: one did not, or there was none. [s]
   std::optional<double> formation_settled, relative_settled, tracking_settled;
-  /// Of a formation that waits: until it was whole again to 5 mm, on its own clock and on the experiment's, and the most
-  /// that its own was behind; empty also where it never was. [s]
+  /// Of a formation that waits: until it was whole again to 5 mm, on its own clock and on the experiment's, and the
+  /// most that its own was behind; empty also where it never was. [s]
   std::optional<double> whole, whole_after, lag;
   double limited_share = 0.0;  ///< of robots and ticks in which a limit took something from the law's command
   double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]

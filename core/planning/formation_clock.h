@@ -16,13 +16,13 @@ namespace skein::core {
 /// its rate is continuous, so that references stay continuous too.
 class FormationClock {
  public:
-  static constexpr double slowly = 0.2;          ///< its rate while it waits
-  static constexpr double longest_wait = 20.0;   ///< for a robot or for several, then it runs on [s]
-  static constexpr double most_behind = 60.0;    ///< so far behind, it waits for nobody any more [s]
-  static constexpr double least_hurry = 0.02;    ///< where references leave less to catch up with, it never waits
+  static constexpr double slowly = 0.2;         ///< its rate while it waits
+  static constexpr double longest_wait = 20.0;  ///< for a robot or for several, then it runs on [s]
+  static constexpr double most_behind = 60.0;   ///< so far behind, it waits for nobody any more [s]
+  static constexpr double least_hurry = 0.02;   ///< where references leave less to catch up with, it never waits
 
-  /// By how much it may run faster than the experiment's clock: a share of what (18f, g) leave beside the couplings, the
-  /// rest of which is for the robots' errors. Never negative.
+  /// By how much it may run faster than the experiment's clock: a share of what (18f, g) leave beside the couplings,
+  /// the rest of which is for the robots' errors. Never negative.
   static double hurry(const Gains& gains, const ReferenceDemand& demand) noexcept;
 
   /// `away`: somebody is on its way back at time t. It may run by `hurry` faster than the experiment's clock, and its
@@ -35,7 +35,7 @@ class FormationClock {
 
  private:
   Delay delay_;
-  bool waits_ = false;   // for somebody who has not come back since
+  bool waits_ = false;  // for somebody who has not come back since
   double hurry_ = 0.0;
 };
 

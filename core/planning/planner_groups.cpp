@@ -8,10 +8,10 @@
 namespace skein::core {
 namespace {
 
-constexpr double try_again = 1.0;      // after there was no way [s]
-constexpr double lead_each = 0.016;    // planning a robot takes about so long [s]
-constexpr double longest_lead = 0.8;   // [s]
-constexpr double leaves_within = 4.0;  // so long whoever has no route yet is taken to stand where it is [s]
+constexpr double try_again = 1.0;              // after there was no way [s]
+constexpr double lead_each = 0.016;            // planning a robot takes about so long [s]
+constexpr double longest_lead = 0.8;           // [s]
+constexpr double leaves_within = 4.0;          // so long whoever has no route yet is taken to stand where it is [s]
 constexpr std::size_t nodes_each_tick = 1300;  // some 2 us each on a processor of 2.6 GHz
 constexpr int most_attempts = 40;
 constexpr int most_improvements = 6;
@@ -32,7 +32,8 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
   if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
   if (robot.state == State::yielding) return traffic_.follows(j, *reference_, scene.t, horizon, yield_);
   if (scene.to_starts || nominal[j].twist == Twist{}) {
-    if (scene.to_starts || formation_t_ >= rest_from_[j]) return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
+    if (scene.to_starts || formation_t_ >= rest_from_[j])
+      return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
   }
   const double most = rest_from_[j] < never ? std::max(0.0, rest_from_[j] - formation_t_) + 0.2 : horizon;
   traffic_.follows(j, *reference_, scene.t, std::min(most, Traffic::step * Traffic::steps));

@@ -43,7 +43,8 @@ Swapped swap(SwapMethod& method, std::vector<Pose> poses, const std::vector<Pose
       EXPECT_LE(std::abs(commands[i].v), 0.1 + 1e-9);
       EXPECT_LE(std::abs(commands[i].omega), 1.7 + 1e-9);
       poses[i] = core::advance(poses[i], limits.limit(commands[i]), 0.04);
-      swapped.outside = std::max({swapped.outside, std::abs(poses[i].x) + 0.035 - 1.0, std::abs(poses[i].y) + 0.035 - 0.75});
+      swapped.outside =
+          std::max({swapped.outside, std::abs(poses[i].x) + 0.035 - 1.0, std::abs(poses[i].y) + 0.035 - 0.75});
       for (std::size_t j = 0; j < i; ++j) swapped.least = std::min(swapped.least, core::distance(poses[i], poses[j]));
     }
   }
@@ -52,8 +53,8 @@ Swapped swap(SwapMethod& method, std::vector<Pose> poses, const std::vector<Pose
   return swapped;
 }
 
-class SwapBaselines : public testing::TestWithParam<std::unique_ptr<SwapMethod> (*)(const core::CommandLimits&, HalfArena)> {
-};
+class SwapBaselines
+    : public testing::TestWithParam<std::unique_ptr<SwapMethod> (*)(const core::CommandLimits&, HalfArena)> {};
 
 TEST_P(SwapBaselines, SwapFourRobotsWithoutATouch) {
   const std::vector<Pose> starts{{-0.5, 0.02, 0.0}, {0.5, 0.0, 0.5}, {0.03, 0.5, -2.0}, {0.0, -0.5, 1.0}};

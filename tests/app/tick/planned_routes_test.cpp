@@ -74,8 +74,10 @@ TEST(PlannedRoutes, AFormationWaitsForItsRobotAndCatchesUp) {
   for (std::size_t k = 1; k < rows.size(); ++k) {
     const TickRecord &row = rows[k], &before = rows[k - 1];
     most = std::fmax(most, row.lag);
-    if (farthest(row) > 0.005) whole = -1.0;
-    else if (whole < 0.0 && row.t > 2.0) whole = row.t;
+    if (farthest(row) > 0.005)
+      whole = -1.0;
+    else if (whole < 0.0 && row.t > 2.0)
+      whole = row.t;
     for (std::size_t i = 0; i < row.robots.size(); ++i) {
       const core::ReferencePoint &here = row.robots[i].nominal, &there = before.robots[i].nominal;
       slowest = std::fmin(slowest, here.twist.v);
