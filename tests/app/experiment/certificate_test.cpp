@@ -92,7 +92,7 @@ Experiment parking(const std::string& obstacles) {
 std::string wall(double gap) {
   std::string text;
   for (const double side : {-1.0, 1.0})
-    for (double y = 0.05 + 0.5 * gap; y < 0.85; y += 0.09)
+    for (double y = 0.05 + 0.5 * gap; y < 0.74; y += 0.09)
       text += "[[obstacle]]\nx = 0.0\ny = " + std::to_string(side * y) + "\nradius = 0.05\n";
   return text;
 }
