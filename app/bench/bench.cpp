@@ -16,8 +16,10 @@
 #include "app/bench/bench_controllers.h"
 #include "app/bench/bench_links.h"
 #include "app/bench/bench_motors.h"
+#include "app/bench/bench_planner.h"
 #include "app/bench/bench_publish.h"
 #include "app/bench/bench_radio.h"
+#include "app/bench/bench_swaps.h"
 #include "app/bench/identify_study.h"
 #include "app/manual/manual.h"
 #include "app/run/exit_status.h"
@@ -58,6 +60,18 @@ int report_identify(double) {
   return bench_identify(identification);
 }
 
+PlannerBench planning;
+
+int report_planner(double) {
+  return bench_planner(planning);
+}
+
+SwapsBench swaps;
+
+int report_swaps(double) {
+  return bench_swaps(swaps);
+}
+
 RadioBench radio;  // as the command line says
 
 int report_radio(double) {
@@ -73,6 +87,10 @@ constexpr Bench table[] = {
     {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", [](double) {},
      report_controllers, /*unasked=*/false},
     {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
+     /*unasked=*/false},
+    {"planner", "what planning costs a tick: 30 robots anywhere, kicks of the platoon", [](double) {}, report_planner},
+    {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", [](double) {},
+     report_swaps,
      /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios; --faults at random", [](double) { register_radio_benchmarks(); },
@@ -98,7 +116,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
-  program.add_option("what", what, "one of those below; default: all but controllers, identify and ui")
+  program.add_option("what", what, "one of those below; default: all but controllers, identify, swaps and ui")
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
@@ -109,7 +127,8 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::optional<std::int64_t> runs;
   program
       .add_option("--runs", runs,
-                  "controllers: runs under adversaries, 0: none; identify: robots; default: 140, and 1000")
+                  "controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; default: "
+                  "140, 1000, 8, 40")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->type_name("N");
   double hours = 0.0;
@@ -119,7 +138,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   std::uint64_t seed = 1;
-  program.add_option("--seed", seed, "controllers, identify, radio: of the first of them; the next ones count on")
+  program
+      .add_option("--seed", seed,
+                  "controllers, identify, planner, swaps, radio: of the first of them; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
@@ -142,7 +163,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   }
   controllers.runs = runs.value_or(controllers.runs);
   identification.runs = runs.value_or(identification.runs);
-  controllers.seed = identification.seed = radio.seed = seed;
+  swaps.runs = runs.value_or(swaps.runs);
+  planning.runs = runs.value_or(planning.runs);
+  controllers.seed = identification.seed = planning.seed = swaps.seed = radio.seed = seed;
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (what == window) {

@@ -2,6 +2,7 @@
 
 #include "app/cli/commands.h"
 #include "app/experiment/certificate.h"
+#include "app/experiment/ways.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/session/camera_rig.h"
@@ -19,6 +20,7 @@ int check(const ExperimentRequest& request, bool controller) {
     }
   const Certificate certificate = certify(*experiment);
   fmt::print("experiment: {}\n{}", experiment->name, as_lines(certificate));
+  for (const std::string& sentence : missing_ways(*experiment)) fmt::print("way: {}\n", sentence);
   for (std::size_t i = 0; i < experiment->robots.size(); ++i) {
     const RobotSpec& robot = experiment->robots[i];
     if (!robot.is_real()) continue;

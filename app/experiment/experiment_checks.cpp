@@ -10,6 +10,7 @@
 #include "app/experiment/experiment_events.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_trajectory.h"
+#include "core/planning/formation_clock.h"
 #include "vision/sources/open_source.h"
 
 namespace skein::app {
@@ -257,6 +258,22 @@ void check_estimation(const Experiment& e, Problems& problems) {
                                                   e.estimation.bridge, e.simulation.latency));
 }
 
+/// Whether a formation that waits can also catch up.
+void check_waiting(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  if (!e.avoidance.formation_waits) return;
+  if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled)
+    return problems.add("avoidance.formation_waits",
+                        "found true, allowed: false, or true beside avoidance.kind = \"plan\" and avoidance.enabled = "
+                        "true, since the formation waits for robots on planned routes");
+  const double hurry = core::FormationClock::hurry(make_gains(e), reference.demand(e.controller.k_y));
+  if (hurry < core::FormationClock::least_hurry)
+    problems.add("avoidance.formation_waits",
+                 fmt::format("found true, but its references and couplings leave it {:.2g} % of its speed to catch up "
+                             "with, allowed: at least {:g} %, or false; references that are slower, or smaller "
+                             "couplings, leave more",
+                             100.0 * hurry, 100.0 * core::FormationClock::least_hurry));
+}
+
 }  // namespace
 
 void check_together(const Experiment& e, Problems& problems) {
@@ -269,6 +286,7 @@ void check_together(const Experiment& e, Problems& problems) {
   check_places(e, *reference, problems);
   check_speed(e, *reference, problems);
   check_gains(e, *reference, problems);
+  check_waiting(e, *reference, problems);
 }
 
 }  // namespace skein::app

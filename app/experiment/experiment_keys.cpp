@@ -120,6 +120,8 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.avoidance.K_o; }, [](Limits) { return between(0.0, 1e3, "m^2/s"); }}},
       {"avoidance", "horizon", "above 0: look so far ahead and drive round others early, instead of the field",
        NumberKey{[](E& e) -> auto& { return e.avoidance.horizon; }, [](Limits) { return between(0.0, 60.0, "s"); }}},
+      {"avoidance", "formation_waits", "plan: the formation slows down while one of its robots is on its way back",
+       FlagKey{[](E& e) -> auto& { return e.avoidance.formation_waits; }}},
 
       {"shield", "enabled", "forward speeds are changed so that no two robots come too close",
        FlagKey{[](E& e) -> auto& { return e.shield.enabled; }}},

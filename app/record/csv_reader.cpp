@@ -138,6 +138,7 @@ void CsvReader::find_columns() {
 
   store("t", [](TickRecord& r) -> double& { return r.t; });
   store("now", [](TickRecord& r) -> double& { return r.now; });
+  store("lag", [](TickRecord& r) -> double& { return r.lag; });
   known["tick"] = [](TickRecord& r, std::string_view cell) { return read_number(cell, r.tick); };
   known["event"] = [room = EventList::room_for(robots_)](TickRecord& r, std::string_view cell) {
     r.events.limit_to(room);

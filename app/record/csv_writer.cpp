@@ -16,6 +16,7 @@ struct CsvWriter::Impl {
   bool pair_gains;
   std::string row = {};
   bool links = false;                  // some robot has one
+  bool waits = false;                  // the formation, for its robots
   std::vector<std::string> logs = {};  // by the law
 
   void number(double value) {
@@ -63,6 +64,7 @@ struct CsvWriter::Impl {
   }
 
   void head(const Experiment& experiment) {
+    waits = experiment.avoidance.formation_waits;
     logs = log_names(experiment.controller.law);
     links = std::any_of(experiment.robots.begin(), experiment.robots.end(),
                         [](const RobotSpec& robot) { return robot.has_link(); });
@@ -98,6 +100,7 @@ struct CsvWriter::Impl {
     for (const core::GainName gain : core::gain_names)
       for (std::size_t i = 1; pair_gains && i <= robots; ++i)
         for (std::size_t j = i + 1; j <= robots; ++j) row += pair_column(gain, i, j) + ',';
+    if (waits) row += "lag,";
     row += "now\n";
   }
   void write() {
@@ -154,6 +157,7 @@ void CsvWriter::record(const TickRecord& record) {
   }
   for (const auto& column : latency_columns) csv.number(column.get(record));
   if (csv.pair_gains) csv.pairs(record);
+  if (csv.waits) csv.number(record.lag);
   csv.number(record.now);
   csv.row.back() = '\n';
   csv.write();

@@ -21,10 +21,18 @@ core::Pose place(const RobotRecord& robot) noexcept {
   return seen ? robot.pose : core::Pose{none, none, none};
 }
 
-double tracking_error(const TickRecord& record) noexcept {
+/// Of where the formation has them, and of where they would be on time.
+double distance_from_formation(const TickRecord& record) noexcept {
   double largest = 0.0;
   for (const RobotRecord& robot : record.robots)
     largest = std::fmax(largest, core::distance(robot.nominal.pose, robot.pose));
+  return largest;
+}
+
+double tracking_error(const TickRecord& record, const Schedule& schedule) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < record.robots.size(); ++i)
+    largest = std::fmax(largest, core::distance(schedule.place(record, i), record.robots[i].pose));
   return largest;
 }
 
@@ -50,7 +58,8 @@ bool PerturbationResult::relative_first() const noexcept {
   return settling.relative_1cm && (!settling.tracking_1cm || *settling.relative_1cm < *settling.tracking_1cm);
 }
 
-Statistics::Statistics(const Experiment& experiment) : experiment_(experiment), obstacles_(experiment.obstacles) {
+Statistics::Statistics(const Experiment& experiment)
+    : experiment_(experiment), schedule_(experiment), obstacles_(experiment.obstacles) {
   obstacles_.resize(experiment.obstacles.size() + core::ObstacleField::room_for_more);
   so_far_.name = experiment.name;
 }
@@ -59,7 +68,16 @@ void Statistics::record(const TickRecord& record) {
   so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
   count_collisions(record);
   if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
-  const Sample sample{record.t, record.formation_error(), tracking_error(record), relative_error(record)};
+  const Sample sample{record.t,
+                      record.formation_error(),
+                      tracking_error(record, schedule_),
+                      relative_error(record),
+                      record.t - record.lag,
+                      distance_from_formation(record)};
+  if (experiment_.avoidance.formation_waits) {
+    so_far_.largest_lag = std::max(so_far_.largest_lag.value_or(0.0), record.lag);
+    so_far_.final_lag = record.lag;
+  }
   const bool there = sample.tracking <= arrived_within &&
                      std::all_of(record.robots.begin(), record.robots.end(),
                                  [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
@@ -83,7 +101,7 @@ void Statistics::record(const TickRecord& record) {
 
   for (const Event& event : record.events) {
     if (so_far_.events.size() < most_events) so_far_.events.emplace_back(record.t, describe(event));
-    if (is<events::Perturb, events::Move, events::Kick, events::Kidnap>(event)) disturb(record.t, event);
+    if (is<events::Perturb, events::Move, events::Kick, events::Kidnap>(event)) disturb(record.t, sample.clock, event);
     if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event))
       so_far_.missed_deadlines += missed->ticks;
   }
@@ -128,24 +146,25 @@ void Statistics::count_collisions(const TickRecord& record) {
   }
 }
 
-void Statistics::disturb(double t, const Event& event) {
+void Statistics::disturb(double t, double clock, const Event& event) {
   const std::string what = describe(event);
   const int robot = static_cast<int>(robot_of(event).value());
   if (disturbances_.size() > most_events) return;  // one more than are told: it ends the last of them
   const bool first = disturbances_.empty();
   if (first || t - disturbances_.back().t > one_disturbance) {
-    if (!first) disturbances_.back().settling = bands_.since(disturbances_.back().t);
+    if (!first) disturbances_.back().settling = bands_.since(disturbances_.back().t, disturbances_.back().clock);
     before_ = std::exchange(bands_, {});
-    disturbances_.push_back({t, robot, what, {}});
+    disturbances_.push_back({t, clock, robot, what, {}});
     return;
   }
   if (disturbances_.size() > 1) {  // the one before it lasted up to now
     Disturbance& last = disturbances_[disturbances_.size() - 2];
-    last.settling = before_.since(last.t);
+    last.settling = before_.since(last.t, last.clock);
   }
   bands_ = {};
   Disturbance& same = disturbances_.back();
   same.t = t;
+  same.clock = clock;
   if (same.robot == robot)
     same.what = what;
   else if (same.what.size() < most_described)
@@ -166,12 +185,22 @@ void Statistics::Bands::add(const Sample& sample) {
   look(tracking_5mm, sample.tracking, 0.005);
   look(relative_1cm, sample.relative, 0.01);
   look(relative_5mm, sample.relative, 0.005);
+  const auto look_whole = [&](std::optional<double>& since, double band) {
+    if (!(sample.whole <= band))
+      since.reset();
+    else if (!since)
+      since = sample.clock;
+  };
+  look_whole(whole_1cm, 0.01);
+  look_whole(whole_5mm, 0.005);
+  look(whole_5mm_after, sample.whole, 0.005);
 }
 
-Settling Statistics::Bands::since(double begin) const {
-  const auto after = [begin](const std::optional<double>& t) { return t ? std::optional(*t - begin) : t; };
-  return {after(formation_1cm), after(formation_5mm), after(tracking_1cm),
-          after(tracking_5mm),  after(relative_1cm),  after(relative_5mm)};
+Settling Statistics::Bands::since(double begin, double clock) const {
+  const auto after = [](const std::optional<double>& t, double since) { return t ? std::optional(*t - since) : t; };
+  return {after(formation_1cm, begin), after(formation_5mm, begin), after(tracking_1cm, begin),
+          after(tracking_5mm, begin),  after(relative_1cm, begin),  after(relative_5mm, begin),
+          after(whole_1cm, clock),     after(whole_5mm, clock),     after(whole_5mm_after, begin)};
 }
 
 void Statistics::Durations::add(double seconds) {
@@ -193,7 +222,7 @@ Statistics::Summary Statistics::summary() const {
   for (const Disturbance& d : disturbances_)
     if (summary.perturbations.size() < most_events) summary.perturbations.push_back({d.t, d.robot, d.what, d.settling});
   if (!disturbances_.empty() && disturbances_.size() <= most_events)
-    summary.perturbations.back().settling = bands_.since(disturbances_.back().t);
+    summary.perturbations.back().settling = bands_.since(disturbances_.back().t, disturbances_.back().clock);
   summary.median_compute = compute_times_.median();
   if (compute_times_.all.total() > 0) summary.largest_compute = compute_times_.all.largest();
   summary.loop_delay = loop_delays_.median();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
+#include "app/record/schedule.h"
 #include "app/run/histogram.h"
 #include "app/run/status.h"
 #include "app/run/tick_record.h"
@@ -25,6 +26,10 @@ struct Settling {
   /// Largest vector error of a neighbour's relative position, |(p_i - p_j) - (r_i - r_j)|. delta of (37) compares
   /// distances only, and is of second order in errors across the line between the two. [s]
   std::optional<double> relative_1cm{}, relative_5mm{};
+  /// Largest distance of a robot from where the formation has it, on the formation's clock, as these times are: of a
+  /// formation that waits, when it was whole again. Tracking is then what remains to be caught up. [s]
+  std::optional<double> whole_1cm{}, whole_5mm{};
+  std::optional<double> whole_5mm_after{};  ///< the same on the experiment's clock [s]
 };
 
 struct PerturbationResult {
@@ -55,6 +60,8 @@ class Statistics final : public RecordSink {
     double arrived = none;       ///< since when all references rest and every robot is within 1 cm of its place [s]
     double min_distance = none;  ///< [m]
     double obstacle_gap = none;  ///< smallest between a robot's edge and an obstacle's; none without any [m]
+    /// The largest lag of the formation's clock, and that at the end; empty if the formation does not wait. [s]
+    std::optional<double> largest_lag, final_lag;
     double outside = 0.0;        ///< largest distance of a robot's body over the edge of the arena [m]
     std::int64_t collisions =
         0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
@@ -94,12 +101,15 @@ class Statistics final : public RecordSink {
  private:
   struct Sample {
     double t, formation, tracking, relative;
+    double clock, whole;  // the formation's [s], and the distance from its places by that clock [m]
   };
   /// Since when an error has been inside a band continuously; empty: it is outside.
   struct Bands {
     std::optional<double> formation_1cm, formation_5mm, tracking_1cm, tracking_5mm, relative_1cm, relative_5mm;
+    std::optional<double> whole_1cm, whole_5mm;  // on the formation's clock
+    std::optional<double> whole_5mm_after;
     void add(const Sample& sample);
-    Settling since(double begin) const;
+    Settling since(double begin, double clock) const;
   };
   /// The exact median of up to 20,000 durations; to 4.4 % for more.
   struct Durations {
@@ -110,15 +120,16 @@ class Statistics final : public RecordSink {
   };
   /// A perturbation by hand: a window for settling begins here.
   struct Disturbance {
-    double t;
+    double t, clock;
     int robot;
     std::string what;
     Settling settling{};  ///< once the next one has begun
   };
   void count_collisions(const TickRecord& record);
-  void disturb(double t, const Event& event);
+  void disturb(double t, double clock, const Event& event);
 
   const Experiment experiment_;
+  const Schedule schedule_;
   std::vector<core::Obstacle> obstacles_;  // the present ones, including the operator's, by their numbers
   Summary so_far_;
   std::vector<Disturbance> disturbances_;

@@ -27,18 +27,23 @@ std::vector<int> from_one(const std::vector<int>& robots) {
   return numbers;
 }
 
-Json json(const PerturbationResult& p) {
-  return {{"t", json(p.t)},
-          {"robot", p.robot + 1},
-          {"what", p.what},
-          {"formation_1cm", json(p.settling.formation_1cm)},
-          {"formation_5mm", json(p.settling.formation_5mm)},
-          {"tracking_1cm", json(p.settling.tracking_1cm)},
-          {"tracking_5mm", json(p.settling.tracking_5mm)},
-          {"relative_1cm", json(p.settling.relative_1cm)},
-          {"relative_5mm", json(p.settling.relative_5mm)},
-          {"formation_first", p.formation_first()},
-          {"relative_first", p.relative_first()}};
+Json json(const PerturbationResult& p, bool waits) {
+  Json result{{"t", json(p.t)},
+              {"robot", p.robot + 1},
+              {"what", p.what},
+              {"formation_1cm", json(p.settling.formation_1cm)},
+              {"formation_5mm", json(p.settling.formation_5mm)},
+              {"tracking_1cm", json(p.settling.tracking_1cm)},
+              {"tracking_5mm", json(p.settling.tracking_5mm)},
+              {"relative_1cm", json(p.settling.relative_1cm)},
+              {"relative_5mm", json(p.settling.relative_5mm)},
+              {"formation_first", p.formation_first()},
+              {"relative_first", p.relative_first()}};
+  if (waits)
+    result.update({{"whole_1cm", json(p.settling.whole_1cm)},
+                   {"whole_5mm", json(p.settling.whole_5mm)},
+                   {"whole_5mm_after", json(p.settling.whole_5mm_after)}});
+  return result;
 }
 
 Json json(const Histogram& histogram) {
@@ -122,10 +127,12 @@ Json json(const Statistics::Summary& s) {
               {"links", Json::array()},
               {"perturbations", Json::array()},
               {"events", Json::array()}};
+  if (s.largest_lag) result["largest_lag"] = json(s.largest_lag), result["final_lag"] = json(s.final_lag);
   if (!s.kept.empty()) result["kept"] = s.kept;
   if (s.published) result["published_rows"] = s.published->sent, result["published_dropped"] = s.published->dropped;
   for (const auto& [robot, link] : s.links) result["links"].push_back(json(robot, link));
-  for (const PerturbationResult& p : s.perturbations) result["perturbations"].push_back(json(p));
+  for (const PerturbationResult& p : s.perturbations)
+    result["perturbations"].push_back(json(p, s.largest_lag.has_value()));
   for (const auto& [t, what] : s.events) result["events"].push_back({{"t", json(t)}, {"what", what}});
   return result;
 }

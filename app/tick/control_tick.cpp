@@ -34,8 +34,15 @@ core::ShieldParameters shield_of(const Experiment& e) {
   return parameters;
 }
 
+/// The formation's, on its clock.
+std::unique_ptr<const core::Reference> make_reference_of_tick(const Experiment& e, const core::FormationClock& clock) {
+  std::unique_ptr<const core::Reference> on_time = make_reference(e);
+  if (!e.avoidance.formation_waits) return on_time;
+  return std::make_unique<core::WaitingReference>(std::move(on_time), clock);
+}
+
 std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Reference& reference,
-                                            std::size_t obstacles) {
+                                            core::FormationClock& clock, std::size_t obstacles) {
   if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
   const std::vector<double> beyond = sizes_beyond(e);
   const double most = core::Sizes(beyond).most();
@@ -46,7 +53,7 @@ std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Ref
                                                               e.duration,
                                                               e.shield.gamma,
                                                               core::standard_radius + most},
-                                         reference);
+                                         reference, e.avoidance.formation_waits ? &clock : nullptr);
 }
 
 /// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
@@ -62,7 +69,7 @@ double rise_tolerance(const Experiment& e) {
 
 TickState::TickState(const Experiment& e)
     : experiment(e),
-      reference(make_reference(e)),
+      reference(make_reference_of_tick(e, clock)),
       demand(reference->demand(e.controller.k_y)),
       shield_parameters(shield_of(e)),
       has_camera(e.camera.kind() != CameraKind::absent),
@@ -71,7 +78,7 @@ TickState::TickState(const Experiment& e)
       couplings(e, gains, demand),
       obstacles(e.obstacles),
       avoidance(e.robots.size(), obstacles.all().size()),
-      planner(make_planner(e, *reference, obstacles.all().size())),
+      planner(make_planner(e, *reference, clock, obstacles.all().size())),
       shield(e.robots.size(), obstacles.all().size()),
       near(e.robots.size()),
       staging_law(e.robots.size()),
@@ -521,6 +528,8 @@ void TickState::account(const TickInput& input) noexcept {
   record.pair_gains[0] = gains.k_xx;  // same sizes: no allocation
   record.pair_gains[1] = gains.k_tt;
   record.pair_gains[2] = gains.k_yy;
+  record.lag = clock.behind(record.t);
+  record.planning = planner && moving() ? planner->nodes() : 0;
   record.V = core::lyapunov(gains, errors);
   record.V_dot = experiment.controller.law.of_the_paper() ? core::lyapunov_rate(gains, errors) : none;
   for (std::size_t i = 0; i < robots(); ++i) {

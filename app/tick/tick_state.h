@@ -15,6 +15,7 @@
 #include "core/controllers/kostic.h"
 #include "core/estimation/camera_watch.h"
 #include "core/estimation/pose_filter.h"
+#include "core/planning/formation_clock.h"
 #include "core/planning/planner.h"
 #include "core/safety/progress_watch.h"
 
@@ -73,6 +74,7 @@ struct TickState {
 
   // What the experiment says.
   const Experiment experiment;
+  core::FormationClock clock;  // stands in what the experiment says, since the reference goes by it
   const std::unique_ptr<const core::Reference> reference;
   const core::ReferenceDemand demand;
   const core::ShieldParameters shield_parameters;  // with the arena's edge

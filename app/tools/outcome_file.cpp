@@ -107,6 +107,9 @@ void for_columns(Outcome& o, Use&& use) {
   use("formation_settled", o.formation_settled);
   use("relative_settled", o.relative_settled);
   use("tracking_settled", o.tracking_settled);
+  use("whole", o.whole);
+  use("whole_after", o.whole_after);
+  use("lag", o.lag);
   use("limited_share", o.limited_share);
   use("effort", o.effort);
   use("v_jumps", o.v_jumps);

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "app/experiment/experiment_file.h"
+#include "app/record/schedule.h"
 #include "app/record/statistics.h"
 #include "app/session/session.h"
 
@@ -24,14 +25,17 @@ constexpr double drives = 0.005;  // whoever is slower has no direction [m/s]
 /// How far the robots really are from their places, and since when they have been near enough.
 class Distance final : public RecordSink {
  public:
-  Distance(const Experiment& experiment, double near_enough) : experiment_(experiment), near_enough_(near_enough) {}
+  Distance(const Experiment& experiment, double near_enough)
+      : experiment_(experiment), schedule_(experiment), near_enough_(near_enough) {}
 
   void record(const TickRecord& record) override {
     if (record.phase == Phase::staging || record.phase == Phase::ready) return;
     double error = 0.0;
-    for (const RobotRecord& robot : record.robots)
-      error =
-          std::fmax(error, core::distance(robot.nominal.pose, std::isnan(robot.truth.x) ? robot.pose : robot.truth));
+    for (std::size_t i = 0; i < record.robots.size(); ++i) {
+      const RobotRecord& robot = record.robots[i];
+      const core::Pose& here = std::isnan(robot.truth.x) ? robot.pose : robot.truth;
+      error = std::fmax(error, core::distance(schedule_.place(record, i), here));
+    }
     for (const Event& event : record.events)
       if (const auto* const perturb = std::get_if<events::Perturb>(&event)) {
         if (!since_) since_ = record.t;
@@ -82,6 +86,7 @@ class Distance final : public RecordSink {
   }
 
   const Experiment& experiment_;
+  const Schedule schedule_;
   std::vector<core::WheelSpeeds> before_;
   std::int64_t driven_ = 0, limited_ = 0, changes_ = 0;
   double squares_ = 0.0;  // of commanded wheel accelerations
@@ -151,6 +156,15 @@ Json json(const SweepSummary& s) {
               {"reversals_max", s.reversals_max},
               {"reversals_share", json(s.reversals_share())},
               {"bad_seeds", s.bad_seeds}};
+  if (!std::isnan(s.lag_max))
+    result.update({{"whole_p50", json(s.whole_p50)},
+                   {"whole_p99", json(s.whole_p99)},
+                   {"whole_max", json(s.whole_max)},
+                   {"whole_after_p50", json(s.whole_after_p50)},
+                   {"whole_after_p99", json(s.whole_after_p99)},
+                   {"whole_after_max", json(s.whole_after_max)},
+                   {"lag_p50", json(s.lag_p50)},
+                   {"lag_max", json(s.lag_max)}});
   for (const SweepSummary& control : s.control)
     result.update({{"control_collisions", control.collisions},
                    {"control_recovered_share", json(control.recovered_share())},
@@ -217,6 +231,15 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
       outcome.*slowest = here ? std::max(outcome.*slowest, here) : std::nullopt;
       if (!here) break;
     }
+  outcome.lag = summary.largest_lag;
+  if (outcome.lag)
+    for (const auto& [slowest, settled] :
+         {std::pair(&RunOutcome::whole, &Settling::whole_5mm), {&RunOutcome::whole_after, &Settling::whole_5mm_after}})
+      for (const PerturbationResult& p : summary.perturbations) {
+        const std::optional<double>& here = p.settling.*settled;
+        outcome.*slowest = here ? std::max(outcome.*slowest, here) : std::nullopt;
+        if (!here) break;
+      }
   outcome.limited_share = distance.limited_share();
   outcome.effort = distance.effort();
   if (outcome.perturbation > study.formation_first_over)
@@ -287,7 +310,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.experiment = study.experiment;
   s.runs = static_cast<std::int64_t>(outcomes.size());
   s.min_distance = s.obstacle_gap = none;
-  std::vector<double> recoveries, errors;
+  std::vector<double> recoveries, errors, wholes, wholes_after, lags;
   for (const RunOutcome& o : outcomes) {
     if (!o.failure.empty() || o.collided() || !o.recovery) s.bad_seeds.push_back(o.seed);
     if (!o.failure.empty()) {
@@ -300,6 +323,9 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     s.obstacle_gap = std::fmin(s.obstacle_gap, o.obstacle_gap);
     errors.push_back(o.final_error);
     if (o.recovery) recoveries.push_back(*o.recovery);
+    if (o.whole) wholes.push_back(*o.whole);
+    if (o.whole_after) wholes_after.push_back(*o.whole_after);
+    if (o.lag) lags.push_back(*o.lag);
     s.formation_first_asked += o.formation_first.has_value();
     s.formation_first += o.formation_first.value_or(false);
     s.relative_first += o.relative_first.value_or(false);
@@ -314,6 +340,14 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.recovery_p90 = quantile(recoveries, 0.9);
   s.recovery_p99 = quantile(recoveries, 0.99);
   s.recovery_max = quantile(recoveries, 1.0);
+  s.whole_p50 = quantile(wholes, 0.5);
+  s.whole_p99 = quantile(wholes, 0.99);
+  s.whole_max = quantile(wholes, 1.0);
+  s.whole_after_p50 = quantile(wholes_after, 0.5);
+  s.whole_after_p99 = quantile(wholes_after, 0.99);
+  s.whole_after_max = quantile(wholes_after, 1.0);
+  s.lag_p50 = quantile(lags, 0.5);
+  s.lag_max = quantile(lags, 1.0);
   s.final_error_p50 = quantile(errors, 0.5);
   s.final_error_p99 = quantile(errors, 0.99);
   s.final_error_max = quantile(errors, 1.0);

@@ -27,6 +27,9 @@ struct RunOutcome {
   /// Until all perturbations had settled to 1 cm, the slowest of them: formation, relative positions, tracking; see
   /// Settling. Empty: one did not, or there was none. [s]
   std::optional<double> formation_settled, relative_settled, tracking_settled;
+  /// Of a formation that waits: until it was whole again to 5 mm, on its own clock and on the experiment's, and the
+  /// most that its own was behind; empty also where it never was. [s]
+  std::optional<double> whole, whole_after, lag;
   double limited_share = 0.0;  ///< of robots and ticks in which a limit took something from the law's command
   double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]
   std::int64_t v_jumps = 0;    ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
@@ -68,6 +71,9 @@ struct SweepSummary {
   double recovery_p50 = 0.0, recovery_p90 = 0.0, recovery_p99 = 0.0, recovery_max = 0.0;  ///< of those that did [s]
   double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;             ///< [m]
   std::int64_t formation_first = 0, formation_first_asked = 0, relative_first = 0;
+  /// Of formations that wait: on their own clocks, and on the experiment's; NaN where none does. [s]
+  double whole_p50 = 0.0, whole_p99 = 0.0, whole_max = 0.0;
+  double whole_after_p50 = 0.0, whole_after_p99 = 0.0, whole_after_max = 0.0, lag_p50 = 0.0, lag_max = 0.0;
   double outside = 0.0;                  ///< farthest of all runs [m]
   std::vector<std::uint64_t> bad_seeds;  ///< of runs that collided, did not recover or failed
 

@@ -35,6 +35,7 @@ struct AvoidanceParameters {
   double K_a = 0.1;      ///< attraction to the reference [1/s]
   double K_o = 0.02;     ///< repulsion [m^2/s]
   double horizon = 0.0;  ///< look-ahead instead of the field [s]; 0: the field, and detours only for stuck robots
+  bool formation_waits = false;  ///< plan: the formation slows down while one of its robots returns to it
 };
 
 /// |dx/alpha|^p + |dy/beta|^p of (30), with absolute values (an odd p would make it negative): at most 1 inside the

@@ -13,6 +13,10 @@ struct Row {
 
 Row row(const PairTable& table, std::size_t i) noexcept {
   Row result;
+  if (table.uniform() && table.robots() > 1) {
+    result.smallest = table(0, 1);
+    return result;
+  }
   bool first = true;
   for (std::size_t j = 0; j < table.robots(); ++j) {
     if (j == i) continue;

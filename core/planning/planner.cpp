@@ -25,6 +25,7 @@ constexpr double error_free = 0.010;        // behind its route: clocks run on; 
 constexpr double error_stop = 0.025;        // [m]
 constexpr double sees_ahead = 3.0;          // who stands in its way [s]
 constexpr double looks_every = 5;           // ticks
+constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
 constexpr double stuck_for = 4.0;           // a clock that hardly runs so long: a new plan for everybody [s]
 
 bool is_at(const Pose& place, const Pose& pose) noexcept {
@@ -33,8 +34,9 @@ bool is_at(const Pose& place, const Pose& pose) noexcept {
 
 }  // namespace
 
-Planner::Planner(const Setup& setup, const Reference& reference)
+Planner::Planner(const Setup& setup, const Reference& reference, FormationClock* clock)
     : reference_(&reference),
+      clock_(clock),
       setup_(setup),
       lattice_(setup.arena, setup.shield_distance - setup.radius + 0.0005, setup.obstacles),
       traffic_(setup.robots),
@@ -44,6 +46,7 @@ Planner::Planner(const Setup& setup, const Reference& reference)
       goals_(setup.robots),
       rest_from_(setup.robots, never),
       coupled_(setup.robots),
+      on_route_(setup.robots),
       shift_(setup.robots * setup.robots) {
   constexpr double sampled = 0.1;  // [s]
   // Beyond the end as well: a robot may be on its way to a place at rest when time is over.
@@ -72,11 +75,13 @@ void Planner::reset() noexcept {
   group_.active = false;
   merging_.searched = 0;
   begun_ = false;
+  hurry_ = 0.0;
+  if (clock_ != nullptr) clock_->reset();
 }
 
 bool Planner::rests(std::size_t i, const Scene& scene) const noexcept {
   if (scene.to_starts) return true;
-  return rest_from_[i] < never && (!coupled_[i] || scene.t >= rest_from_[i]);
+  return rest_from_[i] < never && (!coupled_[i] || formation_t_ >= rest_from_[i]);
 }
 
 Pose Planner::goal(std::size_t i, const Scene& scene) const noexcept {
@@ -118,9 +123,10 @@ void Planner::watch(std::size_t i, const Scene& scene, std::span<const Reference
 bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   Robot& robot = robots_[i];
   const std::size_t n = robots_.size();
+  const double fastest = 2.0 * std::max(pace_.v, 0.1);  // nobody's route is so fast [m/s]
   robot.waits_for = n;
   const double at = robot.clock + ahead, planned = robot.due + at;
-  const Pose there = robot.route.at(at).pose;
+  const Pose there = robot.route.at(at).pose, here = on_route_[i];
   constexpr double less = 0.004, step = 0.1;
   for (std::size_t j = 0; j < n; ++j) {
     const Robot& other = robots_[j];
@@ -128,10 +134,14 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
     const double until = std::min(planned - theirs, other.route.duration());
     // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
-    const double runs_to = other.clock + (robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0);
+    const double runs = robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0, runs_to = other.clock + runs;
     if (runs_to >= until - 0.02) continue;
-    const double d_now = distance(other.route.at(other.clock).pose, robot.route.at(robot.clock).pose);
-    const double keep = std::min(std::min(robot.keeps, other.keeps) - less, d_now - 2e-3);
+    const Pose now = on_route_[j];
+    const double most = std::min(robot.keeps, other.keeps) - less;
+    // Too far away to get there by then.
+    const double reach = most + fastest * (until + step - other.clock);
+    if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
+    const double keep = std::min(most, distance(now, here) - 2e-3);
     for (double t = runs_to; t < until + step; t += step)
       if (distance(other.route.at(std::min(t, until)).pose, there) < keep) {
         robot.waits_for = j;
@@ -143,7 +153,7 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
 
 void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   Robot& robot = robots_[i];
-  const Pose here = robot.route.at(robot.clock).pose;
+  const Pose here = on_route_[i];
   const double error = distance(here, scene.poses[i]);
   double wanted = std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0);
   if (must_wait(i, 0.2) || must_wait(i, 0.4)) wanted = 0.0;
@@ -155,6 +165,21 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   robot.reference = {here, {twist.v * robot.rate, twist.omega * robot.rate}};
   robot.clock += step;
   robot.state = before;
+  on_route_[i] = robot.route.at(robot.clock).pose;
+}
+
+/// Slows the formation's clock while somebody is on its way back to a place that moves, and lets it hurry afterwards.
+void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcept {
+  const ReferenceDemand demand = reference_->demand(gains.k_y);
+  bool away = false, coupled = true;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Robot& robot = robots_[i];
+    coupled = coupled && robot.share > 1.0 - 1e-6;
+    if (scene.out[i] || std::isnan(scene.poses[i].x) || rests(i, scene)) continue;
+    away = away || robot.needs_plan || robot.state != State::nominal;
+  }
+  if (coupled) hurry_ = FormationClock::hurry(gains, demand);
+  clock_->step(now_, away, hurry_, formation_slope / demand.v);
 }
 
 /// The formation's reference, on the clock of those that yield.
@@ -169,6 +194,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
                    std::span<ReferencePoint> reference) noexcept {
   const std::size_t n = robots_.size();
   now_ = scene.t;
+  formation_t_ = clock_ == nullptr ? now_ : now_ - clock_->behind(now_);
   spent_ = 0;
   ++tick_;
   keep_ = setup_.shield_distance + route_comfort + 2.0 * scene.doubt;
@@ -209,7 +235,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     if (robot.state == State::nominal) {
       const bool at_rest = nominal[i].twist == Twist{};
       if (std::abs(wrap_angle(pose.theta - robot.reference.pose.theta)) > looks_elsewhere && rests(i, scene) &&
-          (scene.t < rest_from_[i] || scene.to_starts))
+          (formation_t_ < rest_from_[i] || scene.to_starts))
         robot.needs_plan = true;
       // A hand moves a robot within a tick. One that the shield has held up comes back by the law alone, unless that is
       // far: a plan begins with a stop, which would hold up those behind it.
@@ -232,8 +258,11 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     }
   }
   for (std::size_t i = 0; i < n; ++i) robots_[i].before = scene.poses[i];
+  if (clock_ != nullptr && !scene.to_starts) let_formation_wait(scene, gains);
   plan(scene, gains, nominal);
 
+  for (std::size_t i = 0; i < n; ++i)
+    if (robots_[i].state == State::driving) on_route_[i] = robots_[i].route.at(robots_[i].clock).pose;
   for (std::size_t i = 0; i < n; ++i) {
     Robot& robot = robots_[i];
     switch (robot.state) {
@@ -260,7 +289,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
         if (robot.clock >= robot.route.duration()) {
           robot.state = rests(i, scene) ? State::nominal : State::returning;
           robot.reference.pose = robot.route.end();
-          if (robot.state == State::nominal && scene.t < rest_from_[i] && !scene.to_starts) {
+          if (robot.state == State::nominal && formation_t_ < rest_from_[i] && !scene.to_starts) {
             // Sooner at its place than the file asks: it stays.
             robot.state = State::driving;
           } else if (robot.state == State::nominal) {

@@ -11,6 +11,7 @@
 #include "core/avoidance/obstacle.h"
 #include "core/avoidance/steering.h"
 #include "core/control/gains.h"
+#include "core/planning/formation_clock.h"
 #include "core/planning/lattice.h"
 #include "core/planning/merge.h"
 #include "core/planning/route.h"
@@ -26,7 +27,8 @@ namespace skein::core {
 ///                          before it (prioritised planning, restarted with the failed robot first)
 ///   to a place that moves  the fastest route that meets the place with its heading and speed (`Merge`); if robots
 ///                          that only follow their references block it, some of them yield: their clock stands for a
-///                          moment and catches up, and robots that would come too near to them yield too
+///                          moment and catches up, and robots that would come too near to them yield too;
+///                          with a `FormationClock` the whole formation waits instead
 /// Routes are driven on clocks: a robot passes a point only after all robots due there earlier have left it, and a
 /// robot that falls behind its reference holds its clock back. So a delay of one robot delays others but causes no
 /// conflict. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
@@ -51,7 +53,8 @@ class Planner {
     /// Of the largest body: routes are planned as if all had it. [m]
     double radius = standard_radius;
   };
-  Planner(const Setup& setup, const Reference& reference);
+  /// `clock`: of a formation that waits, which the reference goes by; null: it waits for nobody. The planner steps it.
+  Planner(const Setup& setup, const Reference& reference, FormationClock* clock = nullptr);
 
   struct Scene {
     double t = 0.0;          ///< of the experiment [s]
@@ -119,6 +122,7 @@ class Planner {
     Delay delay;
   };
 
+  void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;
   void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   void watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   Start begin_route(std::size_t i, const Scene& scene) noexcept;
@@ -145,6 +149,7 @@ class Planner {
   static constexpr double looks_elsewhere = 0.35;  // heading error that causes one, as the law turns slowly [rad]
 
   const Reference* reference_;
+  FormationClock* clock_;
   Setup setup_;
   Lattice lattice_;
   Traffic traffic_, expected_;
@@ -155,9 +160,12 @@ class Planner {
   std::vector<Pose> goals_;        // final poses of references
   std::vector<double> rest_from_;  // since when, or infinity [s]
   std::vector<bool> coupled_;
-  std::vector<double> shift_;  // robot i's schedule as robot j's plan took it, against its own [s], n x n
+  std::vector<Pose> on_route_;  // where those that drive are to be now
+  std::vector<double> shift_;   // robot i's schedule as robot j's plan took it, against its own [s], n x n
   std::vector<Obstacle> obstacles_;
   double now_ = 0.0, keep_ = 0.1;
+  double formation_t_ = 0.0;  // now, on the formation's clock [s]
+  double hurry_ = 0.0;        // of that clock, at most
   std::size_t tick_ = 0, spent_ = 0;
   bool begun_ = false, to_starts_ = false;
 

@@ -8,11 +8,11 @@
 namespace skein::core {
 namespace {
 
-constexpr double try_again = 1.0;      // after there was no way [s]
-constexpr double lead_each = 0.016;    // planning a robot takes about so long [s]
-constexpr double longest_lead = 0.8;   // [s]
-constexpr double leaves_within = 4.0;  // so long whoever has no route yet is taken to stand where it is [s]
-constexpr std::size_t nodes_each_tick = 3000;
+constexpr double try_again = 1.0;              // after there was no way [s]
+constexpr double lead_each = 0.016;            // planning a robot takes about so long [s]
+constexpr double longest_lead = 0.8;           // [s]
+constexpr double leaves_within = 4.0;          // so long whoever has no route yet is taken to stand where it is [s]
+constexpr std::size_t nodes_each_tick = 1300;  // some 2 us each on a processor of 2.6 GHz
 constexpr int most_attempts = 40;
 constexpr int most_improvements = 6;
 constexpr double good_enough = 1.12;  // against the straight line of whoever has the longest
@@ -32,15 +32,17 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
   if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
   if (robot.state == State::yielding) return traffic_.follows(j, *reference_, scene.t, horizon, yield_);
   if (scene.to_starts || nominal[j].twist == Twist{}) {
-    if (scene.to_starts || scene.t >= rest_from_[j]) return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
+    if (scene.to_starts || formation_t_ >= rest_from_[j])
+      return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
   }
-  const double most = rest_from_[j] < never ? std::max(0.0, rest_from_[j] - scene.t) + 0.2 : horizon;
+  const double most = rest_from_[j] < never ? std::max(0.0, rest_from_[j] - formation_t_) + 0.2 : horizon;
   traffic_.follows(j, *reference_, scene.t, std::min(most, Traffic::step * Traffic::steps));
 }
 
 /// Before anybody has moved: whose nominal ways to rest meet.
 void Planner::find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
   const std::size_t n = robots_.size();
+  spent_ += n * n;
   for (std::size_t j = 0; j < n; ++j) expect(j, scene, nominal);
   for (std::size_t i = 0; i < n; ++i) {
     if (!traffic_.present(i)) continue;
@@ -127,6 +129,7 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   }
   for (std::size_t j = 0; j < n; ++j)
     if (!g.member[j]) expect(j, scene, nominal);
+  spent_ += 15 * n;
   // The longest way first. (stable_sort would allocate.)
   std::sort(g.order.begin(), g.order.end(), [&](std::size_t a, std::size_t b) {
     const double way_a = distance(g.from[a], goal(a, scene)), way_b = distance(g.from[b], goal(b, scene));

@@ -17,7 +17,8 @@ constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
 constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
 constexpr double near = 0.6;            // who is farther away is not asked to yield [m]
 constexpr double longest_search = 0.5;  // where there is a way at all [s]
-constexpr std::size_t work_each_tick = 1500, work_each = 4000;  // [nodes]
+// A tick begins no other trial beyond the first, and none takes more than what is then left of the second. [nodes]
+constexpr std::size_t work_each_tick = 600, most_each_tick = 4000;
 
 /// How much room is kept beyond the shield's distance [m], and for how long at first others may come nearer [s]: with
 /// room to spare, then as near as the shield allows, then whatever the shield makes of it.
@@ -88,6 +89,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
     query.from = m.from[at];
     query.v = m.v[at];
     query.enough = m.soonest[at] + may_be_better;
+    query.most_work = (most_each_tick - std::min(spent_, most_each_tick)) / (m.count - k);
     const Merge::Way way = merge_.find(query, *reference_, lattice_, traffic_, m.routes[at]);
     spent_ += merge_.work();
     if (!way.found) return never;
@@ -127,7 +129,6 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   like.t = scene.t;
   like.k_y = gains.k_y;
   like.gamma = setup_.shield_gamma;
-  like.most_work = work_each;
   like.pace = pace_;
   like.pace.v = all_speed * free_v(gains, m.robots[0]);
   like.pace.omega = all_turning * free_omega(gains, m.robots[0]);
@@ -159,6 +160,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       query.from = m.from[k];
       query.v = m.v[k];
       query.crowded = false;
+      query.most_work = most_each_tick / (2 * m.count);
       m.soonest[k] = merge_.find(query, *reference_, lattice_, traffic_, m.routes[k]).joins;
       spent_ += merge_.work();
     }
@@ -207,7 +209,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       }
     }
     const std::size_t care = m.next.care;
-    more = advance_trial(scene, nominal, !somebody_yields && hurry > least_hurry);
+    more = advance_trial(scene, nominal, clock_ == nullptr && !somebody_yields && hurry > least_hurry);
     if (m.next.care != care && m.best_ends < never) more = false;
     if (more && m.best_ends < never && scene.t > m.began + longest_search) more = false;
     if (more && spent_ >= work_each_tick) return;  // goes on in the next tick

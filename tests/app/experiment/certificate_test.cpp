@@ -1,5 +1,6 @@
 // What is said of an experiment before it runs follows its gains wherever they go.
 #include "app/experiment/certificate.h"
+#include "app/experiment/ways.h"
 
 #include <gtest/gtest.h>
 
@@ -75,6 +76,35 @@ TEST(Certificate, SaysThatThePapersCouplingsDoNotImplyTheLimits) {
   EXPECT_NE(as_lines(certify(e)).find("limits_14: do NOT follow"), std::string::npos);
   e.controller.coupling = core::Coupling::bounded;
   EXPECT_NE(as_lines(certify(e)).find("limits_14: follow from (18f, g)"), std::string::npos);
+}
+
+Experiment parking(const std::string& obstacles) {
+  const auto e = parse_experiment(
+      "[reference]\nkind = 'independent'\nspeed = 0.05\n[avoidance]\nkind = 'plan'\n[controller]\nk_y = 4\n"
+      "[[robot]]\nname = 'anna'\ntrajectory = { path = { shape = 'line', from = [-0.5, 0.0], to = [0.5, 0.0] } }\n" +
+          obstacles,
+      "e.toml");
+  if (!e) ADD_FAILURE() << e.error().front().message();
+  return e ? *e : Experiment{};
+}
+
+/// A wall of round posts across the arena, with a gap between two of their edges [m].
+std::string wall(double gap) {
+  std::string text;
+  for (const double side : {-1.0, 1.0})
+    for (double y = 0.05 + 0.5 * gap; y < 0.74; y += 0.09)
+      text += "[[obstacle]]\nx = 0.0\ny = " + std::to_string(side * y) + "\nradius = 0.05\n";
+  return text;
+}
+
+TEST(MissingWays, AreNamedBeforeARun) {
+  EXPECT_TRUE(missing_ways(parking("")).empty());
+  EXPECT_TRUE(missing_ways(parking(wall(0.10))).empty()) << "a gap that the shield lets it through";
+  const std::vector<std::string> none = missing_ways(parking(wall(0.07)));
+  ASSERT_EQ(none.size(), 1u);
+  EXPECT_EQ(none[0].find("no way for robot 1 (anna) from (-0.5, 0) to (0.5, 0) m"), 0u) << none[0];
+  EXPECT_EQ(missing_ways(parking("[[obstacle]]\nx = 0.52\ny = 0.0\nradius = 0.03\n")).size(), 1u) << "on its place";
+  EXPECT_TRUE(missing_ways(paper_experiment()).empty()) << "places that drive on";
 }
 
 }  // namespace

@@ -57,6 +57,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[controller]\nk_z = 1", "e.toml:2:1: controller.k_z: unknown key; did you mean k_y? allowed in"},
         Refused{"[controller]\nc_x = 0", "e.toml:2:7: controller.c_x: found 0, allowed: a number above 0 and up to"},
         Refused{"[avoidance]\nenabled = 1", "e.toml:2:11: avoidance.enabled: found 1, allowed: true or false"},
+        Refused{"[avoidance]\nformation_waits = true",
+                "e.toml:2:19: avoidance.formation_waits: found true, allowed: false, or true beside avoidance.kind = "
+                "\"plan\""},
+        Refused{"[avoidance]\nkind = 'plan'\nformation_waits = true\n[reference]\nspeed = 0.068",
+                "e.toml:3:19: avoidance.formation_waits: found true, but its references and couplings leave it"},
         Refused{"[avoidance]\np = 0", "e.toml:2:5: avoidance.p: found 0, allowed: a whole number from 1 to 50"},
         Refused{"[shield]\ndistance = 0.05",
                 "e.toml:2:12: shield.distance: found 0.05, allowed: a number from 0.07 to"},

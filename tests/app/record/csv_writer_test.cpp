@@ -150,6 +150,18 @@ TEST(CsvWriter, WritesGainsOfPairsWhereTheyDiffer) {
   EXPECT_EQ(read.pair_gain(core::GainName::k_xx, 2, 0), 0.03125);
 }
 
+TEST(CsvWriter, WritesTheLagOfAFormationThatWaits) {
+  Experiment e = robots(1);
+  TickRecord row;
+  row.robots.resize(1);
+  row.lag = 1.25;
+  EXPECT_EQ(csv(e, {row}).find("lag"), std::string::npos);
+  e.avoidance.formation_waits = true;
+  const std::string text = csv(e, {row});
+  EXPECT_NE(text.find(",lag,now\n"), std::string::npos);
+  EXPECT_EQ(read(text).at(0).lag, 1.25);
+}
+
 TEST(CsvReader, ReadsTheHead) {
   std::istringstream in(csv(robots(3, "name = \"x\"\n\n  # end\n"), {}));
   const auto reader = CsvReader::open(in, "run.csv");

@@ -72,6 +72,41 @@ TEST(Statistics, FindsWhenErrorsSettledForGood) {
   EXPECT_FALSE(p.formation_first());
 }
 
+TEST(Statistics, AFormationThatWaitsIsWholeOnItsOwnClockAndTracksOnTheExperiments) {
+  Experiment e = paper_experiment();
+  e.avoidance.formation_waits = true;
+  const auto reference = make_reference(e);
+  Statistics statistics(e);
+  TickRecord row;
+  row.phase = Phase::running;
+  row.robots.resize(4);
+  row.delta.assign(3, 0.0);
+  // It stands from 1 s to 3 s, during which robot 1 is 10 cm off, and is on time again at 5 s.
+  for (int k = 0; k < 200; ++k) {
+    row.t = 0.04 * k;
+    row.lag = row.t < 1.0 ? 0.0 : row.t < 3.0 ? row.t - 1.0 : row.t < 5.0 - 1e-9 ? 5.0 - row.t : 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      row.robots[i].nominal = reference->at(i, row.t - row.lag);
+      row.robots[i].pose = row.robots[i].truth = row.robots[i].nominal.pose;
+      row.robots[i].measurement.captured_at = row.t;
+    }
+    if (row.t >= 1.0 && row.t < 3.5) row.robots[0].pose.x += 0.1;
+    row.events.clear();
+    if (k == 25) row.events.add(events::Perturb{0, 0.1, 0.0, 0.0});
+    statistics.record(row);
+  }
+  const Statistics::Summary summary = statistics.summary();
+  const Settling& settling = summary.perturbations.at(0).settling;
+  EXPECT_NEAR(settling.whole_1cm.value(), 1.0, 0.09) << "3.52 s less a lag of 1.48 s, from 1 s on";
+  EXPECT_NEAR(settling.tracking_1cm.value(), 3.8, 0.05) << "0.2 s before it is on time it is within 1 cm";
+  EXPECT_NEAR(settling.relative_1cm.value(), 2.52, 0.05);
+  EXPECT_TRUE(summary.perturbations.at(0).relative_first());
+  EXPECT_NEAR(summary.largest_lag.value(), 2.0, 0.05);
+  EXPECT_EQ(summary.final_lag, 0.0);
+  EXPECT_NE(as_lines(summary).find("perturbation_1_whole_1cm: 1.0"), std::string::npos) << as_lines(summary);
+  EXPECT_NE(as_lines(summary).find("final_lag: 0.0"), std::string::npos);
+}
+
 TEST(Statistics, AWindowEndsAtTheNextPerturbation) {
   History h;
   h.perturb(0.1, 0.1);

@@ -57,6 +57,51 @@ TEST(PlannedRoutes, BringAKickedRobotBackAndReleaseItsCouplingsMeanwhile) {
   EXPECT_EQ(rows.back().pair_gain(core::GainName::k_xx, 0, 1), 0.008);
 }
 
+/// The paper's platoon, one robot of which is put elsewhere.
+std::vector<TickRecord> kicked(bool formation_waits) {
+  Experiment e = paper_experiment();
+  e.avoidance.kind = core::AvoidanceKind::plan;
+  e.avoidance.formation_waits = formation_waits;
+  e.duration = 60.0;
+  e.gain_changes.clear();
+  e.perturbations = {{2.0, 1, 0.2, 0.15, 2.0}};
+  return test::simulate(e);
+}
+
+TEST(PlannedRoutes, AFormationWaitsForItsRobotAndCatchesUp) {
+  const std::vector<TickRecord> rows = kicked(true);
+  double most = 0.0, slowest = 1.0, whole = -1.0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const TickRecord &row = rows[k], &before = rows[k - 1];
+    most = std::fmax(most, row.lag);
+    if (farthest(row) > 0.005)
+      whole = -1.0;
+    else if (whole < 0.0 && row.t > 2.0)
+      whole = row.t;
+    for (std::size_t i = 0; i < row.robots.size(); ++i) {
+      const core::ReferencePoint &here = row.robots[i].nominal, &there = before.robots[i].nominal;
+      slowest = std::fmin(slowest, here.twist.v);
+      EXPECT_TRUE(row.robots[i].margins.hold()) << "(18) at " << row.t << " s";
+      EXPECT_LE(std::abs(here.twist.v - there.twist.v), 0.012);
+      EXPECT_LE(core::distance(here.pose, there.pose), 0.1 * 0.04 + 1e-9);
+    }
+  }
+  EXPECT_GT(most, 2.0);
+  EXPECT_EQ(rows.back().lag, 0.0) << "repaid";
+  EXPECT_GT(slowest, 0.005) << "Theorem 1 asks for v_ref other than 0";
+  EXPECT_GT(whole, 2.0);
+  EXPECT_LT(whole, 12.0);
+  EXPECT_LT(farthest(rows.back()), 0.005);
+  for (const TickRecord& row : kicked(false)) ASSERT_EQ(row.lag, 0.0) << "who is not told to wait does not";
+}
+
+TEST(PlannedRoutes, AFormationThatWaitsRepeatsToTheBit) {
+  const std::vector<TickRecord> first = kicked(true), again = kicked(true);
+  for (std::size_t k = 0; k < first.size(); ++k)
+    for (std::size_t i = 0; i < first[k].robots.size(); ++i)
+      ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
+}
+
 TEST(PlannedRoutes, SayWhereThereIsNoWay) {
   Experiment e = crowd();
   e.duration = 10.0;

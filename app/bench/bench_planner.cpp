@@ -1,0 +1,194 @@
+#include "app/bench/bench_planner.h"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/experiment/experiment_file.h"
+#include "app/run/exit_status.h"
+#include "app/run/output.h"
+#include "app/session/session.h"
+#include "app/tick/control_tick.h"
+#include "app/tools/sweep.h"
+#include "core/control/coordination_law.h"
+
+namespace skein::app {
+namespace {
+
+constexpr const char* crowd_text = R"(
+duration = 60
+[reference]
+kind = "independent"
+speed = 0.09
+may_meet = true
+[controller]
+k_y = 4.0
+[controller.gains]
+k_xx = 0.0
+k_tt = 0.0
+k_yy = 0.0
+[avoidance]
+kind = "plan"
+[staging]
+automatic = false
+[[robot]]
+start = [0.0, 0.0, 0.0]
+trajectory = { path = { shape = "line", from = [0.0, 0.0], to = [0.5, 0.0] } }
+)";
+
+constexpr int repetitions = 5;
+constexpr double most_planning = 5e-3, most_without = 0.1e-3, longest_plan = 1.5;  // [s]
+
+class PlannerRows final : public RecordSink {
+ public:
+  void record(const TickRecord& record) override { rows.push_back(record); }
+  std::vector<TickRecord> rows;
+};
+
+/// Of each tick of a run, how long it took and how many nodes it planned.
+struct Ticks {
+  std::vector<double> seconds;
+  std::vector<std::size_t> nodes;
+  double law = 0.0;  // the law alone, a tick of the same run [s]
+  double period = 0.04;
+  bool repeated = true;
+};
+
+/// That this thread has used [s].
+double processor_time() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+tl::expected<Ticks, std::string> time_ticks(const Experiment& experiment) {
+  PlannerRows run;
+  auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&run}});
+  if (!session) return tl::unexpected(session.error());
+  (*session)->run();
+  (*session)->close();
+  const std::size_t n = experiment.robots.size();
+  Ticks ticks;
+  ticks.period = experiment.period();
+  ticks.seconds.assign(run.rows.size(), INFINITY);
+  for (const TickRecord& row : run.rows) ticks.nodes.push_back(row.planning);
+  std::vector<core::Measurement> measurements(n);
+  const OperatorCommand start = commands::Start{};
+  for (int repetition = 0; repetition < repetitions; ++repetition) {
+    ControlTick control(experiment);
+    for (std::size_t k = 0; k < run.rows.size(); ++k) {
+      const TickRecord& row = run.rows[k];
+      for (std::size_t i = 0; i < n; ++i) measurements[i] = row.robots[i].measurement;
+      TickInput input;
+      input.now = row.now;
+      input.measurements = measurements;
+      input.events.reserve(n + 1);
+      for (const Event& event : row.events)
+        if (is<events::Perturb>(event)) input.events.add(event);
+      if (k == 0) input.commands = {&start, 1};
+      const double begin = processor_time();
+      const TickRecord& again = control.step(input);
+      ticks.seconds[k] = std::min(ticks.seconds[k], processor_time() - begin);
+      ticks.repeated = ticks.repeated && again.planning == row.planning;
+      for (std::size_t i = 0; i < n; ++i)
+        ticks.repeated = ticks.repeated && again.robots[i].reference == row.robots[i].reference;
+    }
+  }
+  const core::Gains gains = make_gains(experiment);
+  std::vector<core::TrackingError> errors(n);
+  std::vector<core::Twist> reference(n), command(n);
+  core::LawPairs pairs(n);
+  ticks.law = INFINITY;
+  for (int repetition = 0; repetition < repetitions; ++repetition) {
+    const double begin = processor_time();
+    for (const TickRecord& row : run.rows) {
+      for (std::size_t i = 0; i < n; ++i) errors[i] = row.robots[i].error, reference[i] = row.robots[i].reference.twist;
+      core::coordination_law(gains, errors, reference, command, pairs);
+    }
+    ticks.law = std::min(ticks.law, (processor_time() - begin) / static_cast<double>(run.rows.size()));
+  }
+  return ticks;
+}
+
+/// What several runs of a kind come to.
+struct PlanningCost {
+  std::vector<double> planning, without, whole, work;
+  double law = 0.0, period = 0.04;
+  std::size_t most_nodes = 0;
+  bool repeated = true;
+
+  void add(const Ticks& ticks) {
+    repeated = repeated && ticks.repeated;
+    law = std::max(law, ticks.law);
+    period = ticks.period;
+    // The plan for everybody at first: while planning goes on from tick to tick.
+    double seconds = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < ticks.nodes.size() && ticks.nodes[k] > 0; ++k) seconds += ticks.seconds[k], ++count;
+    whole.push_back(count * ticks.period);
+    work.push_back(seconds);
+    for (std::size_t k = 0; k < ticks.nodes.size(); ++k) {
+      (ticks.nodes[k] > 0 ? planning : without).push_back(ticks.seconds[k]);
+      most_nodes = std::max(most_nodes, ticks.nodes[k]);
+    }
+  }
+
+  void print(const char* name) const {
+    print_out(fmt::format("{:<34} {:>8} {:>9.3f} {:>9.3f} {:>9.3f} {:>8} {:>9.1f} {:>9.1f} {:>9.1f} {:>8.1f}\n", name,
+                          planning.size(), 1e3 * quantile(planning, 0.5), 1e3 * quantile(planning, 0.99),
+                          1e3 * quantile(planning, 1.0), most_nodes, 1e6 * quantile(without, 0.5),
+                          1e6 * quantile(without, 0.99), 1e6 * law, quantile(without, 0.99) / law));
+  }
+};
+
+}  // namespace
+
+tl::expected<Experiment, std::string> crowd_scene(std::int64_t robots, std::uint64_t seed,
+                                                  const std::vector<std::string>& sets) {
+  Study study;
+  study.experiment = "crowd.toml";
+  study.text = crowd_text;
+  study.sets = sets;
+  study.crowd = Study::Crowd{{robots, robots}};
+  return experiment_of(study, seed);
+}
+
+int bench_planner(const PlannerBench& bench) {
+  PlanningCost crowds, field, kicks;
+  Study study;
+  study.experiment = "platoon.toml";
+  study.text = paper_experiment().source;
+  study.sets = {"duration=40", "perturb=[]", "avoidance.kind=plan"};
+  study.vary = {{"reference.start", {0.0, 4.196}}};
+  study.hand = Study::Hand{.robots = 2};
+  for (std::int64_t run = 0; run < bench.runs; ++run) {
+    const std::uint64_t seed = bench.seed + static_cast<std::uint64_t>(run);
+    for (const auto& [cost, scene] :
+         {std::pair(&crowds, crowd_scene(30, seed)),
+          std::pair(&field, crowd_scene(30, seed, {"avoidance.kind=field", "avoidance.horizon=3"})),
+          std::pair(&kicks, experiment_of(study, seed))}) {
+      const auto ticks = scene.and_then(time_ticks);
+      if (!ticks) {
+        complain(ticks.error());
+        return wrong_input;
+      }
+      cost->add(*ticks);
+    }
+  }
+  print_out(fmt::format("{:<34} {:>8} {:>9} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>8}\n", "", "planning", "ms p50",
+                        "ms p99", "ms worst", "nodes", "other us", "p99 us", "law us", "p99/law"));
+  crowds.print("30 robots, plan");
+  field.print("30 robots, field (control)");
+  kicks.print("platoon, one or two kicked, plan");
+  print_out(fmt::format("a plan for 30: {:.2f} s of ticks (median), {:.2f} s at most; work {:.0f} and {:.0f} ms\n",
+                        quantile(crowds.whole, 0.5), quantile(crowds.whole, 1.0), 1e3 * quantile(crowds.work, 0.5),
+                        1e3 * quantile(crowds.work, 1.0)));
+  print_out(fmt::format("repeated to the bit: {}\n", crowds.repeated && kicks.repeated ? "yes" : "no"));
+  const double worst = std::max(quantile(crowds.planning, 1.0), quantile(kicks.planning, 1.0));
+  const bool reached = worst <= most_planning && quantile(crowds.without, 0.99) <= most_without &&
+                       quantile(crowds.whole, 1.0) <= longest_plan && crowds.repeated && kicks.repeated;
+  return reached ? done : expectation_failed;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+
+namespace skein::app {
+
+/// A scene as resources/studies/crowds.toml draws them: so many robots anywhere, with any heading, each to any place.
+tl::expected<Experiment, std::string> crowd_scene(std::int64_t robots, std::uint64_t seed,
+                                                  const std::vector<std::string>& sets = {});
+
+struct PlannerBench {
+  std::int64_t runs = 8;   ///< crowds of 30, and as many kicks of the platoon
+  std::uint64_t seed = 1;  ///< of the first of them; the next ones count on
+};
+
+/// What planning costs a tick, in the processor's time. Runs are repeated from their record, five times over, and of
+/// each tick the shortest of the five counts: the work is the same to the bit, and what other processes took is none of
+/// it. Returns an ExitStatus: expectation_failed where a tick with planning takes more than 5 ms, the p99 of those
+/// without more than 0.1 ms, a plan for everybody more than 1.5 s, or where a repetition planned otherwise than the
+/// run.
+int bench_planner(const PlannerBench& bench);
+
+}  // namespace skein::app

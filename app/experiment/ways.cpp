@@ -1,0 +1,45 @@
+#include "app/experiment/ways.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/planning/route_search.h"
+
+namespace skein::app {
+
+std::vector<std::string> missing_ways(const Experiment& experiment) {
+  std::vector<std::string> sentences;
+  const auto reference = make_reference(experiment);
+  const std::vector<double> beyond = sizes_beyond(experiment);
+  const double larger = core::Sizes(beyond).most();
+  constexpr double rounding = 5e-4;  // [m], as planned routes have it
+  core::Lattice lattice({0.5 * experiment.arena_width, 0.5 * experiment.arena_height},
+                        experiment.shield.distance + larger - core::standard_radius + rounding,
+                        experiment.obstacles.size());
+  lattice.build(experiment.obstacles);
+  const core::Traffic nobody(1);
+  core::RouteSearch search(lattice, 1);
+  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
+    constexpr double after = 1e4;  // whatever comes to rest does so by then [s]
+    const core::ReferencePoint last = reference->at(i, experiment.duration + after);
+    if (last.twist != core::Twist{} || reference->at(i, experiment.duration + 2.0 * after).pose != last.pose) continue;
+    core::RouteSearch::Query query;
+    query.from = experiment.robots[i].start.value_or(reference->at(i, 0.0).pose);
+    query.to = last.pose;
+    search.begin(query, nobody);
+    while (search.status() == core::RouteSearch::Status::searching) search.advance(1000);
+    // A place nearer to an obstacle than the shield lets anybody is none: routes would end beside it.
+    const core::Lattice::Place inside = lattice.inside(last.pose.x, last.pose.y);
+    const bool reached = search.status() == core::RouteSearch::Status::found &&
+                         std::hypot(inside.x - last.pose.x, inside.y - last.pose.y) < 5e-3;
+    if (!reached)
+      sentences.push_back(fmt::format(
+          "no way for {} from ({:.3g}, {:.3g}) to ({:.3g}, {:.3g}) m: obstacles and the arena's edge are closer than "
+          "the shield lets it go",
+          robot_name(experiment, i), query.from.x, query.from.y, query.to.x, query.to.y));
+  }
+  return sentences;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/control/gains.h"
+#include "core/planning/delay.h"
+#include "core/reference/reference.h"
+
+namespace skein::core {
+
+/// The clock of a formation that waits: while one of its robots is on its way back, all references run on slowly, and
+/// afterwards faster, until they are on time again. It never stands, since Theorem 1 asks for v_ref other than 0, and
+/// its rate is continuous, so that references stay continuous too.
+class FormationClock {
+ public:
+  static constexpr double slowly = 0.2;         ///< its rate while it waits
+  static constexpr double longest_wait = 20.0;  ///< for a robot or for several, then it runs on [s]
+  static constexpr double most_behind = 60.0;   ///< so far behind, it waits for nobody any more [s]
+  static constexpr double least_hurry = 0.02;   ///< where references leave less to catch up with, it never waits
+
+  /// By how much it may run faster than the experiment's clock: a share of what (18f, g) leave beside the couplings,
+  /// the rest of which is for the robots' errors. Never negative.
+  static double hurry(const Gains& gains, const ReferenceDemand& demand) noexcept;
+
+  /// `away`: somebody is on its way back at time t. It may run by `hurry` faster than the experiment's clock, and its
+  /// rate changes by at most `slope` [1/s].
+  void step(double t, bool away, double hurry, double slope) noexcept;
+  void reset() noexcept { *this = {}; }
+
+  double behind(double t) const noexcept { return delay_.at(t); }  ///< the experiment's clock [s]
+  double rate(double t) const noexcept { return delay_.rate(t); }
+
+ private:
+  Delay delay_;
+  bool waits_ = false;  // for somebody who has not come back since
+  double hurry_ = 0.0;
+};
+
+/// References on a formation's clock, as it is foreseen: who shares the clock keeps the formation's distances.
+class WaitingReference final : public Reference {
+ public:
+  /// The clock outlives it.
+  WaitingReference(std::unique_ptr<const Reference> on_time, const FormationClock& clock)
+      : on_time_(std::move(on_time)), clock_(&clock) {}
+
+  std::size_t robots() const noexcept override { return on_time_->robots(); }
+  using Reference::at;
+  ReferencePoint at(std::size_t i, double t) const noexcept override;
+  /// Of the references on time: what the clock's hurry adds is bounded by whoever steps it.
+  ReferenceDemand demand(double k_y) const noexcept override { return on_time_->demand(k_y); }
+  bool smooth() const noexcept override { return on_time_->smooth(); }
+  std::vector<std::vector<Pose>> lines() const override { return on_time_->lines(); }
+
+ private:
+  std::unique_ptr<const Reference> on_time_;
+  const FormationClock* clock_;
+};
+
+}  // namespace skein::core
