@@ -36,6 +36,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   scale_bar(widget);
   legend(widget);
   banner_and_hint(widget);
+  keyboard(widget);
 }
 
 void ArenaPainter::floor(const QRectF& widget) {

@@ -69,6 +69,13 @@ struct ArenaScene {
   };
   std::optional<Ruler> ruler;
   int selected_obstacle = -1;
+  /// Where the keyboard points: a place on the floor, or the robot (from 0) that it goes with.
+  struct Cross {
+    QPointF at;  ///< [m]
+    int robot = -1;
+  };
+  std::optional<Cross> cross;
+  bool has_keys = false;  ///< the arena has the focus, and came to it by a key
   std::optional<std::array<int, 2>> hovered_coupling;
   QString banner;  ///< across the top: "STOPPED by operator"
   bool banner_alarms = false;
@@ -83,6 +90,8 @@ struct ArenaScene {
   std::optional<core::Pose> pose(std::size_t i) const;
   /// How large robot i's body is [m].
   double radius(std::size_t i) const { return i < experiment.robots.size() ? experiment.robots[i].radius : 0.0; }
+  /// Where the keyboard's cross is on the floor [m].
+  QPointF cross_at() const;
   /// The robot whose middle is nearest to this point of the floor and within `reach` [m], or on whose body, if
   /// `bodies`, the point is; -1: none is.
   int robot_at(double x, double y, double reach, bool bodies) const;

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/dialogs.h"
+
 namespace skein::ui {
 namespace {
 
@@ -284,6 +286,7 @@ void GainsPanel::keep_as_preset() {
   dialog->setLabelText(tr("Under the name"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setModal(false);  // STOP can be clicked beside it
+  close_by_key(dialog);
   connect(dialog, &QInputDialog::textValueSelected, this, [values = targets_](const QString& name) {
     if (!name.trimmed().isEmpty()) keep_gain_preset({name, values, true});
   });

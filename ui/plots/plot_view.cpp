@@ -29,6 +29,10 @@ QCPLegend* compact_legend(int columns) {
 PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
   setObjectName(QStringLiteral("plot"));
   setAccessibleName(tr("Plots over time"));
+  setAccessibleDescription(
+      tr("Arrow keys move a cursor along the time and from plot to plot, and its values are read; plus and minus zoom, "
+         "Page Up and Page Down go back and on, Home goes back to live."));
+  setFocusPolicy(Qt::StrongFocus);
   setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
   setMouseTracking(true);
   setPlottingHint(QCP::phFastPolylines);  // stretch by stretch: of a thousand points an eighth of the time
@@ -233,6 +237,13 @@ void PlotView::set_playhead(std::optional<double> t) {
     s.playhead->point2->setCoords(t.value_or(0.0), 1.0);
   }
   layer(QStringLiteral("cursor"))->replot();
+}
+
+QPoint PlotView::place_of(std::size_t row, double t) const {
+  for (const Shown& s : shown_)
+    if (s.row == row)
+      return {static_cast<int>(s.rect->axis(QCPAxis::atBottom)->coordToPixel(t)), s.rect->rect().center().y()};
+  return rect().center();
 }
 
 int PlotView::row_at(const QPoint& where) const {

@@ -41,6 +41,8 @@ class PlotView final : public QCustomPlot {
   /// The row (of all) at this height; -1: between two.
   int row_at(const QPoint& where) const;
   double time_at(const QPoint& where) const;
+  /// Where a row (of all) is at this time; the middle of the widget if it is not shown.
+  QPoint place_of(std::size_t row, double t) const;
 
   int needed_height() const { return static_cast<int>(shown_.size()) * 84 + 40; }
   QSize minimumSizeHint() const override { return {200, 200}; }

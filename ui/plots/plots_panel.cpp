@@ -76,6 +76,8 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   robots_.assign(experiment.robots.size(), true);
   t_ = 0.0;
   selected_ = -1;
+  cursor_.reset();
+  cursor_row_ = 0;
   view_->markers().clear();
   view_->select(-1);
   rebuild();
@@ -224,8 +226,11 @@ void PlotsPanel::go_live() {
 QString PlotsPanel::values_at(const QPoint& where) const {
   const int row = view_->row_at(where);
   if (row < 0) return {};
-  const PlotRow& spec = rows_[static_cast<std::size_t>(row)];
-  const double t = view_->time_at(where);
+  return values_of(static_cast<std::size_t>(row), view_->time_at(where), view_->markers().text_at(where.x()));
+}
+
+QString PlotsPanel::values_of(std::size_t row, double t, const QString& events) const {
+  const PlotRow& spec = rows_[row];
   QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
     if (const auto of = robots_of(spec.of, c, robots_.size()); of && !(robots_[of->first] && robots_[of->second]))
@@ -236,7 +241,6 @@ QString PlotsPanel::values_at(const QPoint& where) const {
       text += tr(" (other run: %1)").arg(other_->value(spec.first + c, t), 0, 'g', 4);
     lines << (spec.curves[c].isEmpty() ? text : QStringLiteral("%1: %2").arg(spec.curves[c], text));
   }
-  const QString events = view_->markers().text_at(where.x());
   if (!events.isEmpty()) lines << events.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
   return lines.join(QStringLiteral("<br>"));
 }
@@ -253,7 +257,15 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
       QToolTip::showText(move->globalPosition().toPoint(), values_at(where), view_);
     }
   }
-  if (event->type() == QEvent::Leave) view_->set_cursor(std::nullopt);
+  if (event->type() == QEvent::KeyPress) {
+    const auto* key = static_cast<QKeyEvent*>(event);
+    const Qt::KeyboardModifiers other = key->modifiers() & ~(Qt::ShiftModifier | Qt::KeypadModifier);
+    if (other == Qt::NoModifier && take_key(key->key(), key->modifiers() & Qt::ShiftModifier)) return true;
+  }
+  if (event->type() == QEvent::Leave || event->type() == QEvent::FocusOut) {
+    cursor_.reset();
+    view_->set_cursor(std::nullopt);
+  }
   if (event->type() == QEvent::MouseButtonDblClick) {
     if (playhead_)
       emit time_wanted(view_->time_at(static_cast<QMouseEvent*>(event)->position().toPoint()));

@@ -89,6 +89,10 @@ class PlotsPanel final : public QWidget {
   void fill_robots_menu();
   void context_menu(const QPoint& where);
   QString values_at(const QPoint& where) const;
+  QString values_of(std::size_t row, double t, const QString& events) const;
+  bool take_key(int key, bool fine);
+  void move_cursor(double t);
+  void show_values();
   QString save_csv(const QString& file, double from, double to) const;
 
   PlotView* view_;
@@ -106,6 +110,8 @@ class PlotsPanel final : public QWidget {
   QElapsedTimer since_replot_;
   double cost_ms_ = 0.0;  // of the last picture
   std::optional<double> playhead_;
+  std::optional<double> cursor_;  // where the keyboard reads, and in which plot of all
+  std::size_t cursor_row_ = 0;
   double t_ = 0.0, span_ = 60.0;
   int selected_ = -1;
   bool live_ = true, dirty_ = false, hurry_ = false;
