@@ -23,7 +23,7 @@ struct TrailPoint {
 
 /// A run that this one is compared with, at the same time: where its robots have been; the last pose is where they are.
 struct OtherRun {
-  QString name;
+  std::size_t number = 0;  ///< among those that are compared: letter and line follow from it
   std::vector<std::vector<core::Pose>> trails;
 };
 
@@ -42,7 +42,7 @@ struct ArenaScene {
 
   std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
 
-  std::optional<OtherRun> compared;
+  std::vector<OtherRun> compared;
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;

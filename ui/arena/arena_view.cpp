@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "ui/arena/arena_painter.h"
+#include "ui/base/told.h"
 
 namespace skein::ui {
 namespace {
@@ -22,6 +23,7 @@ constexpr qint64 same_turn_ms = 400;  // the wheel keeps to a robot that drives 
 
 ArenaView::ArenaView(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("arena"));
+  tell(this, QAccessible::Canvas, [this] { return spoken(); });
   setAccessibleName(tr("Arena"));
   setAccessibleDescription(
       tr("The robots seen from above. Drag a simulated robot to move it, turn it with the wheel. With the keyboard: a "
@@ -61,8 +63,9 @@ void ArenaView::choose_sheet() {
   update();
 }
 
-void ArenaView::set_other(std::optional<OtherRun> other) {
-  scene_.compared = std::move(other);
+void ArenaView::set_others(std::vector<OtherRun> others) {
+  if (others.empty() && scene_.compared.empty()) return;
+  scene_.compared = std::move(others);
   update();
 }
 
@@ -303,7 +306,8 @@ void ArenaView::keyPressEvent(QKeyEvent* event) {
     if (asked < robots) select(asked);
     return;
   }
-  if (event->key() == Qt::Key_N && robots > 0) return select((std::max(robot, fine ? 0 : -1) + (fine ? robots - 1 : 1)) % robots);
+  if (event->key() == Qt::Key_N && robots > 0)
+    return select((std::max(robot, fine ? 0 : -1) + (fine ? robots - 1 : 1)) % robots);
   if (robot >= 0 && !step.isNull()) return nudge(robot, step);
   if (work_obstacle(*event)) return;
   if (robot >= 0 && (event->key() == Qt::Key_PageUp || event->key() == Qt::Key_PageDown)) {

@@ -27,7 +27,7 @@ class ArenaView final : public QWidget {
   void take(const app::TickRecord& record) { scene_.take(record); }
   void take(const app::Picture& picture);
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
-  void set_other(std::optional<OtherRun> other);             ///< drawn pale
+  void set_others(std::vector<OtherRun> others);             ///< drawn pale
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
   void set_hint(const QString& text);
@@ -87,6 +87,7 @@ class ArenaView final : public QWidget {
   bool may_take(int robot, QPoint where);
   QString why_not(int robot) const;
   QString tip_at(QPoint where) const;
+  QString spoken() const;
   void show_tip(QPoint where);
   std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
   void hover(QPointF screen);

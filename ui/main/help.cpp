@@ -23,8 +23,8 @@ QString shortcuts_text() {
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
          row.arg(tr("Ctrl+1 … Ctrl+7"), tr("To arena, gains, plots, robots, events, results, time line")) +
          row.arg(tr("Shift+F1"), tr("The tip of the control that has the focus")) +
-         row.arg(tr("Ctrl+W"), tr("Closes a dialog, also while a run is on")) +
-         section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Puts it somewhere else; it keeps its heading")) +
+         row.arg(tr("Ctrl+W"), tr("Closes a dialog, also while a run is on")) + section(tr("A simulated robot")) +
+         row.arg(tr("Drag"), tr("Puts it somewhere else; it keeps its heading")) +
          row.arg(tr("Wheel"), tr("Turns it by 15° a notch, with Shift by 1°")) +
          row.arg(tr("Shift+drag, K"), tr("Kicks it: it slides along the arrow")) +
          row.arg(tr("Click, 1 … 9, N"), tr("Selects it: bold in the plots, marked in the table")) +
@@ -34,7 +34,8 @@ QString shortcuts_text() {
          row.arg(tr("1 … 9, Backspace"), tr("The cross onto a robot; gives up what was begun")) +
          row.arg(tr("Click on a coupling"), tr("Switches it off and on; X does in the table of pairs")) +
          row.arg(tr("Wheel, Delete on an obstacle"), tr("Another size (also Page Up, Page Down); takes it away")) +
-         row.arg(tr("Ctrl+wheel, Ctrl++, Ctrl+−"), tr("Zoom")) + row.arg(tr("Middle or right drag, Alt+arrows"), tr("Pan")) +
+         row.arg(tr("Ctrl+wheel, Ctrl++, Ctrl+−"), tr("Zoom")) +
+         row.arg(tr("Middle or right drag, Alt+arrows"), tr("Pan")) +
          row.arg(tr("Ctrl+0, double click"), tr("All of it")) + section(tr("The plots")) +
          row.arg(tr("Wheel, drag"), tr("Zoom and move along the time; the run goes on")) +
          row.arg(tr("Arrows"), tr("Read values along the time, and from plot to plot")) +

@@ -21,6 +21,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/run/interrupted.h"
 #include "ui/arena/arena_view.h"
+#include "ui/base/compared.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
 #include "ui/gains/gains_panel.h"
@@ -350,7 +351,8 @@ void MainWindow::build_view_menu(QMenu* view) {
   place(tr("&Arena"), "go_to_arena", 1, [this] { arena_->setFocus(Qt::ShortcutFocusReason); });
   place(tr("&Gains"), "go_to_gains", 2,
         [this] { go_to(gains_dock_, gains_->findChild<QWidget*>(QStringLiteral("slider_k_xx"))); });
-  place(tr("&Plots"), "go_to_plots", 3, [this] { go_to(plots_dock_, plots_->findChild<QWidget*>(QStringLiteral("plot"))); });
+  place(tr("&Plots"), "go_to_plots", 3,
+        [this] { go_to(plots_dock_, plots_->findChild<QWidget*>(QStringLiteral("plot"))); });
   place(tr("&Robots"), "go_to_robots", 4, [this] { go_to(robots_dock_, robots_); });
   place(tr("&Events"), "go_to_events", 5,
         [this] { go_to(log_dock_, log_->findChild<QWidget*>(QStringLiteral("event_log"))); });
@@ -393,11 +395,19 @@ void MainWindow::connect_panels() {
   connect(check_list_, &CheckList::mend, this, &MainWindow::mend);
   connect(files_, &FileController::experiment_wanted, this,
           [this](const app::Experiment& experiment) { open(experiment, false); });
-  connect(comparison_, &ComparisonController::compared, this, [this](const ReplayRun::Recording& other) {
-    if (other)
-      results_->compare(QFileInfo(QString::fromStdString(other->file)).fileName(), other->experiment, other->rows);
-    else
-      results_->end_comparison();
+  comparison_->set_kicks([this] {
+    std::vector<double> kicks;
+    if (const RunResults* results = results_->results())
+      for (const RunResults::Kick& kick : results->kicks()) kicks.push_back(kick.t);
+    return kicks;
+  });
+  connect(comparison_, &ComparisonController::compared, this, [this] {
+    std::vector<ResultPanel::Beside> others;
+    for (std::size_t k = 0; k < comparison_->runs().size(); ++k) {
+      const ComparisonController::Run& run = comparison_->runs()[k];
+      if (run.shown) others.push_back({compared_letter(k), run.name, run.results});
+    }
+    results_->compare(std::move(others));
   });
   connect(branch_, &BranchController::experiment_wanted, this, [this](const app::Experiment& experiment) {
     comparison_->compare_with_now();

@@ -75,7 +75,9 @@ void PlotsPanel::show_values() {
   const QString values = values_of(cursor_row_, *cursor_, view_->markers().text_at(place.x()));
   QToolTip::showText(view_->mapToGlobal(place), values, view_);
   QString plain = values;
-  plain.replace(QStringLiteral("<br>"), QStringLiteral("; ")).remove(QStringLiteral("<b>")).remove(QStringLiteral("</b>"));
+  plain.replace(QStringLiteral("<br>"), QStringLiteral("; "))
+      .remove(QStringLiteral("<b>"))
+      .remove(QStringLiteral("</b>"));
   view_->setAccessibleDescription(plain);
   QAccessibleEvent changed(view_, QAccessible::DescriptionChanged);
   QAccessible::updateAccessibility(&changed);
