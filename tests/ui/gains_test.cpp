@@ -208,7 +208,8 @@ TEST_F(Operator, FiltersTheEvents) {
   find<QLineEdit>("event_words")->setText(QStringLiteral("R2"));
   ASSERT_GE(log->model()->rowCount(), 1);
   for (int row = 0; row < log->model()->rowCount(); ++row)
-    EXPECT_TRUE(log->model()->index(row, 2).data().toString().contains(QStringLiteral("r2")));
+    EXPECT_TRUE(log->model()->index(row, 2).data(Qt::ToolTipRole).toString().contains(QStringLiteral("r2")));
+  EXPECT_EQ(log->model()->index(0, 2).data().toString(), QStringLiteral("Robot 2 was moved by hand"));
 }
 
 }  // namespace

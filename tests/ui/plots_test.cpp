@@ -242,7 +242,7 @@ TEST_F(Plots, LeaveOutTheWayToTheStarts) {
   plots().set_span(0.0);
   EXPECT_EQ(plots().history().size(), 100u);
   EXPECT_LT(std::abs(plots().history().value(1, 0.0)), 0.02) << "e_x of robot 2 at its start";
-  plots().compare(&run.rows);
+  plots().compare({PlotsPanel::Compared{&run.rows}});
 }
 
 }  // namespace

@@ -1,10 +1,14 @@
 // A recorded run through the same widgets, and a second run to compare with.
 #include <QAbstractItemView>
+#include <QComboBox>
+#include <QToolButton>
 #include <fstream>
+#include <set>
 
 #include "app/record/csv_file.h"
 #include "operator.h"
 #include "ui/gains/gains_panel.h"
+#include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
 #include "ui/status/run_bar.h"
 
@@ -125,9 +129,9 @@ TEST_F(Replay, ComparesWithASecondRun) {
   replay(one);
   window.go();
   window.compare_with(two);
-  ASSERT_TRUE(eventually([&] { return arena().scene().compared.has_value(); }));
+  ASSERT_TRUE(eventually([&] { return arena().scene().compared.size() == 1; }));
   QTest::mouseClick(&time_line(), Qt::LeftButton, {}, {time_line().width() / 4, time_line().height() / 2});
-  const OtherRun& other = *arena().scene().compared;
+  const OtherRun& other = arena().scene().compared.front();
   ASSERT_EQ(other.trails.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
     ASSERT_FALSE(other.trails[i].empty());
@@ -136,7 +140,56 @@ TEST_F(Replay, ComparesWithASecondRun) {
     EXPECT_LT(std::hypot(ghost.x - here.x, ghost.y - here.y), 0.2) << "another time";
   }
   find<QAction>("compare_end")->trigger();
-  EXPECT_FALSE(arena().scene().compared.has_value());
+  EXPECT_TRUE(arena().scene().compared.empty());
+}
+
+TEST_F(Replay, ComparesWithAnyNumberOfRunsWithoutColourAndAlignedAtAKick) {
+  const auto kicked_at = [this](const char* name, double t) {
+    const app::Experiment experiment = *app::parse_experiment(
+        app::paper_experiment().source, "platoon.toml",
+        {"duration=9", "perturb=[{ t = " + std::to_string(t) + ", robot = 2, dx = 0.1, dy = 0.0 }]"});
+    const QString file = dir.filePath(QLatin1String(name));
+    app::CsvFile csv(file.toStdString(), experiment);
+    (*app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
+    csv.finish();
+    return file;
+  };
+  replay(kicked_at("own.csv", 2.0));
+  window.go();
+  for (const QString& file : {kicked_at("three.csv", 3.0), kicked_at("four.csv", 4.0), kicked_at("five.csv", 5.0)})
+    window.compare_with(file);
+  const auto& compared = arena().scene().compared;
+  ASSERT_TRUE(eventually([&] { return compared.size() == 3; })) << compared.size() << " of 3 runs are there";
+  const auto* second = find<QToolButton>("compared_B");
+  EXPECT_EQ(second->text(), QStringLiteral("B  four.csv"));
+
+  // Every run has a line of its own in the plots, and this one's alone is unbroken.
+  auto* plot = find<PlotView>("plot");
+  std::set<Qt::PenStyle> styles;
+  for (int k = 0; k < plot->graphCount(); ++k) styles.insert(plot->graph(k)->pen().style());
+  EXPECT_EQ(styles, (std::set{Qt::SolidLine, Qt::DashLine, Qt::DotLine, Qt::DashDotLine}));
+
+  // One second after its kick every run is where this one is then.
+  auto* align = find<QComboBox>("compare_align");
+  ASSERT_TRUE(eventually([&] { return align->count() == 2; })) << "the kick of this run cannot be chosen";
+  emit find<TimeLine>("time_line")->time_wanted(3.0);
+  const auto off = [&](std::size_t k) {
+    const core::Pose &there = compared[k].trails[1].back(), here = *arena().scene().pose(1);
+    const core::Pose nominal = app::make_reference(window.replay().experiment())->at(1, 3.0).pose;
+    const double then = 3.0 + static_cast<double>(k) + 1.0;  // where it should be in the other run by then
+    const core::Pose theirs = app::make_reference(window.replay().experiment())->at(1, then).pose;
+    return std::hypot((there.x - theirs.x) - (here.x - nominal.x), (there.y - theirs.y) - (here.y - nominal.y));
+  };
+  align->setCurrentIndex(1);
+  emit align->activated(1);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(off(k), 0.01) << "run " << k << " is not aligned";
+
+  QTest::mouseClick(find<QToolButton>("compared_A"), Qt::LeftButton);
+  ASSERT_EQ(compared.size(), 2u);
+  EXPECT_EQ(compared[0].number, 1u) << "B keeps its letter and its line";
+  find<QAction>("compare_end")->trigger();
+  EXPECT_TRUE(compared.empty());
+  EXPECT_FALSE(find("comparison_bar")->isVisible());
 }
 
 TEST_F(Replay, ComparesALiveRunWithTheOneBefore) {
@@ -144,12 +197,12 @@ TEST_F(Replay, ComparesALiveRunWithTheOneBefore) {
   window.set_speed(20.0);
   ASSERT_TRUE(eventually([&] { return record().t > 10.0; }));
   find<QAction>("compare_now")->trigger();
-  ASSERT_TRUE(arena().scene().compared.has_value());
+  ASSERT_EQ(arena().scene().compared.size(), 1u);
   window.new_run();
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   window.go();
   ASSERT_TRUE(eventually([&] { return running() && record().t > 5.0; }));
-  ASSERT_TRUE(arena().scene().compared.has_value()) << "it is gone with the run";
+  ASSERT_EQ(arena().scene().compared.size(), 1u) << "it is gone with the run";
 }
 
 }  // namespace

@@ -103,14 +103,20 @@ TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
   panel.show();
   panel.show_experiment(experiment);
   for (const app::TickRecord& row : rows) panel.take(row);
-  panel.compare(QStringLiteral("uncoupled"), uncoupled, others);
+  auto beside_it = std::make_shared<RunResults>(uncoupled);
+  for (const app::TickRecord& row : others) beside_it->take(row);
+  panel.compare({{QStringLiteral("A"), QStringLiteral("uncoupled"), beside_it}});
   auto* table = panel.findChild<QTableWidget*>(QStringLiteral("result_table"));
   ASSERT_EQ(table->rowCount(), static_cast<int>(panel.results()->kicks().size()));
   const int beside = table->columnCount() - 1;
   EXPECT_FALSE(table->isColumnHidden(beside));
   EXPECT_TRUE(table->item(0, beside)->text().contains(QStringLiteral("earlier")))
       << table->item(0, beside)->text().toStdString();
-  panel.end_comparison();
+  panel.compare({{QStringLiteral("A"), QStringLiteral("uncoupled"), beside_it},
+                 {QStringLiteral("B"), QStringLiteral("again"), beside_it}});
+  EXPECT_TRUE(table->item(0, beside)->text().contains(QStringLiteral("; B: formation")))
+      << table->item(0, beside)->text().toStdString();
+  panel.compare({});
   EXPECT_TRUE(table->isColumnHidden(beside));
 }
 

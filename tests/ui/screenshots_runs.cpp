@@ -63,11 +63,11 @@ int take(const QDir& dir) {
   if (!wait([&] { return window.replay().is_loaded(); })) return 3;
   window.go();  // pause
   window.compare_with(two);
-  if (!wait([&] { return window.findChild<ArenaView*>()->scene().compared.has_value(); })) return 3;
+  if (!wait([&] { return window.findChild<ArenaView*>()->scene().compared.size() == 1; })) return 3;
   emit window.findChild<TimeLine*>()->time_wanted(21.5);
   bool done = save(window, dir, QStringLiteral("replay"));
   auto* plots = window.findChild<PlotsPanel*>();
-  plots->compare(nullptr);
+  plots->compare(std::vector<PlotsPanel::Compared>());
   plots->show_plots({"e_x", "V", "V_dot", "v", "omega", "min_distance", "period"});
   done = save(*plots, dir, QStringLiteral("plots")) && done;
   plots->show_plots({});

@@ -71,6 +71,23 @@ void ArenaPainter::ruler() {
                   .arg(degrees, 0, 'f', 0));
 }
 
+/// That the keys come here, and where they point.
+void ArenaPainter::keyboard(const QRectF& widget) {
+  p_.setBrush(Qt::NoBrush);
+  if (scene_.has_keys) {
+    p_.setPen(QPen(c_.accent, 2));
+    p_.drawRect(widget.adjusted(1, 1, -1, -1));
+  }
+  if (!scene_.cross) return;
+  constexpr double inner = 5.0, outer = 14.0;  // [px]
+  const QPointF floor = scene_.cross_at(), centre = at(floor.x(), floor.y());
+  for (const auto& [colour, width] : {std::pair(c_.floor, 4.5), std::pair(c_.text, 2.0)}) {
+    p_.setPen(cosmetic(colour, width));
+    for (const QPointF way : {QPointF(1, 0), QPointF(-1, 0), QPointF(0, 1), QPointF(0, -1)})
+      p_.drawLine(centre + inner * way, centre + outer * way);
+  }
+}
+
 void ArenaPainter::scale_bar(const QRectF& widget) {
   const double scale = map_.scale_at({0, 0});
   double metres = 0.01;  // 1, 2, 5, 10 ...: the longest that stays under 120 px

@@ -23,7 +23,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   bounds_and_path();
   obstacles();
   if (scene_.show_trails) trails();
-  if (scene_.compared) paint_other(p_, *scene_.compared, scene_, map_, c_);
+  for (const OtherRun& other : scene_.compared) paint_other(p_, other, scene_, map_, c_);
   if (scene_.record) {
     if (scene_.show_couplings) couplings();
     if (scene_.show_regions) regions();
@@ -36,6 +36,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   scale_bar(widget);
   legend(widget);
   banner_and_hint(widget);
+  keyboard(widget);
 }
 
 void ArenaPainter::floor(const QRectF& widget) {

@@ -31,6 +31,7 @@ class ArenaPainter {
   void ghost();
   void kick();
   void ruler();
+  void keyboard(const QRectF& widget);
   void note(QPointF centre, const QString& text);
   void scale_bar(const QRectF& widget);
   void legend(const QRectF& widget);

@@ -66,6 +66,26 @@ QString ArenaView::why_not(int robot) const {
   return tr("Robot %1 is real: move it by hand.").arg(robot + 1);
 }
 
+/// The banner, and what each robot does, or the selected one alone.
+QString ArenaView::spoken() const {
+  if (!scene_.record) return {};
+  QStringList lines;
+  if (!scene_.banner.isEmpty()) lines << scene_.banner;
+  for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
+    const auto pose = scene_.pose(i);
+    if (scene_.selected >= 0 && static_cast<std::size_t>(scene_.selected) != i) continue;
+    const QString doing = why(*scene_.record, i);
+    lines << (pose ? tr("Robot %1 at x %2 m, y %3 m, heading %4°: %5")
+                         .arg(i + 1)
+                         .arg(pose->x, 0, 'f', 2)
+                         .arg(pose->y, 0, 'f', 2)
+                         .arg(pose->theta * 180.0 / core::pi, 0, 'f', 0)
+                         .arg(doing)
+                   : tr("Robot %1: %2").arg(i + 1).arg(doing));
+  }
+  return lines.join(QStringLiteral("; "));
+}
+
 QString ArenaView::tip_at(QPoint where) const {
   if (!scene_.record) return {};
   const int robot = robot_under(where), obstacle = obstacle_under(where);

@@ -65,6 +65,13 @@ ModeLook ArenaScene::look_of(std::size_t i, const Colours& colours) const {
   return unknown ? may_be_driving_look(colours) : look(record->robots[i].mode, colours);
 }
 
+QPointF ArenaScene::cross_at() const {
+  if (!cross) return {};
+  if (cross->robot < 0) return cross->at;
+  const auto at = pose(static_cast<std::size_t>(cross->robot));
+  return at ? QPointF(at->x, at->y) : cross->at;
+}
+
 int ArenaScene::robot_at(double x, double y, double reach, bool bodies) const {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();

@@ -23,7 +23,7 @@ struct TrailPoint {
 
 /// A run that this one is compared with, at the same time: where its robots have been; the last pose is where they are.
 struct OtherRun {
-  QString name;
+  std::size_t number = 0;  ///< among those that are compared: letter and line follow from it
   std::vector<std::vector<core::Pose>> trails;
 };
 
@@ -42,7 +42,7 @@ struct ArenaScene {
 
   std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
 
-  std::optional<OtherRun> compared;
+  std::vector<OtherRun> compared;
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;
@@ -69,6 +69,13 @@ struct ArenaScene {
   };
   std::optional<Ruler> ruler;
   int selected_obstacle = -1;
+  /// Where the keyboard points: a place on the floor, or the robot (from 0) that it goes with.
+  struct Cross {
+    QPointF at;  ///< [m]
+    int robot = -1;
+  };
+  std::optional<Cross> cross;
+  bool has_keys = false;  ///< the arena has the focus, and came to it by a key
   std::optional<std::array<int, 2>> hovered_coupling;
   QString banner;  ///< across the top: "STOPPED by operator"
   bool banner_alarms = false;
@@ -83,6 +90,8 @@ struct ArenaScene {
   std::optional<core::Pose> pose(std::size_t i) const;
   /// How large robot i's body is [m].
   double radius(std::size_t i) const { return i < experiment.robots.size() ? experiment.robots[i].radius : 0.0; }
+  /// Where the keyboard's cross is on the floor [m].
+  QPointF cross_at() const;
   /// The robot whose middle is nearest to this point of the floor and within `reach` [m], or on whose body, if
   /// `bodies`, the point is; -1: none is.
   int robot_at(double x, double y, double reach, bool bodies) const;

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "ui/arena/arena_painter.h"
+#include "ui/base/told.h"
 
 namespace skein::ui {
 namespace {
@@ -22,12 +23,14 @@ constexpr qint64 same_turn_ms = 400;  // the wheel keeps to a robot that drives 
 
 ArenaView::ArenaView(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("arena"));
+  tell(this, QAccessible::Canvas, [this] { return spoken(); });
   setAccessibleName(tr("Arena"));
   setAccessibleDescription(
       tr("The robots seen from above. Drag a simulated robot to move it, turn it with the wheel. With the keyboard: a "
-         "number selects a robot, arrows move it, Page Up and Page Down turn it."));
+         "number or N selects a robot, arrows move it, Page Up and Page Down turn it. With the tools kick, measure and "
+         "obstacle, arrows move a cross, and Return presses there and lets go."));
   setMouseTracking(true);
-  setFocusPolicy(Qt::ClickFocus);
+  setFocusPolicy(Qt::StrongFocus);
   setAttribute(Qt::WA_OpaquePaintEvent);
 }
 
@@ -60,8 +63,9 @@ void ArenaView::choose_sheet() {
   update();
 }
 
-void ArenaView::set_other(std::optional<OtherRun> other) {
-  scene_.compared = std::move(other);
+void ArenaView::set_others(std::vector<OtherRun> others) {
+  if (others.empty() && scene_.compared.empty()) return;
+  scene_.compared = std::move(others);
   update();
 }
 
@@ -124,6 +128,7 @@ void ArenaView::show_grid(bool on) {
 void ArenaView::set_tool(ArenaTool tool) {
   end_gesture();
   if (tool != ArenaTool::measure) scene_.ruler.reset();
+  scene_.cross.reset();
   tool_ = tool;
 }
 
@@ -143,6 +148,7 @@ void ArenaView::zoom_out() {
 }
 
 void ArenaView::select(int robot) {
+  if (robot >= 0) scene_.selected_obstacle = -1;  // keys go to one of them
   if (scene_.selected == robot) return;
   scene_.selected = robot;
   emit selected(robot);
@@ -254,10 +260,14 @@ void ArenaView::mouseReleaseEvent(QMouseEvent* event) {
     return;
   }
   if (!gesture_ || event->button() != Qt::LeftButton) return;
-  gesture_->release({[this](int robot, const core::Pose& pose) { emit move_wanted(robot, pose); },
-                     [this](int robot, QPointF velocity) { emit kick_wanted(robot, velocity); },
-                     [this](int number, const core::Obstacle& o) { emit obstacle_wanted(number, o); }});
+  gesture_->release(requests());
   end_gesture();
+}
+
+ArenaRequests ArenaView::requests() {
+  return {[this](int robot, const core::Pose& pose) { emit move_wanted(robot, pose); },
+          [this](int robot, QPointF velocity) { emit kick_wanted(robot, velocity); },
+          [this](int number, const core::Obstacle& o) { emit obstacle_wanted(number, o); }};
 }
 
 void ArenaView::mouseDoubleClickEvent(QMouseEvent* event) {
@@ -279,28 +289,111 @@ void ArenaView::keyPressEvent(QKeyEvent* event) {
   // What the mouse does to the robot or obstacle that is selected, for those who have none.
   const bool fine = event->modifiers() & Qt::ShiftModifier;
   const double way = fine ? 0.002 : 0.02, angle = (fine ? 1.0 : 15.0) * core::pi / 180.0;
-  const int robot = scene_.selected;
-  if (event->key() >= Qt::Key_1 && event->key() <= Qt::Key_9) {
-    const int asked = event->key() - Qt::Key_1;
-    if (asked < static_cast<int>(scene_.experiment.robots.size())) select(asked);
-    return;
-  }
+  const int robot = scene_.selected, robots = static_cast<int>(scene_.experiment.robots.size());
   const auto step = event->key() == Qt::Key_Left    ? QPointF(-way, 0)
                     : event->key() == Qt::Key_Right ? QPointF(way, 0)
                     : event->key() == Qt::Key_Up    ? QPointF(0, way)
                     : event->key() == Qt::Key_Down  ? QPointF(0, -way)
                                                     : QPointF();
+  if (event->modifiers() & Qt::AltModifier && !step.isNull()) {
+    constexpr double pan = 40.0;  // [px]
+    map_.pan(QPointF(-step.x(), step.y()) / way * pan);
+    return update();
+  }
+  if (tool_ != ArenaTool::hand && point(*event, step)) return update();
+  if (event->key() >= Qt::Key_1 && event->key() <= Qt::Key_9) {
+    const int asked = event->key() - Qt::Key_1;
+    if (asked < robots) select(asked);
+    return;
+  }
+  if (event->key() == Qt::Key_N && robots > 0)
+    return select((std::max(robot, fine ? 0 : -1) + (fine ? robots - 1 : 1)) % robots);
   if (robot >= 0 && !step.isNull()) return nudge(robot, step);
+  if (work_obstacle(*event)) return;
   if (robot >= 0 && (event->key() == Qt::Key_PageUp || event->key() == Qt::Key_PageDown)) {
     if (may_take(robot, {})) turn(robot, event->key() == Qt::Key_PageUp ? angle : -angle);
     return;
   }
-  if (event->key() == Qt::Key_Delete && scene_.selected_obstacle >= 0) {
-    emit obstacle_wanted(scene_.selected_obstacle, {});
-    scene_.selected_obstacle = -1;
-    return;
-  }
   QWidget::keyPressEvent(event);
+}
+
+/// A tool without a mouse: false if the key is none of its.
+bool ArenaView::point(const QKeyEvent& event, QPointF step) {
+  if (event.key() >= Qt::Key_1 && event.key() <= Qt::Key_9) {
+    const int asked = event.key() - Qt::Key_1;
+    if (asked >= static_cast<int>(scene_.experiment.robots.size())) return true;
+    select(asked);
+    scene_.cross = {scene_.cross_at(), asked};
+    move_cross({});
+    return true;
+  }
+  if (!step.isNull()) {
+    move_cross(step);
+    return true;
+  }
+  if (event.key() == Qt::Key_Return || event.key() == Qt::Key_Enter) {
+    if (!event.isAutoRepeat()) press_at_cross();
+    return true;
+  }
+  if (event.key() == Qt::Key_Backspace && gesture_) {
+    end_gesture();
+    return true;
+  }
+  return false;
+}
+
+void ArenaView::move_cross(QPointF step) {
+  if (!scene_.cross) scene_.cross = {{}, scene_.selected};
+  // A kick is drawn out of a robot that drives on: its arrow goes with the robot, and so does the cross.
+  QPointF from = scene_.cross_at();
+  if (scene_.kick)
+    if (const auto pose = scene_.pose(static_cast<std::size_t>(scene_.kick->robot)))
+      from = QPointF(pose->x, pose->y) + scene_.kick->way;
+  if (!step.isNull()) scene_.cross = {inside_arena(scene_, from + step, 0.0), -1};
+  if (gesture_) gesture_->move(scene_.cross_at());
+}
+
+void ArenaView::press_at_cross() {
+  if (gesture_) {
+    gesture_->release(requests());
+    return end_gesture();
+  }
+  move_cross({});
+  const QPointF floor = scene_.cross_at();
+  gesture_ = begin_gesture(map_.to_screen(floor), Qt::NoModifier, {});
+  if (gesture_ && tool_ == ArenaTool::kick) gesture_->move(floor);
+}
+
+/// The selected obstacle by keys: false if the key is none for it, or none is selected.
+bool ArenaView::work_obstacle(const QKeyEvent& event) {
+  const int obstacle = scene_.selected_obstacle;
+  if (obstacle < 0) return false;
+  if (event.key() == Qt::Key_Delete) {
+    emit obstacle_wanted(obstacle, {});
+    scene_.selected_obstacle = -1;
+    return true;
+  }
+  if (event.key() != Qt::Key_PageUp && event.key() != Qt::Key_PageDown) return false;
+  resize_obstacle(obstacle, event.key() == Qt::Key_PageUp ? 1.1 : 1 / 1.1);
+  return true;
+}
+
+void ArenaView::focusInEvent(QFocusEvent* event) {
+  scene_.has_keys = event->reason() != Qt::MouseFocusReason;
+  QWidget::focusInEvent(event);
+}
+
+void ArenaView::focusOutEvent(QFocusEvent* event) {
+  scene_.has_keys = false;
+  QWidget::focusOutEvent(event);
+}
+
+QPoint ArenaView::place_of_keys() const {
+  if (scene_.cross) return map_.to_screen(scene_.cross_at()).toPoint();
+  if (scene_.selected >= 0)
+    if (const auto pose = scene_.pose(static_cast<std::size_t>(scene_.selected)))
+      return map_.to_screen({pose->x, pose->y}).toPoint();
+  return rect().center();
 }
 
 void ArenaView::nudge(int robot, QPointF by) {

@@ -13,7 +13,8 @@
 namespace skein::ui {
 
 /// The arena, seen from above, and the operator's hand in it: simulated robots are dragged, turned with the mouse wheel
-/// and kicked, obstacles dropped and dragged, distances measured, couplings switched with a click.
+/// and kicked, obstacles dropped and dragged, distances measured, couplings switched with a click. Without a mouse the
+/// arrows move the selected robot, and with any tool but the hand a cross, at which Return presses and lets go.
 class ArenaView final : public QWidget {
   Q_OBJECT
 
@@ -26,7 +27,7 @@ class ArenaView final : public QWidget {
   void take(const app::TickRecord& record) { scene_.take(record); }
   void take(const app::Picture& picture);
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
-  void set_other(std::optional<OtherRun> other);             ///< drawn pale
+  void set_others(std::vector<OtherRun> others);             ///< drawn pale
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
   void set_hint(const QString& text);
@@ -44,6 +45,8 @@ class ArenaView final : public QWidget {
   void fit();
   void zoom_in();
   void zoom_out();
+  /// Where on this widget the keyboard is: its cross, the selected robot, or the middle.
+  QPoint place_of_keys() const;
 
   const ArenaMap& map() const { return map_; }
   const ArenaScene& scene() const { return scene_; }
@@ -72,6 +75,8 @@ class ArenaView final : public QWidget {
   void wheelEvent(QWheelEvent*) override;
   void leaveEvent(QEvent*) override;
   void keyPressEvent(QKeyEvent*) override;
+  void focusInEvent(QFocusEvent*) override;
+  void focusOutEvent(QFocusEvent*) override;
   bool event(QEvent*) override;
 
  private:
@@ -82,9 +87,15 @@ class ArenaView final : public QWidget {
   bool may_take(int robot, QPoint where);
   QString why_not(int robot) const;
   QString tip_at(QPoint where) const;
+  QString spoken() const;
   void show_tip(QPoint where);
   std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
   void hover(QPointF screen);
+  bool point(const QKeyEvent& event, QPointF step);
+  void press_at_cross();
+  void move_cross(QPointF step);
+  bool work_obstacle(const QKeyEvent& event);
+  ArenaRequests requests();
   void turn(int robot, double by);
   void nudge(int robot, QPointF by);
   void resize_obstacle(int number, double factor);

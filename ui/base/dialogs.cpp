@@ -5,6 +5,7 @@
 #include <QGuiApplication>
 #include <QPushButton>
 #include <QScreen>
+#include <QShortcut>
 #include <QTextDocument>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -12,12 +13,18 @@
 
 namespace skein::ui {
 
+void close_by_key(QDialog* dialog) {
+  QObject::connect(new QShortcut(QKeySequence(QStringLiteral("Ctrl+W")), dialog), &QShortcut::activated, dialog,
+                   &QDialog::reject);
+}
+
 QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question) {
   auto* dialog = new QFileDialog(parent, question.title, question.directory, question.filter);
   dialog->setObjectName(question.name);
   dialog->setOption(QFileDialog::DontUseNativeDialog);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setWindowModality(Qt::NonModal);
+  close_by_key(dialog);
   if (question.save_as.isEmpty()) {
     dialog->setFileMode(QFileDialog::ExistingFile);
   } else {

@@ -18,9 +18,13 @@ struct FileQuestion {
 /// desktop's, so that Space and Esc reach the program. To be connected, then shown; it deletes itself.
 QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question);
 
+/// Ctrl+W closes it: while a run is on, Esc is STOP.
+void close_by_key(QDialog* dialog);
+
 /// Shows a dialog that way.
 template <typename Dialog>
 void show_beside(Dialog* dialog) {
+  close_by_key(dialog);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setWindowModality(Qt::NonModal);
   dialog->show();

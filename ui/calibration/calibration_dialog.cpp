@@ -144,6 +144,7 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
   connect(kind_, &QComboBox::currentIndexChanged, this, [this](int kind) { marker_->setEnabled(kind == 0); });
   views_.set_colours(colours(palette()));
   resize(fitting({940, 600}, parent));
+  close_by_key(this);
   dress({});
 }
 

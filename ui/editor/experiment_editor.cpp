@@ -85,6 +85,7 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   layout->addWidget(list_);
   layout->addLayout(buttons);
   resize(fitting({980, 720}, parent));
+  close_by_key(this);
 
   pause_.setSingleShot(true);
   connect(&pause_, &QTimer::timeout, this, &ExperimentEditor::check);

@@ -10,6 +10,7 @@
 
 #include "app/run/event.h"
 #include "ui/base/palette.h"
+#include "ui/base/sentence.h"
 
 namespace skein::ui {
 namespace {
@@ -49,7 +50,7 @@ const char* way_on(core::GainName gain) {
     case core::GainName::k_tt:
       return QT_TRANSLATE_NOOP("GainSlider", "For more, lower k_yy by as much: (18g) limits their sum.");
     case core::GainName::k_yy:
-      return QT_TRANSLATE_NOOP("GainSlider", "For more, lower k_tt by as much: (18g) limits their sum.");
+      return QT_TRANSLATE_NOOP("GainSlider", "For more, lower k_θθ by as much: (18g) limits their sum.");
     case core::GainName::k_xx:
     case core::GainName::c_xx:
     case core::GainName::c_tt:
@@ -139,12 +140,12 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   symbol->setMinimumWidth(34);
 
   slider_->setObjectName(QStringLiteral("slider_") + name);
-  slider_->setAccessibleName(tr("%1 slider").arg(name));
+  slider_->setAccessibleName(tr("%1 slider").arg(gain_symbol(gain)));
   slider_->setToolTip(tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere "
                          "along the reference.")
                           .arg(tr(w.what)));
   spin_->setObjectName(QStringLiteral("spin_") + name);
-  spin_->setAccessibleName(name);
+  spin_->setAccessibleName(gain_symbol(gain));
   spin_->setDecimals(4);
   spin_->setSuffix(QStringLiteral(" ") + QString::fromLatin1(w.unit));
   spin_->setAlignment(Qt::AlignRight);
@@ -184,7 +185,7 @@ int GainSlider::step_of(double value) const {
 
 void GainSlider::choose(double value) {
   if (value < 0.0) {
-    emit refused(tr("%1 is clamped at 0, its limit: found %2").arg(QLatin1String(core::word(gain_).data())).arg(value));
+    emit refused(tr("%1 is clamped at 0, its limit: found %2").arg(gain_symbol(gain_)).arg(value));
     value = 0.0;
   }
   const QSignalBlocker quiet_slider(slider_), quiet_spin(spin_);
@@ -247,6 +248,8 @@ void GainSlider::show_text() {
   const bool on_its_way = std::abs(now_ - spin_->value()) > 0.5e-4;
   now_text_->setText(on_its_way ? tr("now %1 …").arg(number(now_)) : tr("now %1").arg(number(now_)));
   border_text_->setText(tr("border %1").arg(number(border_)));
+  for (QLabel* text : {now_text_, border_text_})  // alone, they do not name the gain
+    text->setAccessibleName(gain_symbol(gain_) + QLatin1Char(' ') + text->text());
   border_text_->setToolTip(tr("The largest value that (18f) and (18g) leave over the whole reference. At this moment "
                               "they would leave %1: the reference needs less here than elsewhere.")
                                .arg(number(border_now_)) +

@@ -10,6 +10,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/dialogs.h"
+#include "ui/base/sentence.h"
+
 namespace skein::ui {
 namespace {
 
@@ -121,6 +124,7 @@ GainsPanel::GainsPanel(QWidget* parent)
   scroll->viewport()->setAutoFillBackground(false);
   scroll->setWidget(margins_);
   margins_->setAutoFillBackground(false);
+  scroll->setAccessibleName(tr("Margins, robot by robot"));  // it takes the focus, to be scrolled
   tabs_->setObjectName(QStringLiteral("gain_tabs"));
   tabs_->setAccessibleName(tr("Margins and schedule"));
   tabs_->setDocumentMode(true);
@@ -216,7 +220,7 @@ void GainsPanel::set_before_start(bool before) {
 
 void GainsPanel::change(core::GainName gain, double value) {
   const double from = targets_[static_cast<std::size_t>(gain)];
-  const QString what = tr("%1 to %2").arg(QLatin1String(core::word(gain).data())).arg(value, 0, 'g', 4);
+  const QString what = tr("%1 to %2").arg(gain_symbol(gain)).arg(value, 0, 'g', 4);
   undo_.push(new Changed<double>(what, from, value, [this, gain](double to) {
     slider(gain)->set_target(to);
     targets_[static_cast<std::size_t>(gain)] = to;
@@ -227,7 +231,7 @@ void GainsPanel::change(core::GainName gain, double value) {
 void GainsPanel::change_pair(core::GainName gain, int i, int j, double value) {
   if (!ask_) return;
   const double from = ask_(gain, static_cast<std::size_t>(i), static_cast<std::size_t>(j)).target;
-  const QString what = tr("%1 of %2 and %3").arg(QLatin1String(core::word(gain).data())).arg(i + 1).arg(j + 1);
+  const QString what = tr("%1 of %2 and %3").arg(gain_symbol(gain)).arg(i + 1).arg(j + 1);
   undo_.push(
       new Changed<double>(what, from, value, [this, gain, i, j](double to) { emit pair_wanted(gain, i, j, to); }));
 }
@@ -268,7 +272,7 @@ void GainsPanel::fill_presets() {
     }
     QAction* action = menu->addAction(preset.name, this, [this, preset] { use(preset); });
     action->setToolTip(
-        tr("k_xx %1, k_tt %2, k_yy %3").arg(preset.values[0]).arg(preset.values[1]).arg(preset.values[2]));
+        tr("k_xx %1, k_θθ %2, k_yy %3").arg(preset.values[0]).arg(preset.values[1]).arg(preset.values[2]));
     if (preset.own) forget->addAction(preset.name, this, [name = preset.name] { forget_gain_preset(name); });
   }
   menu->addSeparator();
@@ -284,6 +288,7 @@ void GainsPanel::keep_as_preset() {
   dialog->setLabelText(tr("Under the name"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setModal(false);  // STOP can be clicked beside it
+  close_by_key(dialog);
   connect(dialog, &QInputDialog::textValueSelected, this, [values = targets_](const QString& name) {
     if (!name.trimmed().isEmpty()) keep_gain_preset({name, values, true});
   });

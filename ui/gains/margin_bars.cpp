@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ui/base/palette.h"
+#include "ui/base/told.h"
 
 namespace skein::ui {
 namespace {
@@ -15,6 +16,7 @@ constexpr double number_column = 22, gap = 8;
 
 MarginBars::MarginBars(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("margins"));
+  tell(this, QAccessible::Graphic, [this] { return spoken(); });
   setAccessibleName(tr("Authority left to tracking"));
   setToolTip(
       tr("What the reference and the couplings leave to tracking: k_x of v_max (18f), k_θ of ω_max (18g).\n"
@@ -42,6 +44,17 @@ void MarginBars::take(const app::TickRecord& record) {
     turning_.push_back({robot.k_theta, limits_[i].omega_max, robot.k_theta > 0 && robot.margins.g >= -rounding});
   }
   update();
+}
+
+QString MarginBars::spoken() const {
+  const auto left = [](const Bar& bar) {
+    return bar.holds ? tr("%1, %2 %").arg(bar.left, 0, 'f', 4).arg(100 * bar.left / bar.of, 0, 'f', 0)
+                     : tr("%1, (18) does not hold").arg(bar.left, 0, 'f', 4);
+  };
+  QStringList robots;
+  for (std::size_t i = 0; i < forward_.size(); ++i)
+    robots << tr("Robot %1: k_x %2; k_θ %3").arg(i + 1).arg(left(forward_[i]), left(turning_[i]));
+  return robots.join(QStringLiteral(". "));
 }
 
 QSize MarginBars::sizeHint() const {

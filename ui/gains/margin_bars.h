@@ -29,6 +29,7 @@ class MarginBars final : public QWidget {
     double left, of;  // [m/s] or [rad/s]
     bool holds;
   };
+  QString spoken() const;
   void paint_bar(QPainter& p, const QRectF& where, const Bar& bar) const;
 
   std::size_t robots_ = 0;

@@ -8,6 +8,7 @@
 
 #include "app/run/event.h"
 #include "ui/base/number_field.h"
+#include "ui/base/sentence.h"
 
 namespace skein::ui {
 namespace {
@@ -82,7 +83,7 @@ QVariant PairModel::data(const QModelIndex& index, int role) const {
       return tr("%1 of robots %2 and %3: %4, at most %5 beside the others.\nValues are above the diagonal: "
                 "double-click or F2 changes one. Ticks are below it: a click or X switches the whole coupling off and "
                 "on.")
-          .arg(QLatin1String(core::word(gain_).data()))
+          .arg(gain_symbol(gain_))
           .arg(i + 1)
           .arg(j + 1)
           .arg(pair.coupled ? QString::number(pair.target, 'g', 4) : tr("switched off"))
@@ -127,7 +128,7 @@ PairTable::PairTable(QWidget* parent) : QWidget(parent), gain_(new QComboBox(thi
   setObjectName(QStringLiteral("pairs"));
   gain_->setObjectName(QStringLiteral("pair_gain"));
   gain_->setAccessibleName(tr("Which gain the table shows"));
-  for (const core::GainName gain : core::gain_names) gain_->addItem(QLatin1String(core::word(gain).data()));
+  for (const core::GainName gain : core::gain_names) gain_->addItem(gain_symbol(gain));
   connect(gain_, &QComboBox::currentIndexChanged, this,
           [this](int k) { model_.show_gain(core::gain_names[static_cast<std::size_t>(k)]); });
 

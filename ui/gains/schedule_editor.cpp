@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "ui/base/number_field.h"
+#include "ui/base/sentence.h"
 
 namespace skein::ui {
 namespace {
@@ -109,7 +110,7 @@ QVariant ScheduleModel::headerData(int section, Qt::Orientation orientation, int
   if (role == Qt::DisplayRole)
     return section == t      ? tr("t [s]")
            : section == ramp ? tr("ramp [s]")
-                             : QString::fromUtf8(keys[static_cast<std::size_t>(section)]);
+                             : gain_symbol(core::gain_names[static_cast<std::size_t>(section - k_xx)]);
   if (role == Qt::ToolTipRole)
     return section == t      ? tr("When the change begins")
            : section == ramp ? tr("How long it takes: Theorem 1 requires continuous gains")

@@ -21,18 +21,26 @@ QString shortcuts_text() {
          row.arg(QStringLiteral("Ctrl+L"), tr("Check list: the conditions for a start")) +
          row.arg(tr("Ctrl+Z, Ctrl+Shift+Z"), tr("Undo and redo a change of a gain")) +
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
-         section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Moves it; it keeps its heading")) +
+         row.arg(tr("Ctrl+1 … Ctrl+7"), tr("To arena, gains, plots, robots, events, results, time line")) +
+         row.arg(QStringLiteral("Shift+F1"), tr("The tip of the focused control")) +
+         row.arg(QStringLiteral("Ctrl+W"), tr("Closes a dialog, also during a run")) + section(tr("A simulated robot")) +
+         row.arg(tr("Drag"), tr("Moves it; it keeps its heading")) +
          row.arg(tr("Wheel"), tr("Turns it by 15° a notch, with Shift by 1°")) +
          row.arg(tr("Shift+drag, K"), tr("Kicks it: it slides along the arrow")) +
-         row.arg(tr("Click, 1 … 9"), tr("Selects it: bold in the plots, marked in the table")) +
+         row.arg(tr("Click, 1 … 9, N"), tr("Selects it: bold in the plots, marked in the table")) +
          row.arg(tr("Arrows, Page Up, Page Down"), tr("Move and turn the selected one, with Shift finely")) +
          section(tr("The arena")) + row.arg(tr("H, K, M, O"), tr("Hand, kick, measure, obstacle")) +
+         row.arg(tr("Arrows, Return"), tr("Kick, measure, obstacle: move the cross, press there and let go")) +
+         row.arg(tr("1 … 9, Backspace"), tr("The cross onto a robot; gives up what was begun")) +
          row.arg(tr("Click on a coupling"), tr("Switches it off and on; X does in the table of pairs")) +
-         row.arg(tr("Wheel, Delete on an obstacle"), tr("Changes its size; removes it")) +
-         row.arg(tr("Ctrl+wheel, Ctrl++, Ctrl+−"), tr("Zoom")) + row.arg(tr("Middle or right drag"), tr("Pan")) +
+         row.arg(tr("Wheel, Delete on an obstacle"), tr("Changes its size (also Page Up, Page Down); removes it")) +
+         row.arg(tr("Ctrl+wheel, Ctrl++, Ctrl+−"), tr("Zoom")) +
+         row.arg(tr("Middle or right drag, Alt+arrows"), tr("Pan")) +
          row.arg(tr("Ctrl+0, double click"), tr("All of it")) + section(tr("The plots")) +
          row.arg(tr("Wheel, drag"), tr("Zoom and move along the time; the run goes on")) +
-         row.arg(tr("Double click"), tr("Back to live")) + row.arg(tr("Right click"), tr("Save as PDF or PNG")) +
+         row.arg(tr("Arrows"), tr("Read values along the time, and from plot to plot")) +
+         row.arg(tr("+, −, Page Up, Page Down"), tr("Zoom and move along the time")) +
+         row.arg(tr("Double click, Home"), tr("Back to live")) + row.arg(tr("Right click"), tr("Save as PDF or PNG")) +
          section(tr("Files and window")) +
          row.arg(QStringLiteral("Ctrl+O"), tr("Open an experiment or a recorded run; or drop the file here")) +
          row.arg(tr("Ctrl+E, Ctrl+Shift+E, Ctrl+Alt+E"), tr("Edit it; with present gains; as this run was done")) +

@@ -1,11 +1,13 @@
 #include "ui/main/main_window.h"
 
+#include <QAbstractItemView>
 #include <QApplication>
 #include <QCloseEvent>
 #include <QCursor>
 #include <QDragEnterEvent>
 #include <QDropEvent>
 #include <QFileInfo>
+#include <QHelpEvent>
 #include <QMenu>
 #include <QMenuBar>
 #include <QScrollArea>
@@ -19,6 +21,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/run/interrupted.h"
 #include "ui/arena/arena_view.h"
+#include "ui/base/compared.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
 #include "ui/gains/gains_panel.h"
@@ -191,6 +194,31 @@ QDockWidget* MainWindow::dock(QWidget* panel, const QString& title, const QStrin
   return dock;
 }
 
+void MainWindow::go_to(QDockWidget* dock, QWidget* first) {
+  dock->show();
+  dock->raise();
+  first->setFocus(Qt::ShortcutFocusReason);
+  // A table without a current cell shows nobody where the keys go.
+  auto* table = qobject_cast<QAbstractItemView*>(first);
+  if (table && !table->currentIndex().isValid() && table->model()->rowCount() > 0)
+    table->setCurrentIndex(table->model()->index(0, 0));
+}
+
+void MainWindow::show_tip_of_focus() {
+  QWidget* focus = QApplication::focusWidget();
+  if (!focus) return;
+  QWidget* of = focus;
+  QPoint where = focus->rect().center();
+  if (auto* table = qobject_cast<QAbstractItemView*>(focus)) {
+    of = table->viewport();
+    if (table->currentIndex().isValid()) where = table->visualRect(table->currentIndex()).center();
+  } else if (focus == arena_) {
+    where = arena_->place_of_keys();
+  }
+  QHelpEvent tip(QEvent::ToolTip, where, of->mapToGlobal(where));
+  QApplication::sendEvent(of, &tip);
+}
+
 void MainWindow::default_layout() {
   for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_, results_dock_}) {
     dock->setFloating(false);
@@ -268,6 +296,8 @@ void MainWindow::build_menus(QMenuBar* menus) {
   add(help, tr("&Shortcuts"), QStringLiteral("shortcuts"), QKeySequence(tr("F1")), [this] {
     show_beside(new MessageDialog(QStringLiteral("shortcuts_dialog"), tr("Shortcuts"), shortcuts_text(), this));
   });
+  add(help, tr("&Tip of what has the focus"), QStringLiteral("focus_tip"), QKeySequence(tr("Shift+F1")),
+      [this] { show_tip_of_focus(); });
   add(help, tr("&About Skein"), QStringLiteral("about"), {}, [this] {
     show_beside(new MessageDialog(QStringLiteral("about_dialog"), tr("About Skein"), about_text(), this));
   });
@@ -314,6 +344,21 @@ void MainWindow::build_view_menu(QMenu* view) {
   add_toggle(view, tr("&Full screen"), QStringLiteral("view_full_screen"), [this](bool on) {
     on ? showFullScreen() : showNormal();
   })->setShortcut(QKeySequence(tr("F11")));
+  QMenu* go = view->addMenu(tr("Go t&o"));
+  const auto place = [&](const QString& text, const char* name, int number, const std::function<void()>& slot) {
+    add(go, text, QLatin1String(name), QKeySequence(QStringLiteral("Ctrl+%1").arg(number)), slot);
+  };
+  place(tr("&Arena"), "go_to_arena", 1, [this] { arena_->setFocus(Qt::ShortcutFocusReason); });
+  place(tr("&Gains"), "go_to_gains", 2,
+        [this] { go_to(gains_dock_, gains_->findChild<QWidget*>(QStringLiteral("slider_k_xx"))); });
+  place(tr("&Plots"), "go_to_plots", 3,
+        [this] { go_to(plots_dock_, plots_->findChild<QWidget*>(QStringLiteral("plot"))); });
+  place(tr("&Robots"), "go_to_robots", 4, [this] { go_to(robots_dock_, robots_); });
+  place(tr("&Events"), "go_to_events", 5,
+        [this] { go_to(log_dock_, log_->findChild<QWidget*>(QStringLiteral("event_log"))); });
+  place(tr("Re&sults"), "go_to_results", 6,
+        [this] { go_to(results_dock_, results_->findChild<QWidget*>(QStringLiteral("result_table"))); });
+  place(tr("&Time line"), "go_to_time", 7, [this] { run_bar_->time_line()->setFocus(Qt::ShortcutFocusReason); });
   QMenu* panels = view->addMenu(tr("&Panels"));
   connect(panels, &QMenu::aboutToShow, this, [this, panels] {  // the docks come after the menus
     panels->clear();
@@ -350,11 +395,19 @@ void MainWindow::connect_panels() {
   connect(check_list_, &CheckList::mend, this, &MainWindow::mend);
   connect(files_, &FileController::experiment_wanted, this,
           [this](const app::Experiment& experiment) { open(experiment, false); });
-  connect(comparison_, &ComparisonController::compared, this, [this](const ReplayRun::Recording& other) {
-    if (other)
-      results_->compare(QFileInfo(QString::fromStdString(other->file)).fileName(), other->experiment, other->rows);
-    else
-      results_->end_comparison();
+  comparison_->set_kicks([this] {
+    std::vector<double> kicks;
+    if (const RunResults* results = results_->results())
+      for (const RunResults::Kick& kick : results->kicks()) kicks.push_back(kick.t);
+    return kicks;
+  });
+  connect(comparison_, &ComparisonController::compared, this, [this] {
+    std::vector<ResultPanel::Beside> others;
+    for (std::size_t k = 0; k < comparison_->runs().size(); ++k) {
+      const ComparisonController::Run& run = comparison_->runs()[k];
+      if (run.shown) others.push_back({compared_letter(k), run.name, run.results});
+    }
+    results_->compare(std::move(others));
   });
   connect(branch_, &BranchController::experiment_wanted, this, [this](const app::Experiment& experiment) {
     comparison_->compare_with_now();

@@ -99,6 +99,10 @@ class MainWindow final : public QMainWindow {
   void default_layout();
   /// The docks as the operator has sized them, smaller in a smaller window: shrunk and grown, it is as it was.
   void fit_docks();
+  /// Brings a panel to the front, and the keyboard to its first control.
+  void go_to(QDockWidget* dock, QWidget* first);
+  /// The tip that a mouse would find over the control with the focus.
+  void show_tip_of_focus();
   QDockWidget* dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area);
 
   void show_run();    // another run, or another experiment

@@ -21,6 +21,7 @@ std::vector<double> limits_of(const app::Experiment& experiment, Limit&& limit) 
 
 using app::TickRecord;
 constexpr double ms = 1e3;
+constexpr double settled = 0.01;         // what the results call settled [m]
 constexpr std::size_t most_coupled = 6;  // robots whose 15 pairs can be told apart in one plot
 
 /// Of robot i, unless it is lost.
@@ -57,6 +58,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .what = tr("Tracking error along x, in the world frame"),
       .least = 0.02,
       .usual = true,
+      .band = settled,
       .value = known([](const app::RobotRecord& r) { return r.nominal.pose.x - r.pose.x; }),
   });
   add({
@@ -67,6 +69,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .what = tr("Tracking error along y, in the world frame"),
       .least = 0.02,
       .usual = true,
+      .band = settled,
       .value = known([](const app::RobotRecord& r) { return r.nominal.pose.y - r.pose.y; }),
   });
   add({
@@ -80,6 +83,16 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .value = known([](const app::RobotRecord& r) { return core::wrap_angle(r.nominal.pose.theta - r.pose.theta); }),
   });
   add({
+      .name = "e",
+      .symbol = "|e|",
+      .unit = tr("[m]"),
+      .what = tr("Distance from the place in the formation"),
+      .least = 0.02,
+      .from_zero = true,
+      .band = settled,
+      .value = known([](const app::RobotRecord& r) { return core::distance(r.pose, r.nominal.pose); }),
+  });
+  add({
       .name = "delta",
       .symbol = "δ",
       .index = "i,j",
@@ -88,6 +101,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .of = Of::pair,
       .least = 0.02,
       .usual = true,
+      .band = settled,
       .value = [](const TickRecord& record,
                   std::size_t i) { return i < record.delta.size() ? record.delta[i] : app::none; },
   });

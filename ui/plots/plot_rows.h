@@ -22,10 +22,13 @@ struct PlotRow {
   double least = 0.0;             ///< the smallest height, so that noise does not fill it
   bool from_zero = false;         ///< else about zero
   bool usual = false;             ///< shown unless the operator chose otherwise
+  double band = 0.0;              ///< both ways about zero: within it, the results say "settled"; 0: none
   std::vector<double> limits{};   ///< dashed lines: what a value must not, or should not, pass
   std::vector<QString> curves{};  ///< names: "1", "1,2", "law"
   std::size_t first = 0;          ///< its first curve among all of the rows'
   std::function<double(const app::TickRecord&, std::size_t curve)> value;
+  /// Its symbol in plain text: "e_θ".
+  QString title() const { return index.isEmpty() ? symbol : symbol + QLatin1Char('_') + index; }
 };
 
 /// Every plot there is for an experiment.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/compared.h"
+#include "ui/base/told.h"
 #include "ui/plots/math_title.h"
 
 namespace skein::ui {
@@ -28,7 +30,12 @@ QCPLegend* compact_legend(int columns) {
 
 PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
   setObjectName(QStringLiteral("plot"));
+  tell(this, QAccessible::Chart);
   setAccessibleName(tr("Plots over time"));
+  setAccessibleDescription(
+      tr("Arrow keys move a cursor along the time and from plot to plot, and its values are read; plus and minus zoom, "
+         "Page Up and Page Down go back and on, Home goes back to live."));
+  setFocusPolicy(Qt::StrongFocus);
   setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
   setMouseTracking(true);
   setPlottingHint(QCP::phFastPolylines);  // stretch by stretch: of a thousand points an eighth of the time
@@ -39,7 +46,9 @@ PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
   plotLayout()->setMargins(QMargins(0, 5, 0, 3));
 }
 
-void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots) {
+void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots,
+                        std::size_t others) {
+  others_ = others;
   const QCPRange before = shown_.empty() ? QCPRange(0, 1) : time();
   markers_.drop_lines();
   shown_.clear();
@@ -110,7 +119,9 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
     made->removeFromLegend();
     return made;
   };
-  for (std::size_t c = 0; c < spec.curves.size(); ++c) s.others.push_back(graph());
+  s.others.resize(others_);
+  for (auto& of_run : s.others)
+    for (std::size_t c = 0; c < spec.curves.size(); ++c) of_run.push_back(graph());
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
     s.graphs.push_back(graph());
     if (!names_curves) continue;
@@ -119,6 +130,7 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
     s.graphs[c]->setName(few ? spec.curves[c] : QString::number(c + 1));
     s.graphs[c]->addToLegend(s.legend);
   }
+  if (spec.band > 0.0) s.band = band(s.rect, spec.band);
   for (const double limit : spec.limits) {
     QCPItemStraightLine* at = line(s.rect, QStringLiteral("grid"));
     at->point1->setTypeX(QCPItemPosition::ptAxisRectRatio);
@@ -134,6 +146,23 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
     (*made)->setVisible(false);
   }
   shown_.push_back(std::move(s));
+}
+
+/// Where the results say "settled": both ways about zero, along all of the time.
+QCPItemRect* PlotView::band(QCPAxisRect* rect, double half) {
+  auto* made = new QCPItemRect(this);
+  made->setClipAxisRect(rect);
+  made->setLayer(QStringLiteral("background"));
+  made->setSelectable(false);
+  for (QCPItemPosition* position : {made->topLeft, made->bottomRight}) {
+    position->setAxisRect(rect);
+    position->setAxes(rect->axis(QCPAxis::atBottom), rect->axis(QCPAxis::atLeft));
+    position->setTypeX(QCPItemPosition::ptAxisRectRatio);
+    position->setTypeY(QCPItemPosition::ptPlotCoords);
+  }
+  made->topLeft->setCoords(0.0, half);
+  made->bottomRight->setCoords(1.0, -half);
+  return made;
 }
 
 QCPItemStraightLine* PlotView::line(QCPAxisRect* rect, const QString& layer) {
@@ -172,7 +201,8 @@ void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t cur
   graph->data()->set(drawn_points, true);
 }
 
-void PlotView::draw_history(const PlotHistory& history, const PlotHistory* other, const QRect& within) {
+void PlotView::draw_history(const PlotHistory& history, const std::vector<const PlotHistory*>& others,
+                            const QRect& within) {
   for (Shown& s : shown_) {
     const PlotRow& row = rows_[s.row];
     const QRect place = s.rect->outerRect();  // empty: it was not laid out yet, and the next picture may be the last
@@ -181,22 +211,26 @@ void PlotView::draw_history(const PlotHistory& history, const PlotHistory* other
     for (std::size_t c = 0; c < row.curves.size(); ++c) {
       const bool visible = drawn(row, c);
       s.graphs[c]->setVisible(visible);
-      s.others[c]->setVisible(visible && other != nullptr);
-      if (!visible) continue;
-      fill(s.graphs[c], history, row.first + c);
-      if (other) fill(s.others[c], *other, row.first + c);
+      for (std::size_t k = 0; k < s.others.size(); ++k) {
+        const PlotHistory* other = k < others.size() ? others[k] : nullptr;
+        s.others[k][c]->setVisible(visible && other != nullptr);
+        if (visible && other) fill(s.others[k][c], *other, row.first + c);
+      }
+      if (visible) fill(s.graphs[c], history, row.first + c);
     }
-    fit(s, history, other);
+    fit(s, history, others);
   }
 }
 
-void PlotView::fit(Shown& shown, const PlotHistory& history, const PlotHistory* other) {
+void PlotView::fit(Shown& shown, const PlotHistory& history, const std::vector<const PlotHistory*>& others) {
   const PlotRow& row = rows_[shown.row];
   const QCPRange range = time();
+  std::vector<const PlotHistory*> all{&history};
+  all.insert(all.end(), others.begin(), others.end());
   double low = row.from_zero ? 0.0 : -row.least, high = row.least;
   for (std::size_t c = 0; c < row.curves.size(); ++c) {
     if (!drawn(row, c)) continue;
-    for (const PlotHistory* from : {&history, other}) {
+    for (const PlotHistory* from : all) {
       if (!from) continue;
       const PlotHistory::Range values = from->range(row.first + c, range.lower, range.upper);
       if (values.low > values.high) continue;
@@ -233,6 +267,13 @@ void PlotView::set_playhead(std::optional<double> t) {
     s.playhead->point2->setCoords(t.value_or(0.0), 1.0);
   }
   layer(QStringLiteral("cursor"))->replot();
+}
+
+QPoint PlotView::place_of(std::size_t row, double t) const {
+  for (const Shown& s : shown_)
+    if (s.row == row)
+      return {static_cast<int>(s.rect->axis(QCPAxis::atBottom)->coordToPixel(t)), s.rect->rect().center().y()};
+  return rect().center();
 }
 
 int PlotView::row_at(const QPoint& where) const {
@@ -278,6 +319,13 @@ void PlotView::style() {
     }
     s.title->set_colour(c.text);
     for (QCPItemStraightLine* limit : s.limits) limit->setPen(QPen(c.warning, 1, Qt::DashLine));
+    if (s.band) {
+      QColor pale = c.good;
+      pale.setAlphaF(0.14F);
+      s.band->setBrush(pale);
+      pale.setAlphaF(0.5F);
+      s.band->setPen(QPen(pale, 1, Qt::DotLine));  // not by its colour alone
+    }
     s.cursor->setPen(QPen(c.faint_text, 1));
     s.playhead->setPen(QPen(c.accent, 2));
     if (!s.legend) continue;
@@ -304,16 +352,18 @@ void PlotView::style_curves() {
       const bool has_robots = of.has_value();
       const bool belongs = of && (of->first == chosen || of->second == chosen);
       QColor pale = colour;
-      pale.setAlphaF(0.38F);
+      pale.setAlphaF(0.6F);
       if (selected_ >= 0 && has_robots) {
         width = belongs ? 2.6 : crowd ? 1.0 : 1.2;
         colour.setAlphaF(belongs ? 1.0F : 0.45F);
       }
       s.graphs[i]->setAntialiased(!crowd);
-      s.others[i]->setAntialiased(!crowd);
       s.graphs[i]->setPen(QPen(colour, width, style));
       s.graphs[i]->setLayer(selected_ >= 0 && has_robots && belongs ? QStringLiteral("axes") : QStringLiteral("main"));
-      s.others[i]->setPen(QPen(pale, 2.2));
+      for (std::size_t k = 0; k < s.others.size(); ++k) {
+        s.others[k][i]->setAntialiased(!crowd);
+        s.others[k][i]->setPen(QPen(pale, 1.6, compared_style(k)));
+      }
     }
   }
 }

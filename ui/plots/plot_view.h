@@ -16,23 +16,26 @@ namespace skein::ui {
 class MathTitle;
 
 /// Some rows of plots, one below the other along one time: curves out of a PlotHistory, those of a run that they are
-/// compared with paler behind them, limits, events, a cursor.
+/// compared with paler and broken behind them, limits, events, a cursor.
 class PlotView final : public QCustomPlot {
   Q_OBJECT
 
  public:
   explicit PlotView(QWidget* parent = nullptr);
 
-  void set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots);
+  /// `others`: how many runs this one is compared with.
+  void set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots,
+                std::size_t others = 0);
   void show_robots(const std::vector<bool>& robots);  ///< of each, whether its curves are drawn
   void select(int robot);                             ///< from 0, drawn bold; -1: all alike
   void set_colours(const Colours& colours);
 
   void set_time(double from, double to);
   QCPRange time() const;
-  /// Takes the curves of what is seen now; `other`: a run to compare with, or nothing. Rows that lie outside `within`,
-  /// in pixels of this widget, are left out; empty: none is.
-  void draw_history(const PlotHistory& history, const PlotHistory* other, const QRect& within = {});
+  /// Takes the curves of what is seen now; `others`: of every run to compare with, null: it is switched off. Rows that
+  /// lie outside `within`, in pixels of this widget, are left out; empty: none is.
+  void draw_history(const PlotHistory& history, const std::vector<const PlotHistory*>& others,
+                    const QRect& within = {});
 
   EventMarkers& markers() { return markers_; }
   /// A line through all plots; none: no line.
@@ -41,6 +44,8 @@ class PlotView final : public QCustomPlot {
   /// The row (of all) at this height; -1: between two.
   int row_at(const QPoint& where) const;
   double time_at(const QPoint& where) const;
+  /// Where a row (of all) is at this time; the middle of the widget if it is not shown.
+  QPoint place_of(std::size_t row, double t) const;
 
   int needed_height() const { return static_cast<int>(shown_.size()) * 84 + 40; }
   QSize minimumSizeHint() const override { return {200, 200}; }
@@ -51,17 +56,20 @@ class PlotView final : public QCustomPlot {
     QCPAxisRect* rect;
     MathTitle* title;
     QCPLegend* legend;  // or none
-    std::vector<QCPGraph*> graphs, others;
+    std::vector<QCPGraph*> graphs;
+    std::vector<std::vector<QCPGraph*>> others;  // of every compared run
     std::vector<QCPItemStraightLine*> limits;
+    QCPItemRect* band;  // or none
     QCPItemStraightLine *cursor, *playhead;
   };
   void add_row(std::size_t row, bool last, bool has_times, bool names_curves);
+  QCPItemRect* band(QCPAxisRect* rect, double half);
   QCPItemStraightLine* line(QCPAxisRect* rect, const QString& layer);
   void style();
   void style_curves();
   bool drawn(const PlotRow& row, std::size_t curve) const;
   void fill(QCPGraph* graph, const PlotHistory& history, std::size_t curve);
-  void fit(Shown& shown, const PlotHistory& history, const PlotHistory* other);
+  void fit(Shown& shown, const PlotHistory& history, const std::vector<const PlotHistory*>& others);
 
   std::vector<PlotRow> rows_;
   std::vector<Shown> shown_;
@@ -69,6 +77,7 @@ class PlotView final : public QCustomPlot {
   std::vector<PlotHistory::Point> points_;
   EventMarkers markers_;
   Colours colours_;
+  std::size_t others_ = 0;
   int selected_ = -1;
   QCPMarginGroup* sides_ = nullptr;
 };

@@ -62,7 +62,7 @@ void PlotsPanel::build_tools(QHBoxLayout* tools) {
 void PlotsPanel::fill_plots_menu() {
   plots_menu_->clear();
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].name, rows_[row].what));
+    QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].title(), rows_[row].what));
     action->setCheckable(true);
     action->setChecked(shown_[row]);
     connect(action, &QAction::toggled, this, [this, name = rows_[row].name](bool on) {

@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/compared.h"
 #include "ui/base/modes.h"
+#include "ui/base/sentence.h"
+#include "ui/plots/comparison_bar.h"
 #include "ui/plots/plot_view.h"
 
 namespace skein::ui {
@@ -29,6 +32,7 @@ std::size_t most_samples(std::size_t curves) {
 PlotsPanel::PlotsPanel(QWidget* parent)
     : QWidget(parent),
       view_(new PlotView),
+      comparison_bar_(new ComparisonBar(this)),
       scroll_(new QScrollArea(this)),
       live_button_(new QPushButton(tr("Back to live"), this)),
       span_box_(new QComboBox(this)),
@@ -52,6 +56,7 @@ PlotsPanel::PlotsPanel(QWidget* parent)
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addLayout(tools);
+  layout->addWidget(comparison_bar_);
   layout->addWidget(scroll_, 1);
 
   view_->set_colours(colours(palette()));
@@ -71,11 +76,13 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   rows_ = plot_rows(experiment);
   const std::size_t curves = curve_count(rows_);
   history_ = PlotHistory(curves, most_samples(curves));
-  other_.reset();
+  others_.clear();
   playhead_.reset();
   robots_.assign(experiment.robots.size(), true);
   t_ = 0.0;
   selected_ = -1;
+  cursor_.reset();
+  cursor_row_ = 0;
   view_->markers().clear();
   view_->select(-1);
   rebuild();
@@ -86,7 +93,7 @@ void PlotsPanel::rebuild() {
   shown_.assign(rows_.size(), false);
   for (std::size_t row = 0; row < rows_.size(); ++row)
     shown_[row] = wanted_.isEmpty() ? rows_[row].usual : wanted_.contains(rows_[row].name);
-  view_->set_rows(rows_, shown_, robots_.size());
+  view_->set_rows(rows_, shown_, robots_.size(), others_.size());
   view_->show_robots(robots_);
   if (playhead_) view_->set_playhead(playhead_);
   refresh();
@@ -121,7 +128,7 @@ void PlotsPanel::take(const app::TickRecord& record) {
 void PlotsPanel::note_events(const app::TickRecord& record) {
   for (const app::Event& event : record.events)
     if (severity(event) != Severity::note)
-      view_->markers().add(record.t, QString::fromStdString(app::describe(event)),
+      view_->markers().add(record.t, tr("%1 (%2)").arg(sentence(event), QString::fromStdString(app::describe(event))),
                            colour(severity(event), colours(palette())));
 }
 
@@ -137,18 +144,27 @@ void PlotsPanel::set_playhead(std::optional<double> t) {
   view_->set_playhead(t);
 }
 
-void PlotsPanel::compare(const std::vector<app::TickRecord>* rows) {
-  other_.reset();
-  refresh();
-  if (!rows) return;
-  other_.emplace(history_.curves(), most_samples(history_.curves()));
-  double last = -1.0;
-  for (const app::TickRecord& row : *rows) {
-    if (row.t <= last || !is_sample(row)) continue;
-    last = row.t;
-    sample(rows_, row, values_);
-    other_->add(row.t, values_);
+void PlotsPanel::compare(const std::vector<Compared>& runs) {
+  const bool another_number = runs.size() != others_.size();
+  others_.assign(runs.size(), PlotHistory(history_.curves(), most_samples(history_.curves())));
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    double last = -1.0;
+    if (!runs[k].shown) continue;
+    for (const app::TickRecord& row : *runs[k].rows) {
+      if (row.t <= last || !is_sample(row)) continue;
+      last = row.t;
+      sample(rows_, row, values_);
+      others_[k].add(row.t + runs[k].shift, values_);
+    }
   }
+  if (another_number) rebuild();
+  refresh();
+}
+
+std::vector<const PlotHistory*> PlotsPanel::drawn_others() const {
+  std::vector<const PlotHistory*> drawn;
+  for (const PlotHistory& other : others_) drawn.push_back(other.empty() ? nullptr : &other);
+  return drawn;
 }
 
 void PlotsPanel::select(int robot) {
@@ -184,7 +200,7 @@ void PlotsPanel::replot_now() {
   since_replot_.start();
   if (live_) follow_time();
   const QRect seen(view_->mapFrom(scroll_->viewport(), QPoint()), scroll_->viewport()->size());
-  view_->draw_history(history_, other_ ? &*other_ : nullptr, seen);
+  view_->draw_history(history_, drawn_others(), seen);
   view_->replot(QCustomPlot::rpQueuedRefresh);
   cost_ms_ = 1e-6 * static_cast<double>(since_replot_.nsecsElapsed());
 }
@@ -224,19 +240,23 @@ void PlotsPanel::go_live() {
 QString PlotsPanel::values_at(const QPoint& where) const {
   const int row = view_->row_at(where);
   if (row < 0) return {};
-  const PlotRow& spec = rows_[static_cast<std::size_t>(row)];
-  const double t = view_->time_at(where);
+  return values_of(static_cast<std::size_t>(row), view_->time_at(where), view_->markers().text_at(where.x()));
+}
+
+QString PlotsPanel::values_of(std::size_t row, double t, const QString& events) const {
+  const PlotRow& spec = rows_[row];
   QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
     if (const auto of = robots_of(spec.of, c, robots_.size()); of && !(robots_[of->first] && robots_[of->second]))
       continue;
     const double value = history_.value(spec.first + c, t);
     QString text = std::isnan(value) ? tr("–") : QStringLiteral("%1 %2").arg(value, 0, 'g', 4).arg(spec.unit);
-    if (other_ && !std::isnan(other_->value(spec.first + c, t)))
-      text += tr(" (other run: %1)").arg(other_->value(spec.first + c, t), 0, 'g', 4);
+    for (std::size_t k = 0; k < others_.size(); ++k)
+      if (const double other = others_[k].value(spec.first + c, t); !std::isnan(other))
+        text += QStringLiteral(" (%1: %2)").arg(compared_letter(k)).arg(other, 0, 'g', 4);
     lines << (spec.curves[c].isEmpty() ? text : QStringLiteral("%1: %2").arg(spec.curves[c], text));
   }
-  const QString events = view_->markers().text_at(where.x());
+  if (spec.band > 0.0) lines << tr("band: ±%1 cm, settled").arg(100 * spec.band);
   if (!events.isEmpty()) lines << events.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
   return lines.join(QStringLiteral("<br>"));
 }
@@ -253,7 +273,15 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
       QToolTip::showText(move->globalPosition().toPoint(), values_at(where), view_);
     }
   }
-  if (event->type() == QEvent::Leave) view_->set_cursor(std::nullopt);
+  if (event->type() == QEvent::KeyPress) {
+    const auto* key = static_cast<QKeyEvent*>(event);
+    const Qt::KeyboardModifiers other = key->modifiers() & ~(Qt::ShiftModifier | Qt::KeypadModifier);
+    if (other == Qt::NoModifier && take_key(key->key(), key->modifiers() & Qt::ShiftModifier)) return true;
+  }
+  if (event->type() == QEvent::Leave || event->type() == QEvent::FocusOut) {
+    cursor_.reset();
+    view_->set_cursor(std::nullopt);
+  }
   if (event->type() == QEvent::MouseButtonDblClick) {
     if (playhead_)
       emit time_wanted(view_->time_at(static_cast<QMouseEvent*>(event)->position().toPoint()));

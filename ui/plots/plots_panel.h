@@ -22,6 +22,7 @@ class QToolButton;
 
 namespace skein::ui {
 
+class ComparisonBar;
 class PlotView;
 
 /// A run's numbers as they come, along one time: errors, V, commands with their limits, period and what a tick costs.
@@ -38,8 +39,15 @@ class PlotsPanel final : public QWidget {
   void take(const app::TickRecord& record);
   /// A line marks where a replay is.
   void set_playhead(std::optional<double> t);  ///< none: no line
-  /// Draws another run paler behind this one; null: none.
-  void compare(const std::vector<app::TickRecord>* rows);
+  /// Another run behind this one.
+  struct Compared {
+    const std::vector<app::TickRecord>* rows;
+    double shift = 0.0;  ///< its times are drawn so much later [s]
+    bool shown = true;
+  };
+  /// Draws other runs paler behind this one, each with a line of its own; none: only this one.
+  void compare(const std::vector<Compared>& runs);
+  ComparisonBar& comparison_bar() { return *comparison_bar_; }
 
   void select(int robot);  ///< from 0, drawn bold; -1: all alike
   void go_live();
@@ -89,9 +97,16 @@ class PlotsPanel final : public QWidget {
   void fill_robots_menu();
   void context_menu(const QPoint& where);
   QString values_at(const QPoint& where) const;
+  QString values_of(std::size_t row, double t, const QString& events) const;
+  bool take_key(int key, bool fine);
+  void move_cursor(double t);
+  void show_values();
   QString save_csv(const QString& file, double from, double to) const;
 
+  std::vector<const PlotHistory*> drawn_others() const;
+
   PlotView* view_;
+  ComparisonBar* comparison_bar_;
   QScrollArea* scroll_;
   QPushButton* live_button_;
   QComboBox* span_box_;
@@ -100,12 +115,14 @@ class PlotsPanel final : public QWidget {
   std::vector<bool> shown_, robots_;
   QStringList wanted_;  // chosen by the operator; empty: the usual ones
   PlotHistory history_;
-  std::optional<PlotHistory> other_;
+  std::vector<PlotHistory> others_;  // of the compared runs, empty where one is switched off
   std::vector<double> values_;
   QTimer timer_;
   QElapsedTimer since_replot_;
   double cost_ms_ = 0.0;  // of the last picture
   std::optional<double> playhead_;
+  std::optional<double> cursor_;  // where the keyboard reads, and in which plot of all
+  std::size_t cursor_row_ = 0;
   double t_ = 0.0, span_ = 60.0;
   int selected_ = -1;
   bool live_ = true, dirty_ = false, hurry_ = false;

@@ -17,7 +17,7 @@ QString PlotsPanel::save(const QString& file, bool everything) {
   view_->set_cursor(std::nullopt);
   view_->set_colours(colours(ui::palette(Theme::light)));
   view_->set_time(from, to);
-  view_->draw_history(history_, other_ ? &*other_ : nullptr);
+  view_->draw_history(history_, drawn_others());
   const bool done = kind == QStringLiteral("pdf") ? view_->savePdf(file, 0, 0, QCP::epAllowCosmetic)
                                                   : view_->savePng(file, 0, 0, 2.0);
   view_->set_colours(colours(palette()));

@@ -107,17 +107,8 @@ void ResultPanel::take(const app::TickRecord& record) {
   dirty_ = true;
 }
 
-void ResultPanel::compare(const QString& name, const app::Experiment& experiment,
-                          const std::vector<app::TickRecord>& rows) {
-  other_name_ = name;
-  other_ = std::make_unique<RunResults>(experiment);
-  for (const app::TickRecord& row : rows) other_->take(row);
-  dirty_ = true;
-  refresh();
-}
-
-void ResultPanel::end_comparison() {
-  other_.reset();
+void ResultPanel::compare(std::vector<Beside> others) {
+  others_ = std::move(others);
   dirty_ = true;
   refresh();
 }
@@ -131,15 +122,21 @@ void ResultPanel::refresh() {
 
 void ResultPanel::show_kicks() {
   const std::vector<RunResults::Kick> kicks = results_->kicks();
-  const std::vector<RunResults::Kick> others = other_ ? other_->kicks() : std::vector<RunResults::Kick>();
-  table_->setColumnHidden(against, !other_);
+  std::vector<std::vector<RunResults::Kick>> others;
+  for (const Beside& other : others_) others.push_back(other.results->kicks());
+  table_->setColumnHidden(against, others_.empty());
   table_->setRowCount(static_cast<int>(kicks.size()));
   for (std::size_t k = 0; k < kicks.size(); ++k) {
     const RunResults::Kick& kick = kicks[k];
-    const QString beside = k < others.size() ? tr("formation %1, tracking %2")
-                                                   .arg(difference(kick.formation, others[k].formation),
-                                                        difference(kick.tracking, others[k].tracking))
-                                             : QStringLiteral("–");
+    QStringList differences;
+    for (std::size_t o = 0; o < others.size(); ++o) {
+      const QString text = k < others[o].size() ? tr("formation %1, tracking %2")
+                                                      .arg(difference(kick.formation, others[o][k].formation),
+                                                           difference(kick.tracking, others[o][k].tracking))
+                                                : QStringLiteral("–");
+      differences << (others.size() > 1 ? QStringLiteral("%1: %2").arg(others_[o].letter, text) : text);
+    }
+    const QString beside = differences.join(QStringLiteral("; "));
     const QStringList cells{QString::number(kick.t, 'f', 2), kick.what,      settling_text(kick.formation),
                             settling_text(kick.tracking),    order_of(kick), centimetres(kick.closest),
                             centimetres(kick.largest),       beside};
@@ -159,7 +156,7 @@ void ResultPanel::show_rest() {
   else
     lines << tr("Whole run: closest pair %1, largest error %2")
                  .arg(centimetres(results_->closest()), centimetres(results_->largest()));
-  if (other_) lines << tr("Beside: %1").arg(other_name_.toHtmlEscaped());
+  for (const Beside& other : others_) lines << tr("Beside %1: %2").arg(other.letter, other.name.toHtmlEscaped());
   for (const RunResults::Expectation& expected : results_->expectations()) {
     if (!results_->is_over()) {
       lines << QStringLiteral("… ") + expected.what.toHtmlEscaped();

@@ -4,13 +4,15 @@
 #include <QPushButton>
 #include <QTableWidget>
 #include <QWidget>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "ui/results/run_results.h"
 
 namespace skein::ui {
 
-/// The results of the experiment, live and at the end. With a second run, the differences to it.
+/// The results of the experiment, live and at the end. With other runs, the differences to them.
 class ResultPanel final : public QWidget {
   Q_OBJECT
 
@@ -18,10 +20,13 @@ class ResultPanel final : public QWidget {
   explicit ResultPanel(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
   void take(const app::TickRecord& record);
-  /// A second run to compare with; no rows: none.
-  void compare(const QString& name, const app::Experiment& experiment, const std::vector<app::TickRecord>& rows);
-  void end_comparison();
-  void refresh();  ///< at intervals; costs nothing while hidden
+  /// A run to compare with.
+  struct Beside {
+    QString letter, name;
+    std::shared_ptr<const RunResults> results;
+  };
+  void compare(std::vector<Beside> others);  ///< none: the comparison is over
+  void refresh();                            ///< at intervals; costs nothing while hidden
   const RunResults* results() const { return results_ ? &*results_ : nullptr; }
   QSize sizeHint() const override { return {300, 140}; }
   QSize minimumSizeHint() const override { return {120, 60}; }
@@ -36,8 +41,8 @@ class ResultPanel final : public QWidget {
   void copy(const QString& text);
 
   QString name_;
-  std::unique_ptr<RunResults> results_, other_;
-  QString other_name_;
+  std::unique_ptr<RunResults> results_;
+  std::vector<Beside> others_;
   QTableWidget* table_;
   QLabel* rest_;
   QPushButton *copy_text_, *copy_latex_;

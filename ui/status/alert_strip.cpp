@@ -1,8 +1,11 @@
 #include "ui/status/alert_strip.h"
 
+#include <QAccessible>
 #include <QPainter>
 #include <algorithm>
 #include <cmath>
+
+#include "ui/base/sentence.h"
 
 namespace skein::ui {
 namespace {
@@ -11,133 +14,17 @@ constexpr qint64 fade_ms = 12000;
 constexpr qint64 read_ms =
     3000;  // so long a warning stays before lesser news may take its place, or a state comes back
 
-QString reason(core::NotSeen why) {
-  switch (why) {
-    case core::NotSeen::not_found:
-      return AlertStrip::tr("its tag is nowhere in the picture");
-    case core::NotSeen::wrong_size:
-      return AlertStrip::tr("its tag has another size than the calibration says");
-    case core::NotSeen::lifted:
-      return AlertStrip::tr("it is held up, its tag is nearer to the camera than the others");
-    case core::NotSeen::tilted:
-      return AlertStrip::tr("its tag does not lie flat");
-    case core::NotSeen::doubled:
-      return AlertStrip::tr("its tag is there twice");
-    case core::NotSeen::covered:
-      return AlertStrip::tr("part of its tag is covered or blurred");
-    case core::NotSeen::at_border:
-      return AlertStrip::tr("the border of the picture cuts its tag");
-    case core::NotSeen::too_small:
-      return AlertStrip::tr("its tag has too few pixels");
-    case core::NotSeen::too_bright:
-      return AlertStrip::tr("the picture is too bright");
-    case core::NotSeen::in_shadow:
-      return AlertStrip::tr("its tag lies in shadow");
-    case core::NotSeen::mirrored:
-      return AlertStrip::tr("the camera mirrors the picture");
-    case core::NotSeen::other_family:
-      return AlertStrip::tr("a tag with its number, but of a family other than 36h11, is in the picture");
-  }
-  return {};
-}
-
-/// The events that the strip shows, in words for people; the log has all of them in those of the CSV.
-QString sentence(const app::Event& event, double t) {
+/// Shown elsewhere in the window: by the run bar, the sliders, the states of the strip.
+bool said_elsewhere(const app::Event& event) {
   using namespace app::events;
-  using app::one_of;
-  const auto tr = [](const char* text, int n = -1) { return AlertStrip::tr(text, nullptr, n); };
-  const QString said = std::visit(
-      app::Overloaded{
-          [&](const DeadlineMissed& e) {
-            return tr(
-                "%n tick(s) too late: the machine was busy; they were skipped, and the robots drove on with their "
-                "last commands",
-                e.ticks);
-          },
-          [&](const GainHeld& e) {
-            return tr("%1 is held at %2, its limit: (18) allows no more")
-                .arg(QLatin1String(core::word(e.gain).data()))
-                .arg(e.held, 0, 'g', 4);
-          },
-          [&](const PairGainHeld& e) {
-            return tr("%1 of robots %2 and %3 is held at %4, its limit: (18) allows no more")
-                .arg(QLatin1String(core::word(e.gain).data()))
-                .arg(e.i + 1)
-                .arg(e.j + 1)
-                .arg(e.held, 0, 'g', 4);
-          },
-          [&](const Couple& e) { return tr("Robots %1 and %2 are coupled again").arg(e.i + 1).arg(e.j + 1); },
-          [&](const Uncouple& e) { return tr("Robots %1 and %2 are no longer coupled").arg(e.i + 1).arg(e.j + 1); },
-          [&](const CameraMoved& e) {
-            return tr("The camera moved, or the floor under it: all %1 tags moved by %2 mm at once. Poses are wrong "
-                      "until the camera is calibrated again")
-                .arg(e.tags)
-                .arg(1000.0 * e.by, 0, 'f', 0);
-          },
-          [&](const app::events::NotSeen& e) {
-            return tr("The camera does not see robot %1: %2").arg(e.robot + 1).arg(reason(e.why));
-          },
-          [&](const FilmBroken&) {
-            return tr("The film broke off (is the disk full?): no more frames are recorded, the run goes on");
-          },
-          [&](const app::events::Link& e) {
-            return (e.state == app::LinkState::up
-                        ? tr("The link of robot %1 is up again; release the robot when it may drive")
-                        : tr("The link of robot %1 is lost: it was told to stop"))
-                .arg(e.robot + 1);
-          },
-          [&](const Perturb& e) { return tr("Robot %1 was moved by the experiment").arg(e.robot + 1); },
-          [&](const Move& e) { return tr("Robot %1 was moved by hand").arg(e.robot + 1); },
-          [&](const Kidnap& e) {
-            return tr("Robot %1 is not where it drove: it was carried or pushed").arg(e.robot + 1);
-          },
-          [&](const Hold& e) { return tr("Robot %1 is held: it stands, the others drive on").arg(e.robot + 1); },
-          [&](const Release& e) { return tr("Robot %1 drives again").arg(e.robot + 1); },
-          [&](const Kick& e) {
-            return tr("Robot %1 was kicked, %2 m/s").arg(e.robot + 1).arg(std::hypot(e.vx, e.vy), 0, 'f', 2);
-          },
-          [&](const PutObstacle& e) {
-            return e.obstacle.radius > 0.0 ? tr("Obstacle %1 stands at x %2 m, y %3 m")
-                                                 .arg(e.number + 1)
-                                                 .arg(e.obstacle.x, 0, 'f', 2)
-                                                 .arg(e.obstacle.y, 0, 'f', 2)
-                                           : tr("Obstacle %1 was removed").arg(e.number + 1);
-          },
-          [&](const NoWay& e) { return tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1); },
-          [&](const NoProgress& e) {
-            return tr("Robot %1 has made no progress to its place for 3 s, %2 m away (%3)")
-                .arg(e.robot + 1)
-                .arg(e.distance, 0, 'f', 2)
-                .arg(QString::fromUtf8(word(e.hindrance).data()));
-          },
-          [&](const Outside& e) { return tr("Robot %1 is over the edge of the arena").arg(e.robot + 1); },
-          [&](const Controller& e) {
-            switch (e.state) {
-              case app::ControllerState::answered:
-                return tr("The controller answers in time again");
-              case app::ControllerState::late:
-                return tr("The controller is late: its robots stand, or the built-in law drives");
-              case app::ControllerState::ended:
-                break;
-            }
-            return tr("The controller has ended");
-          },
-          [&](const NoNumber& e) {
-            return tr("Robot %1 stands: the law's output for it is not a number").arg(e.robot + 1);
-          },
-          // Said elsewhere in the window: the run bar, the sliders, the state of the strip.
-          [](const one_of<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear,
-                          app::events::Stage, Staged, Deadlock, VRise> auto&) { return QString(); },
-      },
-      event);
-  return said.isEmpty() ? said : AlertStrip::tr("%1 s: ").arg(t, 0, 'f', 1) + said;
+  return app::is<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear, app::events::Stage,
+                 Staged, Deadlock, VRise>(event);
 }
 
 }  // namespace
 
 AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
   setObjectName(QStringLiteral("alert"));
-  setAccessibleName(tr("Latest alert"));
   setTextFormat(Qt::PlainText);
   setContentsMargins(8, 2, 8, 2);
   setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
@@ -151,12 +38,11 @@ void AlertStrip::take(const app::TickRecord& record) {
       lost_.try_emplace(static_cast<int>(lost->robot) + 1);
     if (const auto* const unseen = std::get_if<app::events::NotSeen>(&event))
       if (const auto robot = lost_.find(static_cast<int>(unseen->robot) + 1); robot != lost_.end())
-        robot->second = reason(unseen->why);
+        robot->second = reason_text(unseen->why);
     if (const auto* const found = std::get_if<app::events::Found>(&event))
       lost_.erase(static_cast<int>(found->robot) + 1);
     if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
-    const QString text = sentence(event, record.t);
-    if (!text.isEmpty()) say(text, ui::severity(event));
+    if (!said_elsewhere(event)) say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event), ui::severity(event));
   }
   watch(record);
   if (lost_ == before) return;
@@ -282,6 +168,11 @@ void AlertStrip::show_text() {
   const QString text = text_.isEmpty() ? tr("All well") : text_;
   setText(text);
   setToolTip(text);
+  setAccessibleName(tr("Latest alert: %1").arg(text));  // it would be read instead of the text
+  if (severity_ >= Severity::warning) {
+    QAccessibleEvent alert(this, QAccessible::Alert);
+    QAccessible::updateAccessibility(&alert);
+  }
   update();
 }
 

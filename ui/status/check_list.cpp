@@ -65,7 +65,6 @@ CheckList::CheckList(QWidget* parent)
     row.mark->setAlignment(Qt::AlignCenter);
     row.mark->setMinimumWidth(fontMetrics().height());
     row.reason->setObjectName(QStringLiteral("check_") + name);
-    row.reason->setAccessibleName(tr(w.title));
     row.reason->setTextFormat(Qt::PlainText);
     row.reason->setWordWrap(true);
     row.reason->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
@@ -123,6 +122,12 @@ void CheckList::dress() {
     const QString shown = QStringLiteral("<b style=\"color:%1\">%2</b>").arg(colour.name(), mark);
     if (row.mark->text() != shown) row.mark->setText(shown);
     const QString reason = QString::fromStdString(check.reason);
+    const QString verdict = check.state == State::holds   ? tr("holds")
+                            : check.state == State::waits ? tr("waits")
+                            : check.hard                  ? tr("fails")
+                                                          : tr("may be overruled");
+    const QString told = QStringLiteral("%1, %2: %3").arg(row.title->text(), verdict, reason);
+    if (row.reason->accessibleName() != told) row.reason->setAccessibleName(told);
     if (row.reason->text() != reason) {
       row.reason->setText(reason);
       row.reason->setToolTip(reason);

@@ -11,6 +11,8 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "ui/base/sentence.h"
+
 namespace skein::ui {
 namespace {
 
@@ -30,7 +32,7 @@ void EventModel::clear() {
   endResetModel();
 }
 
-void EventModel::add(double t, const QString& text, Severity severity) {
+void EventModel::add(double t, const QString& text, Severity severity, const QString& word) {
   if (static_cast<int>(lines_.size()) >= capacity) {
     beginRemoveRows({}, 0, 0);
     lines_.pop_front();
@@ -38,7 +40,7 @@ void EventModel::add(double t, const QString& text, Severity severity) {
   }
   const int row = rowCount();
   beginInsertRows({}, row, row);
-  lines_.push_back({t, text, severity});
+  lines_.push_back({t, text, severity, word});
   endInsertRows();
 }
 
@@ -56,7 +58,8 @@ QVariant EventModel::data(const QModelIndex& index, int role) const {
              : column == level ? symbol(line.severity)
                                : shortened(line.text);
     case Qt::ToolTipRole:
-      return column == level ? severity_text(line.severity) : line.text;
+      if (column == level) return severity_text(line.severity);
+      return line.word.isEmpty() ? line.text : tr("%1\nIn the CSV: %2").arg(line.text, line.word);
     case Qt::AccessibleTextRole:
       return column == level ? QVariant(severity_text(line.severity)) : QVariant();
     case Qt::TextAlignmentRole:
@@ -118,9 +121,9 @@ EventLog::EventLog(QWidget* parent) : QTableView(parent) {
           [this](const QModelIndex& index) { emit time_picked(index.data(EventModel::time_role).toDouble()); });
 }
 
-void EventLog::note(double t, const QString& text, Severity severity) {
+void EventLog::note(double t, const QString& text, Severity severity, const QString& word) {
   const bool at_end = verticalScrollBar()->value() >= verticalScrollBar()->maximum();
-  model_.add(t, text, severity);
+  model_.add(t, text, severity, word);
   if (at_end) scrollToBottom();
 }
 
@@ -158,7 +161,7 @@ EventPanel::EventPanel(QWidget* parent)
 
 void EventPanel::take(const app::TickRecord& record) {
   for (const app::Event& event : record.events)
-    note(record.t, QString::fromStdString(app::describe(event)), severity(event));
+    log_->note(record.t, sentence(event), severity(event), QString::fromStdString(app::describe(event)));
   if (record.events.dropped() > 0) note(record.t, tr("+%1 more").arg(record.events.dropped()), Severity::note);
 }
 

@@ -13,7 +13,7 @@
 
 namespace skein::ui {
 
-/// What happened, newest last.
+/// What happened, newest last: in sentences, with the CSV's word in the tip.
 class EventModel final : public QAbstractTableModel {
   Q_OBJECT
 
@@ -24,7 +24,8 @@ class EventModel final : public QAbstractTableModel {
 
   using QAbstractTableModel::QAbstractTableModel;
   void clear();
-  void add(double t, const QString& text, Severity severity);
+  /// `word`: as the CSV has it; empty: the CSV has nothing of it.
+  void add(double t, const QString& text, Severity severity, const QString& word);
   void set_colours(const Colours& colours) { colours_ = colours; }
 
   int rowCount(const QModelIndex& parent = {}) const override;
@@ -37,6 +38,7 @@ class EventModel final : public QAbstractTableModel {
     double t;
     QString text;
     Severity severity;
+    QString word;
   };
   std::deque<Line> lines_;
   Colours colours_;
@@ -65,7 +67,7 @@ class EventLog final : public QTableView {
 
  public:
   explicit EventLog(QWidget* parent = nullptr);
-  void note(double t, const QString& text, Severity severity);
+  void note(double t, const QString& text, Severity severity, const QString& word = {});
   void clear() { model_.clear(); }
   EventFilter& filter() { return filter_; }
   const EventModel& events() const { return model_; }

@@ -33,7 +33,6 @@ RunBar::RunBar(QWidget* parent)
   setObjectName(QStringLiteral("run_bar"));
   name_->setObjectName(QStringLiteral("experiment_name"));
   phase_->setObjectName(QStringLiteral("phase"));
-  phase_->setAccessibleName(tr("Phase of the run"));
   time_->setObjectName(QStringLiteral("time"));
   time_->setToolTip(tr("elapsed / remaining"));
   go_->setObjectName(QStringLiteral("go"));

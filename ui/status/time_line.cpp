@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "ui/base/palette.h"
+#include "ui/base/sentence.h"
+#include "ui/base/told.h"
 
 namespace skein::ui {
 namespace {
@@ -20,6 +22,8 @@ constexpr double bar_height = 8;
 
 TimeLine::TimeLine(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("time_line"));
+  tell(this, QAccessible::ProgressBar,
+       [this] { return tr("%1 s of %2 s").arg(t_, 0, 'f', 1).arg(duration_, 0, 'f', 1); });
   setAccessibleName(tr("Progress of the run"));
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
 }
@@ -41,7 +45,7 @@ void TimeLine::show_experiment(const app::Experiment& experiment) {
   for (const app::OperatorAction& action : experiment.actions) {
     const bool of_robot = app::is<app::events::Move, app::events::Kick>(action.event);
     marks_.push_back({action.t, of_robot ? static_cast<int>(*app::robot_of(action.event)) : -1,
-                      tr("%1 s: %2").arg(action.t).arg(QString::fromStdString(app::describe(action.event)))});
+                      tr("%1 s: %2").arg(action.t).arg(sentence(action.event))});
   }
   update();
 }

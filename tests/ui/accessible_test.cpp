@@ -1,0 +1,152 @@
+// What a screen reader is told: the tree of QAccessible, of the window and of every dialog.
+#include <QAccessible>
+#include <QAction>
+#include <QDockWidget>
+#include <QLabel>
+#include <QRegularExpression>
+#include <QTabWidget>
+#include <set>
+
+#include "operator.h"
+
+namespace skein::ui::test {
+namespace {
+
+QString text_of(QAccessibleInterface* item, QAccessible::Text what) {
+  return item->text(what).trimmed();
+}
+
+/// What somebody can do something with, or reads a state off.
+bool wants_a_name(QAccessible::Role role) {
+  switch (role) {
+    case QAccessible::PushButton:
+    case QAccessible::ButtonMenu:
+    case QAccessible::ButtonDropDown:
+    case QAccessible::CheckBox:
+    case QAccessible::RadioButton:
+    case QAccessible::ComboBox:
+    case QAccessible::SpinBox:
+    case QAccessible::Slider:
+    case QAccessible::EditableText:
+    case QAccessible::Table:
+    case QAccessible::List:
+    case QAccessible::PageTab:
+    case QAccessible::PageTabList:
+    case QAccessible::MenuItem:
+    case QAccessible::Dialog:
+    case QAccessible::Window:
+    case QAccessible::Graphic:
+    case QAccessible::Chart:
+    case QAccessible::Canvas:
+    case QAccessible::ProgressBar:
+    case QAccessible::StaticText:  // labels that tell a state
+      return true;
+    default:
+      return false;
+  }
+}
+
+struct Tree {
+  int named = 0;
+  QStringList nameless, without_role;
+
+  void walk(QAccessibleInterface* item, int depth = 0) {
+    if (!item || !item->isValid() || depth > 40) return;
+    const QAccessible::State state = item->state();
+    auto* widget = qobject_cast<QWidget*>(item->object());
+    // Qt's own insides: arrows of a scroll bar, the button that leads to what does not fit into a tool bar ...
+    const bool of_qt = widget && (widget->inherits("QScrollBar") || widget->inherits("QHeaderView") ||
+                                  widget->inherits("QTableCornerButton") || widget->inherits("QFileDialog") ||
+                                  widget->objectName().startsWith(QStringLiteral("qt_")));
+    if (state.invisible || of_qt) return;
+    const QAccessible::Role role = item->role();
+    const bool takes_keys = state.focusable && widget && widget->focusPolicy() != Qt::NoFocus;
+    const QString name = text_of(item, QAccessible::Name);
+    const QString place = QStringLiteral("%1 %2, role %3")
+                              .arg(widget ? QLatin1String(widget->metaObject()->className()) : QLatin1String("item"),
+                                   widget ? widget->objectName() : QString())
+                              .arg(static_cast<int>(role));
+    if (takes_keys && (role == QAccessible::NoRole || role == QAccessible::Client)) without_role << place;
+    if (takes_keys || wants_a_name(role)) name.isEmpty() ? static_cast<void>(nameless << place) : void(++named);
+    if (role == QAccessible::Table || role == QAccessible::List || role == QAccessible::Tree) return;  // cells: below
+    for (int k = 0; k < item->childCount(); ++k) walk(item->child(k), depth + 1);
+  }
+};
+
+void expect_told(QWidget* window, int at_least) {
+  Tree tree;
+  tree.walk(QAccessible::queryAccessibleInterface(window));
+  EXPECT_EQ(tree.nameless.join(QStringLiteral("; ")).toStdString(), "") << window->objectName().toStdString();
+  EXPECT_EQ(tree.without_role.join(QStringLiteral("; ")).toStdString(), "") << window->objectName().toStdString();
+  EXPECT_GE(tree.named, at_least) << window->objectName().toStdString();
+}
+
+class Accessible : public Operator {
+ protected:
+  QAccessibleInterface* of(const char* name) { return QAccessible::queryAccessibleInterface(find(name)); }
+};
+
+TEST_F(Accessible, TheWindowTellsNameAndRoleOfEverything) {
+  start();
+  find<QAction>("view_checks")->trigger();
+  for (int tab = 0; tab < 3; ++tab) {
+    find<QTabWidget>("gain_tabs")->setCurrentIndex(tab);
+    QTest::qWait(20);
+    expect_told(&window, 60);
+  }
+  find<QDockWidget>("results_dock")->raise();
+  QTest::qWait(20);
+  expect_told(&window, 60);
+}
+
+TEST_F(Accessible, EveryDialogTellsNameAndRoleOfEverything) {
+  start();
+  int dialogs = 0;
+  for (const char* action : {"shortcuts", "about", "edit_experiment", "calibrate_camera", "keep_preset"}) {
+    auto* asked = window.findChild<QAction*>(QLatin1String(action));
+    if (asked) asked->trigger();
+    for (QDialog* dialog : window.findChildren<QDialog*>()) {
+      if (!dialog->isVisible()) continue;
+      ++dialogs;
+      for (QTabWidget* tabs : dialog->findChildren<QTabWidget*>())
+        for (int tab = 0; tab < tabs->count(); ++tab) {
+          tabs->setCurrentIndex(tab);
+          QTest::qWait(20);
+          expect_told(dialog, 2);
+        }
+      expect_told(dialog, 2);
+      delete dialog;
+    }
+  }
+  EXPECT_GE(dialogs, 4);
+}
+
+TEST_F(Accessible, ValuesAndStatesAreTold) {
+  start();
+  auto* slider = of("slider_k_xx");
+  EXPECT_EQ(slider->role(), QAccessible::Slider);
+  ASSERT_NE(slider->valueInterface(), nullptr);
+  EXPECT_GT(slider->valueInterface()->maximumValue().toDouble(), 0.0);
+  EXPECT_EQ(of("stop")->role(), QAccessible::PushButton);
+  EXPECT_EQ(text_of(of("stop"), QAccessible::Name), QStringLiteral("STOP all robots"));
+  EXPECT_TRUE(of("arena")->role() != QAccessible::Client) << "the arena is an unknown thing";
+  EXPECT_TRUE(of("plot")->role() != QAccessible::Client) << "the plots are an unknown thing";
+  EXPECT_FALSE(text_of(of("arena"), QAccessible::Description).isEmpty());
+
+  // The state of the run and the alert say what they show, not only what they are.
+  for (const char* name : {"phase", "alert", "time", "pace", "now_k_xx", "border_k_xx"}) {
+    const QString told =
+        text_of(of(name), QAccessible::Name) + QLatin1Char(' ') + text_of(of(name), QAccessible::Value);
+    QString shown = find<QLabel>(name)->text();
+    shown.remove(QRegularExpression(QStringLiteral("<[^>]*>")));
+    EXPECT_TRUE(told.contains(shown.trimmed()))
+        << name << " shows \"" << shown.toStdString() << "\" and tells \"" << told.toStdString() << '"';
+  }
+  auto* robots = of("robots");
+  ASSERT_NE(robots->tableInterface(), nullptr);
+  EXPECT_EQ(robots->tableInterface()->rowCount(), 4);
+  EXPECT_FALSE(text_of(robots->tableInterface()->cellAt(1, 5), QAccessible::Name).isEmpty());
+}
+
+}  // namespace
+}  // namespace skein::ui::test

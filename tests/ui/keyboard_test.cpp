@@ -1,0 +1,405 @@
+// Every task of the user guide by the keyboard alone: no test of this file moves a mouse.
+#include <QAbstractItemView>
+#include <QAbstractSpinBox>
+#include <QAction>
+#include <QApplication>
+#include <QClipboard>
+#include <QFileDialog>
+#include <QLineEdit>
+#include <QListView>
+#include <QMenu>
+#include <QPlainTextEdit>
+#include <QSlider>
+#include <QTabBar>
+#include <QTabWidget>
+#include <QTimer>
+#include <QToolTip>
+#include <QWindow>
+#include <set>
+
+#include "app/record/csv_file.h"
+#include "operator.h"
+#include "tests/places.h"
+#include "ui/editor/experiment_editor.h"
+#include "ui/plots/plots_panel.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Keyboard : public Operator {
+ protected:
+  /// A key as it comes from the system: to the menu that is open, else to the window in front.
+  void press(Qt::Key key, Qt::KeyboardModifiers modifiers = Qt::NoModifier, int times = 1) {
+    while (times-- > 0) QTest::keyClick(in_front(), key, modifiers);
+  }
+  void type(const QString& text) {
+    for (const QChar c : text) QTest::keyClick(in_front(), c.toLatin1());
+  }
+  QWindow* in_front() {
+    if (QWidget* popup = QApplication::activePopupWidget()) return popup->windowHandle();
+    QWindow* front = QGuiApplication::focusWindow();
+    return front ? front : window.windowHandle();
+  }
+  /// A dialog is gone, and the window below it is in front again: by the window manager, which is not there.
+  void expect_in_front(QWidget& below) {
+    ASSERT_TRUE(eventually([&] {
+      const QWidgetList all = QApplication::topLevelWidgets();
+      return std::none_of(all.begin(), all.end(), [&](const QWidget* other) {
+        return other->isVisible() && other != &window && other != &below && other->windowType() == Qt::Dialog;
+      });
+    })) << "a dialog is still there";
+    below.activateWindow();
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&below));
+  }
+  static bool has_focus(const QString& name) {
+    const QWidget* focus = QApplication::focusWidget();
+    return focus &&
+           (focus->objectName() == name || (focus->parentWidget() && focus->parentWidget()->objectName() == name));
+  }
+  void tab_to(const char* name) {
+    for (int k = 0; k < 150 && !has_focus(QLatin1String(name)); ++k) press(Qt::Key_Tab);
+    ASSERT_TRUE(has_focus(QLatin1String(name))) << "Tab does not get to " << name;
+  }
+  /// What is done while a menu or dialog is open that the next key opens and waits for.
+  static void then(const std::function<void()>& keys) { QTimer::singleShot(50, qApp, keys); }
+  void show() {
+    window.resize(1280, 800);
+    window.show();
+    window.activateWindow();
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+  }
+  /// Into a file dialog that a key has opened.
+  void answer(const char* dialog, const QString& file) {
+    ASSERT_TRUE(eventually([&] {
+      auto* open = window.findChild<QDialog*>(QLatin1String(dialog));
+      return open && open->isActiveWindow();
+    })) << dialog;
+    press(Qt::Key_A, Qt::ControlModifier);
+    type(file);
+    take_the_name();
+    expect_in_front(window);
+  }
+  /// Return, which a list of names that the field proposes may take for itself first.
+  void take_the_name() {
+    press(Qt::Key_Return);
+    QTest::qWait(50);
+    if (auto* dialog = qobject_cast<QDialog*>(QApplication::activeWindow()); dialog && dialog->isVisible())
+      if (dialog->inherits("QFileDialog")) press(Qt::Key_Return);
+  }
+  QString alert() { return find<QLabel>("alert")->text(); }
+  /// Of a short run on the virtual clock.
+  QString recorded(const char* name, const char* set) {
+    const app::Experiment experiment =
+        *app::parse_experiment(app::paper_experiment().source, "platoon.toml", {"duration=8", "perturb=[]", set});
+    const QString file = dir.filePath(QLatin1String(name));
+    app::CsvFile csv(file.toStdString(), experiment);
+    (*app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
+    csv.finish();
+    return file;
+  }
+  QTemporaryDir dir;
+};
+
+TEST_F(Keyboard, OpensChecksStartsPausesStepsAndStops) {
+  show();
+  press(Qt::Key_O, Qt::ControlModifier);
+  answer("open_dialog", QString::fromStdString(skein::test::in_source("resources/experiments/platoon.toml")));
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  press(Qt::Key_L, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return find("check_list")->isVisible(); }));
+  press(Qt::Key_F5);
+  ASSERT_TRUE(eventually([&] { return running() && record().t > 0.2; }));
+  press(Qt::Key_F5);
+  ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::paused; }));
+  const double t = record().t;
+  press(Qt::Key_F6);
+  EXPECT_TRUE(eventually([&] { return record().t > t + 0.03; }));
+  press(Qt::Key_Up, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return live().speed() == 2.0; }));
+  press(Qt::Key_F, Qt::AltModifier);  // a menu, and out of it again by what it offers
+  ASSERT_TRUE(eventually([&] { return QApplication::activePopupWidget() != nullptr; }));
+  press(Qt::Key_S);
+  answer("save_csv_dialog", dir.filePath(QStringLiteral("kept.csv")));
+  EXPECT_TRUE(eventually([&] { return QFile::exists(dir.filePath(QStringLiteral("kept.csv"))); }));
+  ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::paused; }));
+  press(Qt::Key_F5);
+  ASSERT_TRUE(eventually([&] { return running(); }));
+  press(Qt::Key_F1);
+  ASSERT_TRUE(eventually([&] { return QApplication::activeWindow() != &window; }));
+  press(Qt::Key_W, Qt::ControlModifier);  // Esc would stop
+  expect_in_front(window);
+  EXPECT_TRUE(running());
+  press(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  press(Qt::Key_N, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return live().is_open() && live().phase() == app::Phase::ready; }));
+}
+
+TEST_F(Keyboard, MovesTurnsKicksHoldsAndMeasures) {
+  start();
+  press(Qt::Key_1, Qt::ControlModifier);
+  ASSERT_TRUE(arena().hasFocus());
+  EXPECT_TRUE(arena().scene().has_keys) << "nobody sees where the keys go";
+  press(Qt::Key_N, Qt::NoModifier, 2);
+  EXPECT_EQ(arena().scene().selected, 1);
+  const core::Pose before = *arena().scene().pose(1);
+  press(Qt::Key_Up);
+  EXPECT_NEAR(moved(1).y - before.y, 0.02, 0.02);
+  press(Qt::Key_F1, Qt::ShiftModifier);
+  EXPECT_TRUE(QToolTip::text().contains(QStringLiteral("Robot 2"))) << QToolTip::text().toStdString();
+
+  press(Qt::Key_K);
+  press(Qt::Key_2);
+  press(Qt::Key_Return);
+  press(Qt::Key_Right, Qt::NoModifier, 5);
+  ASSERT_TRUE(arena().scene().kick);
+  press(Qt::Key_Return);
+  const auto kick = last<app::events::Kick>(1);
+  EXPECT_NEAR(kick.vx, 0.4, 0.01);  // 10 cm, 25 cm for 1 m/s
+  EXPECT_NEAR(kick.vy, 0.0, 0.01);
+  press(Qt::Key_2);
+  press(Qt::Key_Return);
+  press(Qt::Key_Right, Qt::NoModifier, 5);
+  ASSERT_TRUE(arena().scene().kick);
+  press(Qt::Key_Backspace);
+  EXPECT_FALSE(arena().scene().kick) << "what was begun cannot be given up";
+
+  press(Qt::Key_M);
+  press(Qt::Key_1);
+  press(Qt::Key_Return);
+  press(Qt::Key_3);
+  press(Qt::Key_Return);
+  ASSERT_TRUE(arena().scene().ruler);
+  const core::Pose third = *arena().scene().pose(2);
+  EXPECT_LT(std::hypot(arena().scene().ruler->to.x() - third.x, arena().scene().ruler->to.y() - third.y), 0.03);
+
+  press(Qt::Key_4, Qt::ControlModifier);
+  tab_to("hold_robot");
+  press(Qt::Key_Return);
+  last<app::events::Hold>(2);
+  ASSERT_TRUE(eventually([&] { return find<QPushButton>("hold_robot")->text().startsWith(QStringLiteral("Let")); }));
+  press(Qt::Key_Return);
+  last<app::events::Release>(2);
+  press(Qt::Key_4, Qt::ControlModifier);
+  press(Qt::Key_Right, Qt::NoModifier, 3);
+  press(Qt::Key_F1, Qt::ShiftModifier);
+  EXPECT_FALSE(QToolTip::text().isEmpty()) << "why a robot does what it does is told to a mouse alone";
+}
+
+TEST_F(Keyboard, DropsDrawsOutDragsAndTakesAwayAnObstacle) {
+  start();
+  press(Qt::Key_1, Qt::ControlModifier);
+  press(Qt::Key_O);
+  press(Qt::Key_Left);  // the cross stands in the middle, a step to the left
+  press(Qt::Key_Return);
+  press(Qt::Key_Right, Qt::NoModifier, 3);
+  press(Qt::Key_Return);
+  EXPECT_NEAR(last<app::events::PutObstacle>(0).obstacle.radius, 0.06, 1e-9);
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.02, 0.0) == 0; }));
+  press(Qt::Key_Left);
+  press(Qt::Key_Return);  // inside it: taken there
+  press(Qt::Key_Down, Qt::NoModifier, 10);
+  press(Qt::Key_Return);
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.02, -0.2) == 0; })) << "it was not dragged";
+  press(Qt::Key_PageUp);
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacles[0].radius > 0.065; })) << "it has not grown";
+  press(Qt::Key_Delete);
+  EXPECT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.02, -0.2) < 0; }));
+}
+
+TEST_F(Keyboard, SetsGainsPairsPresetsAndASchedule) {
+  start();
+  press(Qt::Key_2, Qt::ControlModifier);
+  ASSERT_TRUE(has_focus(QStringLiteral("slider_k_xx")));
+  press(Qt::Key_Right);
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_xx, 0, 1) > 0.008; }));
+  press(Qt::Key_Z, Qt::ControlModifier);
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_xx, 0, 1) == 0.008; }));
+  tab_to("spin_k_yy");
+  press(Qt::Key_A, Qt::ControlModifier);
+  type(QStringLiteral("0,05"));
+  press(Qt::Key_Return);
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_yy, 0, 1) == 0.05; }));
+  tab_to("gain_ramp");
+  press(Qt::Key_A, Qt::ControlModifier);
+  type(QStringLiteral("3"));
+  press(Qt::Key_Return);
+  EXPECT_EQ(find<QDoubleSpinBox>("gain_ramp")->value(), 3.0);
+  tab_to("gain_presets");
+  then([this] {
+    press(Qt::Key_Down, Qt::NoModifier, 3);  // file's, paper's, uncoupled
+    press(Qt::Key_Return);
+  });
+  press(Qt::Key_Return);
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_yy, 0, 1) == 0.0; }));
+  press(Qt::Key_Z, Qt::ControlModifier);
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_yy, 0, 1) == 0.05; }));
+
+  auto* tabs = find<QTabWidget>("gain_tabs");
+  for (int k = 0; k < 60 && QApplication::focusWidget() != tabs->tabBar(); ++k) press(Qt::Key_Tab);
+  ASSERT_TRUE(tabs->tabBar()->hasFocus());
+  press(Qt::Key_Right);
+  tab_to("pair_table");
+  auto* pairs = find<QAbstractItemView>("pair_table");
+  press(Qt::Key_Home, Qt::ControlModifier);
+  press(Qt::Key_Right);
+  ASSERT_EQ(pairs->currentIndex().column(), 1);
+  press(Qt::Key_X);
+  EXPECT_TRUE(eventually([&] { return !live().coupled(0, 1); }));
+  press(Qt::Key_X);
+  EXPECT_TRUE(eventually([&] { return live().coupled(0, 1); }));
+  ASSERT_TRUE(eventually([&] { return pairs->currentIndex().flags() & Qt::ItemIsEditable; }));
+  press(Qt::Key_F2);
+  press(Qt::Key_A, Qt::ControlModifier);
+  type(QStringLiteral("0.004"));
+  press(Qt::Key_Return);
+  EXPECT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_xx, 0, 1) == 0.004; }));
+
+  press(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  press(Qt::Key_N, Qt::ControlModifier);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().phase() == app::Phase::ready; }));
+  ASSERT_TRUE(eventually([&] { return find("schedule_add")->isEnabled(); }));
+  tabs->tabBar()->setFocus(Qt::TabFocusReason);
+  press(Qt::Key_Right);
+  tab_to("schedule_add");
+  press(Qt::Key_Return);
+  tab_to("schedule_table");
+  press(Qt::Key_Home, Qt::ControlModifier);
+  press(Qt::Key_Right);
+  type(QStringLiteral("0.005"));
+  press(Qt::Key_Return);
+  tab_to("schedule_apply");
+  press(Qt::Key_Return);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().experiment().gain_changes.size() == 1; }));
+  EXPECT_EQ(live().experiment().gain_changes[0][core::GainName::k_xx]->largest(), 0.005);
+}
+
+TEST_F(Keyboard, ReplaysScrubsReadsComparesSavesAndGoesOn) {
+  const QString file = recorded("one.csv", "controller.gains.k_xx=0.008");
+  const QString other = recorded("two.csv", "controller.gains.k_xx=0");
+  show();
+  press(Qt::Key_O, Qt::ControlModifier | Qt::ShiftModifier);
+  answer("open_recording_dialog", file);
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
+  press(Qt::Key_Space);
+  ASSERT_FALSE(window.replay().is_playing());
+  press(Qt::Key_7, Qt::ControlModifier);
+  press(Qt::Key_Home);
+  press(Qt::Key_Right, Qt::NoModifier, 3);
+  EXPECT_NEAR(window.replay().t(), 3.0, 0.05);
+
+  press(Qt::Key_3, Qt::ControlModifier);
+  press(Qt::Key_Right);
+  EXPECT_TRUE(QToolTip::text().contains(QStringLiteral("along x"))) << QToolTip::text().toStdString();
+  press(Qt::Key_Down);
+  EXPECT_TRUE(QToolTip::text().contains(QStringLiteral("along y"))) << QToolTip::text().toStdString();
+  press(Qt::Key_Plus);
+  EXPECT_FALSE(find<PlotsPanel>("plots")->is_live());
+  press(Qt::Key_Home);
+  EXPECT_TRUE(find<PlotsPanel>("plots")->is_live());
+  press(Qt::Key_Left, Qt::NoModifier, 5);
+  press(Qt::Key_Return);
+  EXPECT_LT(window.replay().t(), 2.99) << "the replay did not go to the cursor";
+  tab_to("plots");  // backwards would do as well: from the plots on, all the way round
+  tab_to("choose_plots");
+  then([this] {
+    press(Qt::Key_Down);
+    press(Qt::Key_Return);
+  });
+  press(Qt::Key_Return);
+  EXPECT_TRUE(eventually([&] { return !find<PlotsPanel>("plots")->shown().contains(QStringLiteral("e_x")); }));
+
+  press(Qt::Key_D, Qt::ControlModifier);
+  answer("compare_dialog", other);
+  ASSERT_TRUE(eventually([&] { return arena().scene().compared.size() == 1; }));
+  press(Qt::Key_6, Qt::ControlModifier);
+  tab_to("copy_results");
+  press(Qt::Key_Return);
+  EXPECT_TRUE(QGuiApplication::clipboard()->text().contains(QStringLiteral("whole run")));
+  press(Qt::Key_5, Qt::ControlModifier);
+  press(Qt::Key_Home);
+  press(Qt::Key_Return);
+  EXPECT_NEAR(window.replay().t(), 0.0, 0.05) << "the replay did not go to the event";
+  press(Qt::Key_P, Qt::ControlModifier);
+  answer("save_plot_dialog", dir.filePath(QStringLiteral("plot.pdf")));
+  EXPECT_TRUE(eventually([&] { return QFile::exists(dir.filePath(QStringLiteral("plot.pdf"))); }));
+  press(Qt::Key_7, Qt::ControlModifier);
+  press(Qt::Key_Right, Qt::NoModifier, 2);
+  press(Qt::Key_B, Qt::ControlModifier);
+  ASSERT_TRUE(eventually([&] { return live().latest() && live().phase() == app::Phase::paused; }));
+  EXPECT_NEAR(record().t, 2.0, 0.05);
+}
+
+TEST_F(Keyboard, EditsAnExperimentWhileARunIsOn) {
+  start();
+  press(Qt::Key_E, Qt::ControlModifier);
+  ASSERT_TRUE(eventually([&] { return window.findChild<ExperimentEditor*>() != nullptr; }));
+  auto* editor = window.findChild<ExperimentEditor*>();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(editor));
+  editor->findChild<QPlainTextEdit*>()->setFocus();
+  press(Qt::Key_Home, Qt::ControlModifier);
+  type(QStringLiteral("#keys"));
+  press(Qt::Key_Return);
+  EXPECT_TRUE(editor->text().startsWith(QStringLiteral("#keys\n")));
+  tab_to("editor_save_as");
+  press(Qt::Key_Return);
+  ASSERT_TRUE(eventually([&] {
+    auto* asked = editor->findChild<QDialog*>(QStringLiteral("editor_save_dialog"));
+    return asked && asked->isActiveWindow();
+  }));
+  press(Qt::Key_A, Qt::ControlModifier);
+  type(dir.filePath(QStringLiteral("mine.toml")));
+  take_the_name();
+  ASSERT_TRUE(eventually([&] { return QFile::exists(dir.filePath(QStringLiteral("mine.toml"))); }));
+  expect_in_front(*editor);
+  press(Qt::Key_W, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return window.findChild<ExperimentEditor*>() == nullptr; }));
+  EXPECT_TRUE(running());
+}
+
+/// What Tab goes to, once round.
+std::set<QWidget*> round_of(QWidget* window) {
+  std::set<QWidget*> seen;
+  for (int k = 0, again = 0; k < 300 && again < 5; ++k) {
+    QTest::keyClick(window->windowHandle(), Qt::Key_Tab);
+    if (QWidget* focus = QApplication::focusWidget()) again = seen.insert(focus).second ? 0 : again + 1;
+  }
+  return seen;
+}
+
+TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
+  start();
+  const auto expect_all = [](QWidget* window) {
+    const std::set<QWidget*> reached = round_of(window);
+    int controls = 0;
+    for (QWidget* widget : window->findChildren<QWidget*>()) {
+      const bool takes_keys = widget->focusPolicy() & Qt::TabFocus && widget->isEnabled() && widget->isVisible() &&
+                              widget->window() == window && widget->focusProxy() == nullptr;
+      if (!takes_keys) continue;
+      ++controls;
+      EXPECT_TRUE(reached.contains(widget))
+          << widget->metaObject()->className() << " " << widget->objectName().toStdString() << " of "
+          << window->objectName().toStdString();
+    }
+    return controls;
+  };
+  for (int tab = 0; tab < 3; ++tab) {
+    find<QTabWidget>("gain_tabs")->setCurrentIndex(tab);
+    EXPECT_GT(expect_all(&window), 20);
+  }
+  find<QDockWidget>("results_dock")->raise();
+  expect_all(&window);
+  for (const char* action : {"shortcuts", "open", "save_plot", "edit_experiment", "calibrate_camera"}) {
+    find<QAction>(action)->trigger();
+    ASSERT_TRUE(eventually([&] { return QApplication::activeWindow() != &window; })) << action;
+    QWidget* dialog = QApplication::activeWindow();
+    EXPECT_GT(expect_all(dialog), 0) << action;
+    delete dialog;
+    window.activateWindow();
+    ASSERT_TRUE(eventually([&] { return window.isActiveWindow(); }));
+  }
+}
+
+}  // namespace
+}  // namespace skein::ui::test

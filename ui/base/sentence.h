@@ -1,0 +1,18 @@
+#pragma once
+
+#include <QString>
+
+#include "app/run/event.h"
+
+namespace skein::ui {
+
+/// A gain as the sliders write it, where only plain text can stand: "k_θθ". The CSV's word for it is "k_tt".
+QString gain_symbol(core::GainName gain);
+
+/// Why a tag is not seen, as half a sentence: "part of its tag is covered or blurred".
+QString reason_text(core::NotSeen why);
+
+/// What happened, in a sentence for people, robots from 1. The log and the plots have the CSV's words beside it.
+QString sentence(const app::Event& event);
+
+}  // namespace skein::ui
