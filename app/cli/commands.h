@@ -54,8 +54,9 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
-/// What a camera can do and how it is set; without a device, which there are.
-int list_cameras(const std::string& device);
+/// What a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME") can do and how it is set; without one, which there
+/// are.
+int list_cameras(const std::string& camera);
 
 /// Whether a robot or the camera of an experiment is no simulation, so that it runs in real time.
 bool anything_real(const Experiment& experiment);

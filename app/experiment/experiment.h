@@ -193,6 +193,7 @@ struct CameraSpec {
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
   /// Set on a real camera; NaN: as it is. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
+  std::string trigger;  ///< what makes a real camera take a frame, see vision::SourceOptions; empty: its own clock
   /// For practice: so long after the session was opened the synthetic camera is tilted by `bump` degrees, and hangs
   /// that way from then on; empty: never. [s]
   std::optional<double> bump_at;
