@@ -8,7 +8,7 @@ set(SKEIN_DOC share/doc)
 
 # --- skein: the program, its modules, what it comes with ---
 install(TARGETS skein RUNTIME DESTINATION bin COMPONENT skein)
-install(TARGETS skein_media skein_boards LIBRARY DESTINATION lib/skein/modules COMPONENT skein)
+install(TARGETS skein_media skein_boards skein_aravis LIBRARY DESTINATION lib/skein/modules COMPONENT skein)
 install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures resources/slurm DESTINATION share/skein
   COMPONENT skein PATTERN __pycache__ EXCLUDE)
 install(FILES resources/experiment.schema.json DESTINATION share/skein COMPONENT skein)

@@ -13,5 +13,8 @@ std::string program() {
 std::string victim() {
   return SKEIN_PROGRAM_FOLDER "/skein_victim";
 }
+std::string fake_gige() {
+  return SKEIN_PROGRAM_FOLDER "/skein_fake_gige";
+}
 
 }  // namespace skein::test

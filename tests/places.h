@@ -13,5 +13,7 @@ std::string in_source(std::string_view path);
 std::string program();
 /// The absolute path of the program that dies on purpose (tests/app/victim.cpp).
 std::string victim();
+/// The absolute path of a camera in software (tests/vision/aravis/fake_gige.cpp).
+std::string fake_gige();
 
 }  // namespace skein::test

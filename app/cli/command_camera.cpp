@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "vision/modules/media_loader.h"
 #include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
@@ -24,6 +26,28 @@ std::string text_of(const vision::CameraControl& control) {
     text += fmt::format("  ({}", fmt::join(choices, ", "));
   }
   return text + fmt::format("; default {}{})", control.standard, control.settable ? "" : "; cannot be set now");
+}
+
+constexpr std::string_view of_aravis = "aravis:", of_v4l2 = "v4l2:";
+
+int list_aravis(const std::string& name) {
+  const auto module = vision::aravis();
+  std::string error = module ? std::string() : module.error();
+  if (module)
+    for (const std::string& line : (*module)->describe(name, error)) fmt::print("{}\n", line);
+  if (error.empty()) return done;
+  complain(error);
+  return device_failed;
+}
+
+/// Prints those that answer; how many, or why nobody could be asked.
+tl::expected<int, std::string> list_aravis_cameras() {
+  const auto module = vision::aravis();
+  if (!module) return tl::unexpected(module.error());
+  const auto cameras = (*module)->discover();
+  for (const vision::AravisCamera& camera : cameras)
+    fmt::print("aravis:{}: {} ({}, {})\n", camera.name, camera.model, camera.protocol, camera.address);
+  return static_cast<int>(cameras.size());
 }
 
 int list_one(const std::string& device) {
@@ -46,8 +70,10 @@ int list_one(const std::string& device) {
 
 }  // namespace
 
-int list_cameras(const std::string& device) {
-  if (!device.empty()) return list_one(device);
+int list_cameras(const std::string& camera) {
+  if (camera.starts_with(of_aravis)) return list_aravis(camera.substr(of_aravis.size()));
+  if (camera.starts_with(of_v4l2)) return list_one(camera.substr(of_v4l2.size()));
+  if (!camera.empty()) return list_one(camera);
   std::vector<std::string> devices;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
@@ -55,12 +81,14 @@ int list_cameras(const std::string& device) {
   std::sort(devices.begin(), devices.end());
   int cameras = 0;
   for (const std::string& name : devices)
-    if (const auto camera = vision::describe_camera(name)) {
-      fmt::print("v4l2:{}: {} ({})\n", name, camera->card, camera->driver);
+    if (const auto found = vision::describe_camera(name)) {
+      fmt::print("v4l2:{}: {} ({})\n", name, found->card, found->driver);
       ++cameras;
     }
-  if (cameras > 0) return done;
-  print_error("skein: no camera at /dev/video*\n");
+  const auto in_the_network = list_aravis_cameras();
+  if (!in_the_network) complain(in_the_network.error());
+  if (cameras + in_the_network.value_or(0) > 0) return done;
+  print_error("skein: no camera at /dev/video*, and none of GigE or USB3 Vision that answers\n");
   return device_failed;
 }
 

@@ -198,7 +198,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
   TrackRequest track_request;
-  track_command.add_option("source", track_request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+  track_command.add_option("source", track_request.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")
+      ->required();
   track_command.add_option("--camera", track_request.camera, "calibration file; without one, pixels only")
       ->type_name("CAL.TOML");
   track_command.add_option("--csv", track_request.csv, "one row per detection; default: stdout")->type_name("FILE");
@@ -214,7 +215,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App& list_command =
       *camera_command.add_subcommand("list", "Lists the cameras, or the formats, rates and controls of one");
   std::string camera_device;
-  list_command.add_option("device", camera_device, "such as /dev/video0");
+  list_command.add_option("camera", camera_device, "such as /dev/video0 or aravis:NAME");
 
   VisionCommands vision_commands;
   vision_commands.add_to(program);

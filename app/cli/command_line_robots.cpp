@@ -35,7 +35,9 @@ void RobotCommands::add_to(CLI::App& program) {
               "checks their tags, and drives them 6 cm and half a turn to measure their wheels");
   test_->add_option("robots", request_.words, which)->required();
   CLI::Option* const camera =
-      test_->add_option("--camera", request_.camera, "v4l2:DEVICE; default: the camera of the experiment file")
+      test_
+          ->add_option("--camera", request_.camera,
+                       "v4l2:DEVICE or aravis:CAMERA; default: the camera of the experiment file")
           ->type_name("SOURCE");
   CLI::Option* const calibration =
       test_->add_option("--calibration", request_.calibration, "its calibration file")->type_name("CAL.TOML");

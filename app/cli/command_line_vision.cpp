@@ -42,7 +42,8 @@ void VisionCommands::add_to(CLI::App& program) {
 
   intrinsics_ = calibrate.add_subcommand(
       "intrinsics", "Focal length, centre and distortion of a camera, from pictures of a board (`skein tags board`)");
-  intrinsics_->add_option("source", intrinsics_request_.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+  intrinsics_->add_option("source", intrinsics_request_.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")
+      ->required();
   intrinsics_->add_option("--out", intrinsics_request_.out, "calibration to write")->type_name("CAL.TOML")->required();
   intrinsics_->add_option("--views", intrinsics_request_.views, "largest number of views from a film or camera")
       ->check(CLI::Range(3, 1000))
@@ -52,7 +53,7 @@ void VisionCommands::add_to(CLI::App& program) {
   calibration_board_.add_to(*intrinsics_);
 
   const auto floor_words = [](CLI::App& command, FloorRequest& request) {
-    command.add_option("source", request.source, "images:DIR, video:FILE or v4l2:DEVICE")->required();
+    command.add_option("source", request.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")->required();
     command.add_option("--camera", request.camera, "calibration file")->type_name("CAL.TOML")->required();
     command.add_option("--marks", request.marks, "file of the marks on the floor (see docs/calibration.md)")
         ->type_name("MARKS.TOML")

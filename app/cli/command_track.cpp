@@ -19,8 +19,8 @@ namespace skein::app {
 int track(const TrackRequest& request) {
   if (request.list_controls) {
     if (const auto camera = vision::parse_source(request.source); camera && camera->live())
-      return list_cameras(camera->where);
-    print_error(fmt::format("skein: {} is not a camera; allowed with --list-controls: v4l2:DEVICE\n", request.source));
+      return list_cameras(request.source);
+    print_error(fmt::format("skein: {} is not a camera; allowed with --list-controls: v4l2:DEVICE, aravis:CAMERA\n", request.source));
     return wrong_input;
   }
   vision::TrackOptions options;

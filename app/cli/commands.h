@@ -54,8 +54,8 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
-/// Lists a camera's modes and settings; without a device, all cameras.
-int list_cameras(const std::string& device);
+/// Lists the modes and settings of a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME"); without one, all cameras.
+int list_cameras(const std::string& camera);
 
 /// Whether a robot or the camera of an experiment is real, so that it runs in real time.
 bool anything_real(const Experiment& experiment);

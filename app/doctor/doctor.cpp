@@ -296,16 +296,27 @@ Findings cameras(const Machine& machine, const Examination& examination) {
       result.push_back({State::ill, path, "you have no permission to open it", "see the group video above"});
   }
   bool wanted = false;
+  std::vector<std::string> answered;  // cameras of the network
   for (const auto& [file, experiment] : examination.experiments) {
     if (experiment.camera.kind() != CameraKind::live) continue;
-    wanted = true;
     const std::string device = experiment.camera.source.substr(experiment.camera.source.find(':') + 1);
+    if (experiment.camera.source.starts_with("aravis:")) {
+      if (answered.empty()) answered = machine.network_cameras();
+      const bool there = std::find(answered.begin(), answered.end(), device) != answered.end();
+      if (there)
+        names.push_back(device);
+      else
+        result.push_back({State::ill, device, fmt::format("does not answer; {} sees its robots with it", file),
+                          "plug it in, or name another: skein camera list"});
+      continue;
+    }
+    wanted = true;
     std::error_code error;
     if (!devices.empty() && !fs::exists(below(machine, device), error))
       result.push_back({State::ill, device, fmt::format("is not there; {} uses it", file),
                         "plug it in, or name another: skein camera list"});
   }
-  if (devices.empty())
+  if (devices.empty() && (wanted || (names.empty() && result.empty())))
     result.push_back({wanted ? State::ill : State::note, "camera", "none", "plug one in; skein camera list shows it"});
   else if (result.empty())
     result.push_back(well("camera", fmt::format("{}", fmt::join(names, ", "))));
@@ -363,7 +374,7 @@ Findings parts(const Machine& machine) {
     result.push_back({State::ill, "an earlier run", fmt::format("{} ended badly, its robots may still drive", run),
                       "skein robots stop"});
   if (const auto modules = machine.modules(); modules)
-    result.push_back(well("modules", "films and calibration boards"));
+    result.push_back(well("modules", "films, calibration boards, GigE and USB3 Vision"));
   else
     result.push_back({State::ill, "modules", modules.error(), "reinstall skein"});
   if (machine.has_program("gnuplot"))

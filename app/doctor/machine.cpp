@@ -23,6 +23,7 @@
 #include "app/guard/run_marker.h"
 #include "app/session/bare_thread.h"
 #include "comms/bluez_bus.h"
+#include "vision/modules/media_loader.h"
 #include "vision/sources/modules_present.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
@@ -155,6 +156,15 @@ Machine this_machine() {
   machine.bad_ends = [] {
     std::vector<std::string> names;
     for (const RunMarker& marker : bad_ends()) names.push_back(marker.experiment);
+    return names;
+  };
+  machine.network_cameras = [] {
+    std::vector<std::string> names;
+    if (const auto module = vision::aravis())
+      for (const vision::AravisCamera& camera : (*module)->discover()) {
+        names.push_back(camera.name);
+        names.push_back(camera.address);
+      }
     return names;
   };
   machine.modules = vision::modules_present;

@@ -43,7 +43,9 @@ struct Machine {
   /// Whether markers of runs can be written and a guard be started; the error is the reason.
   std::function<tl::expected<void, std::string>()> guard;
   std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h
-  /// Whether the modules can be loaded: films, boards.
+  /// Names and addresses of the GigE and USB3 Vision cameras that answer; takes a second.
+  std::function<std::vector<std::string>()> network_cameras;
+  /// Whether the modules can be loaded: films, boards, Aravis.
   std::function<tl::expected<void, std::string>()> modules;
   std::function<bool(const std::string& program)> has_program;          ///< on the PATH
   std::function<int(const std::vector<std::string>& command)> execute;  ///< for --fix; its exit status

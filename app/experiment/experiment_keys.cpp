@@ -132,7 +132,8 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.shield.gamma; },
                  [](Limits e) { return above(0.0, e.rate, "1/s"); }}},  // more would close the whole gap in one tick
 
-      {"camera", "source", "where poses come from: none, synthetic, v4l2:DEVICE, video:FILE or images:DIR",
+      {"camera", "source",
+       "where poses come from: none, synthetic, v4l2:DEVICE, aravis:CAMERA, video:FILE or images:DIR",
        TextKey{[](E& e) -> auto& { return e.camera.source; }, 0}},
       {"camera", "calibration", "the file written by skein calibrate, relative to the experiment's folder",
        TextKey{[](E& e) -> auto& { return e.camera.calibration; }, 0}},
@@ -142,6 +143,8 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.camera.gain; }, [](Limits) { return between(0.0, 1e6); }}},
       {"camera", "focus", "in the units of the camera's driver",
        NumberKey{[](E& e) -> auto& { return e.camera.focus; }, [](Limits) { return between(0.0, 1e6); }}},
+      {"camera", "trigger", "of an aravis camera: software, or one of its lines; empty: it runs free",
+       TextKey{[](E& e) -> auto& { return e.camera.trigger; }, 100}},
 
       {"camera", "bump_at", "for practice: when the synthetic camera is bumped, counted from its opening",
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.bump_at; },

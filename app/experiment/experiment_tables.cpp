@@ -214,6 +214,12 @@ void check_camera(const CameraSpec& camera, Problems& problems) {
   if (!camera_kind(camera.source))
     problems.add("camera.source",
                  fmt::format(R"(found "{}", allowed: "none", "synthetic", {})", camera.source, vision::source_forms()));
+  const auto address = vision::parse_source(camera.source);
+  if (!camera.trigger.empty() && !(address && address->kind->triggers))
+    problems.add(
+        "camera.trigger",
+        fmt::format("found \"{}\", allowed: \"\", since only cameras of the kind aravis:CAMERA can be triggered",
+                    camera.trigger));
 }
 
 }  // namespace

@@ -72,6 +72,7 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
 
 tl::expected<void, std::string> CameraRig::open_source() {
   vision::SourceOptions options{calibration_.width, calibration_.height, experiment_.rate};
+  options.trigger = experiment_.camera.trigger;
   for (const auto& [name, value] :
        {std::pair("exposure", experiment_.camera.exposure), std::pair("gain", experiment_.camera.gain),
         std::pair("focus", experiment_.camera.focus)})

@@ -14,9 +14,9 @@ namespace skein::app {
 
 /// The camera with the settings of the experiments: a calibration holds for one size and focus.
 struct CalibratedCamera {
-  std::string source;                   ///< v4l2:DEVICE, images:DIR, video:FILE
+  std::string source;                   ///< v4l2:DEVICE, aravis:CAMERA, images:DIR, video:FILE
   std::string size{};                   ///< "1280x960"; empty: as the camera is set
-  std::vector<std::string> settings{};  ///< of a v4l2 camera: "focus=30"
+  std::vector<std::string> settings{};  ///< of a camera: "focus=30"
 };
 
 /// The board that is shown to the camera, as it was printed by `skein tags board`.

@@ -25,6 +25,8 @@ void CameraWords::add_to(CLI::App& command, bool calibrated) {
       ->type_name("YUYV|MJPG|...");
   command.add_option("--rate", rate, "of a camera [frames/s]; default: the present setting")
       ->check(CLI::Range(0.1, 10000.0));
+  command.add_option("--trigger", trigger, "what triggers the frames of an aravis camera; default: its own clock")
+      ->type_name("software|LINE");
 }
 
 tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::string& source) const {
@@ -42,13 +44,16 @@ tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::st
     return tl::unexpected(fmt::format("--size {}; allowed: WIDTHxHEIGHT, such as 1280x960", size));
   options.rate = rate;
   options.format = format;
-  const char* const word = !settings.empty() ? "--set"
-                           : !size.empty()   ? "--size"
-                           : !format.empty() ? "--format"
-                           : rate > 0.0      ? "--rate"
-                                             : nullptr;
+  options.trigger = trigger;
+  const char* const word = !settings.empty()  ? "--set"
+                           : !size.empty()    ? "--size"
+                           : !format.empty()  ? "--format"
+                           : rate > 0.0       ? "--rate"
+                           : !trigger.empty() ? "--trigger"
+                                              : nullptr;
   if (word != nullptr && !vision::is_camera(source))
-    return tl::unexpected(fmt::format("{}: {} is not a camera; allowed with {}: v4l2:DEVICE", word, source, word));
+    return tl::unexpected(
+        fmt::format("{}: {} is not a camera; allowed with {}: v4l2:DEVICE, aravis:CAMERA", word, source, word));
   return options;
 }
 

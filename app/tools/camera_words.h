@@ -18,6 +18,7 @@ struct CameraWords {
   std::string size{};    ///< "1280x960"; empty: the calibration's, or as it is set
   std::string format{};  ///< "MJPG"; empty: any
   double rate = 0.0;
+  std::string trigger{};                ///< "software", "Line1"; empty: the camera's own clock
   std::vector<std::string> settings{};  ///< "exposure=0.005"
 
   /// `calibrated`: the frames' size is the calibration's, without an option.

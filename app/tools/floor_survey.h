@@ -26,8 +26,8 @@ struct FloorSurvey {
 };
 
 struct FloorQuestion {
-  std::vector<std::string> settings{};        ///< of a v4l2 camera: "focus=30"
-  std::string source;                         ///< v4l2:DEVICE, images:DIR, video:FILE
+  std::vector<std::string> settings{};        ///< of a camera: "focus=30"
+  std::string source;                         ///< v4l2:DEVICE, aravis:CAMERA, images:DIR, video:FILE
   std::string calibration;                    ///< file with the intrinsics; the floor is written into it
   std::vector<FloorTag> tags;                 ///< four and more, not all on one line
   double tag_size = 0.04, tag_height = 0.06;  ///< of the robots' tags [m]

@@ -72,10 +72,12 @@ class FrameSource {
 using ControlSettings = std::vector<std::pair<std::string, double>>;
 
 struct SourceOptions {
-  int width = 0;               // asked of a camera [px], as a rule the calibration's; 0: as the camera is set
-  int height = 0;              // [px]
-  double rate = 0.0;           // asked of a camera [frames/s]; 0: as the camera is set
-  std::string format{};        // asked of a camera: four letters, "MJPG"; empty: the cheapest that gives size and rate
+  int width = 0;          // asked of a camera [px], as a rule the calibration's; 0: as the camera is set
+  int height = 0;         // [px]
+  double rate = 0.0;      // asked of a camera [frames/s]; 0: as the camera is set
+  std::string format{};   // asked of a camera: "MJPG", "BayerRG8"; empty: the cheapest that gives size and rate
+  std::string trigger{};  // what makes a camera take a frame: "software" (`rate` times a second, by the source), or
+                          // one of its lines ("Line1"); empty: its own clock
   ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again
   double reopen_for = 10.0;    // a camera that stops delivering is opened again for so long before that is an error [s]
   std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the stream

@@ -55,4 +55,10 @@ tl::expected<const Boards*, std::string> boards() {
   return static_cast<const Boards*>(*loaded);
 }
 
+tl::expected<const Aravis*, std::string> aravis() {
+  static const auto loaded = load("skein_aravis.so", aravis_symbol);
+  if (!loaded) return tl::unexpected("GigE and USB3 Vision cameras: " + loaded.error());
+  return static_cast<const Aravis*>(*loaded);
+}
+
 }  // namespace skein::vision

@@ -3,6 +3,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "vision/modules/aravis.h"
 #include "vision/modules/boards.h"
 #include "vision/modules/media.h"
 
@@ -15,5 +16,8 @@ tl::expected<const Media*, std::string> media();
 
 /// The same of skein_boards.so.
 tl::expected<const Boards*, std::string> boards();
+
+/// The same of skein_aravis.so.
+tl::expected<const Aravis*, std::string> aravis();
 
 }  // namespace skein::vision

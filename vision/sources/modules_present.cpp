@@ -7,6 +7,7 @@ namespace skein::vision {
 tl::expected<void, std::string> modules_present() {
   if (const auto loaded = media(); !loaded) return tl::unexpected(loaded.error());
   if (const auto loaded = boards(); !loaded) return tl::unexpected(loaded.error());
+  if (const auto loaded = aravis(); !loaded) return tl::unexpected(loaded.error());
   return {};
 }
 

@@ -31,11 +31,20 @@ Opened open_video(const std::string& path, const SourceOptions& /*options*/) {
 Opened open_camera(const std::string& device, const SourceOptions& options) {
   return open_v4l2(device, options);
 }
+Opened open_aravis(const std::string& camera, const SourceOptions& options) {
+  const auto module = aravis();
+  if (!module) return tl::unexpected(module.error());
+  std::string error;
+  auto opened = (*module)->open(camera, options, error);
+  if (!opened) return tl::unexpected(error);
+  return opened;
+}
 
 constexpr std::array kinds{
-    SourceKind{"images", "DIR", false, open_images},
-    SourceKind{"video", "FILE", false, open_video},
-    SourceKind{"v4l2", "DEVICE", true, open_camera},
+    SourceKind{"images", "DIR", false, false, open_images},
+    SourceKind{"video", "FILE", false, false, open_video},
+    SourceKind{"v4l2", "DEVICE", true, false, open_camera},
+    SourceKind{"aravis", "CAMERA", true, true, open_aravis},
 };
 
 }  // namespace
@@ -70,6 +79,9 @@ tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_
                                                                     const SourceOptions& options) {
   const auto parsed = parse_source(address);
   if (!parsed) return tl::unexpected(parsed.error());
+  if (!options.trigger.empty() && !parsed->kind->triggers)
+    return tl::unexpected(fmt::format("{}: trigger \"{}\"; only cameras of the kind aravis:CAMERA can be triggered",
+                                      address, options.trigger));
   return parsed->kind->open(parsed->where, options);
 }
 

@@ -15,6 +15,7 @@ struct SourceKind {
   std::string_view name;   // what stands before the colon
   std::string_view where;  // what follows it, in capitals for messages: "DEVICE"
   bool live;               // a camera, whose frames come in real time
+  bool triggers;           // a camera that takes a frame when it is told to, see SourceOptions::trigger
   tl::expected<std::unique_ptr<FrameSource>, std::string> (*open)(const std::string& where,
                                                                   const SourceOptions& options);
 };
@@ -36,7 +37,7 @@ tl::expected<SourceAddress, std::string> parse_source(std::string_view address);
 /// True where the address is that of a camera.
 bool is_camera(std::string_view address);
 
-/// What an address may look like, for messages and help: "images:DIR, video:FILE, v4l2:DEVICE".
+/// What an address may look like, for messages and help: "images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA".
 std::string source_forms();
 
 /// Opens "KIND:WHERE":
@@ -46,6 +47,9 @@ std::string source_forms();
 ///                              Damaged frames are passed over.
 ///   v4l2:DEVICE                a camera through the kernel: the newest frame only. One that stops delivering for three
 ///                              frame times is opened again; where that does not help, it is an error.
+///   aravis:CAMERA              a GigE Vision or USB3 Vision camera, by the name that `skein camera list` gives it or
+///   its
+///                              network address; as above.
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_view address,
                                                                     const SourceOptions& options = {});
 

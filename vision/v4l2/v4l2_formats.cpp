@@ -22,10 +22,10 @@ constexpr std::array formats{
     PixelFormat{V4L2_PIX_FMT_Y10, grey_from_words<10>},
     PixelFormat{V4L2_PIX_FMT_Y12, grey_from_words<12>},
     PixelFormat{V4L2_PIX_FMT_Y16, grey_from_words<16>},
-    PixelFormat{V4L2_PIX_FMT_SRGGB8, grey_from_bayer},
-    PixelFormat{V4L2_PIX_FMT_SGRBG8, grey_from_bayer},
-    PixelFormat{V4L2_PIX_FMT_SGBRG8, grey_from_bayer},
-    PixelFormat{V4L2_PIX_FMT_SBGGR8, grey_from_bayer},
+    PixelFormat{V4L2_PIX_FMT_SRGGB8, grey_from_bayer<8>},
+    PixelFormat{V4L2_PIX_FMT_SGRBG8, grey_from_bayer<8>},
+    PixelFormat{V4L2_PIX_FMT_SGBRG8, grey_from_bayer<8>},
+    PixelFormat{V4L2_PIX_FMT_SBGGR8, grey_from_bayer<8>},
     PixelFormat{V4L2_PIX_FMT_MJPEG, nullptr},
 };
 

@@ -7,8 +7,8 @@
 #include <tl/expected.hpp>
 
 #include "vision/frames/frame.h"
+#include "vision/frames/pixels.h"
 #include "vision/v4l2/v4l2_device.h"
-#include "vision/v4l2/v4l2_pixels.h"
 
 namespace skein::vision::detail {
 

@@ -185,6 +185,11 @@ const Fault faults[] = {
     {"NoCamera", State::ill, "camera: none", [](Patient& p) { p.remove("/sys/class/video4linux"); }},
     {"OtherCamera", State::ill, "/dev/video2: is not there",
      [](Patient& p) { p.lab().camera.source = "v4l2:/dev/video2"; }},
+    {"NetworkCameraSilent", State::ill, "Basler-1: does not answer",
+     [](Patient& p) {
+       p.lab().camera.source = "aravis:Basler-1";
+       p.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+     }},
     {"NoCalibration", State::ill, "calibration: ", [](Patient& p) { p.remove("/cal.toml"); }},
     {"CalibrationTorn", State::ill, "calibration: ", [](Patient& p) { p.write("/cal.toml", "width = 1280\nhei"); }},
     {"NoFloor", State::ill, "has no pose of the camera",
@@ -231,6 +236,16 @@ TEST(Doctor, ASimulationNeedsNoRobotsAndNoCamera) {
   patient.remove("/sys/class/video4linux");
   for (const Finding& finding : examine(patient.machine, patient.examination))
     EXPECT_NE(finding.state, State::ill) << as_line(finding);
+}
+
+TEST(Doctor, ANetworkCameraThatAnswersIsWellWithoutADevice) {
+  for (const char* source : {"aravis:Basler-2", "aravis:192.168.3.7"}) {
+    Patient patient;
+    patient.remove("/sys/class/video4linux");
+    patient.lab().camera.source = source;
+    patient.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+    EXPECT_EQ(patient.complaints(), std::vector<std::string>()) << source;
+  }
 }
 
 TEST(Doctor, AProcessorThatChoosesItsFrequencyItselfIsWell) {

@@ -206,9 +206,9 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
   EXPECT_EQ(refusal({"track", "film.mkv"}),
             "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE (such as v4l2:/dev/video0)\n");
   EXPECT_EQ(refusal({"track", "images:.", "--set", "gain=3"}),
-            "skein: --set: images:. is not a camera; allowed with --set: v4l2:DEVICE\n");
+            "skein: --set: images:. is not a camera; allowed with --set: v4l2:DEVICE, aravis:CAMERA\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "images:.", "--out", "c.toml", "--size", "640x480"}),
-            "skein: --size: images:. is not a camera; allowed with --size: v4l2:DEVICE\n");
+            "skein: --size: images:. is not a camera; allowed with --size: v4l2:DEVICE, aravis:CAMERA\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "v4l2:/dev/nowhere", "--out", "c.toml", "--size", "640"}),
             "skein: --size 640; allowed: WIDTHxHEIGHT, such as 1280x960\n");
   EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--set", "exposure"}),

@@ -1,0 +1,301 @@
+// The real protocol against Aravis's camera in software, through the source that a run uses.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "tests/vision/aravis/fake_gige.h"
+#include "tests/vision/support.h"
+#include "vision/modules/media_loader.h"
+#include "vision/sources/open_source.h"
+
+namespace skein::vision {
+namespace {
+
+constexpr const char* address = "aravis:127.0.0.1";
+
+double monotonic_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// When the fake camera opened its shutter.
+double exposed_at(const Frame& frame) {
+  double time = 0.0;
+  std::memcpy(&time, frame.grey.data(), sizeof time);
+  return time;
+}
+
+/// Of some frames: how late captured_at is, in the middle and between the 10th and the 90th of a hundred, where 0 is
+/// the middle of the exposure; the same of their arrival; and their mean rate. A machine that is busy with other things
+/// may hold up a frame or two.
+struct Timing {
+  double late = 0.0, spread = 0.0;  // [s]
+  double arrival_spread = 0.0;
+  double rate = 0.0;
+};
+double middle_of(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+Timing measure(FrameSource& camera, double exposure, int frames, int settling) {
+  Frame frame;
+  Timing timing;
+  std::vector<double> late;
+  std::vector<double> arrived;
+  double first = 0.0;
+  for (int i = 0; i < settling + frames; ++i) {
+    const auto read = camera.read(frame);
+    EXPECT_TRUE(read && *read) << (read ? std::string("end") : read.error());
+    if (!read || !*read) return timing;
+    if (i < settling) continue;
+    const double middle = exposed_at(frame) + 0.5 * exposure;
+    if (i == settling) first = middle;
+    timing.rate = static_cast<double>(i - settling) / (middle - first);
+    late.push_back(frame.captured_at - middle);
+    arrived.push_back(frame.arrived_at - middle);
+  }
+  timing.late = middle_of(late, 0.5);
+  timing.spread = middle_of(late, 0.9) - middle_of(late, 0.1);
+  timing.arrival_spread = middle_of(arrived, 0.9) - middle_of(arrived, 0.1);
+  return timing;
+}
+
+TEST(Aravis, FindsCamerasAndSaysWhatTheyCanDo) {
+  test::FakeGige fake({"--clock"});
+  ASSERT_TRUE(fake.running());
+  const auto module = aravis();
+  ASSERT_TRUE(module) << module.error();
+  const auto cameras = (*module)->discover();
+  ASSERT_EQ(cameras.size(), 1U);
+  EXPECT_EQ(cameras[0].name, "Aravis-Fake-SKEIN1");
+  EXPECT_EQ(cameras[0].model, "Aravis Fake");
+  EXPECT_EQ(cameras[0].address, "127.0.0.1");
+  EXPECT_EQ(cameras[0].protocol, "GigEVision");
+  std::string error;
+  const auto lines = (*module)->describe("Aravis-Fake-SKEIN1", error);
+  const std::vector<std::string> expected{"Aravis Fake, serial number SKEIN1",
+                                          "sensor: 2048x2048",
+                                          "frames: 512x512 at (0, 0), Mono8",
+                                          "formats: BayerBG8 BayerGB8 BayerGR8 BayerRG8 Mono8 RGB8 Mono16",
+                                          "frames/s: 25 (0.1 to 1000)",
+                                          "exposure: 0.01 s (1e-05 to 10)",
+                                          "gain: 0 (0 to 10)",
+                                          "triggers: Line0 Software",
+                                          "clock: TimestampLatch"};
+  EXPECT_EQ(lines, expected) << error;
+}
+
+TEST(Aravis, GivesFramesOfTheSizeAndRateThatWereAskedFor) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  auto camera = open_source("aravis:Aravis-Fake-SKEIN1",
+                            {.width = 640, .height = 480, .rate = 50.0, .controls = {{"exposure", 0.002}}});
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_EQ((*camera)->describe(), "camera aravis:Aravis-Fake-SKEIN1 (640x480 Mono8, 50 frames/s)");
+  EXPECT_FALSE((*camera)->stills());
+  Frame frame;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE((*camera)->read(frame).value());
+    EXPECT_EQ(frame.index, i);
+    EXPECT_EQ(frame.width, 640);
+    EXPECT_EQ(frame.height, 480);
+    for (const int u : {10, 100, 639}) EXPECT_EQ(frame.row(479)[u], test::fake_gige_grey(u));
+  }
+  const Timing timing = measure(**camera, 0.002, 50, 0);
+  EXPECT_NEAR(timing.rate, 50.0, 2.0) << "a busy machine drops a frame or two";
+  EXPECT_EQ((*camera)->status().outages, 0);
+  EXPECT_EQ((*camera)->status().damaged, 0);
+}
+
+TEST(Aravis, TellsTheSameGreyInEveryFormat) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  for (const char* format : {"Mono8", "Mono16", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "RGB8"}) {
+    auto camera = open_source(
+        address, {.width = 320, .height = 240, .rate = 50.0, .format = format, .controls = {{"exposure", 0.001}}});
+    ASSERT_TRUE(camera) << camera.error();
+    Frame frame;
+    ASSERT_TRUE((*camera)->read(frame).value()) << format;
+    for (int u = 16; u < 304; ++u) ASSERT_NEAR(frame.row(120)[u], test::fake_gige_grey(u), 1) << format << " " << u;
+  }
+}
+
+TEST(Aravis, StampsAreTheMiddleOfTheExposureWhereTheClockCanBeRead) {
+  // Its clock runs 50 ppm too fast, and a frame leaves it 1 to 3 ms after an exposure of 8 ms: what arrives is 9 to 11
+  // ms later than the exposure began.
+  test::FakeGige fake({"--clock"});
+  ASSERT_TRUE(fake.running());
+  constexpr double exposure = 0.008;
+  auto camera = open_source(address, {.width = 320, .height = 240, .rate = 50.0, .controls = {{"exposure", exposure}}});
+  ASSERT_TRUE(camera) << camera.error();
+  const Timing timing = measure(**camera, exposure, 150, 5);
+  EXPECT_NEAR(timing.late, 0.0, test::sanitized ? 0.005 : 0.001);
+  EXPECT_GT(timing.arrival_spread, 0.001) << "frames leave 1 to 3 ms after the exposure";
+  EXPECT_LT(timing.spread, 0.6 * timing.arrival_spread);
+  EXPECT_EQ((*camera)->stamps(), TimeStamps::exposure_start);
+  EXPECT_TRUE((*camera)->status().notices.empty());
+}
+
+TEST(Aravis, AClockThatCannotBeReadIsSaidAndCostsNoJitter) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  constexpr double exposure = 0.008;
+  auto camera = open_source(address, {.width = 320, .height = 240, .rate = 50.0, .controls = {{"exposure", exposure}}});
+  ASSERT_TRUE(camera) << camera.error();
+  ASSERT_EQ((*camera)->status().notices.size(), 1U);
+  EXPECT_NE((*camera)->status().notices[0].find("its clock cannot be read"), std::string::npos);
+  const Timing timing = measure(**camera, exposure, 100, 50);
+  EXPECT_EQ((*camera)->stamps(), TimeStamps::frame_end);
+  EXPECT_GT(timing.late, 0.0005) << "1 ms until the first packet is the least";
+  EXPECT_LT(timing.late, test::sanitized ? 0.02 : 0.005);
+  EXPECT_LT(timing.spread, 0.5 * timing.arrival_spread) << "packets come 1 to 3 ms after the exposure";
+}
+
+TEST(Aravis, SoftwareTriggerGivesAFrameWhenItIsTime) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  constexpr double exposure = 0.004;
+  auto camera = open_source(
+      address,
+      {.width = 320, .height = 240, .rate = 20.0, .trigger = "software", .controls = {{"exposure", exposure}}});
+  ASSERT_TRUE(camera) << camera.error();
+  const Timing timing = measure(**camera, exposure, 40, 3);
+  EXPECT_NEAR(timing.rate, 20.0, 1.0);
+  EXPECT_EQ((*camera)->stamps(), TimeStamps::exposure_start);
+  EXPECT_NEAR(timing.late, 0.0, test::sanitized ? 0.02 : 0.003) << "the fake looks for triggers once in a millisecond";
+}
+
+TEST(Aravis, HardwareTriggerGivesAFrameForEachPulse) {
+  test::FakeGige fake({"--clock", "--line", "40"});
+  ASSERT_TRUE(fake.running());
+  constexpr double exposure = 0.004;
+  auto camera = open_source(
+      address, {.width = 320, .height = 240, .rate = 40.0, .trigger = "Line0", .controls = {{"exposure", exposure}}});
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_EQ((*camera)->describe(), "camera aravis:127.0.0.1 (320x240 Mono8, 40 frames/s, trigger Line0)");
+  const Timing timing = measure(**camera, exposure, 80, 3);
+  EXPECT_NEAR(timing.rate, 40.0, 2.0);
+  EXPECT_NEAR(timing.late, 0.0, test::sanitized ? 0.005 : 0.001);
+}
+
+TEST(Aravis, RefusesWhatTheCameraCannotDo) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  const struct {
+    SourceOptions options;
+    std::string message;
+  } cases[] = {
+      {{.format = "MJPG"},
+       "aravis:127.0.0.1: offers BayerBG8, BayerGB8, BayerGR8, BayerRG8, Mono8, RGB8, Mono16; needed: MJPG"},
+      {{.width = 4096, .height = 3000}, "aravis:127.0.0.1: cannot give 4096x3000; its sensor has 2048x2048"},
+      {{.trigger = "Line7"}, "aravis:127.0.0.1: trigger \"Line7\"; allowed: software, Line0, Software"},
+      {{.controls = {{"exposure", 60.0}}}, "aravis:127.0.0.1: exposure = 60; allowed: 1e-05 to 10"},
+      {{.controls = {{"gain", 99.0}}}, "aravis:127.0.0.1: gain = 99; allowed: 0 to 10"},
+      {{.controls = {{"focus", 3.0}}}, "aravis:127.0.0.1: has no control focus"},
+  };
+  for (const auto& [options, message] : cases) {
+    const auto camera = open_source(address, options);
+    ASSERT_FALSE(camera) << message;
+    EXPECT_EQ(camera.error().substr(0, message.size()), message);
+  }
+}
+
+TEST(Aravis, ACameraThatIsNotThereIsNamed) {
+  const test::PortLock nobody_is_there;
+  const auto camera = open_source(address);
+  ASSERT_FALSE(camera);
+  EXPECT_TRUE(camera.error().starts_with("aravis:127.0.0.1: cannot be opened (")) << camera.error();
+}
+
+TEST(Aravis, FramesWithMissingPacketsArePassedOverAndSaid) {
+  test::FakeGige fake({"--lost", "20"});
+  ASSERT_TRUE(fake.running());
+  auto camera = open_source(address, {.width = 128, .height = 96, .rate = 50.0, .controls = {{"exposure", 0.001}}});
+  ASSERT_TRUE(camera) << camera.error();
+  Frame frame;
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE((*camera)->read(frame).value());
+    for (const int u : {10, 60, 127}) ASSERT_EQ(frame.row(95)[u], test::fake_gige_grey(u)) << "a whole frame";
+  }
+  const SourceStatus status = (*camera)->status();
+  EXPECT_GT(status.damaged, 0);
+  ASSERT_FALSE(status.notices.empty());
+  EXPECT_NE(status.notices.back().find("a frame was not whole"), std::string::npos) << status.notices.back();
+}
+
+TEST(Aravis, ALostCameraIsAnErrorAfterItsTime) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  auto camera = open_source(address, {.width = 320, .height = 240, .rate = 25.0, .reopen_for = 2.0});
+  ASSERT_TRUE(camera) << camera.error();
+  Frame frame;
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE((*camera)->read(frame).value());
+  fake.kill();
+  const test::PortLock nobody_comes_back;
+  const double killed = monotonic_now();
+  auto read = (*camera)->read(frame);
+  while (read && *read) read = (*camera)->read(frame);  // what was on its way
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().find("no frame for 0.25 s (unplugged, or the network is full?)"), std::string::npos)
+      << read.error();
+  const SourceStatus status = (*camera)->status();
+  EXPECT_FALSE(status.up);
+  EXPECT_EQ(status.outages, 1);
+  EXPECT_EQ(status.reason, read.error());
+  EXPECT_LT(monotonic_now() - killed, 7.0);
+}
+
+TEST(Aravis, ACameraThatComesBackIsOpenedAgainWithItsSettings) {
+  auto fake = std::make_unique<test::FakeGige>();
+  ASSERT_TRUE(fake->running());
+  auto camera = open_source(
+      address, {.width = 320, .height = 240, .rate = 50.0, .controls = {{"exposure", 0.002}}, .reopen_for = 30.0});
+  ASSERT_TRUE(camera) << camera.error();
+  Frame frame;
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE((*camera)->read(frame).value());
+  fake->kill();
+  std::jthread again([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    fake = std::make_unique<test::FakeGige>();
+  });
+  const std::int64_t before = frame.index;
+  const double last = frame.captured_at;
+  bool back = false;
+  for (int i = 0; i < 10 && !back; ++i) {
+    ASSERT_TRUE((*camera)->read(frame).value());
+    back = frame.captured_at > last + 0.4;
+  }
+  ASSERT_TRUE(back);
+  EXPECT_GT(frame.index, before);
+  EXPECT_EQ(frame.width, 320);
+  EXPECT_EQ((*camera)->status().outages, 1);
+  EXPECT_TRUE((*camera)->status().up);
+  EXPECT_NEAR(measure(**camera, 0.002, 50, 1).rate, 50.0, 2.0);
+}
+
+TEST(Aravis, NobodyWaitsForACameraThatWasLost) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  std::atomic<bool> waits{true};
+  auto camera = open_source(address, {.width = 320, .height = 240, .keep_waiting = [&] { return waits.load(); }});
+  ASSERT_TRUE(camera) << camera.error();
+  Frame frame;
+  ASSERT_TRUE((*camera)->read(frame).value());
+  fake.kill();
+  waits = false;
+  const double asked = monotonic_now();
+  auto read = (*camera)->read(frame);
+  while (read && *read) read = (*camera)->read(frame);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_LT(monotonic_now() - asked, 0.5);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  camera->reset();
+  EXPECT_LT(monotonic_now() - asked, 2.0) << "nobody waits for its goodbye either";
+}
+
+}  // namespace
+}  // namespace skein::vision

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tests/places.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+extern char** environ;
+
+namespace skein::test {
+
+inline constexpr const char* fake_gige_serial = "SKEIN1";
+
+/// What the fake's pictures show in column u, in every format.
+inline std::uint8_t fake_gige_grey(int u) {
+  return static_cast<std::uint8_t>(40 + u / 8);
+}
+
+/// What it shows with --tags.
+inline std::vector<vision::SyntheticTag> fake_gige_tags() {
+  return {{1, {0.3, 0.2, 0.5}}, {2, {-0.5, 0.4, -2.0}}, {3, {0.6, -0.5, 1.5}}, {4, {-0.7, -0.3, 3.0}}};
+}
+
+/// Cameras share one port of the machine: one test at a time, in whatever process.
+class PortLock {
+ public:
+  PortLock() : file_(::open("/tmp/skein_fake_gige.lock", O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
+    ::flock(file_, LOCK_EX);
+  }
+  ~PortLock() { ::close(file_); }
+  PortLock(const PortLock&) = delete;
+  PortLock& operator=(const PortLock&) = delete;
+
+ private:
+  int file_;
+};
+
+/// The program skein_fake_gige, running.
+class FakeGige {
+ public:
+  explicit FakeGige(std::vector<std::string> words = {}) {
+    int pipe[2];
+    if (::pipe2(pipe, O_CLOEXEC) != 0) return;
+    words.insert(words.begin(), fake_gige());
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, pipe[1], 1);
+    if (posix_spawn(&pid_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) pid_ = 0;
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(pipe[1]);
+    char ready = 0;
+    running_ = pid_ != 0 && ::read(pipe[0], &ready, 1) == 1;
+    ::close(pipe[0]);
+  }
+  ~FakeGige() { kill(); }
+  FakeGige(const FakeGige&) = delete;
+  FakeGige& operator=(const FakeGige&) = delete;
+
+  bool running() const { return running_; }
+  /// Gone, as a camera whose cable was pulled.
+  void kill() {
+    if (pid_ != 0) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    pid_ = 0;
+    running_ = false;
+  }
+
+ private:
+  pid_t pid_ = 0;
+  bool running_ = false;
+};
+
+}  // namespace skein::test

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <arv.h>
+
+#include <string>
+#include <vector>
+
+#include "vision/frames/frame_source.h"
+
+namespace skein::vision::detail {
+
+/// Sets controls, in order, and reads them back. Names: GenICam features that are numbers, switches or menus (by their
+/// number), in their own units ("BinningHorizontal"), or
+///   exposure   [s]  turns the automatic off (0: on)
+///   gain            camera's units, as a rule dB; turns its automatic off
+/// Empty, or the first that is not there or out of range, with what is allowed. `notices` gets a line for each that
+/// took another value, and for an automatic that is on and was not asked for.
+std::string set_controls(ArvCamera* camera, const std::string& name, const ControlSettings& settings,
+                         std::vector<std::string>& notices);
+
+/// Lines for people: formats, size, rate, exposure, gain, triggers, and whether its clock can be read.
+std::vector<std::string> describe(ArvCamera* camera);
+
+/// What of an enumeration is there now.
+std::vector<std::string> words_of(ArvCamera* camera, const char* feature);
+
+/// How a camera's clock is read: by a command, then from a value in units of 1 s / frequency.
+struct ClockFeatures {
+  const char* latch = nullptr;
+  const char* value = nullptr;
+  double frequency = 1e9;  // [1/s]
+};
+/// GigE Vision's first names or those of SFNC 2; `latch` null: it cannot be read.
+ClockFeatures clock_features(ArvCamera* camera);
+
+}  // namespace skein::vision::detail

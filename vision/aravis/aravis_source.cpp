@@ -1,0 +1,515 @@
+#include "vision/aravis/aravis_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "vision/aravis/aravis_controls.h"
+#include "vision/aravis/device_clock.h"
+#include "vision/aravis/genicam.h"
+#include "vision/frames/pixels.h"
+
+namespace skein::vision::detail {
+namespace {
+
+// One is being filled, one waits for packets to be sent again, one is read; more would only hold older frames.
+constexpr int buffers = 5;
+
+// Opening the shutter and settling the exposure takes cameras a second or two. [s]
+constexpr double first_frame_wait = 5.0;
+
+// Frame times without a frame after which the camera counts as stuck, and the least wait: to open a camera anew takes a
+// second and more, which a hiccup of the network is not worth. [frames, s]
+constexpr double stall_frames = 3.0;
+constexpr double least_stall_wait = 0.25;
+
+// Between two attempts to open a camera that has gone, and between two looks whether anybody still waits for it. [s]
+constexpr double reopen_pause = 0.1;
+constexpr double look = 0.05;
+
+// An incomplete frame holds back those behind it: packets are asked for again no longer than the next frame takes. [s]
+constexpr double least_retention = 0.005;
+constexpr double most_retention = 0.1;
+
+struct PixelKind {
+  ArvPixelFormat number;
+  bool (*to_grey)(std::span<const std::uint8_t> bytes, std::size_t stride, Frame& frame);
+  int bits;  // of a pixel, with all of its colours
+};
+
+// GenICam's numbers for what this Aravis has no names for.
+constexpr ArvPixelFormat mono_10p = 0x010A0046;
+constexpr ArvPixelFormat mono_12p = 0x010C0047;
+
+// From free to costly.
+constexpr std::array formats{
+    PixelKind{ARV_PIXEL_FORMAT_MONO_8, grey_from_grey, 8},
+    PixelKind{ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED, grey_from_yuyv, 16},
+    PixelKind{ARV_PIXEL_FORMAT_YUV_422_PACKED, grey_from_uyvy, 16},
+    PixelKind{ARV_PIXEL_FORMAT_MONO_10_PACKED, grey_from_gige_packed, 12},
+    PixelKind{ARV_PIXEL_FORMAT_MONO_12_PACKED, grey_from_gige_packed, 12},
+    PixelKind{mono_10p, grey_from_packed<10>, 10},
+    PixelKind{mono_12p, grey_from_packed<12>, 12},
+    PixelKind{ARV_PIXEL_FORMAT_MONO_10, grey_from_words<10>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_MONO_12, grey_from_words<12>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_MONO_14, grey_from_words<14>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_MONO_16, grey_from_words<16>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_RG_8, grey_from_bayer<8>, 8},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_GR_8, grey_from_bayer<8>, 8},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_GB_8, grey_from_bayer<8>, 8},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_BG_8, grey_from_bayer<8>, 8},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_RG_10, grey_from_bayer<10>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_GR_10, grey_from_bayer<10>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_GB_10, grey_from_bayer<10>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_BG_10, grey_from_bayer<10>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_RG_12, grey_from_bayer<12>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_GR_12, grey_from_bayer<12>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_GB_12, grey_from_bayer<12>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_BAYER_BG_12, grey_from_bayer<12>, 16},
+    PixelKind{ARV_PIXEL_FORMAT_RGB_8_PACKED, grey_from_rgb, 24},
+    PixelKind{ARV_PIXEL_FORMAT_BGR_8_PACKED, grey_from_rgb, 24},
+};
+
+double monotonic_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+void sleep_for(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+class AravisSource final : public FrameSource {
+ public:
+  AravisSource(std::string name, SourceOptions options) : name_(std::move(name)), options_(std::move(options)) {}
+  ~AravisSource() override { close(); }
+  AravisSource(const AravisSource&) = delete;
+  AravisSource& operator=(const AravisSource&) = delete;
+
+  /// Empty, or what is in the way.
+  std::string open() {
+    Failure failed;
+    std::vector<std::string> notices;
+    lost_.store(false, std::memory_order_relaxed);
+    if (frames_ > 0) arv_update_device_list();  // it may have another address now, or none
+    camera_.reset(arv_camera_new(name_.c_str(), &failed));
+    last_arrival_ = monotonic_now();
+    std::string problem = camera_ ? std::string() : failed_to("cannot be opened", failed);
+    if (problem.empty()) {
+      handler_ =
+          g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_control_lost), &lost_);
+      arv_camera_set_acquisition_mode(camera_.get(), ARV_ACQUISITION_MODE_CONTINUOUS, &failed);
+      problem = set_controls(camera_.get(), name_, options_.controls, notices);
+    }
+    if (problem.empty()) problem = choose_format();
+    if (problem.empty()) problem = set_region();
+    if (problem.empty()) problem = set_trigger();
+    if (problem.empty()) set_rate(notices);
+    if (problem.empty()) problem = start();
+    if (!problem.empty()) {
+      close();
+      return problem;
+    }
+    read_clock(notices);
+    const std::lock_guard lock(status_mutex_);
+    status_.notices = std::move(notices);
+    return {};
+  }
+
+  tl::expected<bool, std::string> read(Frame& frame) override {
+    for (;;) {
+      std::string problem;
+      if (take(frame, problem)) return true;
+      if (nobody_waits()) return false;
+      if (!problem.empty())
+        if (std::string given_up = reopen(problem); !given_up.empty()) {
+          if (left_) return false;
+          return tl::unexpected(given_up);
+        }
+      // A damaged frame (a full network): the next one may be well, but not for ever.
+      if (damaged_ > max_damaged) return tl::unexpected(address() + ": sends only damaged frames");
+    }
+  }
+
+  TimeStamps stamps() const override { return stamps_.load(std::memory_order_relaxed); }
+  SourceStatus status() const override {
+    const std::lock_guard lock(status_mutex_);
+    return status_;
+  }
+  std::string describe() const override {
+    return fmt::format("camera {} ({}x{} {}, {:.3g} frames/s{})", address(), width_, height_, format_, 1.0 / period_,
+                       options_.trigger.empty() ? "" : ", trigger " + options_.trigger);
+  }
+
+ private:
+  static constexpr int max_damaged = 25;
+
+  // Aravis's thread.
+  static void on_control_lost(ArvDevice*, std::atomic<bool>* lost) { lost->store(true, std::memory_order_relaxed); }
+
+  std::string address() const { return "aravis:" + name_; }
+  std::string failed_to(const char* what, const Failure& failed) const {
+    return fmt::format("{}: {} ({})", address(), what, failed ? failed.text() : "no reason given");
+  }
+  bool software_trigger() const { return options_.trigger == "software"; }
+
+  /// What holds a camera.
+  struct Held {
+    Object<ArvCamera> camera;
+    Object<ArvStream> stream;  // goes before its camera
+    gulong handler = 0;
+
+    void let_go() {
+      Failure failed;
+      if (stream) arv_camera_stop_acquisition(camera.get(), &failed);
+      stream.reset();
+      camera.reset();
+    }
+  };
+
+  void close() {
+    if (!camera_) return;
+    g_signal_handler_disconnect(arv_camera_get_device(camera_.get()), handler_);
+    Held held{std::move(camera_), std::move(stream_), handler_};
+    if (!silent()) return held.let_go();
+    // To one that does not answer, every word takes seconds to fail; nobody waits for that.
+    std::thread([held = std::move(held)]() mutable { held.let_go(); }).detach();
+  }
+  /// No frame has come for longer than frames take.
+  bool silent() const {
+    return lost_.load(std::memory_order_relaxed) || (frames_ > 0 && monotonic_now() - last_arrival_ > stall_wait());
+  }
+  double stall_wait() const { return std::max(least_stall_wait, stall_frames * std::max(period_, seen_period_)); }
+
+  std::string choose_format() {
+    Failure failed;
+    guint count = 0;
+    const std::unique_ptr<gint64, Free> numbers(arv_camera_dup_available_pixel_formats(camera_.get(), &count, &failed));
+    if (!numbers) return failed_to("does not tell its formats", failed);
+    const std::vector<std::string> names = words_of(camera_.get(), "PixelFormat");
+    pixels_ = nullptr;
+    for (const PixelKind& kind : formats) {
+      for (guint i = 0; i < count && i < names.size() && pixels_ == nullptr; ++i)
+        if (numbers.get()[i] == static_cast<gint64>(kind.number) &&
+            (options_.format.empty() || options_.format == names[i])) {
+          pixels_ = &kind;
+          format_ = names[i];
+        }
+      if (pixels_ != nullptr) break;
+    }
+    if (pixels_ == nullptr)
+      return fmt::format("{}: offers {}; needed: {}", address(), fmt::join(names, ", "),
+                         options_.format.empty() ? "Mono, YUV422, Bayer, RGB8 or BGR8" : options_.format);
+    arv_camera_set_pixel_format(camera_.get(), pixels_->number, &failed);
+    return failed ? failed_to("does not take its format", failed) : std::string();
+  }
+
+  /// The size asked for, from the middle of the sensor: where a smaller picture lies decides the calibration's centre.
+  std::string set_region() {
+    Failure failed;
+    gint x = 0;
+    gint y = 0;
+    if (options_.width > 0 && options_.height > 0) {
+      arv_camera_set_region(camera_.get(), 0, 0, -1, -1, &failed);  // its bounds depend on where it begins
+      gint most = 0;
+      gint least = 0;
+      arv_camera_get_width_bounds(camera_.get(), &least, &most, nullptr);
+      if (options_.width < least || options_.width > most)
+        return refused_size(fmt::format("width: {} to {}", least, most));
+      arv_camera_get_height_bounds(camera_.get(), &least, &most, nullptr);
+      if (options_.height < least || options_.height > most)
+        return refused_size(fmt::format("height: {} to {}", least, most));
+      arv_camera_set_region(camera_.get(), 0, 0, options_.width, options_.height, &failed);
+      if (failed) return refused_size(failed.text());
+      const auto middle = [&](gint step) { return step > 0 ? most / 2 / step * step : 0; };
+      arv_camera_get_x_offset_bounds(camera_.get(), &least, &most, &failed);
+      x = failed ? 0 : middle(arv_camera_get_x_offset_increment(camera_.get(), nullptr));
+      arv_camera_get_y_offset_bounds(camera_.get(), &least, &most, &failed);
+      y = failed ? 0 : middle(arv_camera_get_y_offset_increment(camera_.get(), nullptr));
+      arv_camera_set_region(camera_.get(), x, y, options_.width, options_.height, &failed);
+      if (failed) return refused_size(failed.text());
+    }
+    arv_camera_get_region(camera_.get(), &x, &y, &width_, &height_, &failed);
+    if (failed) return failed_to("does not tell its size", failed);
+    if (options_.width > 0 && (width_ != options_.width || height_ != options_.height))
+      return refused_size(fmt::format("it gives {}x{}", width_, height_));
+    return {};
+  }
+  std::string refused_size(const std::string& why) const {
+    gint width = 0;
+    gint height = 0;
+    arv_camera_get_sensor_size(camera_.get(), &width, &height, nullptr);
+    return fmt::format("{}: cannot give {}x{}; its sensor has {}x{} ({})", address(), options_.width, options_.height,
+                       width, height, why);
+  }
+
+  std::string set_trigger() {
+    Failure failed;
+    if (options_.trigger.empty()) {
+      arv_camera_clear_triggers(camera_.get(), &failed);  // a camera without any says so
+      return {};
+    }
+    const std::vector<std::string> lines = words_of(camera_.get(), "TriggerSource");
+    const std::string wanted = software_trigger() ? "Software" : options_.trigger;
+    if (std::find(lines.begin(), lines.end(), wanted) == lines.end())
+      return fmt::format("{}: trigger \"{}\"; allowed: software, {}", address(), options_.trigger,
+                         fmt::join(lines, ", "));
+    arv_camera_set_trigger(camera_.get(), wanted.c_str(), &failed);
+    return failed ? failed_to("does not take its trigger", failed) : std::string();
+  }
+
+  void set_rate(std::vector<std::string>& notices) {
+    Failure failed;
+    const bool free = options_.trigger.empty();
+    if (free && options_.rate > 0.0) arv_camera_set_frame_rate(camera_.get(), options_.rate, &failed);
+    const double given = free ? arv_camera_get_frame_rate(camera_.get(), &failed) : options_.rate;
+    if (given > 0.0) period_ = 1.0 / given;
+    constexpr double as_good = 0.99;  // 29.97 is 30
+    if (free && given > 0.0 && given < as_good * options_.rate)
+      notices.push_back(fmt::format("{}: gives {:.3g} frames/s at {}x{} {}, not {:.3g}", address(), given, width_,
+                                    height_, format_, options_.rate));
+    exposure_ = arv_camera_is_exposure_time_available(camera_.get(), nullptr)
+                    ? 1e-6 * arv_camera_get_exposure_time(camera_.get(), nullptr)
+                    : 0.0;
+  }
+
+  std::string start() {
+    Failure failed;
+    stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, &failed));
+    if (!stream_) return failed_to("does not stream", failed);
+    if (ARV_IS_GV_STREAM(stream_.get())) {
+      const auto retention = static_cast<guint>(1e6 * std::clamp(period_, least_retention, most_retention));
+      g_object_set(stream_.get(), "packet-resend", ARV_GV_STREAM_PACKET_RESEND_ALWAYS, "frame-retention", retention,
+                   nullptr);
+    }
+    const guint payload = arv_camera_get_payload(camera_.get(), &failed);
+    if (failed) return failed_to("does not tell how large its frames are", failed);
+    for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
+    arv_camera_start_acquisition(camera_.get(), &failed);
+    return failed ? failed_to("does not start", failed) : std::string();
+  }
+
+  /// The camera's clock beside the host's: the quickest of some answers.
+  void read_clock(std::vector<std::string>& notices) {
+    const ClockFeatures features = clock_features(camera_.get());
+    std::optional<double> offset;
+    double quickest = std::numeric_limits<double>::infinity();
+    for (int i = 0; features.latch != nullptr && i < 8; ++i) {
+      Failure failed;
+      const double before = monotonic_now();
+      arv_camera_execute_command(camera_.get(), features.latch, &failed);
+      const double after = monotonic_now();
+      if (failed) break;
+      const gint64 value = arv_camera_get_integer(camera_.get(), features.value, &failed);
+      if (failed) break;
+      if (after - before >= quickest) continue;
+      quickest = after - before;
+      offset = 0.5 * (before + after) - static_cast<double>(value) / features.frequency;
+    }
+    clock_ = DeviceClock(offset);
+    if (!offset && !software_trigger())
+      notices.push_back(fmt::format(
+          "{}: its clock cannot be read: its exposure counts as over when the first packet of its frame arrives",
+          address()));
+  }
+
+  struct Unqueue {
+    ArvStream* stream;
+    void operator()(ArvBuffer* buffer) const { arv_stream_push_buffer(stream, buffer); }
+  };
+  using Buffer = std::unique_ptr<ArvBuffer, Unqueue>;
+
+  /// Waits for the newest frame. false: none, or a damaged one; `problem`: the camera has stopped delivering.
+  bool take(Frame& frame, std::string& problem) {
+    if (!trigger(problem)) return false;
+    int passed_over = 0;
+    Buffer newest = wait(problem);
+    if (!newest) return false;
+    // Everything that has piled up while we were busy; only the last is of use.
+    while (ArvBuffer* newer = arv_stream_try_pop_buffer(stream_.get())) {
+      ++passed_over;
+      newest = Buffer(newer, {stream_.get()});
+    }
+    const double arrived_at = monotonic_now();
+    last_arrival_ = arrived_at;
+    const bool whole = arv_buffer_get_status(newest.get()) == ARV_BUFFER_STATUS_SUCCESS && convert(*newest, frame);
+    if (whole) {
+      frame.captured_at = captured_at(*newest, arrived_at, passed_over);
+      frame.arrived_at = arrived_at;
+      frame.index = frames_++;
+      frame.source = std::to_string(frame.index);
+      if (!fresh_) seen_period_ = std::clamp((frame.captured_at - last_capture_) / (1 + passed_over), 0.0, 1.0);
+      last_capture_ = frame.captured_at;
+    }
+    damaged_ = whole ? 0 : damaged_ + 1;
+    fresh_ = fresh_ && !whole;
+    const std::lock_guard lock(status_mutex_);
+    status_.up = status_.up || whole;
+    status_.passed_over += passed_over;
+    if (!whole && status_.damaged++ == 0) status_.notices.push_back(loss());
+    return whole;
+  }
+
+  std::string loss() const {
+    guint64 again = 0;
+    guint64 missing = 0;
+    if (ARV_IS_GV_STREAM(stream_.get())) arv_gv_stream_get_statistics(ARV_GV_STREAM(stream_.get()), &again, &missing);
+    return fmt::format(
+        "{}: a frame was not whole ({} packets sent again, {} missing): is the network full, or its receive buffer too "
+        "small?",
+        address(), again, missing);
+  }
+
+  /// Software trigger: asks for a frame when it is time. false: nobody waits any more, or the camera did not hear it.
+  bool trigger(std::string& problem) {
+    if (!software_trigger()) return true;
+    const double now = monotonic_now();
+    trigger_at_ = std::max(trigger_at_ + period_, now - period_);
+    for (double left = trigger_at_ - now; left > 0.0; left = trigger_at_ - monotonic_now()) {
+      if (nobody_waits()) return false;
+      sleep_for(std::min(left, look));
+    }
+    // What came of triggers that were thought lost is none of this one's.
+    while (ArvBuffer* late = arv_stream_try_pop_buffer(stream_.get())) Buffer(late, {stream_.get()});
+    Failure failed;
+    const double before = monotonic_now();
+    arv_camera_software_trigger(camera_.get(), &failed);
+    triggered_at_ = 0.5 * (before + monotonic_now());
+    if (failed) problem = failed_to("did not hear its trigger", failed);
+    return !failed;
+  }
+
+  /// Until a frame is there. None: why none will come, or nobody waits for it any more.
+  Buffer wait(std::string& problem) {
+    const double seconds = fresh_ ? first_frame_wait : stall_wait();
+    const double until = monotonic_now() + seconds;
+    for (double left = seconds; left > 0.0; left = until - monotonic_now()) {
+      const auto slice = static_cast<guint64>(1e6 * std::min(left, look));
+      if (ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), slice))
+        return Buffer(buffer, {stream_.get()});
+      if (nobody_waits()) return Buffer(nullptr, {stream_.get()});
+      if (lost_.load(std::memory_order_relaxed)) {
+        problem = address() + ": stopped answering (unplugged, or another program took it?)";
+        return Buffer(nullptr, {stream_.get()});
+      }
+    }
+    problem = fmt::format(
+        "{}: no frame for {:.3g} s (unplugged{}?)", address(), seconds,
+        options_.trigger.empty() || software_trigger() ? ", or the network is full" : ", or nothing triggers it");
+    return Buffer(nullptr, {stream_.get()});
+  }
+
+  bool convert(ArvBuffer& buffer, Frame& frame) const {
+    std::size_t size = 0;
+    const auto* bytes = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(&buffer, &size));
+    if (bytes == nullptr || arv_buffer_get_image_width(&buffer) != width_ ||
+        arv_buffer_get_image_height(&buffer) != height_ ||
+        arv_buffer_get_image_pixel_format(&buffer) != pixels_->number)
+      return false;
+    gint padding = 0;  // bytes behind each row
+    gint below = 0;
+    arv_buffer_get_image_padding(&buffer, &padding, &below);
+    const std::size_t row = (static_cast<std::size_t>(width_) * static_cast<std::size_t>(pixels_->bits) + 7) / 8;
+    frame.resize(width_, height_);
+    return pixels_->to_grey({bytes, size}, row + static_cast<std::size_t>(std::max(0, padding)), frame);
+  }
+
+  /// The middle of the exposure, CLOCK_MONOTONIC [s].
+  double captured_at(ArvBuffer& buffer, double now, int passed_over) {
+    // The library stamps a frame's first packet by the wall clock, which somebody may have set meanwhile.
+    const double since = 1e-6 * static_cast<double>(g_get_real_time()) -
+                         1e-9 * static_cast<double>(arv_buffer_get_system_timestamp(&buffer));
+    const double first_packet = now - std::clamp(since, 0.0, 1.0);
+    const double stamped = clock_.host(1e-9 * static_cast<double>(arv_buffer_get_timestamp(&buffer)), first_packet);
+    const double half = 0.5 * exposure_;
+    if (clock_.read()) {
+      stamps_.store(TimeStamps::exposure_start, std::memory_order_relaxed);
+      // A frame that left the camera sooner after its stamp than it was exposed was stamped at the end.
+      const bool at_the_end = clock_.delay() && *clock_.delay() < 0.9 * exposure_;
+      return at_the_end ? stamped - half : stamped + half;
+    }
+    if (software_trigger() && passed_over == 0) {
+      stamps_.store(TimeStamps::exposure_start, std::memory_order_relaxed);
+      return triggered_at_ + half;
+    }
+    stamps_.store(clock_.usable() ? TimeStamps::frame_end : TimeStamps::arrival, std::memory_order_relaxed);
+    return stamped - half;
+  }
+
+  /// Asked while no frame comes; once they have left, they have left.
+  bool nobody_waits() {
+    left_ = left_ || (options_.keep_waiting && !options_.keep_waiting());
+    return left_;
+  }
+
+  /// The camera has gone: unplugged, or stuck until it is started anew. Empty once it runs again.
+  std::string reopen(const std::string& problem) {
+    {
+      const std::lock_guard lock(status_mutex_);
+      status_.outages += status_.up ? 1 : 0;
+      status_.up = false;
+      status_.reason = problem;
+    }
+    // One that has never delivered, or has not since it was opened again, uses up the time as well.
+    if (!std::exchange(fresh_, true)) out_since_ = monotonic_now();
+    const int width = width_;
+    const int height = height_;
+    close();
+    while (frames_ > 0 && monotonic_now() - out_since_ < options_.reopen_for) {
+      if (nobody_waits()) return problem;
+      if (open().empty()) {
+        if (width_ == width && height_ == height) return {};
+        return fmt::format("{}: came back with {}x{} px instead of {}x{}", address(), width_, height_, width, height);
+      }
+      sleep_for(reopen_pause);
+    }
+    return problem;
+  }
+
+  std::string name_;
+  SourceOptions options_;
+  std::atomic<bool> lost_{false};  // Aravis's thread says so
+  Object<ArvCamera> camera_;
+  Object<ArvStream> stream_;
+  gulong handler_ = 0;  // of Aravis's word that the camera is lost
+  const PixelKind* pixels_ = nullptr;
+  std::string format_;
+  int width_ = 0;
+  int height_ = 0;
+  double period_ = 1.0 / 25.0;  // as the camera says [s]
+  double seen_period_ = 0.0;    // as the last frames were
+  double exposure_ = 0.0;       // [s]; 0: not known
+  DeviceClock clock_;
+  std::int64_t frames_ = 0;
+  int damaged_ = 0;         // frames in a row
+  bool left_ = false;       // whoever waited for a frame does not any more
+  bool fresh_ = true;       // no frame since it was opened
+  double out_since_ = 0.0;  // since when it has not delivered
+  double last_capture_ = 0.0;
+  double last_arrival_ = 0.0;  // or when it was opened
+  double trigger_at_ = 0.0, triggered_at_ = 0.0;
+  std::atomic<TimeStamps> stamps_{TimeStamps::arrival};  // until a frame has said better
+  mutable std::mutex status_mutex_;
+  SourceStatus status_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_camera(const std::string& camera, const SourceOptions& options, std::string& error) {
+  auto source = std::make_unique<AravisSource>(camera, options);
+  error = source->open();
+  if (!error.empty()) return nullptr;
+  return source;
+}
+
+}  // namespace skein::vision::detail

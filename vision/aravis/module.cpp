@@ -1,0 +1,31 @@
+#include "vision/aravis/aravis_controls.h"
+#include "vision/aravis/aravis_source.h"
+#include "vision/aravis/genicam.h"
+
+namespace skein::vision::detail {
+namespace {
+
+std::vector<AravisCamera> discover() {
+  arv_update_device_list();
+  std::vector<AravisCamera> cameras;
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i)
+    cameras.push_back({text(arv_get_device_id(i)), text(arv_get_device_vendor(i)) + " " + text(arv_get_device_model(i)),
+                       text(arv_get_device_address(i)), text(arv_get_device_protocol(i))});
+  return cameras;
+}
+
+std::vector<std::string> describe_camera(const std::string& name, std::string& error) {
+  Failure failed;
+  const Object<ArvCamera> camera(arv_camera_new(name.c_str(), &failed));
+  if (camera) return describe(camera.get());
+  error = "aravis:" + name + ": " + failed.text();
+  return {};
+}
+
+}  // namespace
+}  // namespace skein::vision::detail
+
+extern "C" __attribute__((visibility("default")))
+const skein::vision::Aravis skein_aravis_1 = {.open = skein::vision::detail::open_camera,
+                                              .discover = skein::vision::detail::discover,
+                                              .describe = skein::vision::detail::describe_camera};

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "vision/frames/frame_source.h"
+
+// GigE Vision and USB3 Vision through Aravis, a module of its own: GLib, GIO, libusb and libxml2 come with it.
+
+namespace skein::vision {
+
+/// A camera that has answered.
+struct AravisCamera {
+  std::string name{};      // what stands behind "aravis:": vendor, model and serial number
+  std::string model{};     // vendor and model
+  std::string address{};   // in the network, or on the USB
+  std::string protocol{};  // "GigEVision", "USB3Vision"
+};
+
+struct Aravis {
+  /// A camera by its name or its network address, or none and why in `error`.
+  std::unique_ptr<FrameSource> (*open)(const std::string& camera, const SourceOptions& options, std::string& error);
+
+  /// Those that answer within a second.
+  std::vector<AravisCamera> (*discover)();
+
+  /// What a camera can do and how it is set, for people, line by line; none and why in `error`. Does not change it, but
+  /// nobody else may be reading frames from it.
+  std::vector<std::string> (*describe)(const std::string& camera, std::string& error);
+};
+
+/// Carries a number for the same reason as media_symbol; SourceOptions counts too.
+inline constexpr const char* aravis_symbol = "skein_aravis_1";
+
+}  // namespace skein::vision
