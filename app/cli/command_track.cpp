@@ -20,7 +20,8 @@ int track(const TrackRequest& request) {
   if (request.list_controls) {
     if (const auto camera = vision::parse_source(request.source); camera && camera->live())
       return list_cameras(request.source);
-    print_error(fmt::format("skein: {} is not a camera; allowed with --list-controls: v4l2:DEVICE, aravis:CAMERA\n", request.source));
+    print_error(fmt::format("skein: {} is not a camera; allowed with --list-controls: v4l2:DEVICE, aravis:CAMERA\n",
+                            request.source));
     return wrong_input;
   }
   vision::TrackOptions options;

@@ -54,7 +54,8 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
-/// Lists the modes and settings of a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME"); without one, all cameras.
+/// Lists the modes and settings of a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME"); without one, all
+/// cameras.
 int list_cameras(const std::string& camera);
 
 /// Whether a robot or the camera of an experiment is real, so that it runs in real time.

@@ -62,7 +62,7 @@ class Statistics final : public RecordSink {
     double obstacle_gap = none;  ///< smallest between a robot's edge and an obstacle's; none without any [m]
     /// The largest lag of the formation's clock, and that at the end; empty if the formation does not wait. [s]
     std::optional<double> largest_lag, final_lag;
-    double outside = 0.0;        ///< largest distance of a robot's body over the edge of the arena [m]
+    double outside = 0.0;  ///< largest distance of a robot's body over the edge of the arena [m]
     std::int64_t collisions =
         0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
     std::int64_t missed_deadlines = 0;

@@ -192,8 +192,8 @@ struct TickRecord {
   std::vector<double> delta;                  ///< (37) for neighbours i, i+1: size n-1 [m]
   double min_distance = none;                 ///< between any two robots, true poses where known [m]
   double period = none;                       ///< since the tick before [s]
-  double lag = 0.0;            ///< of the formation's clock, which `nominal` follows, behind t [s]
-  std::size_t planning = 0;    ///< search nodes expanded for routes
+  double lag = 0.0;                           ///< of the formation's clock, which `nominal` follows, behind t [s]
+  std::size_t planning = 0;                   ///< search nodes expanded for routes
   double compute_time = none;  ///< duration of the tick [s]; none on the virtual clock, so that runs repeat to the bit
   Latency latency;             ///< wall clock only, as compute_time
   EventList events;

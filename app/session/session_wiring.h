@@ -37,7 +37,8 @@ inline bool belongs_to_run(const TickRecord& record, bool started) noexcept {
          (started && !driving_back && !record.events.empty());
 }
 
-/// The data flow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control loop.
+/// The data flow of a run: plant -> control loop -> channels -> recorder and window; operator -> queues -> control
+/// loop.
 struct SessionWiring {
   SessionWiring(const Experiment& e, SessionOptions::Clock c, SessionOptions o)
       : experiment(e), options(std::move(o)), clock(c == SessionOptions::Clock::wall), obstacles(e.obstacles) {}

@@ -5,9 +5,9 @@
 
 namespace skein::core {
 
-/// The delay of a clock behind the experiment's: it slows down, runs slowly or stands for a while, then runs faster until
-/// it has caught up. Its rate is continuous. A robot that yields follows its reference on such a clock, and so does a
-/// formation that waits for one of its robots: robots that share a clock keep the formation's distances.
+/// The delay of a clock behind the experiment's: it slows down, runs slowly or stands for a while, then runs faster
+/// until it has caught up. Its rate is continuous. A robot that yields follows its reference on such a clock, and so
+/// does a formation that waits for one of its robots: robots that share a clock keep the formation's distances.
 class Delay {
  public:
   Delay() = default;  ///< none

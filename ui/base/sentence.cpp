@@ -95,8 +95,9 @@ QString sentence(const app::Event& event) {
             return tr("The film broke off (is the disk full?): no more frames are recorded, the run goes on");
           },
           [&](const app::events::Link& e) {
-            return (e.state == app::LinkState::up ? tr("The link of robot %1 is up again; release the robot when it may drive")
-                                                  : tr("The link of robot %1 is lost: it was told to stop"))
+            return (e.state == app::LinkState::up
+                        ? tr("The link of robot %1 is up again; release the robot when it may drive")
+                        : tr("The link of robot %1 is lost: it was told to stop"))
                 .arg(e.robot + 1);
           },
           [&](const Perturb& e) { return tr("Robot %1 was moved by the experiment").arg(e.robot + 1); },

@@ -23,8 +23,8 @@ QString shortcuts_text() {
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
          row.arg(tr("Ctrl+1 … Ctrl+7"), tr("To arena, gains, plots, robots, events, results, time line")) +
          row.arg(QStringLiteral("Shift+F1"), tr("The tip of the focused control")) +
-         row.arg(QStringLiteral("Ctrl+W"), tr("Closes a dialog, also during a run")) + section(tr("A simulated robot")) +
-         row.arg(tr("Drag"), tr("Moves it; it keeps its heading")) +
+         row.arg(QStringLiteral("Ctrl+W"), tr("Closes a dialog, also during a run")) +
+         section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Moves it; it keeps its heading")) +
          row.arg(tr("Wheel"), tr("Turns it by 15° a notch, with Shift by 1°")) +
          row.arg(tr("Shift+drag, K"), tr("Kicks it: it slides along the arrow")) +
          row.arg(tr("Click, 1 … 9, N"), tr("Selects it: bold in the plots, marked in the table")) +

@@ -13,7 +13,8 @@ TEST(OpenSource, RefusesWhatItDoesNotKnow) {
   for (const char* source : {"", "images", "images:", "webcam:0", "/dev/video0", "synthetic"}) {
     const auto opened = open_source(source);
     ASSERT_FALSE(opened) << source;
-    EXPECT_NE(opened.error().find("allowed: images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA"), std::string::npos) << opened.error();
+    EXPECT_NE(opened.error().find("allowed: images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA"), std::string::npos)
+        << opened.error();
   }
 }
 
