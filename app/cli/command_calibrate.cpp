@@ -135,15 +135,14 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     const auto more = source->read(frame);
     if (!more) return fail_with(more.error(), device_failed);
     if (!*more) break;
-    const auto kind = seen.add(frame);
-    if (!kind) return fail_with(kind.error(), device_failed);
+    const auto look = seen.look(frame);
+    if (!look) return fail_with(look.error(), device_failed);
     const vision::Coverage& first = *seen.coverage();
-    if (*kind == BoardViews::FrameKind::other_size)
+    if (*look == BoardViews::Look::other_size)
       print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
                               frame.height, first.width, first.height));
-    if (*kind == BoardViews::FrameKind::no_board && stills)
-      print_error(fmt::format("skein: {}: no board\n", frame.source));
-    if (*kind == BoardViews::FrameKind::view && (terminal || (live && !request.quiet))) show();
+    if (*look == BoardViews::Look::no_board && stills) print_error(fmt::format("skein: {}: no board\n", frame.source));
+    if (*look == BoardViews::Look::view && (terminal || (live && !request.quiet))) show();
   }
   const std::optional<vision::Coverage>& coverage = seen.coverage();
   std::vector<vision::BoardView> views = std::move(seen.views());

@@ -19,14 +19,14 @@ class BoardViews {
   /// `live`: a camera, watched until it has seen enough; of a film, which is over when it is over, more is kept.
   BoardViews(const vision::Board& board, const vision::FrameSource& source, bool live);
 
-  enum class FrameKind {
+  enum class Look {
     view,        ///< kept
     known,       ///< the board as in an earlier view
     no_board,    ///< none is seen
     other_size,  ///< not of the first frame's size: skipped
   };
   /// The error: the board detector's module is missing.
-  tl::expected<FrameKind, std::string> add(const vision::Frame& frame);
+  tl::expected<Look, std::string> look(const vision::Frame& frame);
 
   const std::vector<vision::BoardCorner>& newest() const noexcept { return newest_; }  ///< corners of the last frame
   std::vector<vision::BoardView>& views() noexcept { return views_; }

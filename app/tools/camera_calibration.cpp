@@ -53,7 +53,7 @@ struct CameraCalibration::Work {
       const auto more = (*opened)->read(frame);
       if (!more) return end(more.error());
       if (!*more) break;
-      const auto found = seen.add(frame);
+      const auto found = seen.look(frame);
       if (!found) return end(found.error());
       const std::lock_guard lock(mutex);
       newest.width = frame.width;
@@ -65,7 +65,7 @@ struct CameraCalibration::Work {
       frames = seen.frames();
       corners.clear();
       for (const vision::BoardCorner& corner : seen.newest()) corners.push_back({corner.u, corner.v});
-      if (*found == BoardViews::FrameKind::view && views.size() < most_views) {
+      if (*found == BoardViews::Look::view && views.size() < most_views) {
         views.push_back(seen.views().back());
         changed.notify_all();
       }
