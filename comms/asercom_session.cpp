@@ -49,12 +49,19 @@ void AsercomSession::read_lines(double now) {
   while (phase_ == Phase::synchronising) {
     const auto reply = parser_.next();
     if (!reply) return;
-    if (reply->kind == Reply::Kind::stopped)
-      stop_answered(now);
-    else if (is_greeting(reply->text))
-      restarted();
-    else if (reply->text.starts_with("v,"))
-      counters_.version = reply->text.substr(2);
+    switch (reply->kind) {
+      case Reply::Kind::stopped:
+        stop_answered(now);
+        break;
+      case Reply::Kind::line:
+        if (is_greeting(reply->text))
+          restarted();
+        else if (reply->text.starts_with("v,"))
+          counters_.version = reply->text.substr(2);
+        break;
+      case Reply::Kind::wheels:  // nothing binary is asked for before the stop is answered
+        break;
+    }
   }
   if (phase_ == Phase::up && parser_.pending() > 0 && !answer_due()) unasked(now);
 }

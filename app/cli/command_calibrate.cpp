@@ -138,11 +138,20 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     const auto look = seen.look(frame);
     if (!look) return fail_with(look.error(), device_failed);
     const vision::Coverage& first = *seen.coverage();
-    if (*look == BoardViews::Look::other_size)
-      print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
-                              frame.height, first.width, first.height));
-    if (*look == BoardViews::Look::no_board && stills) print_error(fmt::format("skein: {}: no board\n", frame.source));
-    if (*look == BoardViews::Look::view && (terminal || (live && !request.quiet))) show();
+    switch (*look) {
+      case BoardViews::Look::other_size:
+        print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
+                                frame.height, first.width, first.height));
+        break;
+      case BoardViews::Look::no_board:
+        if (stills) print_error(fmt::format("skein: {}: no board\n", frame.source));
+        break;
+      case BoardViews::Look::view:
+        if (terminal || (live && !request.quiet)) show();
+        break;
+      case BoardViews::Look::known:
+        break;
+    }
   }
   const std::optional<vision::Coverage>& coverage = seen.coverage();
   std::vector<vision::BoardView> views = std::move(seen.views());

@@ -21,7 +21,7 @@ int check(const ExperimentRequest& request, bool controller) {
   fmt::print("experiment: {}\n{}", experiment->name, as_lines(certificate));
   for (std::size_t i = 0; i < experiment->robots.size(); ++i) {
     const RobotSpec& robot = experiment->robots[i];
-    if (robot.link != RobotSpec::Link::device) continue;
+    if (!robot.is_real()) continue;
     fmt::print("watchdog: {}: {}\n", robot_name(*experiment, i),
                !robot.watchdog ? "not known; `skein robots test --save` measures it"
                : *robot.watchdog == 0.0

@@ -83,7 +83,7 @@ int test_robots(const RobotsRequest& request) {
   std::vector<FoundRobot> found;
   bool good = true;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    if (experiment.robots[i].link == RobotSpec::Link::sim) continue;
+    if (!experiment.robots[i].has_link()) continue;
     auto result = test.test(i);
     if (!result) {
       complain(fmt::format("{}: {}", robot_name(experiment, i), result.error()));

@@ -195,7 +195,7 @@ std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, c
     } else if (word.ends_with(".toml")) {
       auto experiment = load({word, {}});
       if (!experiment) return {};
-      const auto linked = [](const RobotSpec& robot) { return robot.link != RobotSpec::Link::sim; };
+      const auto linked = [](const RobotSpec& robot) { return robot.has_link(); };
       if (std::none_of(experiment->robots.begin(), experiment->robots.end(), linked)) {
         print_error(fmt::format("skein: {}: no robot in it has a link\n", word));
         return {};

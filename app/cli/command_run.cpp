@@ -194,7 +194,7 @@ int run(const RunRequest& request) {
   }
   const std::vector<RobotStatus> robots = (*session)->robots();
   for (std::size_t i = 0; i < robots.size(); ++i)
-    if (experiment->robots[i].link != RobotSpec::Link::sim) summary.links.emplace_back(static_cast<int>(i), robots[i]);
+    if (experiment->robots[i].has_link()) summary.links.emplace_back(static_cast<int>(i), robots[i]);
   for (std::size_t i = 0; i < robots.size(); ++i)
     if (!robots[i].stop_acknowledged) summary.not_stopped.push_back(static_cast<int>(i));
 

@@ -197,7 +197,7 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
     std::map<std::string, std::size_t> here;
     std::size_t all = 0;
     for (const RobotSpec& robot : experiment.robots)
-      if (robot.link == RobotSpec::Link::device && robot.address.starts_with("rfcomm:")) ++here[robot.adapter], ++all;
+      if (robot.is_real() && robot.address.starts_with("rfcomm:")) ++here[robot.adapter], ++all;
     for (const auto& [adapter, count] : here) wanted[adapter] = std::max(wanted[adapter], count);
     robots = std::max(robots, all);
   }
@@ -269,7 +269,7 @@ Findings serial(const Machine& machine, const Examination& examination) {
     }
   for (const auto& [file, experiment] : examination.experiments)
     for (const RobotSpec& robot : experiment.robots) {
-      if (robot.link != RobotSpec::Link::device) continue;
+      if (!robot.is_real()) continue;
       const auto address = comms::parse_link_address(robot.address);
       if (!address || address->kind != comms::LinkKind::serial) continue;
       std::error_code error;

@@ -60,8 +60,7 @@ std::optional<std::string> real_time_reason(const Experiment& experiment) {
   if (experiment.camera.kind() != CameraKind::absent)
     return fmt::format("the camera \"{}\" runs in real time", experiment.camera.source);
   for (std::size_t i = 0; i < experiment.robots.size(); ++i)
-    if (experiment.robots[i].link != RobotSpec::Link::sim)
-      return fmt::format("robot {} has a link, which runs in real time", i + 1);
+    if (experiment.robots[i].has_link()) return fmt::format("robot {} has a link, which runs in real time", i + 1);
   return {};
 }
 

@@ -175,8 +175,32 @@ struct RobotSpec {
   std::optional<Truth> truth;
   const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
-  bool simulated() const noexcept { return link != Link::device; }
+  bool has_link() const noexcept;  ///< real or emulated: bytes go to it
+  bool is_real() const noexcept;
+  bool simulated() const noexcept { return !is_real(); }
 };
+
+inline bool RobotSpec::has_link() const noexcept {
+  switch (link) {
+    case Link::sim:
+      return false;
+    case Link::loopback:
+    case Link::device:
+      return true;
+  }
+  return true;
+}
+
+inline bool RobotSpec::is_real() const noexcept {
+  switch (link) {
+    case Link::sim:
+    case Link::loopback:
+      return false;
+    case Link::device:
+      return true;
+  }
+  return true;
+}
 
 /// The kind of an experiment's camera.
 enum class CameraKind {

@@ -55,8 +55,7 @@ void check_robots(const Experiment& e, Problems& problems) {
                    fmt::format("found \"{}\", which is the name of robot {}, allowed: a different name for each robot",
                                robot.name, other->second + 1));
     // Half a tick more than one, since ticks can be late.
-    if (const double most = robot.watchdog.value_or(0.0) / 1.5;
-        robot.link != RobotSpec::Link::sim && most > 0.0 && e.period() >= most)
+    if (const double most = robot.watchdog.value_or(0.0) / 1.5; robot.has_link() && most > 0.0 && e.period() >= most)
       problems.add("rate",
                    fmt::format("found {} Hz, at which robot {} stops by itself between two ticks (watchdog {} s); "
                                "allowed: above {:.4g} Hz",

@@ -55,20 +55,18 @@ void read_start(TomlTable& t, RobotSpec& robot, const Experiment& e) {
                          x_most, y_most));
 }
 
-/// The measures of a drive, as believed or as true.
-void read_drive(TomlTable& t, std::optional<double>& wheel_diameter, std::optional<double>& wheel_ratio,
-                std::optional<double>& track) {
-  t.number("wheel_diameter", wheel_diameter, between(0.01, 0.2, "m"));
-  t.number("wheel_ratio", wheel_ratio, between(0.8, 1.25));
-  t.number("track", track, between(0.01, 0.5, "m"));
+void read_drive(TomlTable& t, DriveKeys& drive) {
+  t.number("wheel_diameter", drive.wheel_diameter, between(0.01, 0.2, "m"));
+  t.number("wheel_ratio", drive.wheel_ratio, between(0.8, 1.25));
+  t.number("track", drive.track, between(0.01, 0.5, "m"));
 }
 
 /// What a simulated robot is really like.
 void read_truth(TomlTable& t, RobotKeys& robot) {
   TomlTable table = t.table("truth");
   if (!t.has("truth")) return;
-  RobotKeys::Truth& truth = robot.truth.emplace();
-  read_drive(table, truth.wheel_diameter, truth.wheel_ratio, truth.track);
+  RobotKeys::Truth& truth = robot.truth.emplace(RobotKeys::Truth{});
+  read_drive(table, truth.drive);
   table.number("actuation_delay", truth.actuation_delay, between(0.0, 0.5, "s"));
   table.finish();
 }
@@ -81,7 +79,7 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   if (const auto known = comms::check_adapter(robot.spec.adapter); !known && t.has("adapter"))
     problems.add(t.full("adapter"), known.error());
   t.number("radius", robot.radius, between(0.01, 0.5, "m"));
-  read_drive(t, robot.wheel_diameter, robot.wheel_ratio, robot.track);
+  read_drive(t, robot.drive);
   t.number("actuation_delay", robot.spec.actuation_delay, between(0.0, 1.0, "s"));
   t.number("watchdog", robot.spec.watchdog, between(0.0, 60.0, "s"));
   t.number("v_max", robot.spec.v_max, above(0.0, 10.0, "m/s"));
@@ -117,7 +115,7 @@ const core::RobotType& type_spoken(const comms::LinkAddress& address) {
 
 RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   RobotSpec robot = keys.spec;
-  const bool linked = robot.link != RobotSpec::Link::sim;
+  const bool linked = robot.has_link();
   const auto address = comms::parse_link_address(robot.address);
   const core::RobotType& type = keys.model ? *keys.model
                                 : address  ? type_spoken(*address)
@@ -126,7 +124,7 @@ RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   if (linked && type.motor == core::MotorModel::ideal)
     problems.add(keys.model_key, fmt::format("found \"{}\", allowed: {}; only a robot of link \"sim\" can be ideal",
                                              type.name, linked_type_names()));
-  if (robot.link == RobotSpec::Link::device && address) {
+  if (robot.is_real() && address) {
     const auto spoken = comms::spoken_by(*address, type.protocol);
     if (!spoken)
       problems.add(keys.model_key, spoken.error());
@@ -137,15 +135,9 @@ RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   become(robot, type);
   if (watchdog) robot.watchdog = watchdog;
   robot.radius = keys.radius.value_or(type.radius);
-  robot.drive.wheel_diameter = keys.wheel_diameter.value_or(type.wheels.wheel_diameter);
-  robot.drive.wheel_ratio = keys.wheel_ratio.value_or(type.wheels.wheel_ratio);
-  robot.drive.track = keys.track.value_or(type.wheels.track);
-  if (keys.truth) {
-    RobotSpec::Truth& truth = robot.truth.emplace(RobotSpec::Truth{robot.drive, keys.truth->actuation_delay});
-    truth.drive.wheel_diameter = keys.truth->wheel_diameter.value_or(robot.drive.wheel_diameter);
-    truth.drive.wheel_ratio = keys.truth->wheel_ratio.value_or(robot.drive.wheel_ratio);
-    truth.drive.track = keys.truth->track.value_or(robot.drive.track);
-  }
+  robot.drive = keys.drive.over(type.wheels);
+  if (keys.truth)
+    robot.truth.emplace(RobotSpec::Truth{keys.truth->drive.over(robot.drive), keys.truth->actuation_delay});
   return robot;
 }
 

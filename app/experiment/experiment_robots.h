@@ -9,14 +9,28 @@
 
 namespace skein::app {
 
+/// The dimensions of a drive that a table gives.
+struct DriveKeys {
+  std::optional<double> wheel_diameter, wheel_ratio, track;
+
+  /// `drive` with the given values.
+  core::DifferentialDrive over(core::DifferentialDrive drive) const noexcept {
+    drive.wheel_diameter = wheel_diameter.value_or(drive.wheel_diameter);
+    drive.wheel_ratio = wheel_ratio.value_or(drive.wheel_ratio);
+    drive.track = track.value_or(drive.track);
+    return drive;
+  }
+};
+
 /// A robot as read so far from [robot_defaults] or [[robot]].
 struct RobotKeys {
   RobotSpec spec;
   const core::RobotType* model = nullptr;  ///< null: not given
-  std::optional<double> radius, wheel_diameter, wheel_ratio, track;
+  std::optional<double> radius;
+  DriveKeys drive;
   /// [robot.truth]: keys not given have the assumed values.
   struct Truth {
-    std::optional<double> wheel_diameter, wheel_ratio, track;
+    DriveKeys drive;
     double actuation_delay = 0.0;
   };
   std::optional<Truth> truth;

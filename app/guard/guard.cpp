@@ -254,14 +254,19 @@ int guard(const std::string& marker, int descriptor) {
   auto run = RunMarker::read(marker);  // now: it must not depend on a disk later
 
   Watch watch(descriptor);
-  Watch::Run state = Watch::Run::lives;
-  bool silent = false;
-  while (true) {
+  bool silent = false, gone = false;
+  while (!gone) {
     pollfd socket{descriptor, POLLIN, 0};
-    if (state == Watch::Run::lives) ::poll(&socket, 1, look_every);
-    if (state == Watch::Run::lives) state = watch.hear();
-    if (state == Watch::Run::well) return done;
-    if (state == Watch::Run::gone) break;
+    ::poll(&socket, 1, look_every);
+    switch (watch.hear()) {
+      case Watch::Run::lives:
+        break;
+      case Watch::Run::well:
+        return done;
+      case Watch::Run::gone:
+        gone = true;
+        continue;
+    }
     const std::int64_t now = comms::monotonic_ns();
     watch.beat(now);
     const double silence = watch.silence(now);
@@ -282,11 +287,11 @@ int guard(const std::string& marker, int descriptor) {
   }
 
   // The run is gone. First the lines that it left open: nothing is quicker.
-  const std::int64_t gone = comms::monotonic_ns();
+  const std::int64_t ended = comms::monotonic_ns();
   for (Line& line : watch.lines) line.stands = false, line.stopped_at = 0;
   const auto waits = [](const Line& line) { return line.descriptor >= 0 && !line.stands; };
-  for (std::int64_t now = gone;
-       now - gone < answers_within && std::any_of(watch.lines.begin(), watch.lines.end(), waits);
+  for (std::int64_t now = ended;
+       now - ended < answers_within && std::any_of(watch.lines.begin(), watch.lines.end(), waits);
        now = comms::monotonic_ns()) {
     for (Line& line : watch.lines) {
       if (!waits(line)) continue;

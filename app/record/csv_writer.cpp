@@ -65,7 +65,7 @@ struct CsvWriter::Impl {
   void head(const Experiment& experiment) {
     logs = log_names(experiment.controller.law);
     links = std::any_of(experiment.robots.begin(), experiment.robots.end(),
-                        [](const RobotSpec& robot) { return robot.link != RobotSpec::Link::sim; });
+                        [](const RobotSpec& robot) { return robot.has_link(); });
     row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
                       hash_line, fnv1a(experiment.source), seed_line, experiment.seed);
     std::string_view rest = experiment.source;

@@ -36,9 +36,9 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
   std::vector<const core::RobotType*> emulated;
   std::vector<std::size_t> emulated_robots;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    if (experiment.robots[i].link == RobotSpec::Link::sim) continue;
+    if (!experiment.robots[i].has_link()) continue;
     plant->linked_.push_back(i);
-    if (experiment.robots[i].link != RobotSpec::Link::loopback) continue;
+    if (experiment.robots[i].is_real()) continue;
     emulated.push_back(experiment.robots[i].type);
     emulated_robots.push_back(i);
   }
@@ -56,7 +56,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     std::size_t next_emulated = 0;
     for (const std::size_t i : plant->linked_) {
       const std::string name = robot_name(experiment, i);
-      if (experiment.robots[i].link == RobotSpec::Link::loopback) {
+      if (!experiment.robots[i].is_real()) {
         const comms::LinkAddress line{comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name};
         addresses.push_back(*comms::spoken_by(line, experiment.robots[i].type->protocol));
         continue;
@@ -147,8 +147,7 @@ void Plant::look_at_links(std::span<LinkInput> robots) const noexcept {
 void Plant::act(std::span<const core::WheelSpeeds> wheels) {
   const bool stopped = stopped_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < wheels.size(); ++i)
-    if (experiment_.robots[i].link == RobotSpec::Link::sim)
-      world_.command(i, stopped ? core::WheelSpeeds{} : wheels[i]);
+    if (!experiment_.robots[i].has_link()) world_.command(i, stopped ? core::WheelSpeeds{} : wheels[i]);
   if (!links_ || stopped) return;
   const std::size_t tested = tested_.load(std::memory_order_acquire);
   for (std::size_t k = 0; k < linked_.size(); ++k) {

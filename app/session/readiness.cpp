@@ -148,12 +148,11 @@ std::vector<Check> readiness(const Experiment& experiment, const Certificate* ce
 }
 
 bool may_start(std::span<const Check> checks) noexcept {
-  return std::all_of(checks.begin(), checks.end(),
-                     [](const Check& check) { return !check.hard || check.state == State::holds; });
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return !check.hard || check.holds(); });
 }
 
 bool all_hold(std::span<const Check> checks) noexcept {
-  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.state == State::holds; });
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.holds(); });
 }
 
 }  // namespace skein::app

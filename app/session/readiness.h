@@ -21,6 +21,17 @@ struct Check {
   State state;
   std::string reason;  ///< the reason in words; if the check holds, the finding
   bool hard;           ///< required for a start; an operator may override soft checks
+
+  bool holds() const noexcept {
+    switch (state) {
+      case State::holds:
+        return true;
+      case State::waits:
+      case State::fails:
+        return false;
+    }
+    return false;
+  }
 };
 
 /// The checks for a start, from what is known by now; empty pointers: not known yet. In the order in which problems

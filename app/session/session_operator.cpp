@@ -128,7 +128,7 @@ Session::Answer Session::check_wheels(std::size_t robot) {
   SessionWiring& impl = *wiring_;
   if (robot >= impl.experiment.robots.size()) return tl::unexpected(fmt::format("there is no robot {}", robot + 1));
   const std::string name = fmt::format("robot {}", robot + 1);
-  if (impl.experiment.robots[robot].link == RobotSpec::Link::sim)
+  if (!impl.experiment.robots[robot].has_link())
     return tl::unexpected(name + " is simulated: it has no link and no battery to test");
   if (!impl.clock.wall()) return tl::unexpected(std::string("robots are tested in real time"));
   if (impl.test.valid()) return tl::unexpected(std::string("one test at a time"));

@@ -25,6 +25,17 @@ class BoardViews {
     no_board,    ///< none is seen
     other_size,  ///< not of the first frame's size: skipped
   };
+  static constexpr bool is_kept(Look look) noexcept {
+    switch (look) {
+      case Look::view:
+        return true;
+      case Look::known:
+      case Look::no_board:
+      case Look::other_size:
+        return false;
+    }
+    return false;
+  }
   /// The error: the board detector's module is missing.
   tl::expected<Look, std::string> look(const vision::Frame& frame);
 

@@ -65,7 +65,7 @@ struct CameraCalibration::Work {
       frames = seen.frames();
       corners.clear();
       for (const vision::BoardCorner& corner : seen.newest()) corners.push_back({corner.u, corner.v});
-      if (*found == BoardViews::Look::view && views.size() < most_views) {
+      if (BoardViews::is_kept(*found) && views.size() < most_views) {
         views.push_back(seen.views().back());
         changed.notify_all();
       }

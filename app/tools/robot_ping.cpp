@@ -32,7 +32,7 @@ tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, d
   RobotPing ping;
   std::vector<comms::LinkAddress> addresses;
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    if (experiment.robots[i].link != RobotSpec::Link::device) continue;
+    if (!experiment.robots[i].is_real()) continue;
     auto address = link_of(experiment, i);
     if (!address) return tl::unexpected(address.error());
     RobotPing::Robot& robot = ping.robots.emplace_back();

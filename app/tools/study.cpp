@@ -271,7 +271,7 @@ tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   const auto experiment = parse_experiment(study.text, study.experiment, study.sets);
   if (!experiment) return tl::unexpected(experiment.error());
   if (const bool simulated = std::all_of(experiment->robots.begin(), experiment->robots.end(),
-                                         [](const RobotSpec& r) { return r.link == RobotSpec::Link::sim; });
+                                         [](const RobotSpec& r) { return !r.has_link(); });
       !simulated || experiment->camera.kind() != CameraKind::absent)
     return tl::unexpected(std::vector<Problem>{
         {path, 0, 0,

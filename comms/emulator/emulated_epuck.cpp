@@ -163,7 +163,7 @@ void EmulatedEpuck::begin(const Fault& fault) {
     forget_messages();
     if (fault.duration <= 0.0) end(fault);
   }
-  if (fault.kind == FaultKind::stuck && !off() && epuck_ && epuck_->protocol() == EpuckProgram::asercom) {
+  if (fault.kind == FaultKind::stuck && !off() && epuck_ && !is_in_packets(epuck_->protocol())) {
     const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(half_commands.size()));
     std::vector<std::uint8_t> answer;  // a half command has none
     epuck_->forget_half_command();     // two halves must not make a whole that nobody sent
@@ -182,7 +182,7 @@ void EmulatedEpuck::reboot() {
 void EmulatedEpuck::accept() {
   forget_messages();
   firmware_->new_host();
-  if (epuck_ && epuck_->protocol() == EpuckProgram::wifi) ++hosts_;
+  if (epuck_ && is_in_packets(epuck_->protocol())) ++hosts_;
 }
 
 void EmulatedEpuck::forget_messages() {

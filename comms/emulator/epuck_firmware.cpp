@@ -47,14 +47,14 @@ void EpuckFirmware::boot() noexcept {
 }
 
 std::string EpuckFirmware::greeting() const {
-  if (protocol_ == EpuckProgram::wifi) return {};
+  if (is_in_packets(protocol_)) return {};
   return (epuck1() ? fmt::format("Selector pos {}\r\n", epuck_alone.selector) : "") + std::string(welcome);
 }
 
 // --- The parser -----------------------------------------------------------------------------------------------------
 
 void EpuckFirmware::receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) {
-  if (protocol_ == EpuckProgram::wifi)
+  if (is_in_packets(protocol_))
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   else
     for (const std::uint8_t byte : bytes) take(byte, reply);

@@ -17,6 +17,16 @@ enum class EpuckProgram {
   asercom,  ///< Bluetooth, serial line
   wifi      ///< an e-puck2's packets over TCP (epuck_wifi.h)
 };
+/// Whether its robot is told and asked in whole packets, and streams what it measures.
+constexpr bool is_in_packets(EpuckProgram program) noexcept {
+  switch (program) {
+    case EpuckProgram::asercom:
+      return false;
+    case EpuckProgram::wifi:
+      return true;
+  }
+  return false;
+}
 
 /// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, as the manufacturer's parser
 /// answers, mistakes included; or an e-puck2's WiFi program, whose packets become the asercom commands F7 and F8 inside
@@ -71,7 +81,7 @@ class EpuckFirmware final : public RobotFirmware {
   }
   /// Over WiFi it begins anew; asercom cannot tell.
   void new_host() noexcept override {
-    if (protocol_ == EpuckProgram::wifi) forget_half_command();
+    if (is_in_packets(protocol_)) forget_half_command();
   }
   EpuckProgram protocol() const noexcept { return protocol_; }
 

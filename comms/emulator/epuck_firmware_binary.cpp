@@ -10,7 +10,7 @@ namespace skein::comms {
 // is passed over.
 void EpuckFirmware::stream(std::vector<std::uint8_t>& reply) {
   constexpr std::size_t whole = 21, too_many = 5;
-  if (protocol_ != EpuckProgram::wifi) return;
+  if (!is_in_packets(protocol_)) return;
   while (!waiting_.empty() && waiting_.front() != 0x80) waiting_.erase(waiting_.begin());
   const std::size_t packets = waiting_.size() / whole;
   if (packets >= too_many)

@@ -81,6 +81,50 @@ TEST(PoseFilter, HalvesTheNoise) {
   EXPECT_LT(std::sqrt(filtered / measured), 0.65);
 }
 
+TEST(PoseFilter, LearnsTheHeadingFromWhereTheRobotCameOut) {
+  // A heading that is hardly known, 0.2 m straight ahead, and a place that is known well: left of what was expected
+  // means that the robot had been turned to the left.
+  for (const double heading : {0.0, 1.0, 2.5, -2.0}) {
+    PoseFilter filter;
+    const FilterParameters exact_wheels{.slip = 0.0};
+    filter.see(exact_wheels, {.pose = {0.1, 0.2, heading}, .captured_at = 0.0, .sigma_xy = 1e-4, .sigma_theta = 0.1});
+    filter.command(0.0, {0.1, 0.0});
+    const double true_heading = heading + 0.05, far = 0.2;
+    filter.see(exact_wheels, {.pose = {0.1 + far * std::cos(true_heading), 0.2 + far * std::sin(true_heading), heading},
+                              .captured_at = 2.0,
+                              .sigma_xy = 1e-4,
+                              .sigma_theta = 10.0});
+    EXPECT_NEAR(core::wrap_angle(filter.predict(2.0).theta - heading), 0.05, 0.01) << heading;
+  }
+}
+
+TEST(PoseFilter, AFrameThatComesLateChangesNothing) {
+  PoseFilter filter;
+  const Measurement newest{.pose = {0.1, 0.2, 0.3}, .captured_at = 1.0, .sigma_xy = 1e-3, .sigma_theta = 1e-2};
+  filter.see({}, newest);
+  const Eigen::Matrix3d covariance = filter.covariance();
+  for (const double earlier : {1.0, 0.96, 0.0}) {
+    Measurement older = newest;
+    older.captured_at = earlier, older.pose = {0.5, 0.2, 0.3};
+    EXPECT_FALSE(filter.see({}, older)) << earlier;
+    EXPECT_EQ(filter.predict(1.0), newest.pose) << earlier;
+    EXPECT_EQ(filter.covariance(), covariance) << earlier;
+  }
+}
+
+TEST(PoseFilter, DoubtsAPoseMoreTheLongerItIsNotSeenThoughTheRobotStands) {
+  const Measurement seen{.pose = {}, .captured_at = 0.0, .sigma_xy = 1e-3, .sigma_theta = 1e-2};
+  for (const double seconds : {0.5, 8.0}) {
+    PoseFilter filter;
+    filter.see({}, seen);
+    Measurement vague = seen;  // so vague that it says nothing, but of the time
+    vague.captured_at = seconds, vague.sigma_xy = 1e3, vague.sigma_theta = 1e3;
+    filter.see({}, vague);
+    EXPECT_NEAR(filter.sigma_xy(), std::sqrt(1e-6 + 0.002 * 0.002 * seconds), 1e-6) << seconds;
+    EXPECT_NEAR(filter.sigma_theta(), std::sqrt(1e-4 + 0.02 * 0.02 * seconds), 1e-6) << seconds;
+  }
+}
+
 /// Its standard deviations are neither boast nor excuse: the error's mean square, measured in them, is about 1.
 TEST(PoseFilter, KnowsHowGoodItIs) {
   for (const double latency : {0.0, 0.08}) {

@@ -144,6 +144,36 @@ TEST(Shield, SharesTheBrakingOfTwoHeadOn) {
   EXPECT_TRUE(result.touched[0] && result.touched[1]);
 }
 
+TEST(Shield, KeepsTheDoubtAboutEitherPoseAsMoreDistance) {
+  // The two head-on from before, with 20 mm of room: doubt about either pose takes from it.
+  for (const auto& [first, second] : {std::pair(0.012, 0.0), std::pair(0.0, 0.012), std::pair(0.005, 0.007)}) {
+    Crowd crowd;
+    crowd.poses = {{0.0, 0.0, 0.0}, {0.098, 0.0, core::pi}};
+    const std::vector<double> v_limit{0.1, 0.1}, doubt{first, second};
+    std::vector<Twist> commands{{0.1, 0.0}, {0.1, 0.0}};
+    bool touched[2];
+    Shield(2, 0).apply(crowd.parameters, crowd.poses, {}, v_limit, commands, touched, doubt);
+    EXPECT_NEAR(commands[0].v + commands[1].v, 4.0 * (0.020 - 0.012), 1e-9) << first << ", " << second;
+  }
+}
+
+TEST(Shield, ARobotAdriftKeepsItsSpeedAndTheOtherDoesTheBraking) {
+  // 80 mm/s of closing are allowed. One that rolls on at 60 leaves 20 to the other; at 100 it leaves nothing, and the
+  // other stands. Either of the two may be the one adrift.
+  for (const std::size_t adrift : {0U, 1U})
+    for (const auto& [rolls, left] : {std::pair(0.06, 0.02), std::pair(0.1, 0.0)}) {
+      Crowd crowd;
+      crowd.poses = {{0.0, 0.0, 0.0}, {0.098, 0.0, core::pi}};
+      const std::vector<double> v_limit{0.1, 0.1};
+      std::vector<Twist> commands{{0.1, 0.0}, {0.1, 0.0}};
+      commands[adrift].v = rolls;
+      bool is_adrift[2] = {adrift == 0, adrift == 1}, touched[2];
+      Shield(2, 0).apply(crowd.parameters, crowd.poses, {}, v_limit, commands, touched, {}, is_adrift);
+      EXPECT_EQ(commands[adrift].v, rolls);
+      EXPECT_NEAR(commands[1 - adrift].v, left, 1e-9) << "adrift: " << adrift;
+    }
+}
+
 TEST(Shield, KnowsWhatTheOthersLimitsCannotGive) {
   // A robot at D behind two that drive off at +-60 degrees: each of them must make half its speed. The left one cannot
   // make more than 0.02, so the first gets 0.04, and the right one need not hurry: 0.04 as it wanted. A shield that

@@ -89,8 +89,7 @@ void RobotButtons::dress() {
                     : tr("Holds this robot, out of the group; the others drive on. In danger: STOP."),
       state_.open && selected_ >= 0 && !over);
   dress_test();
-  const bool any_link = std::any_of(specs_.begin(), specs_.end(),
-                                    [](const auto& spec) { return spec.link != app::RobotSpec::Link::sim; });
+  const bool any_link = std::any_of(specs_.begin(), specs_.end(), [](const auto& spec) { return spec.has_link(); });
   connect_->setVisible(any_link);
   const bool rests = !state_.open || state_.phase == app::Phase::ready || over;
   say(connect_, tr("Connect again"),
@@ -102,7 +101,7 @@ void RobotButtons::dress() {
 void RobotButtons::dress_test() {
   const auto i = static_cast<std::size_t>(selected_);
   const bool none = selected_ < 0 || i >= specs_.size();
-  const bool simulated = !none && specs_[i].link == app::RobotSpec::Link::sim;
+  const bool simulated = !none && !specs_[i].has_link();
   const bool up = !none && i < state_.links.size() && state_.links[i].link == app::LinkState::up;
   const QString text = none ? tr("Test a robot") : tr("Test robot %1").arg(selected_ + 1);
   const QString why_not = none           ? tr("Select a robot first: here, or in the arena")

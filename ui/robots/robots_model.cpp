@@ -95,7 +95,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
     }
     if (column == link) {
       const QString state = QString::fromLatin1(app::word(status.link).data());
-      const bool told = known_.stop_asked && specs_[i].link != app::RobotSpec::Link::sim;
+      const bool told = known_.stop_asked && specs_[i].has_link();
       return told && status.stop_acknowledged ? tr("%1, stopped").arg(state) : state;
     }
     return std::isfinite(status.round_trip) ? tr("%1 ms").arg(status.round_trip * 1000, 0, 'f', 1) : nothing();
@@ -117,8 +117,7 @@ QString RobotsModel::tip(std::size_t i, int column) const {
   if ((column == link || column == round_trip || column == firmware) && i < known_.links.size()) {
     const app::RobotStatus& status = known_.links[i];
     QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');
-    if (specs_[i].link == app::RobotSpec::Link::device)
-      tip += QString::fromStdString(specs_[i].address) + QLatin1Char('\n');
+    if (specs_[i].is_real()) tip += QString::fromStdString(specs_[i].address) + QLatin1Char('\n');
     if (!status.version.empty()) tip += QString::fromStdString(status.version) + QLatin1Char('\n');
     if (status.exchanges > 0)
       tip += tr("%1 exchanges, %2 timeouts, %3 reconnects")

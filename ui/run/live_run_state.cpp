@@ -101,7 +101,7 @@ std::vector<std::size_t> LiveRun::may_be_driving() const {
   const bool all_stop = phase() == app::Phase::stopped;
   const auto& specs = experiment_.robots;
   for (std::size_t i = 0; i < specs.size() && i < robots_.size() && i < latest_->robots.size(); ++i) {
-    if (specs[i].link == app::RobotSpec::Link::sim || robots_[i].stop_acknowledged) continue;
+    if (!specs[i].has_link() || robots_[i].stop_acknowledged) continue;
     // During a run, a robot whose link is lost is told to stand, and does not answer.
     const bool alone = is_under_way() && latest_->robots[i].is(app::stopped) && robots_[i].link != app::LinkState::up;
     if (all_stop || alone) robots.push_back(i);
@@ -115,8 +115,7 @@ QString LiveRun::stopped_text() const {
 
 QString LiveRun::acknowledgements() const {
   const auto& specs = experiment_.robots;
-  const bool any_link = std::any_of(specs.begin(), specs.end(),
-                                    [](const auto& robot) { return robot.link != app::RobotSpec::Link::sim; });
+  const bool any_link = std::any_of(specs.begin(), specs.end(), [](const auto& robot) { return robot.has_link(); });
   if (!any_link) return {};
   const QString robots = numbers(may_be_driving());
   if (robots.isEmpty()) return tr(". All robots have acknowledged.");

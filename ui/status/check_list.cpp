@@ -5,6 +5,7 @@
 #include <QScrollArea>
 #include <QVBoxLayout>
 #include <array>
+#include <tuple>
 
 #include "ui/base/palette.h"
 
@@ -107,14 +108,18 @@ void CheckList::dress() {
   for (const app::Check& check : checks_) {
     const Row& row = rows_[static_cast<std::size_t>(check.what)];
     using State = app::Check::State;
-    const QColor colour = check.state == State::holds   ? c.good
-                          : check.state == State::waits ? c.faint_text
-                          : check.hard                  ? c.alarm
-                                                        : c.warning;
-    const QString mark = check.state == State::holds   ? QStringLiteral("✓")
-                         : check.state == State::waits ? QStringLiteral("…")
-                         : check.hard                  ? QStringLiteral("✗")
-                                                       : QStringLiteral("!");
+    const auto [colour, mark, fails] = [&]() -> std::tuple<QColor, QString, bool> {
+      switch (check.state) {
+        case State::holds:
+          return {c.good, QStringLiteral("✓"), false};
+        case State::waits:
+          return {c.faint_text, QStringLiteral("…"), false};
+        case State::fails:
+          break;
+      }
+      return check.hard ? std::tuple(c.alarm, QStringLiteral("✗"), true)
+                        : std::tuple(c.warning, QStringLiteral("!"), true);
+    }();
     const QString shown = QStringLiteral("<b style=\"color:%1\">%2</b>").arg(colour.name(), mark);
     if (row.mark->text() != shown) row.mark->setText(shown);
     const QString reason = QString::fromStdString(check.reason);
@@ -122,7 +127,7 @@ void CheckList::dress() {
       row.reason->setText(reason);
       row.reason->setToolTip(reason);
     }
-    if (row.mend) row.mend->setVisible(check.state == State::fails);
+    if (row.mend) row.mend->setVisible(fails);
   }
   anyway_->setVisible(app::may_start(checks_) && !app::all_hold(checks_));
 }

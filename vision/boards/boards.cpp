@@ -90,10 +90,14 @@ void find(const Frame& frame, const Board& board, std::vector<BoardCorner>& corn
   corners.clear();
   try {
     const cv::Mat picture = as_mat(frame);
-    if (board.kind == Board::Kind::charuco)
-      find_charuco(picture, board, corners);
-    else
-      find_chessboard(picture, board, corners);
+    switch (board.kind) {
+      case Board::Kind::charuco:
+        find_charuco(picture, board, corners);
+        break;
+      case Board::Kind::chessboard:
+        find_chessboard(picture, board, corners);
+        break;
+    }
   } catch (const cv::Exception&) {
     corners.clear();  // a picture that is too small or odd in some other way shows no board
   }

@@ -9,7 +9,7 @@ std::string check(const Board& board) {
     return fmt::format("a board of {}x{} squares; allowed: 3x3 to 100x100", board.columns, board.rows);
   if (!(board.square >= 1e-3 && board.square <= 1.0))
     return fmt::format("squares of {} m; allowed: 0.001 to 1 m", board.square);
-  if (board.kind == Board::Kind::chessboard) return {};
+  if (!board.has_markers()) return {};
   if (!(board.marker > 0.3 * board.square && board.marker <= 0.9 * board.square))
     return fmt::format("markers of {} m in squares of {} m; allowed: 0.3 to 0.9 of a square", board.marker,
                        board.square);

@@ -14,6 +14,15 @@ struct Board {
   double marker = 0.015;  // ChArUco: edge of a marker's black square [m]
   int bits = 5;           // ChArUco: markers of bits x bits, from OpenCV's DICT_nXn_1000 (4 to 7)
 
+  bool has_markers() const noexcept {
+    switch (kind) {
+      case Kind::charuco:
+        return true;
+      case Kind::chessboard:
+        return false;
+    }
+    return false;
+  }
   int inner_corners() const { return (columns - 1) * (rows - 1); }
 };
 

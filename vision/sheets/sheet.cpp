@@ -134,7 +134,7 @@ tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, con
   const double left = 0.5 * (page.width - width);
   const double top = std::max(margin, 0.5 * (page.height - ruler - height));
   const Boards* module = nullptr;
-  if (board.kind == Board::Kind::charuco) {
+  if (board.has_markers()) {
     const auto loaded = boards();
     if (!loaded) return tl::unexpected(loaded.error());
     module = *loaded;
@@ -152,9 +152,9 @@ tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, con
         add_cells(page, x + 0.5 * (square - marker), y + 0.5 * (square - marker), marker / cells, cells,
                   module->marker(board.bits, next++));
     }
-  const std::string kind = board.kind == Board::Kind::charuco ? fmt::format("ChArUco, markers {:g} mm, DICT_{}X{}_1000",
-                                                                            marker, board.bits, board.bits)
-                                                              : "chessboard";
+  const std::string kind =
+      board.has_markers() ? fmt::format("ChArUco, markers {:g} mm, DICT_{}X{}_1000", marker, board.bits, board.bits)
+                          : "chessboard";
   page.words.push_back({margin, page.height - margin - 3.5, letters,
                         fmt::format("{} x {} squares of {:g} mm, {}", board.columns, board.rows, square, kind)});
   return std::vector<Page>{page};

@@ -41,6 +41,7 @@ class Bench {
     input.measurements = measured;
     input.truth = truth;
     input.commands = commands;
+    input.links = links;
     const TickRecord& record = tick.step(input);
     for (std::size_t i = 0; i < robots.size(); ++i) robots[i].command(record.robots[i].wheels);
     return record;
@@ -57,6 +58,7 @@ class Bench {
   std::vector<core::Measurement> measured;
   std::vector<core::Pose> truth;
   std::vector<bool> blind;
+  std::vector<LinkInput> links;  // none: simulated robots
   double now = 0.0;
   bool stop = false;
 };
@@ -271,6 +273,27 @@ TEST(ControlTick, LimitsBiteVisiblyAndAreObeyed) {
     }
   }
   EXPECT_TRUE(bitten);
+}
+
+TEST(ControlTick, ARobotWhoseCommandsAreUnconfirmedIsSlowedAndThenStands) {
+  Bench bench;
+  bench.links.assign(4, {.linked = true, .blind_way = 0.0});
+  bench.start();
+  bench.steps(20);
+  const double budget = bench.experiment.links.blind_distance;
+  for (const auto& [share, trusted] :
+       {std::pair(0.25, 1.0), std::pair(0.5, 1.0), std::pair(0.75, 0.5), std::pair(1.0, 0.0)}) {
+    bench.links[2].blind_way = share * budget;
+    const RobotRecord& robot = bench.step().robots[2];
+    EXPECT_EQ(robot.is(late), trusted < 1.0) << share;
+    if (trusted > 0.0) {
+      EXPECT_NEAR(robot.command.v, trusted * robot.law.v, 1e-12) << share;
+      EXPECT_NEAR(robot.command.omega, trusted * robot.law.omega, 1e-12) << share;
+      EXPECT_GT(robot.law.v, 0.03);
+    } else {
+      EXPECT_TRUE(stands(robot));
+    }
+  }
 }
 
 TEST(ControlTick, CoarseMotorsKeepTheirMeanSpeed) {

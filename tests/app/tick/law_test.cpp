@@ -141,6 +141,23 @@ TEST_F(OwnLaw, DrivesNeitherWhileTheRobotsStandNorToTheirStarts) {
   }
 }
 
+TEST_F(OwnLaw, TurningBesideAnObstacleIsShieldedForTheHeadingInTheMiddleOfTheTick) {
+  for (const double turn : {-1.0, 1.0}) {
+    open();
+    const core::ShieldParameters shield;
+    const double gap = 0.005, radius = 0.05, omega = 1.2 * turn, to_obstacle = core::pi / 3.0;
+    const core::Pose stands = reference_->at(0, 0.0).pose;
+    const double far = shield.distance - core::standard_radius + radius + gap;
+    experiment_->obstacles = {{stands.x + far * std::cos(stands.theta + to_obstacle),
+                               stands.y + far * std::sin(stands.theta + to_obstacle), radius}};
+    tick_ = std::make_unique<ControlTick>(*experiment_);
+    k_ = 0;
+    const core::Twist& command = step({{0.1, omega}, {}, {}, {}}).robots[0].command;
+    EXPECT_EQ(command.omega, omega);
+    EXPECT_NEAR(command.v, shield.gamma * gap / std::cos(to_obstacle - 0.5 * omega * experiment_->period()), 1e-9);
+  }
+}
+
 TEST_F(OwnLaw, AtEachOtherAtFullSpeedIsHeldByTheShield) {
   Experiment e = experiment_of({"controller.command=none"});
   std::vector<core::SimulatedRobot> robots;
