@@ -26,7 +26,7 @@ TEST(Transport, SaysWhatAnOperatorUnderstands) {
   says(EBUSY, robot, "busy");
   says(EHOSTUNREACH, robot, "adapter");
   says(EADDRNOTAVAIL, robot, "hci1");
-  says(ECONNRESET, robot, "broke");
+  says(ECONNRESET, robot, "closed the connection");
   says(ECONNABORTED, robot, "unplugged");
   says(EACCES, serial("/dev/ttyACM0"), "/dev/ttyACM0");
   says(ENOENT, serial("/dev/ttyACM0"), "/dev/ttyACM0");
