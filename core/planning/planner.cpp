@@ -170,7 +170,8 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
 
 /// Slows the formation's clock while somebody is on its way back to a place that moves, and lets it hurry afterwards.
 void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcept {
-  const ReferenceDemand demand = reference_->demand(gains.k_y);
+  if (!(demand_.v > 0.0)) demand_ = reference_->demand(gains.k_y);
+  if (!(demand_.v > 0.0)) return;
   bool away = false, coupled = true;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Robot& robot = robots_[i];
@@ -178,8 +179,8 @@ void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcep
     if (scene.out[i] || std::isnan(scene.poses[i].x) || rests(i, scene)) continue;
     away = away || robot.needs_plan || robot.state != State::nominal;
   }
-  if (coupled) hurry_ = FormationClock::hurry(gains, demand);
-  clock_->step(now_, away, hurry_, formation_slope / demand.v);
+  if (coupled) hurry_ = FormationClock::hurry(gains, demand_);
+  clock_->step(now_, away, hurry_, formation_slope / demand_.v);
 }
 
 /// The formation's reference, on the clock of those that yield.

@@ -166,6 +166,7 @@ class Planner {
   double now_ = 0.0, keep_ = 0.1;
   double formation_t_ = 0.0;  // now, on the formation's clock [s]
   double hurry_ = 0.0;        // of that clock, at most
+  ReferenceDemand demand_;    // for that: a formation goes through its whole path to find it
   std::size_t tick_ = 0, spent_ = 0;
   bool begun_ = false, to_starts_ = false;
 
