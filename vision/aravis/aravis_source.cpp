@@ -181,13 +181,18 @@ class AravisSource final : public FrameSource {
     if (!camera_) return;
     g_signal_handler_disconnect(arv_camera_get_device(camera_.get()), handler_);
     Held held{std::move(camera_), std::move(stream_), handler_};
-    if (!silent()) return held.let_go();
+    if (!silent(held.stream.get())) return held.let_go();
     // To one that does not answer, every word takes seconds to fail; nobody waits for that.
     std::thread([held = std::move(held)]() mutable { held.let_go(); }).detach();
   }
-  /// No frame has come for longer than frames take.
-  bool silent() const {
-    return lost_.load(std::memory_order_relaxed) || (frames_ > 0 && monotonic_now() - last_arrival_ > stall_wait());
+  /// No frame has come for longer than frames take, and none lies there that nobody has read.
+  bool silent(ArvStream* stream) const {
+    if (lost_.load(std::memory_order_relaxed)) return true;
+    if (frames_ == 0 || stream == nullptr || monotonic_now() - last_arrival_ <= stall_wait()) return false;
+    gint empty = 0;
+    gint full = 0;
+    arv_stream_get_n_buffers(stream, &empty, &full);
+    return full == 0;
   }
   double stall_wait() const { return std::max(least_stall_wait, stall_frames * std::max(period_, seen_period_)); }
 

@@ -130,7 +130,7 @@ TEST_F(AravisRun, TagsOfANetworkCameraAreTracked) {
   EXPECT_NE(said().find("camera aravis:127.0.0.1 (1280x960 Mono8, 25 frames/s)"), std::string::npos) << said();
 }
 
-TEST_F(AravisRun, ACameraThatIsLostStopsTheRobotsAndTheOperatorIsToldWhy) {
+TEST_F(AravisRun, ACameraThatIsLostEndsTheRunAndTheOperatorIsToldWhy) {
   test::FakeGige fake({"--tags"});
   ASSERT_TRUE(fake.running());
   begin({"run", test::in_source("resources/experiments/platoon.toml"), "--set", std::string("camera.source=") + camera,

@@ -52,7 +52,9 @@ TEST(DeviceClock, AClockThatCannotBeReadTellsTheQuickestArrival) {
     const double arrived = exposed + 0.012 + way(random);
     const double told = clock.host(device(exposed), arrived);
     EXPECT_LE(told, arrived);
-    if (k > 50) EXPECT_NEAR(told, exposed + 0.012, 0.0005) << k;
+    if (k > 50) {
+      EXPECT_NEAR(told, exposed + 0.012, 0.0005) << k;
+    }
   }
   EXPECT_FALSE(clock.read());
   EXPECT_TRUE(clock.usable());
@@ -72,7 +74,9 @@ TEST(DeviceClock, StampsThatDoNotGoWithTimeAreNotUsed) {
     for (int k = 0; k < 100; ++k) {
       const double arrived = 10.0 + k * period;
       const double told = clock.host(stamp(arrived), arrived);
-      if (k > 5) EXPECT_EQ(told, arrived) << what << " " << k;
+      if (k > 5) {
+        EXPECT_EQ(told, arrived) << what << " " << k;
+      }
     }
     EXPECT_FALSE(clock.usable()) << what;
   }
