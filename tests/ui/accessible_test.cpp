@@ -18,32 +18,14 @@ QString text_of(QAccessibleInterface* item, QAccessible::Text what) {
 
 /// What somebody can do something with, or reads a state off.
 bool wants_a_name(QAccessible::Role role) {
-  switch (role) {
-    case QAccessible::PushButton:
-    case QAccessible::ButtonMenu:
-    case QAccessible::ButtonDropDown:
-    case QAccessible::CheckBox:
-    case QAccessible::RadioButton:
-    case QAccessible::ComboBox:
-    case QAccessible::SpinBox:
-    case QAccessible::Slider:
-    case QAccessible::EditableText:
-    case QAccessible::Table:
-    case QAccessible::List:
-    case QAccessible::PageTab:
-    case QAccessible::PageTabList:
-    case QAccessible::MenuItem:
-    case QAccessible::Dialog:
-    case QAccessible::Window:
-    case QAccessible::Graphic:
-    case QAccessible::Chart:
-    case QAccessible::Canvas:
-    case QAccessible::ProgressBar:
-    case QAccessible::StaticText:  // labels that tell a state
-      return true;
-    default:
-      return false;
-  }
+  static const std::set<int> roles{
+      QAccessible::PushButton,   QAccessible::ButtonMenu, QAccessible::ButtonDropDown, QAccessible::CheckBox,
+      QAccessible::RadioButton,  QAccessible::ComboBox,   QAccessible::SpinBox,        QAccessible::Slider,
+      QAccessible::EditableText, QAccessible::Table,      QAccessible::List,           QAccessible::PageTab,
+      QAccessible::PageTabList,  QAccessible::MenuItem,   QAccessible::Dialog,         QAccessible::Window,
+      QAccessible::Graphic,      QAccessible::Chart,      QAccessible::Canvas,         QAccessible::ProgressBar,
+      QAccessible::StaticText};  // the last: labels that tell a state
+  return roles.contains(role);
 }
 
 struct Tree {

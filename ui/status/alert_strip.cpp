@@ -29,6 +29,7 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
   setContentsMargins(8, 2, 8, 2);
   setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   clear_alert();
+  show_text();  // also where nothing has been said yet
 }
 
 void AlertStrip::take(const app::TickRecord& record) {
