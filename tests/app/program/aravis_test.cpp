@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/calibration/calibration_file.h"
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
 #include "vision/calibration/calibration.h"
@@ -39,7 +40,7 @@ class AravisRun : public testing::Test {
  protected:
   AravisRun() : folder_(fs::temp_directory_path() / ("skein-aravis-" + std::to_string(::getpid()))) {
     fs::create_directories(folder_);
-    EXPECT_TRUE(vision::save_calibration(vision::overhead_calibration(2.0, 1.5), folder_ / "cal.toml"));
+    EXPECT_TRUE(app::save_calibration(vision::overhead_calibration(2.0, 1.5), folder_ / "cal.toml"));
   }
   ~AravisRun() override {
     if (pid_ != 0) end(SIGKILL);
