@@ -177,7 +177,8 @@ TEST_F(Keyboard, MovesTurnsKicksHoldsAndMeasures) {
   tab_to("hold_robot");
   press(Qt::Key_Return);
   last<app::events::Hold>(2);
-  ASSERT_TRUE(eventually([&] { return find<QPushButton>("hold_robot")->text().startsWith(QStringLiteral("Let")); }));
+  ASSERT_TRUE(
+      eventually([&] { return find<QAbstractButton>("hold_robot")->text().startsWith(QStringLiteral("Let")); }));
   press(Qt::Key_Return);
   last<app::events::Release>(2);
   press(Qt::Key_4, Qt::ControlModifier);
@@ -246,6 +247,7 @@ TEST_F(Keyboard, SetsGainsPairsPresetsAndASchedule) {
   ASSERT_EQ(pairs->currentIndex().column(), 1);
   press(Qt::Key_X);
   EXPECT_TRUE(eventually([&] { return !live().coupled(0, 1); }));
+  ASSERT_TRUE(eventually([&] { return pairs->currentIndex().data(Qt::CheckStateRole).toInt() == Qt::Unchecked; }));
   press(Qt::Key_X);
   EXPECT_TRUE(eventually([&] { return live().coupled(0, 1); }));
   ASSERT_TRUE(eventually([&] { return pairs->currentIndex().flags() & Qt::ItemIsEditable; }));
