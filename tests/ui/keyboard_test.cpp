@@ -68,12 +68,22 @@ class Keyboard : public Operator {
     window.activateWindow();
     ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
   }
+  /// The dialog that a key has opened, with the focus, which a window manager would give it.
+  template <typename Dialog>
+  Dialog* comes_up(QWidget* of, const char* name) {
+    Dialog* dialog = nullptr;
+    eventually([&] {
+      dialog = of->findChild<Dialog*>(QLatin1String(name));
+      return dialog && dialog->isVisible();
+    });
+    if (!dialog) return nullptr;
+    dialog->activateWindow();
+    return QTest::qWaitForWindowActive(dialog) ? dialog : nullptr;
+  }
   /// Into a file dialog that a key has opened.
   void answer(const char* dialog, const QString& file) {
-    ASSERT_TRUE(eventually([&] {
-      auto* open = window.findChild<QDialog*>(QLatin1String(dialog));
-      return open && open->isActiveWindow();
-    })) << dialog;
+    QWidget* open = comes_up<QDialog>(&window, dialog);
+    ASSERT_NE(open, nullptr) << dialog;
     press(Qt::Key_A, Qt::ControlModifier);
     type(file);
     take_the_name();
@@ -107,6 +117,7 @@ TEST_F(Keyboard, OpensChecksStartsPausesStepsAndStops) {
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   press(Qt::Key_L, Qt::ControlModifier);
   EXPECT_TRUE(eventually([&] { return find("check_list")->isVisible(); }));
+  ASSERT_TRUE(eventually([&] { return find<QPushButton>("go")->isEnabled(); }));
   press(Qt::Key_F5);
   ASSERT_TRUE(eventually([&] { return running() && record().t > 0.2; }));
   press(Qt::Key_F5);
@@ -125,7 +136,7 @@ TEST_F(Keyboard, OpensChecksStartsPausesStepsAndStops) {
   press(Qt::Key_F5);
   ASSERT_TRUE(eventually([&] { return running(); }));
   press(Qt::Key_F1);
-  ASSERT_TRUE(eventually([&] { return QApplication::activeWindow() != &window; }));
+  ASSERT_NE(comes_up<QDialog>(&window, "shortcuts_dialog"), nullptr);
   press(Qt::Key_W, Qt::ControlModifier);  // Esc would stop
   expect_in_front(window);
   EXPECT_TRUE(running());
@@ -177,7 +188,8 @@ TEST_F(Keyboard, MovesTurnsKicksHoldsAndMeasures) {
   tab_to("hold_robot");
   press(Qt::Key_Return);
   last<app::events::Hold>(2);
-  ASSERT_TRUE(eventually([&] { return find<QPushButton>("hold_robot")->text().startsWith(QStringLiteral("Let")); }));
+  ASSERT_TRUE(
+      eventually([&] { return find<QAbstractButton>("hold_robot")->text().startsWith(QStringLiteral("Let")); }));
   press(Qt::Key_Return);
   last<app::events::Release>(2);
   press(Qt::Key_4, Qt::ControlModifier);
@@ -246,6 +258,7 @@ TEST_F(Keyboard, SetsGainsPairsPresetsAndASchedule) {
   ASSERT_EQ(pairs->currentIndex().column(), 1);
   press(Qt::Key_X);
   EXPECT_TRUE(eventually([&] { return !live().coupled(0, 1); }));
+  ASSERT_TRUE(eventually([&] { return pairs->currentIndex().data(Qt::CheckStateRole).toInt() == Qt::Unchecked; }));
   press(Qt::Key_X);
   EXPECT_TRUE(eventually([&] { return live().coupled(0, 1); }));
   ASSERT_TRUE(eventually([&] { return pairs->currentIndex().flags() & Qt::ItemIsEditable; }));
@@ -334,9 +347,8 @@ TEST_F(Keyboard, ReplaysScrubsReadsComparesSavesAndGoesOn) {
 TEST_F(Keyboard, EditsAnExperimentWhileARunIsOn) {
   start();
   press(Qt::Key_E, Qt::ControlModifier);
-  ASSERT_TRUE(eventually([&] { return window.findChild<ExperimentEditor*>() != nullptr; }));
-  auto* editor = window.findChild<ExperimentEditor*>();
-  ASSERT_TRUE(QTest::qWaitForWindowActive(editor));
+  auto* editor = comes_up<ExperimentEditor>(&window, "experiment_editor");
+  ASSERT_NE(editor, nullptr);
   editor->findChild<QPlainTextEdit*>()->setFocus();
   press(Qt::Key_Home, Qt::ControlModifier);
   type(QStringLiteral("#keys"));
@@ -344,10 +356,7 @@ TEST_F(Keyboard, EditsAnExperimentWhileARunIsOn) {
   EXPECT_TRUE(editor->text().startsWith(QStringLiteral("#keys\n")));
   tab_to("editor_save_as");
   press(Qt::Key_Return);
-  ASSERT_TRUE(eventually([&] {
-    auto* asked = editor->findChild<QDialog*>(QStringLiteral("editor_save_dialog"));
-    return asked && asked->isActiveWindow();
-  }));
+  ASSERT_NE(comes_up<QDialog>(editor, "editor_save_dialog"), nullptr);
   press(Qt::Key_A, Qt::ControlModifier);
   type(dir.filePath(QStringLiteral("mine.toml")));
   take_the_name();
@@ -390,14 +399,18 @@ TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
   }
   find<QDockWidget>("results_dock")->raise();
   expect_all(&window);
-  for (const char* action : {"shortcuts", "open", "save_plot", "edit_experiment", "calibrate_camera"}) {
+  for (const auto& [action, name] : {std::pair{"shortcuts", "shortcuts_dialog"},
+                                     {"open", "open_dialog"},
+                                     {"save_plot", "save_plot_dialog"},
+                                     {"edit_experiment", "experiment_editor"},
+                                     {"calibrate_camera", "calibration_dialog"}}) {
     find<QAction>(action)->trigger();
-    ASSERT_TRUE(eventually([&] { return QApplication::activeWindow() != &window; })) << action;
-    QWidget* dialog = QApplication::activeWindow();
-    EXPECT_GT(expect_all(dialog), 0) << action;
+    auto* dialog = comes_up<QDialog>(&window, name);
+    ASSERT_NE(dialog, nullptr) << name;
+    EXPECT_GT(expect_all(dialog), 0) << name;
     delete dialog;
     window.activateWindow();
-    ASSERT_TRUE(eventually([&] { return window.isActiveWindow(); }));
+    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
   }
 }
 

@@ -66,6 +66,7 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   scroll->setWidget(form_);
   scroll->setWidgetResizable(true);
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scroll->setFocusPolicy(Qt::NoFocus);
   scroll->setMinimumWidth(form_->sizeHint().width() + 24);
   auto* sides = new QSplitter;
   sides->addWidget(text_);
