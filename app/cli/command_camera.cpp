@@ -9,7 +9,7 @@
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "vision/modules/media_loader.h"
+#include "vision/sources/network_cameras.h"
 #include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
@@ -31,23 +31,22 @@ std::string text_of(const vision::CameraControl& control) {
 constexpr std::string_view of_aravis = "aravis:", of_v4l2 = "v4l2:";
 
 int list_aravis(const std::string& name) {
-  const auto module = vision::aravis();
-  std::string error = module ? std::string() : module.error();
-  if (module)
-    for (const std::string& line : (*module)->describe(name, error)) fmt::print("{}\n", line);
-  if (error.empty()) return done;
-  complain(error);
-  return device_failed;
+  const auto lines = vision::describe_network_camera(name);
+  if (!lines) {
+    complain(lines.error());
+    return device_failed;
+  }
+  fmt::print("{}\n", fmt::join(*lines, "\n"));
+  return done;
 }
 
 /// Prints those that answer; how many, or why nobody could be asked.
 tl::expected<int, std::string> list_aravis_cameras() {
-  const auto module = vision::aravis();
-  if (!module) return tl::unexpected(module.error());
-  const auto cameras = (*module)->discover();
-  for (const vision::AravisCamera& camera : cameras)
+  const auto cameras = vision::network_cameras();
+  if (!cameras) return tl::unexpected(cameras.error());
+  for (const vision::NetworkCamera& camera : *cameras)
     fmt::print("aravis:{}: {} ({}, {})\n", camera.name, camera.model, camera.protocol, camera.address);
-  return static_cast<int>(cameras.size());
+  return static_cast<int>(cameras->size());
 }
 
 int list_one(const std::string& device) {

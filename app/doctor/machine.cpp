@@ -23,8 +23,8 @@
 #include "app/guard/run_marker.h"
 #include "app/session/bare_thread.h"
 #include "comms/bluez_bus.h"
-#include "vision/modules/media_loader.h"
 #include "vision/sources/modules_present.h"
+#include "vision/sources/network_cameras.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
@@ -160,11 +160,12 @@ Machine this_machine() {
   };
   machine.network_cameras = [] {
     std::vector<std::string> names;
-    if (const auto module = vision::aravis())
-      for (const vision::AravisCamera& camera : (*module)->discover()) {
-        names.push_back(camera.name);
-        names.push_back(camera.address);
-      }
+    const auto cameras = vision::network_cameras();
+    if (!cameras) return names;
+    for (const vision::NetworkCamera& camera : *cameras) {
+      names.push_back(camera.name);
+      names.push_back(camera.address);
+    }
     return names;
   };
   machine.modules = vision::modules_present;

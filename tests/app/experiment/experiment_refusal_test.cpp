@@ -143,7 +143,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'", "e.toml: camera.source: found \"none\", allowed"},
         Refused{"[camera]\nsource = 'synthetic'\n[[robot]]\nlink = 'serial:/dev/a'",
-                "e.toml:2:10: camera.source: found \"synthetic\", allowed: images:DIR, video:FILE, v4l2:DEVICE, since"},
+                "e.toml:2:10: camera.source: found \"synthetic\", allowed: images:DIR, video:FILE, v4l2:DEVICE, "
+                "aravis:CAMERA, since"},
         Refused{"[camera]\nsource = 'images:x'", "e.toml:1:1: camera.calibration: missing, allowed: the file that"},
         Refused{"[[robot]]\nlink = 'loopback'\nmodel = 'ideal'",
                 "e.toml:3:9: robot.1.model: found \"ideal\", allowed: \"ep"},

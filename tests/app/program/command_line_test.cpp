@@ -204,7 +204,8 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
     return r.err;
   };
   EXPECT_EQ(refusal({"track", "film.mkv"}),
-            "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE (such as v4l2:/dev/video0)\n");
+            "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA (such as "
+            "v4l2:/dev/video0)\n");
   EXPECT_EQ(refusal({"track", "images:.", "--set", "gain=3"}),
             "skein: --set: images:. is not a camera; allowed with --set: v4l2:DEVICE, aravis:CAMERA\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "images:.", "--out", "c.toml", "--size", "640x480"}),

@@ -95,7 +95,8 @@ TEST(RobotTest, NamesADiameterThatIsFivePercentOff) {
   Experiment truth = with_camera();
   truth.robots[0].drive.wheel_diameter *= 1.05;
   const RobotTestResult robot = test(truth, with_camera());
-  ASSERT_THAT(robot.faults, ElementsAre(AllOf(HasSubstr("wheel_diameter is 43."), HasSubstr("off the 41.00 mm"))));
+  ASSERT_THAT(robot.faults,
+              ElementsAre(AllOf(HasSubstr("wheel_diameter is 43."), HasSubstr("off the configured 41.00 mm"))));
   EXPECT_NEAR(*robot.wheel_diameter / (1.05 * 0.041), 1.0, 0.005);
   EXPECT_NEAR(*robot.track / 0.053, 1.0, 0.005);
 }
