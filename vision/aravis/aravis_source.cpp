@@ -1,5 +1,6 @@
 #include "vision/aravis/aravis_source.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -89,6 +90,19 @@ void sleep_for(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
+/// The network address of a GigE camera's name, as it is now: opened by that, Aravis streams through the interface that
+/// leads there, not through whichever heard the camera first. Other names and addresses as they are.
+std::string address_of(const std::string& name) {
+  if (in_addr ip{}; ::inet_pton(AF_INET, name.c_str(), &ip) == 1) return name;
+  arv_update_device_list();
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
+    const char* const id = arv_get_device_id(i);
+    const char* const protocol = arv_get_device_protocol(i);
+    if (id && protocol && name == id && std::string_view(protocol) == "GigEVision") return arv_get_device_address(i);
+  }
+  return name;
+}
+
 class AravisSource final : public FrameSource {
  public:
   AravisSource(std::string name, SourceOptions options) : name_(std::move(name)), options_(std::move(options)) {}
@@ -101,8 +115,7 @@ class AravisSource final : public FrameSource {
     Failure failed;
     std::vector<std::string> notices;
     lost_.store(false, std::memory_order_relaxed);
-    if (frames_ > 0) arv_update_device_list();  // it may have another address now, or none
-    camera_.reset(arv_camera_new(name_.c_str(), &failed));
+    camera_.reset(arv_camera_new(address_of(name_).c_str(), &failed));
     last_arrival_ = monotonic_now();
     std::string problem = camera_ ? std::string() : failed_to("cannot be opened", failed);
     if (problem.empty()) {
