@@ -43,8 +43,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   const auto check = vision::check_floor(*result, marks);
   if (!check) return tl::unexpected(check.error());
   if (!goes_on()) return tl::unexpected(std::string("ended"));
-  if (const auto old = replace_calibration(*result, question.calibration); !old)
-    return tl::unexpected(old.error());
+  if (const auto old = replace_calibration(*result, question.calibration); !old) return tl::unexpected(old.error());
   FloorSurvey survey{question.tags, check->rms, check->worst};
   for (const vision::FloorResidual& residual : check->residuals) {
     FloorTag& tag = survey.tags[static_cast<std::size_t>(residual.mark - marks.data())];

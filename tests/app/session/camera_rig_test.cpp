@@ -1,6 +1,6 @@
 // Why a robot's tag is not seen, asked of a camera that runs, and calibrations that are missing.
-#include "app/calibration/calibration_file.h"
 #include "app/session/camera_rig.h"
+#include "app/calibration/calibration_file.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
