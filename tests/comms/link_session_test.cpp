@@ -439,6 +439,15 @@ TEST(LinkSession, UnaskedBytesLeadToTheStop) {
   EXPECT_EQ(lab.take(), exact_stop);
 }
 
+TEST(LinkSession, UnaskedBytesBehindTheStopsAnswerLeadToTheStopAgain) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  EXPECT_EQ(lab.take(), exact_stop);
+  lab.session.received(bytes("s\r\n?"), lab.now);  // the byte would shift every answer after it
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_EQ(lab.take(), exact_stop);
+}
+
 // Whatever goes wrong on the line, once it is quiet the link comes up and does as it is told.
 TEST(LinkSession, RecoversFromAnything) {
   test::holds("after losses, noise, restarts and stops the link works again", [] {

@@ -1,8 +1,11 @@
 #include "comms/link_supervisor.h"
 
+#include <unistd.h>
+
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <optional>
 #include <thread>
 
@@ -155,6 +158,24 @@ TEST_F(Supervised, AHangUpReconnectsAndTheRobotStaysStopped) {
   EXPECT_EQ(robots->wheels(0), (WheelSpeeds{250, 250}));
 }
 
+TEST_F(Supervised, ARobotThatWasReachedOnceIsNeverGivenUp) {
+  // Its device is gone for a while, as that of an adapter on the USB is: before a first connection that is for good.
+  const auto line = std::filesystem::temp_directory_path() / ("skein_line_" + std::to_string(::getpid()));
+  robots.emplace(std::vector{MotorModel::epuck2}, nullptr, seconds);
+  std::filesystem::create_symlink(robots->device(0), line);
+  links.emplace(std::vector{LinkAddress{LinkKind::serial, line, 0, ""}}, hasty);
+  const auto started = links->start(10.0);
+  ASSERT_TRUE(started) << started.error();
+  std::filesystem::remove(line);
+  robots->hang_up(0);
+  ASSERT_TRUE(wait_until([&] { return status(0).reason.find("there is no device") != std::string::npos; }))
+      << status(0).reason;
+  std::filesystem::create_symlink(robots->device(0), line);
+  EXPECT_TRUE(wait_until([&] { return status(0).reconnects >= 1; })) << status(0).reason;
+  EXPECT_TRUE(reaches(0, LinkState::up));
+  std::filesystem::remove(line);
+}
+
 TEST_F(Supervised, ALineThatSaysNothingForLongIsOpenedAgain) {
   LinkOptions options = hasty;
   options.silence_reconnect = 0.2;
@@ -244,6 +265,7 @@ TEST_F(Supervised, AnEmergencyStopReleasedAtOnceStillStops) {
     links->command(0, 100, 100);
     links->emergency_stop();
     links->release_stop();
+    ASSERT_TRUE(links->wait_acknowledged(10.0)) << "the command was obeyed before the stop, or it is void";
     ASSERT_TRUE(wait_until([&] { return status(0).stop_acknowledged && robots->wheels(0) == WheelSpeeds{}; }));
   }
 }
