@@ -193,6 +193,26 @@ TEST(Statistics, CountsEveryTouchOnce) {
   EXPECT_DOUBLE_EQ(h.summary().min_distance, 0.05);
 }
 
+TEST(Statistics, CountsTouchesOfAnyTwoNotOfNeighboursAlone) {
+  Experiment e;
+  e.robots.resize(4);
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j) {
+      Statistics statistics(e);
+      TickRecord r;
+      r.phase = Phase::running;
+      r.robots.resize(4);
+      for (std::size_t k = 0; k < 4; ++k) {
+        RobotRecord& robot = r.robots[k];
+        robot.nominal.pose.x = k == j ? 0.5 * static_cast<double>(i) + 0.06 : 0.5 * static_cast<double>(k);
+        robot.pose = robot.truth = robot.nominal.pose;
+        robot.measurement.captured_at = 0.0;
+      }
+      statistics.record(r);
+      EXPECT_EQ(statistics.summary().collisions, 1) << i << ", " << j;
+    }
+}
+
 TEST(Statistics, TheTruePosesTouchEvenIfTheSeenOnesDoNot) {
   History h;
   TickRecord r = h.row();
