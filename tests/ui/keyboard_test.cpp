@@ -8,6 +8,7 @@
 #include <QLineEdit>
 #include <QListView>
 #include <QMenu>
+#include <QMessageBox>
 #include <QPlainTextEdit>
 #include <QSlider>
 #include <QTabBar>
@@ -84,8 +85,24 @@ class Keyboard : public Operator {
   void answer(const char* dialog, const QString& file) {
     QWidget* open = comes_up<QDialog>(&window, dialog);
     ASSERT_NE(open, nullptr) << dialog;
-    press(Qt::Key_A, Qt::ControlModifier);
-    type(file);
+    // The dialog's own folder may still be read, and takes the name's field for itself while it is.
+    auto* name = open->findChild<QLineEdit*>(QStringLiteral("fileNameEdit"));
+    ASSERT_NE(name, nullptr);
+    ASSERT_TRUE(eventually([&] { return name->hasFocus(); }));
+    ASSERT_TRUE(eventually([&] {
+      if (name->text() == file) return true;
+      press(Qt::Key_A, Qt::ControlModifier);
+      type(file);
+      return name->text() == file;
+    }));
+    // A question of the dialog (no such file, replace it?) would wait for an answer for ever.
+    QTimer::singleShot(5000, open, [] {
+      for (QWidget* top : QApplication::topLevelWidgets())
+        if (auto* box = qobject_cast<QMessageBox*>(top); box && box->isVisible()) {
+          ADD_FAILURE() << box->text().toStdString();
+          box->reject();
+        }
+    });
     take_the_name();
     expect_in_front(window);
   }
