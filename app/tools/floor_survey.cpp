@@ -31,6 +31,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   const auto sight = vision::look_at_floor(**source, *lens, frames, [&](int) { return goes_on(); });
   if (!sight) return tl::unexpected(sight.error());
   std::vector<vision::FloorMark> marks;
+  marks.reserve(question.tags.size());
   for (const FloorTag& tag : question.tags)
     marks.push_back({.name = fmt::format("tag {}", tag.id), .tag = tag.id, .x = tag.x, .y = tag.y, .z = tag.z});
   vision::enter(*sight, marks);

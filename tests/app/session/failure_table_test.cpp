@@ -258,6 +258,25 @@ TEST(FailureTable, ATickThatThrowsStopsTheRobots) {
   loop.end_thread();
 }
 
+TEST(FailureTable, TheCommandsOfATickInFlightDoNotPassAStop) {
+  const Experiment experiment = paper_experiment();
+  SessionClock clock(false);
+  auto plant = Plant::open(experiment, clock, {});
+  ASSERT_TRUE(plant) << plant.error();
+  const std::vector<core::WheelSpeeds> drive(4, {500.0, 500.0});
+  std::vector<core::Measurement> newest(4);
+  std::vector<core::Pose> before(4), after(4);
+  FrameTimes frame;
+  (*plant)->measure(0.0, newest, before, frame);
+  (*plant)->act(drive);
+  (*plant)->measure(0.04, newest, after, frame);
+  EXPECT_NEAR(core::distance(before[0], after[0]), 0.04 * 500.0 * core::DifferentialDrive{}.metres_per_step(), 1e-6);
+  (*plant)->stop();
+  (*plant)->act(drive);
+  (*plant)->measure(0.08, newest, before, frame);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(before[i], after[i]) << i;
+}
+
 // --- STOP: within 40 ms, repeated until acknowledged
 // ---------------------------------------------------------------------
 
