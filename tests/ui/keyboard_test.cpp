@@ -4,6 +4,7 @@
 #include <QAction>
 #include <QApplication>
 #include <QClipboard>
+#include <QDoubleSpinBox>
 #include <QFileDialog>
 #include <QLineEdit>
 #include <QListView>
@@ -118,7 +119,7 @@ class Keyboard : public Operator {
   QString recorded(const char* name, const char* set) {
     const app::Experiment experiment =
         *app::parse_experiment(app::paper_experiment().source, "platoon.toml", {"duration=8", "perturb=[]", set});
-    const QString file = dir.filePath(QLatin1String(name));
+    QString file = dir.filePath(QLatin1String(name));
     app::CsvFile csv(file.toStdString(), experiment);
     (*app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
     csv.finish();
