@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double body_radius = 0.035, kept = 0.078;  // between midpoints, as by the shield [m]
+constexpr double kept = 0.078;  // between midpoints, as by the shield [m]
 
 double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
