@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   for (double* length : {&camera.fx, &camera.fy}) *length /= shrink;
   for (double* place : {&camera.cx, &camera.cy}) *place = (*place + 0.5) / shrink - 0.5;
   camera.tag_size = tag_size;
-  if (const auto saved = save_calibration(camera, directory / "camera.toml"); !saved) {
+  if (const auto saved = app::save_calibration(camera, directory / "camera.toml"); !saved) {
     fmt::print(stderr, "{}\n", saved.error());
     return 3;
   }
