@@ -199,9 +199,10 @@ std::vector<TomlTable> TomlTable::tables(const char* key) {
 void TomlTable::finish() const {
   if (!table_) return;
   for (const auto& [key, value] : *table_) {
+    const std::string_view written = key.str();
     if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
     const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto& a, const auto& b) {
-      return letters_apart(key.str(), a) < letters_apart(key.str(), b);
+      return letters_apart(written, a) < letters_apart(written, b);
     });
     const std::size_t close_enough = std::max<std::size_t>(1, key.str().size() / 3);
     std::string suggestion;
