@@ -1,5 +1,6 @@
 // libFuzzer: build with clang and -DSKEIN_FUZZ=ON, run fuzz_frames -max_total_time=60. Films and pictures.
 #include <unistd.h>
+#include <filesystem>
 
 #include <cstddef>
 #include <opencv2/imgcodecs.hpp>
