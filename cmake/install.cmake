@@ -118,7 +118,7 @@ endmacro()
 set(exactly "(= ${PROJECT_VERSION})")
 skein_debian(skein science "real-time lab control for groups of unicycle robots"
   "An overhead camera sees tags on e-puck robots; a coordinated controller with\nmutual coupling and collision avoidance (Kostic, Adinandra, Caarls, Nijmeijer\n2010) keeps them in formation under hard actuator limits, over Bluetooth or\nWiFi. Experiments are files; they run in a window, without one, and simulated."
-  RECOMMENDS "gnuplot-nox, fonts-dejavu-core, bluez" SUGGESTS "skein-permissions, skein-bench, xvfb")
+  RECOMMENDS "gnuplot-nox, fonts-dejavu-core, bluez, qt6-speech-speechd-plugin, speech-dispatcher" SUGGESTS "skein-permissions, skein-bench, xvfb")
 set(CPACK_DEBIAN_SKEIN_PACKAGE_SHLIBDEPS ON)
 skein_debian(skein-bench science "benchmarks of Skein on this machine"
   "Measures the control tick, the tag tracker, robots' links and the window of\nSkein, each as a ratio against a baseline of the same run."

@@ -13,6 +13,7 @@ constexpr std::uint8_t binary(char letter) {
   return static_cast<std::uint8_t>(256 - letter);
 }
 constexpr std::uint8_t end_of_sequence = 0x00;
+constexpr std::size_t bytes_of_speeds = 4;
 
 constexpr std::uint8_t low(std::int16_t value) {
   return static_cast<std::uint8_t>(value & 0xFF);
@@ -60,7 +61,8 @@ std::int16_t steps_between(std::int16_t earlier, std::int16_t later) noexcept {
 
 std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question) {
   std::vector<std::uint8_t> request;
-  request.reserve(9);
+  request.reserve(longest_request);
+  request.assign(bytes_of_speeds, end_of_sequence);
   if (speeds)
     request.insert(request.end(),
                    {binary('D'), low(speeds->left), high(speeds->left), low(speeds->right), high(speeds->right)});

@@ -51,8 +51,12 @@ enum class Question {
 
 /// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds taken
 /// and for the counters, `9E` for the battery, `00` ends the request. A request with a question is acknowledgement,
-/// heartbeat and round-trip probe in one. At most 9 bytes.
+/// heartbeat and round-trip probe in one. Four zeros come first, which a parser passes over: a speed command that was
+/// broken off (by a host that died, a byte that was lost) takes them for its speeds, and not what follows for two of up
+/// to full speed.
 std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question);
+
+inline constexpr std::size_t longest_request = 13;  ///< of wheel_request() [bytes]
 
 /// Bytes in the answer: the speeds (left, right), the counters (left, right), the battery; little-endian int16.
 constexpr std::size_t answer_size(Question question) noexcept {

@@ -1,9 +1,20 @@
 #include "comms/asercom_session.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <string_view>
 
 namespace skein::comms {
+namespace {
+
+/// Whether an answer's first number is no speed that any robot can have taken. That of two letters is above 1100.
+bool begins_with_text(std::string_view bytes) noexcept {
+  if (bytes.size() < 2) return false;
+  const int low = static_cast<unsigned char>(bytes[0]), high = static_cast<signed char>(bytes[1]);
+  return std::abs(low + 256 * high) > fastest_motor;
+}
+
+}  // namespace
 
 void AsercomSession::begin() {
   parser_.clear();
@@ -38,7 +49,11 @@ void AsercomSession::hear(std::span<const std::uint8_t> bytes, double now) {
   if (!answer_due() || parser_.pending() > answer_size(asked())) return unasked(now);
   const Question question = asked();
   const auto reply = parser_.next();
-  if (!reply) return;
+  if (!reply) {
+    // The line "d" answers half a line "D,l,r" that a byte of ours has ended: the robot drives as nobody told it.
+    if (stops_unanswered_ == 0 && begins_with_text(parser_.pending_text())) unasked(now);
+    return;
+  }
   stops_unanswered_ = 0;  // what has not come by now is lost
   read_counters(reply->encoders, now);
   if (question == Question::wheels_and_battery) read_battery(reply->battery, now);

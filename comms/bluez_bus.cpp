@@ -56,7 +56,7 @@ std::string sentence(const sd_bus_error& error, int result) {
 }
 
 /// Reads the value of one property, a variant, if it is of that type; passes over it otherwise.
-void take(sd_bus_message* m, std::string& into) {
+void read(sd_bus_message* m, std::string& into) {
   const char* text = nullptr;
   char type = 0;
   const char* contents = nullptr;
@@ -70,7 +70,7 @@ void take(sd_bus_message* m, std::string& into) {
   if (sd_bus_message_read_basic(m, signature[0], &text) > 0) into = text;
   sd_bus_message_exit_container(m);
 }
-void take(sd_bus_message* m, bool& into) {
+void read(sd_bus_message* m, bool& into) {
   int value = 0;
   if (sd_bus_message_read(m, "v", "b", &value) > 0) into = value != 0;
 }
@@ -92,9 +92,9 @@ BluezAdapter read_adapter(sd_bus_message* m, const char* path) {
   BluezAdapter adapter{.path = path, .address = {}};
   read_properties(m, [&](std::string_view key) {
     if (key == "Address")
-      take(m, adapter.address);
+      read(m, adapter.address);
     else if (key == "Powered")
-      take(m, adapter.powered);
+      read(m, adapter.powered);
     else
       sd_bus_message_skip(m, "v");
   });
@@ -106,13 +106,13 @@ BluezDevice read_device(sd_bus_message* m, const char* path) {
   device.path = path;
   read_properties(m, [&](std::string_view key) {
     if (key == "Address")
-      take(m, device.address);
+      read(m, device.address);
     else if (key == "Name")
-      take(m, device.name);
+      read(m, device.name);
     else if (key == "Adapter")
-      take(m, device.adapter_path);
+      read(m, device.adapter_path);
     else if (key == "Paired")
-      take(m, device.paired);
+      read(m, device.paired);
     else {
       if (key == "RSSI") device.heard = true;
       sd_bus_message_skip(m, "v");

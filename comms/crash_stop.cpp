@@ -43,7 +43,7 @@ long this_thread() noexcept {
 }
 
 template <class Places>
-int take(Places& places) noexcept {
+int claim(Places& places) noexcept {
   for (std::size_t i = 0; i < places.size(); ++i)
     if (!places[i].taken.exchange(true)) return static_cast<int>(i);
   return -1;
@@ -133,7 +133,7 @@ void stop_robots_on_crash() {
   for (std::size_t i = 0; i < crashes.size(); ++i) ::sigaction(crashes[i], &action, &before[i]);
 }
 
-CrashEntry::CrashEntry(int descriptor, const Protocol& protocol) noexcept : place_(take(entries)) {
+CrashEntry::CrashEntry(int descriptor, const Protocol& protocol) noexcept : place_(claim(entries)) {
   if (place_ < 0) return;
   Entry& entry = entries[static_cast<std::size_t>(place_)];
   entry.protocol.store(&protocol);
@@ -155,7 +155,7 @@ void CrashEntry::set_stands(bool stands) noexcept {
   if (place_ >= 0) entries[static_cast<std::size_t>(place_)].stands.store(stands);
 }
 
-CrashThread::CrashThread(void (*stop)(void* who) noexcept, void* who) noexcept : place_(take(threads)) {
+CrashThread::CrashThread(void (*stop)(void* who) noexcept, void* who) noexcept : place_(claim(threads)) {
   if (place_ < 0) return;
   Thread& thread = threads[static_cast<std::size_t>(place_)];
   thread.id.store(0);

@@ -20,8 +20,9 @@ struct WheelUnit {
   double metres_per_step = std::numbers::pi * 0.041 / 1000.0;  ///< of every e-puck, to a few per cent [m]
   int fastest = fastest_motor;                                 ///< largest command to any such robot [steps/s]
   /// The largest number of unconfirmed commands while a question is pending. With a question they stay below the 58
-  /// bytes that an e-puck1 can receive at once, in case the radio delays them all.
-  int most_unconfirmed = 6;
+  /// bytes that an e-puck1 can receive at once, in case the radio delays them all, and below the five at which an
+  /// e-puck2 over WiFi throws all but the newest away.
+  int most_unconfirmed = 4;
 };
 
 /// The conversation with one robot over one link, as a state machine: bytes and times in, bytes and the time of the

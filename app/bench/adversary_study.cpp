@@ -31,7 +31,7 @@ radius = 0.04
 )";
 
 /// Says whether everybody was told to stand in the newest row.
-class Newest final : public RecordSink {
+class LastRow final : public RecordSink {
  public:
   void record(const TickRecord& record) override {
     ticks += record.phase == Phase::running;
@@ -67,7 +67,7 @@ AdversaryOutcome run_under_adversary(std::uint64_t seed, const std::string& prog
     return outcome;
   }
   Statistics statistics(*experiment);
-  Newest newest;
+  LastRow newest;
   SessionOptions options;
   options.sinks = {&statistics, &newest};
   auto session = Session::open(*experiment, Session::Clock::virtual_, options);

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/bench/bench_cameras.h"
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_controllers.h"
 #include "app/bench/bench_links.h"
@@ -45,6 +46,12 @@ struct Bench {
 
 int report_vision(double) {
   return vision::print_vision_targets() ? done : expectation_failed;
+}
+
+CamerasBench cameras;
+
+int report_cameras(double) {
+  return bench_cameras(cameras);
 }
 
 ControllersBench controllers;  // as the command line says
@@ -84,6 +91,8 @@ constexpr Bench table[] = {
     {"run", "`skein run platoon.toml --csv`", [](double) { register_run_benchmark(); }},
     {"vision", "the tag tracker, AprilTag and ArUco", [](double) { vision::register_vision_benchmarks(); },
      report_vision},
+    {"cameras", "several cameras: four frames to 64 poses, robots that cross a seam", [](double) {}, report_cameras,
+     /*unasked=*/false},
     {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", [](double) {},
      report_controllers, /*unasked=*/false},
     {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
@@ -116,7 +125,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
-  program.add_option("what", what, "one of those below; default: all but controllers, identify, swaps and ui")
+  program.add_option("what", what, "one of those below; default: all but cameras, controllers, identify, swaps and ui")
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
@@ -126,9 +135,10 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       ->capture_default_str();
   std::optional<std::int64_t> runs;
   program
-      .add_option("--runs", runs,
-                  "controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; default: "
-                  "140, 1000, 8, 40")
+      .add_option(
+          "--runs", runs,
+          "cameras: crossings; controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; "
+          "default: 10000, 140, 1000, 8, 40")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->type_name("N");
   double hours = 0.0;
@@ -140,7 +150,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::uint64_t seed = 1;
   program
       .add_option("--seed", seed,
-                  "controllers, identify, planner, swaps, radio: of the first of them; the next ones count on")
+                  "cameras, controllers, identify, planner, swaps, radio: of the first of them; the next ones count on")
       ->capture_default_str();
   program.allow_extras()->footer(words_of_the_table() +
                                  "Further options go to Google Benchmark, e.g. --benchmark_repetitions=5");
@@ -161,11 +171,12 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     if (!written) complain(written.error());
     return written ? done : wrong_input;
   }
+  cameras.runs = runs.value_or(cameras.runs);
   controllers.runs = runs.value_or(controllers.runs);
   identification.runs = runs.value_or(identification.runs);
   swaps.runs = runs.value_or(swaps.runs);
   planning.runs = runs.value_or(planning.runs);
-  controllers.seed = identification.seed = planning.seed = swaps.seed = radio.seed = seed;
+  cameras.seed = controllers.seed = identification.seed = planning.seed = swaps.seed = radio.seed = seed;
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (what == window) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/embedded/embedded.h"
 #include "app/experiment/experiment_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
@@ -16,27 +17,6 @@
 
 namespace skein::app {
 namespace {
-
-constexpr const char* crowd_text = R"(
-duration = 60
-[reference]
-kind = "independent"
-speed = 0.09
-may_meet = true
-[controller]
-k_y = 4.0
-[controller.gains]
-k_xx = 0.0
-k_tt = 0.0
-k_yy = 0.0
-[avoidance]
-kind = "plan"
-[staging]
-automatic = false
-[[robot]]
-start = [0.0, 0.0, 0.0]
-trajectory = { path = { shape = "line", from = [0.0, 0.0], to = [0.5, 0.0] } }
-)";
 
 constexpr int repetitions = 5;
 constexpr double most_planning = 5e-3, most_without = 0.1e-3, longest_plan = 1.5;  // [s]
@@ -148,7 +128,7 @@ tl::expected<Experiment, std::string> crowd_scene(std::int64_t robots, std::uint
                                                   const std::vector<std::string>& sets) {
   Study study;
   study.experiment = "crowd.toml";
-  study.text = crowd_text;
+  study.text = embedded::crowd_toml;
   study.sets = sets;
   study.crowd = Study::Crowd{{robots, robots}};
   return experiment_of(study, seed);

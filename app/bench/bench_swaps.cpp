@@ -20,7 +20,8 @@
 namespace skein::app {
 namespace {
 
-constexpr double lasts = 90.0, near_enough = 0.01, touch = 0.07;  // [s], [m], [m]
+constexpr double lasts = 90.0, near_enough = 0.01;     // [s], [m]
+constexpr double touch = 2.0 * core::standard_radius;  // between the midpoints of two bodies that touch [m]
 
 struct SwapOutcome {
   std::optional<double> arrived;  // everybody, for good [s]

@@ -126,8 +126,9 @@ class LappingRobot {
       const std::vector<std::uint8_t> bytes(session_.output().begin(), session_.output().end());
       session_.sent(bytes.size(), now);
       written_at_ = now;
-      constexpr std::size_t speeds_alone = 6, longest_request = 9;
-      if (bytes.size() != speeds_alone && bytes.size() <= longest_request) for_both(&BlindWay::asked);
+      // Longer: a stop.
+      static const std::size_t speeds_alone = comms::wheel_request(comms::WheelCommand{}, comms::Question::none).size();
+      if (bytes.size() != speeds_alone && bytes.size() <= comms::longest_request) for_both(&BlindWay::asked);
       firmware_.receive(bytes, now);
     }
   }

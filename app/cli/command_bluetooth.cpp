@@ -42,8 +42,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
     const auto read = read_text(path);
     auto robots = load_known_robots(path);
     if (!read || !robots) {
-      for (const Problem& problem : robots ? read.error() : robots.error())
-        print_error(fmt::format("{}\n", problem.message()));
+      print_error(messages(robots ? read.error() : robots.error()) + "\n");
       return wrong_input;
     }
     text = *read;

@@ -14,10 +14,11 @@ int check(const ExperimentRequest& request, bool controller) {
   const auto experiment = load(request);
   if (!experiment) return wrong_input;
   if (experiment->camera.kind() != CameraKind::absent)
-    if (const auto calibration = camera_calibration(*experiment); !calibration) {
-      complain(calibration.error());
-      return wrong_input;
-    }
+    for (std::size_t k = 0; k < experiment->cameras(); ++k)
+      if (const auto calibration = camera_calibration(*experiment, k); !calibration) {
+        complain(calibration.error());
+        return wrong_input;
+      }
   const Certificate certificate = certify(*experiment);
   fmt::print("experiment: {}\n{}", experiment->name, as_lines(certificate));
   for (const std::string& sentence : missing_ways(*experiment)) fmt::print("way: {}\n", sentence);

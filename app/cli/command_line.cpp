@@ -22,12 +22,14 @@
 #include "app/controllers/library_host.h"
 #include "app/experiment/experiment_schema.h"
 #include "app/experiment/fault_file.h"
+#include "app/experiment/text_file.h"
 #include "app/guard/guard.h"
 #include "app/guard/stop_run.h"
 #include "app/manual/manual.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/output_error.h"
 #include "app/run/resources.h"
 #include "app/run/version.h"
 #include "comms/crash_stop.h"
@@ -87,7 +89,7 @@ bool read_faults(const std::string& source, comms::EmulateOptions& options) {
     options.faults = std::move(*faults);
     return true;
   }
-  for (const Problem& problem : faults.error()) print_error(problem.message() + "\n");
+  print_error(messages(faults.error()) + "\n");
   return false;
 }
 
@@ -337,6 +339,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       complain(file + ": a recorded run is replayed unchanged, without --set, --duration and --seed");
       return wrong_input;
     }
+    if (const auto is_file = check_is_file(file); !is_file) {
+      complain(is_file.error());
+      return wrong_input;
+    }
     if (!std::ifstream(file)) {
       complain(file + ": cannot be opened: " + std::strerror(errno));
       return wrong_input;
@@ -345,8 +351,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   }
   const auto experiment = load(window_experiment.request());
   // A file with errors is mended in the window's editor; what the command line itself got wrong is said here.
-  const bool mendable =
-      !experiment && window_experiment.request().sets.empty() && std::ifstream(window_experiment.file);
+  const bool mendable = !experiment && window_experiment.request().sets.empty() &&
+                        check_is_file(window_experiment.file) && std::ifstream(window_experiment.file);
   if (mendable) return show_window({{}, window_experiment.file, {}}, argc, argv);
   return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
 }
@@ -356,7 +362,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 int command_line(int argc, char** argv, const ShowWindow& show_window) {
   fill_standard_descriptors();
   try {
-    return parse_and_do(argc, argv, show_window);
+    const int status = parse_and_do(argc, argv, show_window);
+    const int error = output_error();
+    if (error == 0) return status;
+    complain(fmt::format("stdout: cannot be written: {}", std::strerror(error)));
+    return status == done ? static_cast<int>(device_failed) : status;
   } catch (const std::exception& error) {
     complain(error.what());
   } catch (...) {

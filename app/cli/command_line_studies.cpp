@@ -6,30 +6,40 @@
 
 namespace skein::app {
 
+namespace {
+
+/// What every command about a study takes.
+template <typename Request>
+void add_common(CLI::App& command, Request& request, const char* runs) {
+  command
+      .add_option("study", request.file,
+                  "study file (TOML), see docs/studies.md, or the name of one that comes with Skein")
+      ->required()
+      ->transform([](const std::string& name) { return find_resource("studies", name); });
+  command.add_option("--runs", request.runs, runs)
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->type_name("N");
+  command.add_option("--seed", request.seed, "seed of the first run; each further run adds 1")->type_name("N");
+  command.add_option("--set", request.sets, "key=value: any key of the experiment; repeatable")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--threads", request.threads, "default: one per core that the program may use")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+}
+
+}  // namespace
+
 void StudyCommands::add_to(CLI::App& program) {
   sweep_ = program.add_subcommand(
       "sweep", "Runs an experiment many times with the random changes of a study file, and summarises the results");
   SweepRequest& request = sweep_request_;
-  sweep_
-      ->add_option("study", request.file,
-                   "study file (TOML), see docs/studies.md, or the name of one that comes with Skein")
-      ->required()
-      ->transform([](const std::string& name) { return find_resource("studies", name); });
-  sweep_->add_option("--runs", request.runs, "number of runs, instead of the file's")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
-      ->type_name("N");
-  sweep_->add_option("--seed", request.seed, "seed of the first run; each further run adds 1")->type_name("N");
+  add_common(*sweep_, request, "number of runs, instead of the file's");
   CLI::Option* const only =
       sweep_
           ->add_option("--only", request.only, "only the run with this seed, and print the `skein run` that repeats it")
           ->type_name("SEED");
-  sweep_->add_option("--set", request.sets, "key=value: any key of the experiment; repeatable")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  sweep_->add_option("--threads", request.threads, "default: one per core that the program may use")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
   CLI::Option* const csv = sweep_->add_option("--csv", request.csv, "one row a run")->type_name("FILE");
   CLI::Option* const report =
       sweep_->add_option("--report", request.report, "write figures of distributions and the worst runs to this folder")
@@ -53,10 +63,32 @@ void StudyCommands::add_to(CLI::App& program) {
       ->excludes(only);
   sweep_->add_flag("--json", request.json, "print the summary as one JSON object");
   sweep_->add_flag("--quiet", request.quiet, "no progress, no summary");
+
+  tune_ = program.add_subcommand(
+      "tune",
+      "Searches for gains inside (18): the Pareto front of formation against tracking recovery, every point "
+      "certified and measured on kicks that the search has not seen");
+  TuneRequest& gains = tune_request_;
+  add_common(*tune_, gains, "kicks on which each candidate is tried, instead of the file's runs");
+  const auto count = CLI::Range(std::int64_t{1}, std::int64_t{1'000'000});
+  tune_->add_option("--candidates", gains.candidates, "of each search, instead of the file's tune.candidates")
+      ->check(count)
+      ->type_name("N");
+  tune_->add_option("--held-out", gains.held_out, "kicks held out, instead of the file's tune.held_out")
+      ->check(count)
+      ->type_name("N");
+  tune_->add_option("--csv", gains.csv, "the front, one row a point")->type_name("FILE");
+  tune_
+      ->add_option("--report", gains.report, "write the front's figure and each point's experiment file to this folder")
+      ->type_name("DIR");
+  tune_->add_option("--save", gains.save, "write the experiment with the chosen gains to this file, which must be new")
+      ->type_name("EXPERIMENT.TOML");
+  tune_->add_flag("--quiet", gains.quiet, "no progress, no table");
 }
 
 std::optional<int> StudyCommands::run() const {
   if (*sweep_) return sweep(sweep_request_);
+  if (*tune_) return tune(tune_request_);
   return {};
 }
 

@@ -26,6 +26,22 @@ struct SweepRequest {
 };
 int sweep(const SweepRequest& request);
 
+struct TuneRequest {
+  std::string file, csv;
+  std::string report;  ///< a folder for the figure and the experiments of the front
+  std::string save;    ///< the experiment file with the chosen gains
+  std::vector<std::string> sets;
+  std::optional<std::int64_t> runs, candidates, held_out;
+  std::optional<std::uint64_t> seed;
+  unsigned threads = 0;  ///< 0: as many as there are cores
+  bool quiet = false;
+};
+/// Searches for gains. See tune.h. `expectation_failed` if there is no front.
+int tune(const TuneRequest& request);
+
+/// How many threads can work at once: a job scheduler may have given this process fewer cores than the machine has.
+unsigned usable_cores();
+
 /// The subcommands about studies of many runs.
 class StudyCommands {
  public:
@@ -34,8 +50,9 @@ class StudyCommands {
   std::optional<int> run() const;
 
  private:
-  CLI::App* sweep_ = nullptr;
+  CLI::App *sweep_ = nullptr, *tune_ = nullptr;
   SweepRequest sweep_request_;
+  TuneRequest tune_request_;
 };
 
 }  // namespace skein::app

@@ -32,7 +32,7 @@ void print(const RobotPing::Robot& robot, double seconds) {
 int save(const std::string& file, const LinksSpec& links) {
   auto text = read_text(file);
   if (!text) {
-    for (const Problem& problem : text.error()) print_error(problem.message() + "\n");
+    print_error(messages(text.error()) + "\n");
     return wrong_input;
   }
   for (const auto& [key, value] :

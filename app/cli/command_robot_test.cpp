@@ -53,6 +53,7 @@ int test_robots(const RobotsRequest& request) {
   Experiment experiment = named->experiment.value_or(Experiment{});
   if (!named->experiment) experiment.robots = named->robots;
   if (!request.camera.empty()) {
+    experiment.camera.also.clear();
     experiment.camera.source = request.camera;
     experiment.camera.calibration = std::filesystem::absolute(request.calibration).string();
   }

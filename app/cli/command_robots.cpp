@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void print(const std::vector<Problem>& problems) {
-  for (const Problem& problem : problems) print_error(problem.message() + "\n");
+  print_error(messages(problems) + "\n");
 }
 
 std::string not_known(const std::string& name, const std::string& path, const std::string& names) {

@@ -71,7 +71,7 @@ std::optional<Experiment> load(const ExperimentRequest& request) {
   if (request.file.empty()) return paper_experiment();
   auto experiment = load_experiment(request.file, request.sets);
   if (experiment) return std::move(*experiment);
-  for (const Problem& problem : experiment.error()) print_error(problem.message() + "\n");
+  print_error(messages(experiment.error()) + "\n");
   return {};
 }
 
@@ -99,9 +99,10 @@ int run(const RunRequest& request) {
   options.guard = true;
   std::vector<std::unique_ptr<CsvFile>> files;
   std::error_code ignored;
-  if (!request.force && !request.video.empty() && std::filesystem::is_regular_file(request.video, ignored)) {
-    complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force",
-                         request.video, free_name(request.video)));
+  for (const std::string& film : film_paths(*experiment, request.video)) {
+    if (request.force || request.video.empty() || !std::filesystem::is_regular_file(film, ignored)) continue;
+    complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force", film,
+                         free_name(request.video)));
     return wrong_input;
   }
   std::optional<KeptRun> kept;

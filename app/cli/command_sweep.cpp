@@ -27,15 +27,6 @@ bool write_csv(const std::string& path, const Outcomes& outcomes) {
   return static_cast<bool>(file);
 }
 
-/// How many threads can work at once: a job scheduler may have given this process fewer cores than the machine has.
-unsigned usable_cores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  if (sched_getaffinity(0, sizeof cores, &cores) == 0 && CPU_COUNT(&cores) > 0)
-    return static_cast<unsigned>(CPU_COUNT(&cores));
-  return std::max(1U, std::thread::hardware_concurrency());
-}
-
 /// A word as a shell takes it.
 std::string quoted(const std::string& word) {
   std::string text = "'";
@@ -54,10 +45,18 @@ std::string run_command(const Study& study, std::uint64_t seed) {
 
 }  // namespace
 
+unsigned usable_cores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0 && CPU_COUNT(&cores) > 0)
+    return static_cast<unsigned>(CPU_COUNT(&cores));
+  return std::max(1U, std::thread::hardware_concurrency());
+}
+
 int sweep(const SweepRequest& request) {
   auto study = load_study(request.file);
   if (!study) {
-    for (const Problem& problem : study.error()) print_error(fmt::format("{}\n", problem.message()));
+    print_error(messages(study.error()) + "\n");
     return wrong_input;
   }
   study->sets.insert(study->sets.end(), request.sets.begin(), request.sets.end());

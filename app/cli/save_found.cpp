@@ -15,8 +15,7 @@ int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
   const auto known = load_known_robots(file);
   const auto text = read_text(file);
   if (!known || !text) {
-    for (const Problem& problem : known ? text.error() : known.error())
-      print_error(fmt::format("{}\n", problem.message()));
+    print_error(messages(known ? text.error() : known.error()) + "\n");
     return wrong_input;
   }
   std::string changed = *text;

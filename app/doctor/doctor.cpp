@@ -285,6 +285,14 @@ Findings serial(const Machine& machine, const Examination& examination) {
 
 // --- what robots are seen with ---
 
+/// Every camera of every experiment, with its file.
+std::vector<std::pair<std::string, CameraSpec>> all_cameras(const Examination& examination) {
+  std::vector<std::pair<std::string, CameraSpec>> all;
+  for (const auto& [file, experiment] : examination.experiments)
+    for (std::size_t k = 0; k < experiment.cameras(); ++k) all.emplace_back(file, experiment.camera_at(k));
+  return all;
+}
+
 Findings cameras(const Machine& machine, const Examination& examination) {
   Findings result;
   const auto devices = entries(below(machine, "/sys/class/video4linux"), "video");
@@ -297,10 +305,11 @@ Findings cameras(const Machine& machine, const Examination& examination) {
   }
   bool wanted = false;
   std::vector<std::string> answered;  // cameras of the network
-  for (const auto& [file, experiment] : examination.experiments) {
-    if (experiment.camera.kind() != CameraKind::live) continue;
-    const std::string device = experiment.camera.source.substr(experiment.camera.source.find(':') + 1);
-    if (experiment.camera.source.starts_with("aravis:")) {
+  for (const auto& [file, camera] : all_cameras(examination)) {
+    if (camera.kind() != CameraKind::live) continue;
+    const std::string& source = camera.source;
+    const std::string device = source.substr(source.find(':') + 1);
+    if (source.starts_with("aravis:")) {
       if (answered.empty()) answered = machine.network_cameras();
       const bool there = std::find(answered.begin(), answered.end(), device) != answered.end();
       if (there)
@@ -327,14 +336,14 @@ Findings cameras(const Machine& machine, const Examination& examination) {
 Findings calibrations(const Examination& examination) {
   Findings result;
   std::map<std::string, double> sizes;  // [m]
-  for (const auto& [file, experiment] : examination.experiments) {
-    if (experiment.camera.calibration.empty()) {
-      if (experiment.camera.kind() == CameraKind::live)
+  for (const auto& [file, camera] : all_cameras(examination)) {
+    if (camera.calibration.empty()) {
+      if (camera.kind() == CameraKind::live)
         result.push_back({State::ill, "calibration", fmt::format("{} names none", file),
                           "skein calibrate, see docs/calibration.md"});
       continue;
     }
-    const fs::path path = fs::path(file).parent_path() / experiment.camera.calibration;
+    const fs::path path = fs::path(file).parent_path() / camera.calibration;
     const auto calibration = load_calibration(path);
     if (!calibration) {
       result.push_back({State::ill, "calibration", calibration.error(), "skein calibrate, see docs/calibration.md"});

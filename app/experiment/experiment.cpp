@@ -64,6 +64,10 @@ std::optional<std::string> real_time_reason(const Experiment& experiment) {
   return {};
 }
 
+std::string camera_prefix(const Experiment& experiment, std::size_t number) {
+  return experiment.cameras() == 1 ? std::string() : fmt::format("camera {}: ", number + 1);
+}
+
 std::string robot_name(const Experiment& experiment, std::size_t robot) {
   const std::string& name = experiment.robots[robot].name;
   return fmt::format("robot {}{}", robot + 1, name.empty() ? "" : " (" + name + ")");

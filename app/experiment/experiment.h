@@ -175,32 +175,29 @@ struct RobotSpec {
   std::optional<Truth> truth;
   const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
-  bool has_link() const noexcept;  ///< real or emulated: bytes go to it
-  bool is_real() const noexcept;
+  /// Real or emulated: bytes go to it.
+  bool has_link() const noexcept {
+    switch (link) {
+      case Link::sim:
+        return false;
+      case Link::loopback:
+      case Link::device:
+        return true;
+    }
+    return true;
+  }
+  bool is_real() const noexcept {
+    switch (link) {
+      case Link::sim:
+      case Link::loopback:
+        return false;
+      case Link::device:
+        return true;
+    }
+    return true;
+  }
   bool simulated() const noexcept { return !is_real(); }
 };
-
-inline bool RobotSpec::has_link() const noexcept {
-  switch (link) {
-    case Link::sim:
-      return false;
-    case Link::loopback:
-    case Link::device:
-      return true;
-  }
-  return true;
-}
-
-inline bool RobotSpec::is_real() const noexcept {
-  switch (link) {
-    case Link::sim:
-    case Link::loopback:
-      return false;
-    case Link::device:
-      return true;
-  }
-  return true;
-}
 
 /// The kind of an experiment's camera.
 enum class CameraKind {
@@ -212,6 +209,8 @@ enum class CameraKind {
 /// Of an address, "none", "synthetic" or one of vision::source_kinds(); empty: it is none of these.
 std::optional<CameraKind> camera_kind(std::string_view source);
 
+inline constexpr std::size_t most_cameras = 16;
+
 struct CameraSpec {
   std::string source = "none";  ///< see `camera_kind`
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
@@ -222,6 +221,8 @@ struct CameraSpec {
   /// so; empty: never. [s]
   std::optional<double> bump_at;
   double bump = 1.0;
+  std::optional<double> lost_at;  ///< likewise: from then on the synthetic camera delivers nothing [s]
+  std::vector<CameraSpec> also;   ///< more cameras over the same floor; none of a camera that is one of these
 
   CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }
 };
@@ -339,8 +340,14 @@ struct Experiment {
   /// links.command_silence, or 0.1 s and at least two ticks and a half: one late tick does not stop the group.
   double command_silence() const noexcept { return links.command_silence.value_or(std::max(0.1, 2.5 * period())); }
   double period() const noexcept { return 1.0 / rate; }
+  /// The cameras, from 0, [camera] first: one at least, which may be "none".
+  std::size_t cameras() const noexcept { return 1 + camera.also.size(); }
+  const CameraSpec& camera_at(std::size_t number) const { return number == 0 ? camera : camera.also.at(number - 1); }
   std::int64_t ticks() const noexcept;  ///< rows that a run of the whole duration has
 };
+
+/// How messages about one of several cameras begin: "camera 2: "; nothing if it is the only one.
+std::string camera_prefix(const Experiment& experiment, std::size_t number);
 
 /// The name of a robot in messages: "robot 2", or "robot 2 (anna)".
 std::string robot_name(const Experiment& experiment, std::size_t robot);

@@ -78,9 +78,10 @@ void check_robots(const Experiment& e, Problems& problems) {
                       "it",
                       e.camera.source, vision::source_forms(), i + 1, robot.address));
   }
-  if (real_camera && e.camera.calibration.empty())
-    problems.add("camera.calibration",
-                 fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", e.camera.source));
+  for (std::size_t k = 0; k < e.cameras(); ++k)
+    if (const CameraSpec& camera = e.camera_at(k); sees_the_real(camera.kind()) && camera.calibration.empty())
+      problems.add(k == 0 ? std::string("camera.calibration") : fmt::format("camera.also.{}.calibration", k),
+                   fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", camera.source));
 }
 
 /// What (18a) asks of the tracking gains of (36): that the reference and the couplings leave something of `whole`.

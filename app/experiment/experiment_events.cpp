@@ -100,8 +100,8 @@ std::string wrong_with(const Event& action, const Experiment& e) {
           // No actions: `parse_action` does not read them.
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
                           Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed,
-                          VRise, Link, CameraMoved, events::NotSeen, FilmBroken, Controller, NoNumber> auto&)
-              -> std::string { return {}; },
+                          VRise, Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
+                          FilmBroken, Controller, NoNumber> auto&) -> std::string { return {}; },
       },
       action);
 }

@@ -151,6 +151,9 @@ const std::vector<ExperimentKey>& all_keys() {
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "bump", "for practice: the angle by which it is then tilted",
        NumberKey{[](E& e) -> auto& { return e.camera.bump; }, [](Limits) { return between(-45.0, 45.0, "deg"); }}},
+      {"camera", "lost_at", "for practice: when the synthetic camera is lost, counted from its opening",
+       OptionalNumberKey{[](E& e) -> auto& { return e.camera.lost_at; },
+                         [](Limits) { return between(0.0, longest_run, "s"); }}},
 
       {"links", "blind_distance", "how far a robot may drive on unconfirmed commands",
        NumberKey{[](E& e) -> auto& { return e.links.blind_distance; },

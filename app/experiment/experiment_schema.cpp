@@ -19,6 +19,7 @@ struct Structured {
 const Structured structured[] = {
     {"", {"robots_file", "gain_change", "obstacle", "robot_defaults", "robot", "perturb", "operator"}},
     {"reference", {"spacing", "start", "shape", "offsets", "change", "path", "acceleration", "may_meet"}},
+    {"camera", {"also"}},
     {"controller", {"policy", "k_x", "k_theta", "gains", "c_xx", "c_tt", "c_yy", "l_xx", "l_tt", "parameters", "log"}},
 };
 

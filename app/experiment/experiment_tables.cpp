@@ -210,16 +210,41 @@ void read_obstacles(TomlTable& document, Experiment& e) {
   }
 }
 
-void check_camera(const CameraSpec& camera, Problems& problems) {
+/// `name`: of its table.
+void check_camera(const CameraSpec& camera, const std::string& name, Problems& problems) {
   if (!camera_kind(camera.source))
-    problems.add("camera.source",
+    problems.add(name + ".source",
                  fmt::format(R"(found "{}", allowed: "none", "synthetic", {})", camera.source, vision::source_forms()));
   const auto address = vision::parse_source(camera.source);
   if (!camera.trigger.empty() && !(address && address->kind->triggers))
     problems.add(
-        "camera.trigger",
+        name + ".trigger",
         fmt::format("found \"{}\", allowed: \"\", since only cameras of the kind aravis:CAMERA can be triggered",
                     camera.trigger));
+}
+
+/// [camera], and [[camera.also]] with the same keys.
+void read_cameras(TomlTable& document, Experiment& e, Problems& problems) {
+  TomlTable first = document.table("camera");
+  read_keys(first, "camera", e);
+  check_camera(e.camera, "camera", problems);
+  for (TomlTable& table : first.tables("also")) {
+    Experiment other;
+    read_keys(table, "camera", other);
+    table.finish();
+    e.camera.also.push_back(other.camera);
+    const std::string name = fmt::format("camera.also.{}", e.camera.also.size());
+    check_camera(other.camera, name, problems);
+    const auto rendered = [](const CameraSpec& camera) { return camera.kind() == CameraKind::synthetic; };
+    if (other.camera.source == "none" || e.camera.source == "none" || rendered(other.camera) != rendered(e.camera))
+      problems.add(name + ".source",
+                   fmt::format("found \"{}\" beside camera.source = \"{}\", allowed: \"synthetic\" for all cameras, or "
+                               "{} for each",
+                               other.camera.source, e.camera.source, vision::source_forms()));
+  }
+  if (e.cameras() > most_cameras)
+    problems.add("camera.also", fmt::format("found {} cameras, allowed: at most {}", e.cameras(), most_cameras));
+  first.finish();
 }
 
 }  // namespace
@@ -241,8 +266,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_table(t, "avoidance", e);
   read_table(t, "shield", e);
   read_obstacles(t, e);
-  read_table(t, "camera", e);
-  check_camera(e.camera, problems);
+  read_cameras(t, e, problems);
   read_table(t, "links", e);
   read_table(t, "failure", e);
   read_table(t, "simulation", e);

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
+
+#include "app/experiment/text_file.h"
 
 namespace skein::app {
 namespace {
@@ -40,10 +40,12 @@ toml::array read(const std::string& path, std::vector<Problem>& problems) {
     problems.push_back({path, line, 0, text});
     return toml::array{};
   };
-  std::error_code ignored;
-  std::ifstream in(path, std::ios::binary);
-  if (std::filesystem::is_directory(path, ignored)) return refuse(0, "cannot be read: it is a directory");
-  if (!in) return refuse(0, std::string("cannot be read: ") + std::strerror(errno));
+  const auto whole = read_text(path);
+  if (!whole) {
+    problems.push_back(whole.error().front());
+    return {};
+  }
+  std::istringstream in(*whole);
   toml::array rows;
   std::size_t columns = 0;
   double last = 0.0;

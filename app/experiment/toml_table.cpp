@@ -200,18 +200,17 @@ void TomlTable::finish() const {
   if (!table_) return;
   for (const auto& [key, value] : *table_) {
     const std::string_view written = key.str();
-    if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+    if (std::find(known_.begin(), known_.end(), written) != known_.end()) continue;
     const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto& a, const auto& b) {
       return letters_apart(written, a) < letters_apart(written, b);
     });
-    const std::size_t close_enough = std::max<std::size_t>(1, key.str().size() / 3);
+    const std::size_t close_enough = std::max<std::size_t>(1, written.size() / 3);
     std::string suggestion;
-    if (nearest != known_.end() && letters_apart(key.str(), *nearest) <= close_enough)
+    if (nearest != known_.end() && letters_apart(written, *nearest) <= close_enough)
       suggestion = fmt::format("; did you mean {}?", *nearest);
-    problems_->add(
-        key.source().begin ? key.source() : value.source(),
-        fmt::format("{}: unknown key{} allowed{}: {}", full(key.str()), suggestion.empty() ? "," : suggestion,
-                    path_.empty() ? "" : " in " + path_, fmt::join(known_, ", ")));
+    problems_->add(key.source().begin ? key.source() : value.source(),
+                   fmt::format("{}: unknown key{} allowed{}: {}", full(written), suggestion.empty() ? "," : suggestion,
+                               path_.empty() ? "" : " in " + path_, fmt::join(known_, ", ")));
   }
 }
 

@@ -28,11 +28,10 @@ std::vector<std::string> missing_ways(const Experiment& experiment) {
     query.from = experiment.robots[i].start.value_or(reference->at(i, 0.0).pose);
     query.to = last.pose;
     search.begin(query, nobody);
-    while (search.status() == core::RouteSearch::Status::searching) search.advance(1000);
+    while (search.searching()) search.advance(1000);
     // A place nearer to an obstacle than the shield lets anybody is none: routes would end beside it.
     const core::Lattice::Place inside = lattice.inside(last.pose.x, last.pose.y);
-    const bool reached = search.status() == core::RouteSearch::Status::found &&
-                         std::hypot(inside.x - last.pose.x, inside.y - last.pose.y) < 5e-3;
+    const bool reached = search.found() && std::hypot(inside.x - last.pose.x, inside.y - last.pose.y) < 5e-3;
     if (!reached)
       sentences.push_back(fmt::format(
           "no way for {} from ({:.3g}, {:.3g}) to ({:.3g}, {:.3g}) m: obstacles and the arena's edge are closer than "

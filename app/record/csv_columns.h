@@ -114,6 +114,17 @@ inline constexpr std::array<NumberColumn<RobotRecord>, 4> link_input_columns{{
     {"blind_way", [](auto& r) -> decltype(auto) { return (r.link.input.blind_way); }},
 }};
 
+// At the end of a robot's block where there are several cameras, of each, prefix c<k>_: inputs of a replay. All empty
+// for a robot that this camera has never seen.
+inline constexpr std::array<NumberColumn<core::Measurement>, 6> camera_columns{{
+    {"x_meas", [](auto& m) -> decltype(auto) { return (m.pose.x); }},
+    {"y_meas", [](auto& m) -> decltype(auto) { return (m.pose.y); }},
+    {"theta_meas", [](auto& m) -> decltype(auto) { return (m.pose.theta); }},
+    {"t_meas", [](auto& m) -> decltype(auto) { return (m.captured_at); }},
+    {"sigma_xy", [](auto& m) -> decltype(auto) { return (m.sigma_xy); }},
+    {"sigma_theta", [](auto& m) -> decltype(auto) { return (m.sigma_theta); }},
+}};
+
 /// Where columns for gains of pairs are, in the order of core::gain_names, robots from 1: "k_xx_1_2".
 inline std::string pair_column(core::GainName gain, std::size_t i, std::size_t j) {
   return std::string(word(gain)) + '_' + std::to_string(i) + '_' + std::to_string(j);

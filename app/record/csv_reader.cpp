@@ -135,6 +135,7 @@ void CsvReader::find_columns() {
   while (robots_ <= most_robots && has(fmt::format("r{}_x", robots_ + 1))) ++robots_;
   if (robots_ > most_robots) return;  // open() refuses it
   while (has(fmt::format("delta_{}_{}", deltas_ + 1, deltas_ + 2))) ++deltas_;
+  while (cameras_ < most_cameras && has(fmt::format("r1_c{}_x_meas", cameras_ + 1))) ++cameras_;
 
   store("t", [](TickRecord& r) -> double& { return r.t; });
   store("now", [](TickRecord& r) -> double& { return r.now; });
@@ -171,6 +172,10 @@ void CsvReader::find_columns() {
     for (const auto& column : link_columns) of_robot(column);
     for (const auto& column : link_health_columns) of_robot(column);
     for (const auto& column : link_input_columns) of_robot(column);
+    for (std::size_t k = 0; k < cameras_; ++k)
+      for (const auto& column : camera_columns)
+        store(fmt::format("{}c{}_{}", prefix, k + 1, column.name),
+              [seen = k * robots_ + i, at = column.at](TickRecord& r) -> double& { return at(r.by_camera[seen]); });
     known[prefix + "link"] = [i](TickRecord& r, std::string_view cell) {
       r.robots[i].link.state = core::from_word<LinkState>(cell);
       return cell.empty() || r.robots[i].link.state.has_value();
@@ -194,6 +199,9 @@ tl::expected<Experiment, std::string> CsvReader::experiment() const {
   if (experiment->robots.size() != robots_)
     return tl::unexpected(fmt::format("{}: {} robots in its experiment, but {} in its columns", file_,
                                       experiment->robots.size(), robots_));
+  if (const std::size_t several = experiment->cameras() > 1 ? experiment->cameras() : 0; several != cameras_)
+    return tl::unexpected(fmt::format("{}: {} cameras in its experiment, but {} in its columns", file_,
+                                      experiment->cameras(), std::max<std::size_t>(1, cameras_)));
   return *std::move(experiment);
 }
 
@@ -221,6 +229,7 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
   record.phase = Phase::running;
   record.delta.assign(deltas_, none);
   record.robots.assign(robots_, {});
+  record.by_camera.assign(cameras_ * robots_, {});
   record.pair_gains.fill(core::PairTable(robots_, none));
   for (std::size_t i = 0; i < cells_.size(); ++i)
     if (stores_[i] && !stores_[i](record, cells_[i]))
@@ -241,6 +250,8 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
     if (robot.is(staging)) record.phase = Phase::staging;
   for (RobotRecord& robot : record.robots)
     if (std::isnan(robot.measurement.captured_at)) robot.measurement = {};  // never seen
+  for (core::Measurement& seen : record.by_camera)
+    if (std::isnan(seen.captured_at)) seen = {};
   return true;
 }
 

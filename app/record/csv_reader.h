@@ -73,7 +73,7 @@ class CsvReader {
   std::vector<std::string> columns_;
   std::vector<Store> stores_;  // one a column, empty for an unknown one
   std::vector<std::string_view> cells_;
-  std::size_t robots_ = 0, deltas_ = 0;
+  std::size_t robots_ = 0, deltas_ = 0, cameras_ = 0;
 };
 
 }  // namespace skein::app

@@ -18,6 +18,7 @@ struct CsvWriter::Impl {
   bool links = false;                  // some robot has one
   bool waits = false;                  // the formation, for its robots
   std::vector<std::string> logs = {};  // by the law
+  std::size_t cameras = 0;             // of several
 
   void number(double value) {
     if (!std::isnan(value)) {
@@ -48,6 +49,13 @@ struct CsvWriter::Impl {
     for (const auto& column : link_input_columns)
       if (links) number(column.get(record));
   }
+  void by_camera(const TickRecord& record, std::size_t robot) {
+    for (std::size_t k = 0; k < cameras; ++k) {
+      const core::Measurement& seen = record.by_camera[k * record.robots.size() + robot];
+      const bool ever = seen.captured_at > core::Measurement{}.captured_at;
+      for (const auto& column : camera_columns) number(ever ? column.get(seen) : none);
+    }
+  }
   void logged(const TickRecord& record, std::size_t robot) {
     for (std::size_t k = logs.size() * robot; k < logs.size() * (robot + 1); ++k)
       number(k < record.logged.size() ? record.logged[k] : none);
@@ -66,6 +74,7 @@ struct CsvWriter::Impl {
   void head(const Experiment& experiment) {
     waits = experiment.avoidance.formation_waits;
     logs = log_names(experiment.controller.law);
+    cameras = experiment.cameras() > 1 ? experiment.cameras() : 0;
     links = std::any_of(experiment.robots.begin(), experiment.robots.end(),
                         [](const RobotSpec& robot) { return robot.has_link(); });
     row = fmt::format("{}{}\n{}{}\n{}{:016x}\n{}{}\n", version_line, SKEIN_VERSION, experiment_line, experiment.name,
@@ -95,6 +104,8 @@ struct CsvWriter::Impl {
       for (const auto& column : link_input_columns)
         if (links) row += fmt::format("r{}_{},", i, column.name);
       for (const std::string& name : logs) row += fmt::format("r{}_log_{},", i, name);
+      for (std::size_t k = 1; k <= cameras; ++k)
+        for (const auto& column : camera_columns) row += fmt::format("r{}_c{}_{},", i, k, column.name);
     }
     for (const auto& column : latency_columns) row.append(column.name) += ',';
     for (const core::GainName gain : core::gain_names)
@@ -154,6 +165,7 @@ void CsvWriter::record(const TickRecord& record) {
   for (std::size_t i = 0; i < record.robots.size(); ++i) {
     csv.robot(record.robots[i]);
     csv.logged(record, i);
+    csv.by_camera(record, i);
   }
   for (const auto& column : latency_columns) csv.number(column.get(record));
   if (csv.pair_gains) csv.pairs(record);

@@ -173,18 +173,18 @@ void Statistics::disturb(double t, double clock, const Event& event) {
 }
 
 void Statistics::Bands::add(const Sample& sample) {
-  const auto look = [&](std::optional<double>& since, double error, double band) {
+  const auto update = [&](std::optional<double>& since, double error, double band) {
     if (!(error <= band))
       since.reset();
     else if (!since)
       since = sample.t;
   };
-  look(formation_1cm, sample.formation, 0.01);
-  look(formation_5mm, sample.formation, 0.005);
-  look(tracking_1cm, sample.tracking, 0.01);
-  look(tracking_5mm, sample.tracking, 0.005);
-  look(relative_1cm, sample.relative, 0.01);
-  look(relative_5mm, sample.relative, 0.005);
+  update(formation_1cm, sample.formation, 0.01);
+  update(formation_5mm, sample.formation, 0.005);
+  update(tracking_1cm, sample.tracking, 0.01);
+  update(tracking_5mm, sample.tracking, 0.005);
+  update(relative_1cm, sample.relative, 0.01);
+  update(relative_5mm, sample.relative, 0.005);
   const auto look_whole = [&](std::optional<double>& since, double band) {
     if (!(sample.whole <= band))
       since.reset();
@@ -193,7 +193,7 @@ void Statistics::Bands::add(const Sample& sample) {
   };
   look_whole(whole_1cm, 0.01);
   look_whole(whole_5mm, 0.005);
-  look(whole_5mm_after, sample.whole, 0.005);
+  update(whole_5mm_after, sample.whole, 0.005);
 }
 
 Settling Statistics::Bands::since(double begin, double clock) const {

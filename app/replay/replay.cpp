@@ -153,7 +153,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   std::vector<core::Twist> laws(own ? experiment->robots.size() : 0);
 
   ControlTick tick(*experiment);
-  std::vector<core::Measurement> measurements(experiment->robots.size());
+  std::vector<core::Measurement> measurements(experiment->cameras() * experiment->robots.size());
   std::vector<double> delays(experiment->robots.size());
   std::vector<LinkInput> links(experiment->robots.size());
   TickRecord row;
@@ -166,6 +166,8 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
       if (const auto seen = frames->advance(newest_capture(row), measurements); !seen)
         return tl::unexpected(seen.error());
       compare_poses(row, measurements, result);
+    } else if (experiment->cameras() > 1) {
+      measurements = row.by_camera;
     } else {
       for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = row.robots[i].measurement;
     }

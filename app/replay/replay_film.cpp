@@ -9,6 +9,11 @@
 namespace skein::app {
 
 tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, const Experiment& experiment) {
+  if (experiment.cameras() > 1)
+    return tl::unexpected(
+        fmt::format("{}: the run had {} cameras, and a replay from frames takes those of one alone; "
+                    "without a film it takes the poses that the cameras measured",
+                    path, experiment.cameras()));
   auto source = vision::open_source("video:" + path);
   if (!source) return tl::unexpected(source.error());
   const auto calibration_note = (*source)->notes().find("CALIBRATION");

@@ -92,7 +92,18 @@ void fields(auto& io, one_of<Outside> auto& e) {
 }
 
 void fields(auto& io, one_of<CameraMoved> auto& e) {
+  io.number_of_any('c', e.camera, only_camera);
   io.named("tags", e.tags), io.named("by", e.by), io.named("turn", e.turn);
+}
+
+void fields(auto& io, one_of<CamerasDisagree> auto& e) {
+  io.number_of('r', e.robot);
+  io.number_of('c', e.camera), io.number_of('c', e.other);
+  io.named("by", e.by);
+}
+
+void fields(auto& io, one_of<CameraLost, CameraFound> auto& e) {
+  io.number_of('c', e.camera);
 }
 
 void fields(auto& io, one_of<VRise> auto& e) {
@@ -119,6 +130,9 @@ class Printer {
   explicit Printer(std::string& text) : text_(text) {}
 
   void number_of(char letter, std::size_t number) { append(" {}{}", letter, number + 1); }
+  void number_of_any(char letter, std::size_t number, std::size_t unsaid) {
+    if (number != unsaid) number_of(letter, number);
+  }
   void named(std::string_view name, auto value) { append(" {}={}", name, value); }
   void optional(std::string_view name, double value) {
     if (value > 0.0) named(name, value);
@@ -152,6 +166,10 @@ class Reader {
     const bool good = part.starts_with(letter) && read(part.substr(1), from_one) && from_one > 0;
     ok_ = ok_ && good;
     if (good) number = from_one - 1;
+  }
+  void number_of_any(char letter, std::size_t& number, std::size_t unsaid) {
+    number = unsaid;
+    if (rest_.starts_with(letter)) number_of(letter, number);
   }
   void named(std::string_view name, auto& value) {
     std::string_view part = next();
@@ -206,6 +224,7 @@ std::optional<Event> parse(std::string_view text, std::index_sequence<k...>) {
 struct Finite {
   bool all = true;
   void number_of(char, std::size_t) {}
+  void number_of_any(char, std::size_t, std::size_t) {}
   void named(std::string_view, auto value) { all = all && std::isfinite(static_cast<double>(value)); }
   void optional(std::string_view, double value) { all = all && std::isfinite(value); }
   void change(double from, double to) { all = all && std::isfinite(from) && std::isfinite(to); }
@@ -245,9 +264,8 @@ bool is_action(const Event& event) noexcept {
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
                           Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
-                          events::Link, CameraMoved, events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) {
-            return false;
-          },
+                          events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
+                          FilmBroken, events::Controller, NoNumber> auto&) { return false; },
       },
       event);
 }

@@ -202,11 +202,27 @@ struct Link {  ///< a robot's link has been lost for longer than the bridge time
   std::size_t robot = 0;
   LinkState state = LinkState::up;
 };
+inline constexpr std::size_t only_camera = static_cast<std::size_t>(-1);
 struct CameraMoved {  ///< all visible tags moved by one rigid motion that the robots did not make
   static constexpr std::string_view word = "camera_moved";
+  std::size_t camera = only_camera;  ///< which of several
   std::size_t tags = 0;
   double by = 0.0;    ///< their mean displacement [m]
   double turn = 0.0;  ///< counter-clockwise [rad]
+};
+struct CamerasDisagree {  ///< two cameras see a robot at different places: one of them has been moved
+  static constexpr std::string_view word = "cameras_disagree";
+  std::size_t robot = 0;
+  std::size_t camera = 0, other = 0;
+  double by = 0.0;  ///< [m]
+};
+struct CameraLost {  ///< one of several cameras delivers no frames
+  static constexpr std::string_view word = "camera_lost";
+  std::size_t camera = 0;
+};
+struct CameraFound {  ///< and it does again
+  static constexpr std::string_view word = "camera_found";
+  std::size_t camera = 0;
 };
 struct NotSeen {  ///< why its tag has not been seen for half a second
   static constexpr std::string_view word = "not_seen";
@@ -251,7 +267,8 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
                            events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
                            events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
-                           events::Outside, events::Controller, events::NoNumber>;
+                           events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree,
+                           events::CameraLost, events::CameraFound>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -3,12 +3,16 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
 #include <mutex>
 #include <string>
 #include <thread>
+
+#include "app/run/output_error.h"
 
 namespace skein::app {
 namespace {
@@ -39,6 +43,8 @@ class Stream {
     }
   }
 
+  int error() const noexcept { return error_; }
+
  private:
   void run() noexcept {
     try {
@@ -55,7 +61,10 @@ class Stream {
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
             continue;
           }
-          if (count < 0 && errno != EINTR) break;  // it is gone, or full
+          if (count < 0 && errno != EINTR) {  // it is gone, or full
+            error_ = errno;
+            break;
+          }
           if (count > 0) rest.remove_prefix(static_cast<std::size_t>(count));
         }
         lock.lock();
@@ -67,6 +76,7 @@ class Stream {
   }
 
   const int descriptor_;
+  std::atomic<int> error_{0};
   std::mutex mutex_;
   std::condition_variable added_, written_;
   std::string waiting_;
@@ -88,6 +98,13 @@ void print_out(std::string_view text, double patience) noexcept {
 
 void print_error(std::string_view text, double patience) noexcept {
   stream(STDERR_FILENO).print(text, patience);
+}
+
+int output_error() noexcept {
+  int error = stream(STDOUT_FILENO).error();
+  if (error == 0 && std::fflush(stdout) != 0) error = errno;  // some is printed through the C library
+  if (error == 0 && std::ferror(stdout) != 0) error = EIO;
+  return error == EPIPE ? 0 : error;
 }
 
 void complain(std::string_view sentence) noexcept {

@@ -100,7 +100,7 @@ constexpr std::string_view word(Limit bit) noexcept {
 
 /// One robot at one tick. Poses in the world frame.
 struct RobotRecord {
-  core::Measurement measurement;       ///< the newest one at hand
+  core::Measurement measurement;       ///< the newest one at hand, of any camera that the others do not contradict
   double pose_age = none;              ///< now - captured_at [s]
   core::Pose pose;                     ///< the pose the law used
   double sigma_xy = none;              ///< its standard deviation in the worst direction, when measured [m]
@@ -199,6 +199,8 @@ struct TickRecord {
   EventList events;
   std::vector<double> logged;  ///< by the law, for each robot the values of log_names(): all of robot 1 first
   std::vector<RobotRecord> robots;
+  /// With several cameras the newest of each, as TickInput::measurements; else empty.
+  std::vector<core::Measurement> by_camera;
 
   /// The largest of all pairs. `name` is one of core::gain_names.
   double gain(core::GainName name) const noexcept {

@@ -120,7 +120,9 @@ std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, co
   const auto take = [&](const std::string& name, std::string as) {
     if (!name.empty()) files.emplace_back(fs::path(experiment.directory) / name, std::move(as));
   };
-  take(experiment.camera.calibration, name_in_folder(experiment.camera.calibration, "calibration.toml"));
+  for (std::size_t k = 0; k < experiment.cameras(); ++k)
+    take(experiment.camera_at(k).calibration,
+         name_in_folder(experiment.camera_at(k).calibration, kept_calibration(k).c_str()));
   try {
     const toml::table document = toml::parse(text);
     take(document["robots_file"].value_or<std::string>(""), "robots.toml");

@@ -15,6 +15,10 @@ namespace skein::app {
 
 namespace fs = std::filesystem;
 
+std::string kept_calibration(std::size_t camera) {
+  return camera == 0 ? "calibration.toml" : fmt::format("calibration-{}.toml", camera + 1);
+}
+
 std::string runs_directory(const std::string& asked) {
   if (!asked.empty()) return asked;
   if (const char* const runs = std::getenv("SKEIN_RUNS"); runs && *runs) return runs;

@@ -19,6 +19,9 @@ inline constexpr const char* as_run = "experiment.toml";
 inline constexpr const char* summary = "summary.json";
 inline constexpr const char* film = "film.mkv";
 }  // namespace run_files
+/// The name of a camera's calibration, from 0, that was not beside the experiment: calibration.toml,
+/// calibration-2.toml.
+std::string kept_calibration(std::size_t camera);
 
 /// The folder of kept runs: `asked`, else $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else ~/.local/share/skein/runs.
 std::string runs_directory(const std::string& asked);

@@ -124,9 +124,11 @@ Step run_again(const std::string& folder, const std::string& csv) {
   if (!experiment) return {"run_again", false, experiment.error().front().message()};
   Experiment here = *experiment;
   // A calibration from elsewhere is in the folder under a name of its own.
-  if (std::error_code ignored;
-      !here.camera.calibration.empty() && !fs::exists(fs::path(folder) / here.camera.calibration, ignored))
-    here.camera.calibration = "calibration.toml";
+  for (std::size_t k = 0; k < here.cameras(); ++k) {
+    std::string& calibration = k == 0 ? here.camera.calibration : here.camera.also[k - 1].calibration;
+    if (std::error_code ignored; !calibration.empty() && !fs::exists(fs::path(folder) / calibration, ignored))
+      calibration = kept_calibration(k);
+  }
   std::ifstream in(csv, std::ios::binary);
   const bool pair_gains = [&] {
     std::ifstream head(csv, std::ios::binary);

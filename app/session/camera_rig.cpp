@@ -7,10 +7,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 #include "app/calibration/calibration_file.h"
@@ -18,24 +20,57 @@
 
 namespace skein::app {
 
-tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment) {
-  if (!experiment.camera.calibration.empty())
-    return load_calibration(std::filesystem::path(experiment.directory) / experiment.camera.calibration)
-        .and_then([&](vision::Calibration c) -> tl::expected<vision::Calibration, std::string> {
-          if (c.world_from_camera) return c;
-          return tl::unexpected(
-              fmt::format("camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor",
-                          experiment.camera.calibration));
-        });
-  if (experiment.camera.kind() == CameraKind::synthetic)
-    return vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
+namespace {
+
+/// The part of the arena that a synthetic camera sees: as many columns and rows as there are cameras, the longer side
+/// of the arena divided into more.
+vision::Calibration shared_floor(const Experiment& experiment, std::size_t number) {
+  constexpr double overlap = 0.1;  // over each border of its part, and the margin of overhead_calibration [m]
+  const std::size_t n = experiment.cameras();
+  if (n == 1) return vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
+  std::size_t fewer = 1;
+  for (std::size_t k = 1; k * k <= n; ++k)
+    if (n % k == 0) fewer = k;
+  const bool wide = experiment.arena_width >= experiment.arena_height;
+  const std::size_t columns = std::max<std::size_t>(1, wide ? n / fewer : fewer), rows = n / columns;
+  const std::size_t column = number % columns, row = number / columns;
+  const double width = experiment.arena_width / static_cast<double>(columns);
+  const double height = experiment.arena_height / static_cast<double>(rows);
+  const Eigen::Vector2d centre((static_cast<double>(column) + 0.5) * width - 0.5 * experiment.arena_width,
+                               0.5 * experiment.arena_height - (static_cast<double>(row) + 0.5) * height);
+  const double along = width + (columns > 1 ? 2.0 * overlap : 0.0);
+  const double across = height + (rows > 1 ? 2.0 * overlap : 0.0);
+  if (along >= across) return vision::overhead_calibration(along, across, centre);
+  // A picture is wider than high: over a part that is not, the camera hangs turned by a right angle.
+  vision::Calibration camera = vision::overhead_calibration(across, along, {centre.y(), -centre.x()});
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  camera.world_from_camera->rotation = turn * camera.world_from_camera->rotation;
+  camera.world_from_camera->position = turn * camera.world_from_camera->position;
+  return camera;
+}
+
+}  // namespace
+
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number) {
+  const CameraSpec& camera = experiment.camera_at(number);
+  const std::string prefix = camera_prefix(experiment, number);
+  if (!camera.calibration.empty()) {
+    auto calibration = load_calibration(std::filesystem::path(experiment.directory) / camera.calibration);
+    if (!calibration) return tl::unexpected(prefix + calibration.error());
+    if (calibration->world_from_camera) return calibration;
+    return tl::unexpected(
+        fmt::format("{}camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor", prefix,
+                    camera.calibration));
+  }
+  if (camera.kind() == CameraKind::synthetic) return shared_floor(experiment, number);
   return tl::unexpected(
-      fmt::format("camera.calibration is missing: {} needs a calibration file", experiment.camera.source));
+      fmt::format("{}camera.calibration is missing: {} needs a calibration file", prefix, camera.source));
 }
 
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
   constexpr int tags = 587;  // of the family 36h11
   std::vector<int> wanted;
+  wanted.reserve(every ? tags : experiment.robots.size());
   for (const RobotSpec& robot : experiment.robots) wanted.push_back(robot.tag);
   for (int tag = 0; every && tag < tags; ++tag)
     if (std::find(wanted.begin(), wanted.end(), tag) == wanted.end()) wanted.push_back(tag);
@@ -50,19 +85,25 @@ void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, st
 
 tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Experiment& experiment, SessionClock& clock,
                                                                       SimulatedWorld& world, bool pictures,
-                                                                      std::vector<int> wanted, bool await) {
-  auto calibration = camera_calibration(experiment);
+                                                                      std::vector<int> wanted, bool await,
+                                                                      std::size_t number,
+                                                                      std::shared_ptr<LastSights> sights) {
+  auto calibration = camera_calibration(experiment, number);
   if (!calibration) return tl::unexpected(calibration.error());
-  std::unique_ptr<CameraRig> rig(new CameraRig(experiment, clock, world, *calibration, pictures, std::move(wanted)));
-  if (experiment.camera.kind() == CameraKind::synthetic) {
-    rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, experiment.seed);
-    if (experiment.camera.bump_at)
-      rig->bumped_ = std::make_unique<vision::SyntheticCamera>(vision::tilted(*calibration, experiment.camera.bump),
-                                                               vision::SceneOptions{}, experiment.seed);
+  if (!sights) sights = std::make_shared<LastSights>(experiment.cameras(), experiment.robots.size());
+  std::unique_ptr<CameraRig> rig(
+      new CameraRig(experiment, number, clock, world, *calibration, pictures, std::move(wanted), std::move(sights)));
+  const CameraSpec& spec = rig->spec_;
+  const std::uint64_t seed = experiment.seed + number;  // noise and light of each camera are its own
+  if (spec.kind() == CameraKind::synthetic) {
+    rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, seed);
+    if (spec.bump_at)
+      rig->bumped_ = std::make_unique<vision::SyntheticCamera>(vision::tilted(*calibration, spec.bump),
+                                                               vision::SceneOptions{}, seed);
   } else {
-    rig->live_ = experiment.camera.kind() == CameraKind::live;
+    rig->live_ = spec.kind() == CameraKind::live;
     if (const auto opened = rig->open_source(); !opened) {
-      if (!await || !rig->live_ || !clock.wall()) return tl::unexpected(opened.error());
+      if (!await || !rig->live_ || !clock.wall()) return tl::unexpected(rig->prefix_ + opened.error());
       rig->why_awaited_ = opened.error();
       rig->awaited_.store(true, std::memory_order_release);
     }
@@ -72,13 +113,12 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
 
 tl::expected<void, std::string> CameraRig::open_source() {
   vision::SourceOptions options{calibration_.width, calibration_.height, experiment_.rate};
-  options.trigger = experiment_.camera.trigger;
+  options.trigger = spec_.trigger;
   for (const auto& [name, value] :
-       {std::pair("exposure", experiment_.camera.exposure), std::pair("gain", experiment_.camera.gain),
-        std::pair("focus", experiment_.camera.focus)})
+       {std::pair("exposure", spec_.exposure), std::pair("gain", spec_.gain), std::pair("focus", spec_.focus)})
     if (!std::isnan(value)) options.controls.emplace_back(name, value);
   options.keep_waiting = [this] { return !ending_.load(std::memory_order_relaxed); };
-  auto source = vision::open_source(experiment_.camera.source, options);
+  auto source = vision::open_source(spec_.source, options);
   if (!source) return tl::unexpected(source.error());
   source_ = std::move(*source);
   return {};
@@ -96,13 +136,18 @@ void CameraRig::await_source(const std::stop_token& stop) {
   }
 }
 
-CameraRig::CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world,
-                     vision::Calibration calibration, bool pictures, std::vector<int> wanted)
+CameraRig::CameraRig(const Experiment& experiment, std::size_t number, SessionClock& clock, SimulatedWorld& world,
+                     vision::Calibration calibration, bool pictures, std::vector<int> wanted,
+                     std::shared_ptr<LastSights> sights)
     : experiment_(experiment),
+      spec_(experiment.camera_at(number)),
+      number_(number),
+      prefix_(camera_prefix(experiment, number)),
       clock_(clock),
       world_(world),
       calibration_(std::move(calibration)),
       wanted_(std::move(wanted)),
+      last_sights_(std::move(sights)),
       tracker_(calibration_, {.tags = wanted_}),
       pictures_(pictures),
       poses_(experiment.robots.size()),
@@ -118,7 +163,7 @@ CameraRig::~CameraRig() {
 
 tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
   auto recorder = vision::Recorder::open(path, {{"PROGRAM", "skein " SKEIN_VERSION},
-                                                {"SOURCE", experiment_.camera.source},
+                                                {"SOURCE", spec_.source},
                                                 {"EXPERIMENT", experiment_.source},
                                                 {"CALIBRATION", format_calibration(calibration_)}});
   if (!recorder) return tl::unexpected(recorder.error());
@@ -193,12 +238,16 @@ void CameraRig::look() {
 bool CameraRig::capture() {
   if (synthetic_) {
     const double now = clock_.now();
+    if (spec_.lost_at && now >= *spec_.lost_at) {
+      reason_ = "the synthetic camera is lost (camera.lost_at)";
+      return false;
+    }
     world_.advance(now);
     world_.poses(poses_);
     tags_.clear();
     for (std::size_t i = 0; i < poses_.size(); ++i)
       if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
-    (bumped_ && now >= *experiment_.camera.bump_at ? bumped_ : synthetic_)->render(tags_, now, frame_);
+    (bumped_ && now >= *spec_.bump_at ? bumped_ : synthetic_)->render(tags_, now, frame_);
     seen_.times = {now, clock_.now(), none, none};
     seen_.times.grey_at = seen_.times.arrived_at;
     return true;
@@ -207,7 +256,7 @@ bool CameraRig::capture() {
   if (!read)
     reason_ = read.error();
   else if (!*read)
-    reason_ = fmt::format("{}: the stream is at its end", experiment_.camera.source);
+    reason_ = fmt::format("{}: the stream is at its end", spec_.source);
   if (!reason_.empty()) return false;
   const double now = clock_.now();
   frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : now;
@@ -225,13 +274,15 @@ void CameraRig::answer_question() {
   for (std::size_t i = 0; i < experiment_.robots.size(); ++i) {
     const core::Measurement& tag = seen_.tags[i];
     if (tag.captured_at >= frame_.captured_at) continue;
+    const double elsewhere = last_sights_->newest(i);
+    if (elsewhere > tag.captured_at && elsewhere >= frame_.captured_at - experiment_.estimation.bridge) continue;
     const bool ever = std::isfinite(tag.captured_at) && std::isfinite(tag.pose.x);
     answer_.missing.push_back({wanted_[i], ever ? std::optional(tag.pose) : std::nullopt});
   }
   answered_.notify_all();
 }
 
-std::vector<std::string> CameraRig::why_not_seen() {
+std::vector<CameraRig::Absence> CameraRig::why_not_seen() {
   constexpr auto patience = std::chrono::seconds(1);
   std::unique_lock lock(question_mutex_);
   asked_ = true;
@@ -242,15 +293,17 @@ std::vector<std::string> CameraRig::why_not_seen() {
   const Question question = answer_;
   lock.unlock();
   if (question.frame.width != calibration_.width || question.frame.height != calibration_.height)
-    return {fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}", question.frame.width,
-                        question.frame.height, calibration_.width, calibration_.height)};
-  std::vector<std::string> sentences;
+    return {{.sentence =
+                 fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}",
+                             question.frame.width, question.frame.height, calibration_.width, calibration_.height)}};
+  std::vector<Absence> absences;
   for (const vision::TagDiagnosis& tag : vision::diagnose(question.frame, calibration_, question.missing))
-    sentences.push_back(vision::sentence(tag, calibration_));
-  return sentences;
+    absences.push_back({tag.tag, tag.why, vision::sentence(tag, calibration_)});
+  return absences;
 }
 
-/// Whoever was seen and has not been seen for half a second is asked about, once. A frame tells of all of them.
+/// Whoever was seen and has not been seen for half a second is asked about, once, at the camera that saw it last. A
+/// frame tells of all of them.
 void CameraRig::explain_absences() {
   constexpr double absent_for = 0.5, between = 2.0;  // [s]
   const double now = frame_.captured_at;
@@ -258,7 +311,8 @@ void CameraRig::explain_absences() {
   for (std::size_t i = 0; i < told_of_.size(); ++i) {
     const core::Measurement& tag = seen_.tags[i];
     if (tag.captured_at >= now) told_of_[i] = false;
-    if (tag.captured_at == core::Measurement{}.captured_at || now - tag.captured_at <= absent_for || told_of_[i])
+    if (tag.captured_at == core::Measurement{}.captured_at || now - tag.captured_at <= absent_for || told_of_[i] ||
+        last_sights_->newest(i) > tag.captured_at)
       continue;
     missing_.push_back({wanted_[i], tag.pose});
   }
@@ -282,7 +336,7 @@ void CameraRig::explain(const vision::Frame& frame, std::span<const vision::Miss
   for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration_, missing)) {
     const auto robot = std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin();
     absences_.push({static_cast<std::size_t>(robot), tag.why});
-    sentences.push_back(fmt::format("robot {} is lost: {}", robot + 1, vision::sentence(tag, calibration_)));
+    sentences.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, vision::sentence(tag, calibration_)));
   }
   const std::lock_guard lock(absence_mutex_);
   alarms_.insert(alarms_.end(), sentences.begin(), sentences.end());
@@ -313,7 +367,12 @@ std::vector<std::string> CameraRig::alarms() {
 }
 
 void CameraRig::work_off() {
-  take(tracker_.process(frame_), wanted_, seen_.tags);
+  elsewhere_.clear();
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
+    if (const auto pose = last_sights_->elsewhere(number_, i, frame_.captured_at))
+      elsewhere_.push_back({wanted_[i], *pose});
+  take(tracker_.process(frame_, elsewhere_), wanted_, seen_.tags);
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i) last_sights_->saw(number_, i, seen_.tags[i]);
   answer_question();
   explain_absences();
   seen_.times.ready_at = clock_.now();

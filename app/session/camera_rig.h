@@ -17,6 +17,7 @@
 #include "app/experiment/experiment.h"
 #include "app/run/session_clock.h"
 #include "app/run/status.h"
+#include "app/session/last_sights.h"
 #include "app/session/newest.h"
 #include "app/session/simulated_world.h"
 #include "vision/calibration/calibration.h"
@@ -42,17 +43,22 @@ struct FrameTimes {
   double ready_at = none;     ///< its poses are known
 };
 
-/// The calibration of an experiment's camera. The error: it is missing, wrong, or has no world frame.
-tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment);
+/// The calibration of one of an experiment's cameras, from 0. Synthetic ones without a file share the arena: 2 side by
+/// side, 4 in two rows, and each sees 0.2 m and more of its neighbour's part. The error: it is missing, wrong, or has
+/// no world frame.
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number = 0);
 
-/// The camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
+/// One camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
 /// clock it runs on a thread of its own; on the virtual one it takes a frame on request.
 class CameraRig {
  public:
-  /// `wanted`: the tags to look for. `await`: a real camera that cannot be opened is retried every second.
+  /// `wanted`: the tags to look for. `await`: a real camera that cannot be opened is retried every second. `number`: of
+  /// the camera, from 0; `sights`: those of all cameras, if there are more.
   static tl::expected<std::unique_ptr<CameraRig>, std::string> open(const Experiment& experiment, SessionClock& clock,
                                                                     SimulatedWorld& world, bool pictures,
-                                                                    std::vector<int> wanted, bool await = false);
+                                                                    std::vector<int> wanted, bool await = false,
+                                                                    std::size_t number = 0,
+                                                                    std::shared_ptr<LastSights> sights = nullptr);
   ~CameraRig();
 
   /// Records every frame of the tracker in a film. To be called before the first frame.
@@ -77,10 +83,15 @@ class CameraRig {
   /// only. [s, session's clock]
   void wait_for_frame(double since, double until) noexcept;
 
-  /// Why robots' tags were not seen in the next frame, a sentence each (see vision::sentence); none: all were seen, or
-  /// no frame came for a second. Takes up to some seconds. Wall clock only; not on the control thread, one caller at a
-  /// time.
-  std::vector<std::string> why_not_seen();
+  struct Absence {
+    int tag = -1;  ///< none: the sentence is about the camera
+    core::NotSeen why = core::NotSeen::not_found;
+    std::string sentence;  ///< see vision::sentence
+  };
+  /// Why robots' tags were not seen in the next frame; none: all were seen, or no frame came for a second. A robot that
+  /// another camera has seen within the bridge time is not missing. Takes up to some seconds. Wall clock only; not on
+  /// the control thread, one caller at a time.
+  std::vector<Absence> why_not_seen();
 
   /// Sentences about lost robots, as from `why_not_seen`, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
@@ -93,8 +104,9 @@ class CameraRig {
   const std::string& reason() const noexcept { return reason_; }
 
  private:
-  CameraRig(const Experiment& experiment, SessionClock& clock, SimulatedWorld& world, vision::Calibration calibration,
-            bool pictures, std::vector<int> wanted);
+  CameraRig(const Experiment& experiment, std::size_t number, SessionClock& clock, SimulatedWorld& world,
+            vision::Calibration calibration, bool pictures, std::vector<int> wanted,
+            std::shared_ptr<LastSights> sights);
   void thread(const std::stop_token& stop);
   tl::expected<void, std::string> open_source();
   void await_source(const std::stop_token& stop);
@@ -106,10 +118,15 @@ class CameraRig {
   void explainer(const std::stop_token& stop);
 
   const Experiment& experiment_;
+  const CameraSpec& spec_;
+  const std::size_t number_;
+  const std::string prefix_;  // of its messages
   SessionClock& clock_;
   SimulatedWorld& world_;
   vision::Calibration calibration_;
   std::vector<int> wanted_;
+  std::shared_ptr<LastSights> last_sights_;
+  std::vector<vision::SeenElsewhere> elsewhere_;  // in this frame
   vision::TagTracker tracker_;
   std::unique_ptr<vision::SyntheticCamera> synthetic_, bumped_;  // the second: tilted, from camera.bump_at on
   std::unique_ptr<vision::FrameSource> source_;                  // null: synthetic, or not open yet

@@ -28,7 +28,7 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       out_(tick_.record()),
       commands_(64 + EventList::room_for(experiment.robots.size())),
       hand_(64),
-      newest_(experiment.robots.size()),
+      newest_(experiment.cameras() * experiment.robots.size()),
       truth_(experiment.robots.size(), core::Pose{none, none, none}),
       wheels_(experiment.robots.size()),
       command_times_(experiment.robots.size()),
@@ -66,7 +66,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   const Latency tick_before = latency_;
   new_frame_ = plant_.measure(now, newest_, truth_, frame_);
 
-  plant_.look_at_links(links_);
+  plant_.read_links(links_);
   take_commands(input.events);
   input.now = now;
   input.elapsed = elapsed;
@@ -133,8 +133,8 @@ void ControlLoop::ask_controller() noexcept {
 void ControlLoop::heed_camera(const TickRecord& record) noexcept {
   if (record.phase != Phase::stopped || camera_moved_.load(std::memory_order_relaxed)) return;
   for (const Event& event : record.events)
-    if (const auto* const moved = std::get_if<events::CameraMoved>(&event)) {
-      motion_ = *moved;
+    if (is<events::CameraMoved, events::CamerasDisagree>(event)) {
+      motion_ = event;
       camera_moved_.store(true, std::memory_order_release);
       stop();
       plant_.stop();

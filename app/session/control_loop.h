@@ -73,8 +73,9 @@ class ControlLoop {
   /// For how long the control thread stalled when that caused a STOP [s]; 0: it did not. Only with real robots: their
   /// links or the guard have stopped them meanwhile, and no robot drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
-  /// The tags' motion when the camera was bumped and all robots were stopped for it; empty: it was not.
-  std::optional<events::CameraMoved> camera_moved() const noexcept {
+  /// What has shown that a camera was moved, when all robots were stopped for it: CameraMoved or CamerasDisagree;
+  /// empty: they were not.
+  std::optional<Event> camera_moved() const noexcept {
     return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
   }
   /// Set when the control thread failed; the reason may be read then.
@@ -131,7 +132,7 @@ class ControlLoop {
   std::int64_t virtual_ticks_ = 0;
 
   std::atomic<bool> stop_{false}, failed_{false}, away_{false}, camera_moved_{false};
-  events::CameraMoved motion_;  // written once, before camera_moved_
+  Event motion_;  // written once, before camera_moved_
   std::atomic<double> speed_{1.0}, stood_still_{0.0};
   std::atomic<int> steps_{0};
   bool stepping_ = false;  // the next tick ends a step

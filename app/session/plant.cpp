@@ -87,13 +87,13 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
       return tl::unexpected(started.error());
   }
   if (experiment.camera.kind() != CameraKind::absent) {
-    auto camera =
-        CameraRig::open(experiment, clock, plant->world_, options.pictures, plant->tags_, options.await_camera);
-    if (!camera) return tl::unexpected(camera.error());
+    auto cameras =
+        Cameras::open(experiment, clock, plant->world_, options.pictures, plant->tags_, options.await_camera);
+    if (!cameras) return tl::unexpected(cameras.error());
     if (!options.video.empty())
-      if (auto begun = (*camera)->keep(options.video); !begun) return tl::unexpected(begun.error());
-    plant->camera_ = std::move(*camera);
-    if (clock.wall()) plant->camera_->start();
+      if (auto begun = (*cameras)->keep(options.video); !begun) return tl::unexpected(begun.error());
+    plant->cameras_ = std::move(*cameras);
+    if (clock.wall()) plant->cameras_->start();
   } else if (!options.video.empty()) {
     return tl::unexpected(fmt::format("{}: there is no camera to record (camera.source = \"none\")", options.video));
   }
@@ -103,9 +103,9 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
 bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame) {
   world_.advance(now);
   bool looked = false;
-  if (camera_) {
-    if (!clock_.wall()) camera_->look();
-    looked = camera_->newest(newest, frame);
+  if (cameras_) {
+    if (!clock_.wall()) cameras_->look();
+    looked = cameras_->newest(newest, frame);
   } else {
     for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
       if (simulated(i)) newest[i] = world_.measure(i, now);
@@ -115,7 +115,7 @@ bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<c
 }
 
 void Plant::wait_for_frame(double since, double until) noexcept {
-  if (camera_) camera_->wait_for_frame(since, until);
+  if (cameras_) cameras_->wait_for_frame(since, until);
 }
 
 void Plant::command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept {
@@ -132,7 +132,7 @@ void Plant::command_times(double given_at, std::span<comms::CommandTimes> robots
   }
 }
 
-void Plant::look_at_links(std::span<LinkInput> robots) const noexcept {
+void Plant::read_links(std::span<LinkInput> robots) const noexcept {
   if (!links_ || !clock_.wall()) return;
   for (std::size_t k = 0; k < linked_.size(); ++k) {
     const comms::CommandTimes times = links_->times(k);
@@ -228,15 +228,27 @@ std::string stood_still_sentence(double seconds) {
       seconds);
 }
 
-std::string camera_moved_sentence(const events::CameraMoved& moved) {
+std::string camera_stop_sentence(const events::CameraMoved& moved) {
   return fmt::format(
-      "the camera moved (or the floor under it): all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once: "
+      "{} moved (or the floor under it): all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once: "
       "STOP. Poses are wrong until the floor is calibrated again (skein calibrate floor)",
-      moved.tags, 1e3 * moved.by, std::abs(moved.turn) * 180.0 / std::numbers::pi);
+      moved.camera == events::only_camera ? "the camera" : fmt::format("camera {}", moved.camera + 1), moved.tags,
+      1e3 * moved.by, std::abs(moved.turn) * 180.0 / std::numbers::pi);
+}
+
+std::string camera_stop_sentence(const events::CamerasDisagree& differ) {
+  return fmt::format(
+      "cameras {} and {} see robot {} {:.0f} mm apart: one of them has moved since it was calibrated: STOP. `skein "
+      "calibrate check` tells which; its floor must be calibrated again (skein calibrate floor)",
+      std::min(differ.camera, differ.other) + 1, std::max(differ.camera, differ.other) + 1, differ.robot + 1,
+      1e3 * differ.by);
 }
 
 std::optional<std::string> Plant::failure() {
-  if (camera_ && camera_->failed()) return camera_->reason();
+  if (cameras_) {
+    cameras_->watch();
+    if (std::string gone = cameras_->failure(); !gone.empty()) return gone;
+  }
   if (unacknowledged_.load(std::memory_order_acquire)) return "an emulated robot did not answer a command";
   if (!links_ || !final_status_.empty()) return {};
   if (const double gap = links_->stood_still(); gap > 0.0) return stood_still_sentence(gap);
@@ -247,7 +259,7 @@ std::optional<std::string> Plant::failure() {
 
 void Plant::close() {
   stopped_.store(true, std::memory_order_release);
-  if (camera_) camera_->end();
+  if (cameras_) cameras_->end();
   if (links_ && final_status_.empty()) final_status_ = links_->close(close_timeout);
   world_.stop();
 }

@@ -13,7 +13,7 @@
 
 #include "app/run/session_clock.h"
 #include "app/run/status.h"
-#include "app/session/camera_rig.h"
+#include "app/session/cameras.h"
 #include "app/session/link_watch.h"
 #include "app/session/session_options.h"
 #include "app/session/simulated_world.h"
@@ -30,9 +30,9 @@ class Plant {
                                                                 const SessionOptions& options);
   ~Plant();
 
-  /// The newest pose of each robot at time `now` (and, if `newest` has room, of the other tags), and the true ones of
-  /// simulated robots. Control thread only. True if a camera's frame has been processed since the last call; `frame`
-  /// has its times.
+  /// The newest pose of each robot at time `now` (and, if `newest` has room, of the other tags), of several cameras
+  /// those of camera 1 first; and the true ones of simulated robots. Control thread only. True if the leading camera's
+  /// frame has been processed since the last call; `frame` has its times.
   bool measure(double now, std::span<core::Measurement> newest, std::span<core::Pose> truth, FrameTimes& frame);
   /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all without a
   /// camera. Wall clock only; control thread only.
@@ -42,7 +42,7 @@ class Plant {
   void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;
   /// The state of each robot's link for the tick; unchanged without a link, and on the virtual clock. Control thread
   /// only.
-  void look_at_links(std::span<LinkInput> robots) const noexcept;
+  void read_links(std::span<LinkInput> robots) const noexcept;
   /// Sends wheel speeds to every robot. On the virtual clock it returns when every emulated robot has obeyed. Control
   /// thread only.
   void act(std::span<const core::WheelSpeeds> wheels);
@@ -50,7 +50,7 @@ class Plant {
   /// only.
   void tell(EventList& events) noexcept {
     if (watch_) watch_->tell(events);
-    if (camera_) camera_->tell(events);
+    if (cameras_) cameras_->tell(events);
   }
   /// The status of the robots' links. Control thread only.
   void fill_links(std::vector<RobotRecord>& robots) const noexcept {
@@ -67,8 +67,9 @@ class Plant {
 
   /// The tags that the camera looks for, whose newest measurements measure() returns: the robots' first.
   const std::vector<int>& tags() const noexcept { return tags_; }
-  CameraRig* camera() noexcept { return camera_.get(); }
-  const CameraRig* camera() const noexcept { return camera_.get(); }
+  /// Null: the experiment has none.
+  Cameras* cameras() noexcept { return cameras_.get(); }
+  const Cameras* cameras() const noexcept { return cameras_.get(); }
 
   std::vector<RobotStatus> robots() const;
   /// app::check_wheels of a robot that has a link and stands; `act` skips it meanwhile. Blocks for some seconds; one at
@@ -92,7 +93,7 @@ class Plant {
   std::unique_ptr<comms::PtyEmulator> emulator_;
   std::unique_ptr<comms::LinkSupervisor> links_;
   std::vector<comms::LinkStatus> final_status_;  // after close()
-  std::unique_ptr<CameraRig> camera_;            // last: its thread uses the world
+  std::unique_ptr<Cameras> cameras_;             // last: their threads use the world
   std::atomic<bool> stopped_{false}, unacknowledged_{false};
   std::optional<LinkWatch> watch_;
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
@@ -102,7 +103,8 @@ class Plant {
 
 /// Why a run ends after its program stalled.
 std::string stood_still_sentence(double seconds);
-/// Why it ends after its camera was bumped.
-std::string camera_moved_sentence(const events::CameraMoved& moved);
+/// Why it ends after a camera was bumped, and after two were found to disagree.
+std::string camera_stop_sentence(const events::CameraMoved& moved);
+std::string camera_stop_sentence(const events::CamerasDisagree& differ);
 
 }  // namespace skein::app

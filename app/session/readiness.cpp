@@ -25,13 +25,18 @@ Check camera(const Experiment& e, const std::string& down) {
   const CameraKind kind = e.camera.kind();
   const bool real = kind == CameraKind::live;
   if (kind == CameraKind::absent) return {What::camera, State::holds, "none: poses come from the simulation", real};
-  if (e.camera.calibration.empty() && kind != CameraKind::synthetic)
-    return {What::camera, State::fails, "camera.calibration names no file", real};
-  if (const auto file = std::filesystem::path(e.directory) / e.camera.calibration;
-      !e.camera.calibration.empty() && !std::filesystem::exists(file))
-    return {What::camera, State::fails, fmt::format("there is no {}", file.string()), real};
+  for (std::size_t k = 0; k < e.cameras(); ++k) {
+    const std::string& calibration = e.camera_at(k).calibration;
+    const std::string prefix = camera_prefix(e, k);
+    if (calibration.empty() && kind != CameraKind::synthetic)
+      return {What::camera, State::fails, prefix + "camera.calibration names no file", real};
+    if (const auto file = std::filesystem::path(e.directory) / calibration;
+        !calibration.empty() && !std::filesystem::exists(file))
+      return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file.string()), real};
+  }
   if (!down.empty())
     return {What::camera, State::fails, fmt::format("{}; it is retried until it is there", down), true};
+  if (e.cameras() > 1) return {What::camera, State::holds, fmt::format("{} cameras", e.cameras()), real};
   return {What::camera, State::holds,
           e.camera.calibration.empty() ? "the synthetic camera's own" : e.camera.calibration, real};
 }

@@ -84,19 +84,19 @@ std::uint64_t Session::undrained_rows() const noexcept {
 
 std::vector<std::string> Session::why_not_seen() const {
   if (!has_camera() || wiring_->closed || !wiring_->clock.wall()) return {};
-  return wiring_->plant->camera()->why_not_seen();
+  return wiring_->plant->cameras()->why_not_seen();
 }
 
 bool Session::picture(Picture& out) {
-  return has_camera() && !wiring_->closed && wiring_->plant->camera()->picture(out);
+  return has_camera() && !wiring_->closed && wiring_->plant->cameras()->picture(out);
 }
 bool Session::has_camera() const noexcept {
   return wiring_->experiment.camera.kind() != CameraKind::absent;
 }
 
 std::array<double, 2> Session::pixel(double x, double y) const {
-  const CameraRig* camera = wiring_->plant->camera();
-  return camera ? camera->pixel(x, y) : std::array{none, none};
+  const Cameras* cameras = wiring_->plant->cameras();
+  return cameras ? cameras->pixel(x, y) : std::array{none, none};
 }
 
 std::vector<RobotStatus> Session::robots() const {
@@ -104,13 +104,13 @@ std::vector<RobotStatus> Session::robots() const {
 }
 
 vision::SourceStatus Session::camera() const {
-  const CameraRig* camera = wiring_->plant->camera();
-  return camera ? camera->camera() : vision::SourceStatus{};
+  const Cameras* cameras = wiring_->plant->cameras();
+  return cameras ? cameras->status() : vision::SourceStatus{};
 }
 
 VideoStatus Session::video() const {
-  const CameraRig* camera = wiring_->plant->camera();
-  return camera ? camera->video() : VideoStatus{};
+  const Cameras* cameras = wiring_->plant->cameras();
+  return cameras ? cameras->video() : VideoStatus{};
 }
 
 const OwnController* Session::controller() const noexcept {
@@ -128,7 +128,7 @@ std::vector<std::string> Session::alarms() {
     all.swap(wiring_->alarms);
   }
   if (has_camera())
-    for (std::string& sentence : wiring_->plant->camera()->alarms()) all.push_back(std::move(sentence));
+    for (std::string& sentence : wiring_->plant->cameras()->alarms()) all.push_back(std::move(sentence));
   if (wiring_->net)
     for (std::string& sentence : wiring_->net->alarms()) all.push_back(std::move(sentence));
   if (wiring_->sleep)

@@ -60,7 +60,7 @@ class Session {
   /// STOP: latched, directly to every link and every simulated wheel, without waiting for the tick; the run is over.
   void stop() noexcept;
 
-  /// A new value for all pairs, clamped at `gain_border`, the limit of (18). It is approached at a bounded rate, or
+  /// A new value for all pairs, clamped at `gain_limit`, the limit of (18). It is approached at a bounded rate, or
   /// more slowly if `seconds` sets a longer ramp.
   [[nodiscard]] Answer set_gain(core::GainName name, double value, double seconds = 0.0);
   /// The same for robots i and j only, from 0.
@@ -71,11 +71,11 @@ class Session {
 
   /// The largest value that (18f, g) allow for this gain over the whole reference, with the others unchanged: for all
   /// pairs, or for one.
-  double gain_border(core::GainName name) const;
+  double gain_limit(core::GainName name) const;
   /// The same at this tick only, for the formation's present velocities: never less than over the whole
   /// reference.
-  double gain_border(core::GainName name, const TickRecord& now) const;
-  double gain_border(core::GainName name, std::size_t i, std::size_t j) const;
+  double gain_limit(core::GainName name, const TickRecord& now) const;
+  double gain_limit(core::GainName name, std::size_t i, std::size_t j) const;
   /// Of two different robots, at the latest tick: the gain, its target (0 while they are switched off), and whether
   /// they are coupled. `name` is one of core::gain_names.
   double gain(core::GainName name, std::size_t i, std::size_t j) const;

@@ -84,21 +84,21 @@ core::CouplingGains SessionWiring::targets() const {
   return all;
 }
 
-double Session::gain_border(core::GainName name) const {
-  return wiring_->gain_border(name, wiring_->demand);
+double Session::gain_limit(core::GainName name) const {
+  return wiring_->gain_limit(name, wiring_->demand);
 }
 
-double Session::gain_border(core::GainName name, const TickRecord& now) const {
+double Session::gain_limit(core::GainName name, const TickRecord& now) const {
   core::ReferenceDemand demand;
   for (const RobotRecord& robot : now.robots) {
     const double v = std::abs(robot.nominal.twist.v), omega = std::abs(robot.nominal.twist.omega);
     demand.v = std::max(demand.v, v);
     demand.turning = std::max(demand.turning, omega + wiring_->gains.k_y * v);
   }
-  return wiring_->gain_border(name, demand);
+  return wiring_->gain_limit(name, demand);
 }
-double Session::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
-  return core::gain_border(name, i, j, wiring_->gains, wiring_->targets(), wiring_->demand);
+double Session::gain_limit(core::GainName name, std::size_t i, std::size_t j) const {
+  return core::gain_limit(name, i, j, wiring_->gains, wiring_->targets(), wiring_->demand);
 }
 
 Session::Answer Session::move_robot(std::size_t robot, const core::Pose& pose) {

@@ -75,8 +75,8 @@ struct SessionWiring {
     stop();
   }
 
-  double gain_border(core::GainName name, const core::ReferenceDemand& of) const {
-    return core::gain_border(name, gains, targets(), of);
+  double gain_limit(core::GainName name, const core::ReferenceDemand& of) const {
+    return core::gain_limit(name, gains, targets(), of);
   }
 
   using Answer = tl::expected<void, std::string>;
@@ -152,7 +152,10 @@ struct SessionWiring {
   }
 
   void heed_camera() {
-    if (const auto moved = loop->camera_moved()) fail(camera_moved_sentence(*moved));
+    const auto moved = loop->camera_moved();
+    if (!moved) return;
+    if (const auto* const bumped = std::get_if<events::CameraMoved>(&*moved)) fail(camera_stop_sentence(*bumped));
+    if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
   }
 
   void watch() {

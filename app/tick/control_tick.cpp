@@ -73,6 +73,7 @@ TickState::TickState(const Experiment& e)
       demand(reference->demand(e.controller.k_y)),
       shield_parameters(shield_of(e)),
       has_camera(e.camera.kind() != CameraKind::absent),
+      cameras(e.cameras()),
       beyond(sizes_beyond(e)),
       gains(make_gains(e)),
       couplings(e, gains, demand),
@@ -88,7 +89,7 @@ TickState::TickState(const Experiment& e)
       progress(e.robots.size()),
       outside(e.robots.size()),
       had_no_way(e.robots.size()),
-      camera_watch(e.robots.size()),
+      camera_watch(e.cameras(), core::CameraWatch(e.robots.size())),
       adrift(new bool[e.robots.size()]()),
       shield_touched(new bool[e.robots.size()]()) {
   const std::size_t n = e.robots.size();
@@ -97,6 +98,10 @@ TickState::TickState(const Experiment& e)
     fields.push_back(make_avoidance(e, i));
   }
   filters.resize(n);
+  seen_by.resize(cameras * n);
+  believed.resize(n);
+  in_order.reserve(cameras);
+  record.by_camera.resize(cameras > 1 ? cameras * n : 0);
   seen_before.resize(n);
   held.resize(n);
   off_nominal.resize(n);
@@ -164,24 +169,106 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   return tick.record;
 }
 
-/// One robot's newest measurement. A jump that nobody announced is a perturbation like those of the file.
-void TickState::look(std::size_t i) noexcept {
-  const core::Measurement& m = record.robots[i].measurement;
-  if (has_camera) camera_watch.see(i, filters[i], experiment.estimation.filter, m);
-  const std::optional<core::Pose> expected = filters[i].see(experiment.estimation.filter, m);
+/// One robot's new measurements, in the order in which they were captured.
+void TickState::accept_measurements(std::size_t i, const TickInput& input) noexcept {
+  const auto by = [&](std::size_t camera) -> const core::Measurement& {
+    return input.measurements[camera * robots() + i];
+  };
+  double newest = core::Measurement{}.captured_at;
+  for (std::size_t c = 0; c < cameras; ++c) newest = std::max(newest, by(c).captured_at);
+  in_order.clear();
+  for (std::size_t c = 0; c < cameras; ++c)
+    if (by(c).captured_at > seen_by[c * robots() + i].newest.captured_at &&
+        by(c).captured_at >= newest - experiment.estimation.bridge)
+      in_order.push_back(c);
+  std::sort(in_order.begin(), in_order.end(), [&](std::size_t a, std::size_t b) {
+    return by(a).captured_at < by(b).captured_at || (by(a).captured_at == by(b).captured_at && a < b);
+  });
+  for (const std::size_t c : in_order) accept_measurement(i, c, by(c));
+}
+
+/// A jump that nobody announced is a perturbation like those of the file.
+void TickState::accept_measurement(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept {
+  const core::FilterParameters& parameters = experiment.estimation.filter;
+  const core::Measurement before = std::exchange(seen_by[camera * robots() + i].newest, m);
+  if (has_camera) camera_watch[camera].see(i, filters[i], parameters, before, m);
+  core::Measurement fused = m;
+  if (cameras > 1 && !reconcile(i, camera, before.captured_at, fused)) return;
+  if (m.captured_at > believed[i].captured_at) believed[i] = m;
+  const std::optional<core::Pose> expected = filters[i].fuse(parameters, fused);
   if (!expected || !running()) return;
   note(events::Kidnap{i, m.pose.x - expected->x, m.pose.y - expected->y,
                       core::wrap_angle(m.pose.theta - expected->theta)});
 }
 
+/// Makes a camera's measurement agree with those of the others that see the robot; false: they contradict it. A robot
+/// that another camera has just seen where it should be has not been carried: a jump is believed when every camera that
+/// sees the robot reports it. Cameras that go on to differ have been moved. Smaller differences are those of
+/// calibrations: a camera that joins the others is shifted to where they see the robot before it counts, and when they
+/// no longer see it, the shift fades, so that no pose jumps at a seam.
+bool TickState::reconcile(std::size_t i, std::size_t camera, double seen_before_at, core::Measurement& m) noexcept {
+  constexpr int most_contradicted = 5;  // frames
+  constexpr int frames_to_learn = 10;   // a shift: meanwhile the others tell where the robot is
+  constexpr double fades = 1.0;         // time constant [s]
+  Seen& seen = seen_by[camera * robots() + i];
+  std::size_t other = cameras;  // that sees it too
+  for (std::size_t c = 0; c < cameras; ++c) {
+    const Seen& by_other = seen_by[c * robots() + i];
+    const bool recent = by_other.newest.captured_at >= m.captured_at - experiment.estimation.bridge;
+    if (c != camera && recent && by_other.contradicted == 0) other = c;
+  }
+  const double seconds = m.captured_at - seen_before_at;
+  const bool joins = !(seconds <= experiment.estimation.bridge);
+  const double share = joins ? 0.0 : other == cameras ? std::exp(-seconds / fades) : 1.0;
+  seen.shift = {share * seen.shift.x, share * seen.shift.y, share * seen.shift.theta};
+  if (joins) seen.learned = other < cameras ? 0 : frames_to_learn;
+  if (seen.learned < frames_to_learn && other < cameras && align(i, camera, m)) return false;
+  const core::Pose measured = m.pose;
+  m.pose = {m.pose.x + seen.shift.x, m.pose.y + seen.shift.y, core::wrap_angle(m.pose.theta + seen.shift.theta)};
+  const std::optional<core::Pose> expected = filters[i].surprise(experiment.estimation.filter, m);
+  const bool said_otherwise = expected && other < cameras;
+  if (!said_otherwise) {
+    seen.contradicted = 0;
+    return true;
+  }
+  if (++seen.contradicted == most_contradicted && (moving() || record.phase == Phase::paused)) {
+    note(events::CamerasDisagree{i, camera, other, core::distance(*expected, measured)});
+    stop_for_camera();
+  }
+  return false;
+}
+
+/// Learns the shift of a camera's poses of a robot from where the other cameras have it, a mean by the covariances of
+/// its poses; false: they are farther apart than calibrations are.
+bool TickState::align(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept {
+  constexpr double finest = 1e-6;  // [m]
+  if (filters[i].surprise(experiment.estimation.filter, m)) return false;
+  Seen& seen = seen_by[camera * robots() + i];
+  if (seen.learned++ == 0) seen.weight = 0.0;
+  const double sigma = std::max(finest, m.sigma_xy), weight = 1.0 / (sigma * sigma);
+  seen.weight += weight;
+  const double part = weight / seen.weight;
+  const core::Pose expected = filters[i].predict(record.now), by_camera = filters[i].predict(m, record.now);
+  seen.shift.x += part * (expected.x - by_camera.x - seen.shift.x);
+  seen.shift.y += part * (expected.y - by_camera.y - seen.shift.y);
+  seen.shift.theta += part * (core::wrap_angle(expected.theta - by_camera.theta) - seen.shift.theta);
+  return true;
+}
+
 /// A camera that was bumped makes every pose wrong at once: nobody drives by them. Before a start robots are placed by
 /// hands, and where the run is paused two of them may be carried.
-void TickState::watch_camera(const TickInput& input) noexcept {
+void TickState::watch_cameras(const TickInput& input) noexcept {
   if (!has_camera || input.recorded) return;
   constexpr std::size_t least_driving = 2, least_paused = 3;
-  const std::optional<core::CommonMotion> motion = camera_watch.moved(moving() ? least_driving : least_paused);
-  if (!motion || !(moving() || record.phase == Phase::paused)) return;
-  note(events::CameraMoved{motion->tags, motion->distance, motion->turn});
+  for (std::size_t c = 0; c < cameras; ++c) {
+    const std::optional<core::CommonMotion> motion = camera_watch[c].moved(moving() ? least_driving : least_paused);
+    if (!motion || !(moving() || record.phase == Phase::paused)) continue;
+    note(events::CameraMoved{cameras == 1 ? events::only_camera : c, motion->tags, motion->distance, motion->turn});
+    stop_for_camera();
+  }
+}
+
+void TickState::stop_for_camera() noexcept {
   if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return;
   note(events::Stop{});
   record.phase = Phase::stopped;
@@ -236,19 +323,20 @@ void TickState::estimate(const TickInput& input) noexcept {
   for (const Event& event : input.events)
     if (is<events::Perturb, events::Move, events::Kick>(event)) {
       if (!is<events::Kick>(event)) filters[*robot_of(event)].displaced(input.now);
-      camera_watch.excuse(*robot_of(event),
-                          input.now + experiment.simulation.latency + core::SimulatedRobot::slides_for);
+      for (core::CameraWatch& of_camera : camera_watch)
+        of_camera.excuse(*robot_of(event),
+                         input.now + experiment.simulation.latency + core::SimulatedRobot::slides_for);
     }
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     const bool was_lost = robot.is(lost);
-    robot.measurement = input.measurements[i];
+    accept_measurements(i, input);
+    robot.measurement = believed[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
     const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
     const auto& known = experiment.robots[i].actuation_delay;
     robot.actuation_delay =
         (known ? known : experiment.estimation.actuation_delay).value_or(input.delays.empty() ? 0.0 : input.delays[i]);
-    if (seen) look(i);
     robot.pose = poses[i] = seen ? filters[i].predict(input.now + robot.actuation_delay) : core::Pose{none, none, none};
     robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
@@ -264,7 +352,8 @@ void TickState::estimate(const TickInput& input) noexcept {
     driving[i] = commands[i];
     if (seen) measure_twist(i);
   }
-  watch_camera(input);
+  std::copy_n(input.measurements.begin(), record.by_camera.size(), record.by_camera.begin());
+  watch_cameras(input);
 }
 
 /// The coupling gains of this tick: the file's changes and the operator's, ramped.
@@ -441,17 +530,18 @@ void TickState::drive_wheels() noexcept {
     RobotRecord& robot = record.robots[i];
     const RobotSpec& spec = experiment.robots[i];
     const core::WheelSpeeds wanted = spec.drive.wheels(commands[i]);
-    core::WheelSpeeds runs;
-    const auto choose = [&](double wish, double& debt, double& command, double& actual) {
-      const double before = command;
-      command = core::nearest_command(spec.motor, wish + debt);
-      actual = core::actual_step_rate(spec.motor, command) -
-               core::steps_lost_by_change(spec.motor, before, command) / experiment.period();
-      debt = spec.motor == core::MotorModel::ideal || robot.is(stopped) ? 0.0 : wish + debt - actual;
-    };
     if (robot.is(stopped)) owed[i] = {};
-    choose(wanted.left, owed[i].left, robot.wheels.left, runs.left);
-    choose(wanted.right, owed[i].right, robot.wheels.right, runs.right);
+    const core::WheelSpeeds before = robot.wheels;
+    robot.wheels = {core::nearest_command(spec.motor, wanted.left + owed[i].left),
+                    core::nearest_command(spec.motor, wanted.right + owed[i].right)};
+    const bool sent = robot.wheels != before;  // to both wheels, or to none
+    const auto run = [&](double from, double to) {
+      const double lost_steps = sent ? core::steps_lost_by_command(spec.motor, from, to) : 0.0;
+      return core::actual_step_rate(spec.motor, to) - lost_steps / experiment.period();
+    };
+    const core::WheelSpeeds runs{run(before.left, robot.wheels.left), run(before.right, robot.wheels.right)};
+    if (spec.motor != core::MotorModel::ideal && !robot.is(stopped))
+      owed[i] = {wanted.left + owed[i].left - runs.left, wanted.right + owed[i].right - runs.right};
     acts_at[i] = record.now + robot.actuation_delay;
     filters[i].command(acts_at[i], adrift[i] ? driving[i] : spec.drive.twist(runs));
     watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
@@ -468,8 +558,8 @@ bool may_raise_v(const Event& event) noexcept {
           [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
                           Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, CameraMoved, events::NotSeen, FilmBroken,
-                          events::Controller, NoNumber> auto&) { return false; },
+                          DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound,
+                          events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) { return false; },
       },
       event);
 }

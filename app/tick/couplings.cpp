@@ -73,11 +73,11 @@ void Couplings::set(const commands::SetGain& command, bool ready, bool recorded,
   const GainName name = command.gain;
   if (name > gain_names.back()) return;  // slopes and weights are the file's
   asked_ = true;
-  const double border = recorded ? std::numeric_limits<double>::infinity()
-                                 : core::gain_border(name, limits_, schedule_.target(), demand_);
-  const double value = std::clamp(command.value, 0.0, border);
+  const double limit =
+      recorded ? std::numeric_limits<double>::infinity() : core::gain_limit(name, limits_, schedule_.target(), demand_);
+  const double value = std::clamp(command.value, 0.0, limit);
   const double from = table(wanted_, name).largest();
-  if (command.value > border) events.add(events::GainHeld{name, command.value, value});
+  if (command.value > limit) events.add(events::GainHeld{name, command.value, value});
   bool same = true;
   for_each_pair(off_.robots(),
                 [&](std::size_t i, std::size_t j) { same = same && table(wanted_, name)(i, j) == value; });
@@ -103,9 +103,9 @@ void Couplings::set(const commands::SetGain& command, bool ready, bool recorded,
 double Couplings::held(const commands::SetPairGain& asked, bool recorded, EventList& events) const noexcept {
   const auto& [i, j, name, value, seconds] = asked;
   if (recorded) return value;
-  const double border = core::gain_border(name, i, j, limits_, schedule_.target(), demand_);
-  if (value > border) events.add(events::PairGainHeld{i, j, name, value, border});
-  return std::min(value, border);
+  const double limit = core::gain_limit(name, i, j, limits_, schedule_.target(), demand_);
+  if (value > limit) events.add(events::PairGainHeld{i, j, name, value, limit});
+  return std::min(value, limit);
 }
 
 void Couplings::set(const commands::SetPairGain& command, bool ready, bool recorded, EventList& events) noexcept {

@@ -33,10 +33,16 @@ struct TickState {
   /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
   void forget_history() noexcept {
     for (core::PoseFilter& filter : filters) filter.forget();
-    camera_watch.forget();
+    for (core::CameraWatch& of_camera : camera_watch) of_camera.forget();
+    for (Seen& each : seen_by) each = {};
+    for (core::Measurement& each : believed) each = {};
   }
-  void look(std::size_t i) noexcept;
-  void watch_camera(const TickInput& input) noexcept;
+  void accept_measurements(std::size_t i, const TickInput& input) noexcept;
+  void accept_measurement(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept;
+  bool reconcile(std::size_t i, std::size_t camera, double seen_before_at, core::Measurement& m) noexcept;
+  bool align(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept;
+  void watch_cameras(const TickInput& input) noexcept;
+  void stop_for_camera() noexcept;
   void estimate(const TickInput& input) noexcept;
   void schedule_gains() noexcept;
   void follow_reference() noexcept;
@@ -79,6 +85,7 @@ struct TickState {
   const core::ReferenceDemand demand;
   const core::ShieldParameters shield_parameters;  // with the arena's edge
   const bool has_camera;
+  const std::size_t cameras;  // whose measurements are fused: 1 without any
   std::vector<core::CommandLimits> limits;
   const std::vector<double> beyond;  // bodies, against standard ones [m]
   const core::Sizes sizes{beyond};
@@ -109,7 +116,18 @@ struct TickState {
   std::vector<bool> had_no_way;
   double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
   std::vector<core::PoseFilter> filters;
-  core::CameraWatch camera_watch;
+  std::vector<core::CameraWatch> camera_watch;  // of each camera
+  /// What a camera has measured of a robot.
+  struct Seen {
+    core::Measurement newest;
+    core::Pose shift;      // that makes its poses agree with those of the cameras that saw it before
+    double weight = 0.0;   // of the frames that it was learned from [1/m^2]
+    int learned = 0;       // so many
+    int contradicted = 0;  // measurements in a row, by other cameras
+  };
+  std::vector<Seen> seen_by;                // robot i by camera c at c * robots + i
+  std::vector<core::Measurement> believed;  // the newest of each robot that its filter has taken in
+  std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
   std::vector<bool> seen_before;
   std::vector<bool> held;               // made to stand by the operator
   std::vector<bool> off_nominal;        // follows a modified reference

@@ -101,6 +101,7 @@ void for_columns(Outcome& o, Use&& use) {
   use("obstacle_gap", o.obstacle_gap);
   use("final_error", o.final_error);
   use("recovery", o.recovery);
+  use("straight", o.straight);
   use("formation_first", o.formation_first);
   use("relative_first", o.relative_first);
   use("outside", o.outside);

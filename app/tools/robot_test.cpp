@@ -43,6 +43,7 @@ RobotTest::RobotTest(Plant& plant, SessionClock& clock, const Experiment& believ
       believed_(believed),
       keep_on_(std::move(keep_on)),
       wanted_(plant.tags()),
+      by_camera_(believed.cameras() * wanted_.size()),
       newest_(wanted_.size()),
       truth_(believed.robots.size()),
       resting_(wanted_.size(), core::Pose{none, none, none}),
@@ -63,7 +64,10 @@ tl::expected<void, std::string> RobotTest::tick() {
   } else {
     clock_.set(next_tick_);
   }
-  plant_.measure(clock_.now(), newest_, truth_, frame_);
+  plant_.measure(clock_.now(), by_camera_, truth_, frame_);
+  for (std::size_t k = 0; k < by_camera_.size(); ++k)
+    if (core::Measurement& newest = newest_[k % newest_.size()]; by_camera_[k].captured_at > newest.captured_at)
+      newest = by_camera_[k];
   plant_.act(wheels_);
   if (auto why = plant_.failure()) {
     plant_.stop();
@@ -81,7 +85,7 @@ tl::expected<void, std::string> RobotTest::stand() {
   std::vector<int> counts(wanted_.size());
   while (clock_.now() < begun + standing) {
     if (const auto ticked = tick(); !ticked) return ticked;
-    for (std::size_t i = 0; plant_.camera() && i < wanted_.size(); ++i) {
+    for (std::size_t i = 0; plant_.cameras() && i < wanted_.size(); ++i) {
       const core::Measurement& seen = newest_[i];
       if (seen.captured_at < begun + settled || seen.captured_at <= last[i]) continue;
       last[i] = seen.captured_at;
@@ -279,7 +283,7 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   const auto seen = [this] {
     return std::any_of(newest_.begin(), newest_.end(), [](const core::Measurement& m) { return m.captured_at > 0.0; });
   };
-  while (plant_.camera() && !looked_ && clock_.now() < begun + (seen() ? all_parts : first_sight))
+  while (plant_.cameras() && !looked_ && clock_.now() < begun + (seen() ? all_parts : first_sight))
     if (const auto ticked = tick(); !ticked) return tl::unexpected(ticked.error());
   looked_ = true;
   if (const auto stood = stand(); !stood) return tl::unexpected(stood.error());
@@ -292,7 +296,7 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   result.left_steps = left->left;
   result.right_steps = right->right;
   result.faults = encoder_faults(left->left, left->right, right->right, right->left, speed * one_wheel_time);
-  if (plant_.camera()) {
+  if (plant_.cameras()) {
     const std::size_t wheels_at_fault = result.faults.size();
     judge_camera(robot, *left, *right, result);
     const bool only_the_tag = result.faults.empty() || (wheels_at_fault == 0 && result.faults.size() == 1 &&

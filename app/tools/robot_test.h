@@ -70,7 +70,7 @@ class RobotTest {
   const Experiment& believed_;
   std::function<bool()> keep_on_;
   std::vector<int> wanted_;
-  std::vector<core::Measurement> newest_;
+  std::vector<core::Measurement> by_camera_, newest_;  // of each tag; the newest of any camera
   std::vector<core::Pose> truth_, resting_;  // resting_: mean pose of every tag in the last stand(); NaN: not seen
   std::vector<core::WheelSpeeds> wheels_;
   std::vector<RobotRecord> records_;

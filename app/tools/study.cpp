@@ -42,6 +42,36 @@ void read_texts(TomlTable& t, const char* key, std::vector<std::string>& texts) 
   for (const toml::node& element : *array) texts.push_back(*element.value_exact<std::string>());
 }
 
+/// A table of keys of the experiment, each with a range.
+std::vector<std::pair<std::string, Span>> read_spans(TomlTable& table, const toml::node_view<const toml::node>& node) {
+  std::vector<std::pair<std::string, Span>> spans;
+  if (const toml::table* const keys = node.as_table())
+    for (const auto& [key, value] : *keys) {
+      Span span{};
+      read_span(table, std::string(key.str()).c_str(), span, between(-1e9, 1e9));
+      spans.emplace_back(key.str(), span);
+    }
+  return spans;
+}
+
+void read_tune(TomlTable t, const toml::table& document, Study::Tune& tune) {
+  t.require("search", R"(the keys that are searched, as in { "controller.k_y" = [2, 15] })");
+  TomlTable search = t.table("search");
+  tune.search = read_spans(search, document["tune"]["search"]);
+  if (t.has("search") && tune.search.empty())
+    t.refuse("search", *t.node("search"), R"(at least one key with its range, as in { "controller.k_y" = [2, 15] })");
+  for (const auto& [key, span] : tune.search)
+    if (const toml::node* const found = search.node(key.c_str()); found && span[0] == span[1] && found->is_array())
+      search.refuse(key, *found, "[low, high], low below high");
+  t.integer("objectives", tune.objectives, 2, 100);
+  t.integer("candidates", tune.candidates, 1, 1'000'000);
+  t.integer("held_out", tune.held_out, 1, 1'000'000);
+  t.number("delay_margin", tune.delay_margin, above(0.0, 10.0, "s"));
+  t.number("limited_share", tune.limited_share, between(0.0, 1.0));
+  t.number("effort", tune.effort, above(0.0, 1e6, "m/s^2"));
+  t.finish();
+}
+
 void read_study(const toml::table& document, Study& study, Problems& problems) {
   TomlTable t(&document, "", problems);
   t.text("name", study.name);
@@ -54,19 +84,17 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
   t.number("formation_first_over", study.formation_first_over, between(0.0, longest, "m"));
 
   TomlTable vary = t.table("vary");
-  if (const toml::table* const keys = document["vary"].as_table())
-    for (const auto& [key, value] : *keys) {
-      Span span{};
-      const std::string name(key.str());
-      read_span(vary, name.c_str(), span, between(-1e9, 1e9));
-      study.vary.emplace_back(name, span);
-    }
+  study.vary = read_spans(vary, document["vary"]);
   if (t.has("hand")) {
     Study::Hand hand;
     TomlTable h = t.table("hand");
     h.number("t", hand.t, above(0.0, 86400.0, "s"));
     h.integer("robots", hand.robots, 1, 64);
     read_span(h, "distance", hand.distance, between(0.0, longest, "m"));
+    if (const toml::node* const edge = h.node("edge")) {
+      read_span(h, "edge", hand.edge.emplace(), between(0.0, longest, "m"));
+      if (h.has("distance")) h.refuse("edge", *edge, "without distance: a hand has one of both");
+    }
     h.number("clearance", hand.clearance, between(2.0 * core::standard_radius, longest, "m"));
     h.finish();
     study.hand = hand;
@@ -98,9 +126,25 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     crowd.robots = {static_cast<std::int64_t>(std::ceil(robots[0])), static_cast<std::int64_t>(std::floor(robots[1]))};
     c.number("clearance", crowd.clearance, between(2.0 * core::standard_radius, longest, "m"));
     c.number("border", crowd.border, between(core::standard_radius, longest, "m"));
+    c.number("wheels", crowd.wheels, between(0.0, 0.2));
     c.finish();
     study.crowd = crowd;
   }
+  if (t.has("passage")) {
+    Passage passage;
+    TomlTable p = t.table("passage");
+    p.choice("kind", passage.kind);
+    read_span(p, "width", passage.width, between(1.0, 100.0));
+    read_span(p, "length", passage.length, between(0.0, longest, "m"));
+    Span robots{static_cast<double>(passage.robots[0]), static_cast<double>(passage.robots[1])};
+    read_span(p, "robots", robots, between(1.0, 64.0));
+    passage.robots = {static_cast<std::int64_t>(std::ceil(robots[0])),
+                      static_cast<std::int64_t>(std::floor(robots[1]))};
+    p.number("clearance", passage.clearance, between(2.0 * core::standard_radius, longest, "m"));
+    p.finish();
+    study.passage = passage;
+  }
+  if (t.has("tune")) read_tune(t.table("tune"), document, study.tune.emplace());
   read_texts(t, "control", study.control);
   TomlTable compare = t.table("compare");
   if (const toml::table* const names = document["compare"].as_table())
@@ -205,11 +249,29 @@ tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, con
       if (free) drawn->push_back(pose);
     }
   std::string text;
-  for (std::size_t i = 0; i < n; ++i)
-    text += fmt::format("{}{{start=[{}, {}, {}], trajectory={{path={{shape=\"line\", from=[{}, {}], to=[{}, {}]}}}}}}",
-                        i ? ", " : "", starts[i].x, starts[i].y, starts[i].theta, starts[i].x, starts[i].y, places[i].x,
-                        places[i].y);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::string truth;
+    if (crowd.wheels > 0.0) {
+      const double left = 1.0 + dice.between({-crowd.wheels, crowd.wheels});
+      const double right = 1.0 + dice.between({-crowd.wheels, crowd.wheels});
+      truth = fmt::format(", truth={{wheel_diameter={}, wheel_ratio={}}}",
+                          e.robots[0].drive.wheel_diameter * 0.5 * (left + right), right / left);
+    }
+    text += fmt::format(
+        "{}{{start=[{}, {}, {}], trajectory={{path={{shape=\"line\", from=[{}, {}], to=[{}, {}]}}}}{}}}", i ? ", " : "",
+        starts[i].x, starts[i].y, starts[i].theta, starts[i].x, starts[i].y, places[i].x, places[i].y, truth);
+  }
   return "robot=[" + text + "]";
+}
+
+/// Anywhere along the edge of the arena, so far inside it.
+core::Point beside_edge(const Experiment& e, double inside, Dice& dice) {
+  const double w = 0.5 * e.arena_width - inside, h = 0.5 * e.arena_height - inside;
+  const double along = 4.0 * (w + h) * dice.random.uniform();  // round the rectangle, from its lower left corner
+  if (along < 2.0 * w) return {-w + along, -h};
+  if (along < 2.0 * (w + h)) return {w, -h + along - 2.0 * w};
+  if (along < 4.0 * w + 2.0 * h) return {w - (along - 2.0 * (w + h)), h};
+  return {-w, h - (along - 4.0 * w - 2.0 * h)};
 }
 
 /// Where the robots are when the hand comes: on their places, since nothing has disturbed them yet.
@@ -232,11 +294,15 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
     bool free = false;
     for (int tries = 0; !free; ++tries) {
       if (tries == most_tries) return tl::unexpected(fmt::format("there is no room to put robot {} down", robot + 1));
-      const double by = dice.between(hand.distance), direction = dice.angle(), turn = dice.angle();
-      const double dx = by * std::cos(direction), dy = by * std::sin(direction);
+      const double by = hand.edge ? 0.0 : dice.between(hand.distance), direction = dice.angle(), turn = dice.angle();
+      double dx = by * std::cos(direction), dy = by * std::sin(direction), room = from_edge;
+      if (hand.edge) {
+        room = e.robots[robot].radius;
+        const core::Point at = beside_edge(e, room + dice.between(*hand.edge), dice);
+        dx = at.x - poses[robot].x, dy = at.y - poses[robot].y;
+      }
       const core::Pose there{poses[robot].x + dx, poses[robot].y + dy, core::wrap_angle(poses[robot].theta + turn)};
-      free =
-          std::abs(there.x) <= 0.5 * e.arena_width - from_edge && std::abs(there.y) <= 0.5 * e.arena_height - from_edge;
+      free = std::abs(there.x) <= 0.5 * e.arena_width - room && std::abs(there.y) <= 0.5 * e.arena_height - room;
       for (std::size_t j = 0; free && j < n; ++j)
         free = j == robot || core::distance(there, poses[j]) >= hand.clearance + beyond(e, robot) + beyond(e, j);
       for (const core::Obstacle& o : e.obstacles)
@@ -304,6 +370,9 @@ tl::expected<std::vector<std::string>, std::string> variation(const Study& study
       return tl::unexpected(done.error());
   if (study.crowd)
     if (auto done = with([&](const Experiment& e) { return one(draw_crowd(*study.crowd, e, dice)); }); !done)
+      return tl::unexpected(done.error());
+  if (study.passage)
+    if (auto done = with([&](const Experiment& e) { return draw_passage(*study.passage, e, seed); }); !done)
       return tl::unexpected(done.error());
   if (study.scatter)
     if (auto done = with([&](const Experiment& e) { return scatter_starts(*study.scatter, e, dice); }); !done)

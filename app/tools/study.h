@@ -11,6 +11,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/experiment/problem.h"
+#include "app/tools/passage.h"
 
 namespace skein::app {
 
@@ -34,6 +35,8 @@ struct Study {
     std::int64_t robots = 1;
     Span distance{0.05, 0.4};
     double clearance = 0.1;  ///< to any other midpoint, [m]; that much less standard_radius to obstacles and the border
+    std::optional<Span>
+        edge{};  ///< instead of a distance: this far from the body to the arena's edge, anywhere along it
   };
   std::optional<Hand> hand;
 
@@ -58,8 +61,27 @@ struct Study {
     std::array<std::int64_t, 2> robots{4, 30};  ///< from ... to, both allowed
     double clearance = 0.12;                    ///< between two starts, and between two places [m]
     double border = 0.1;                        ///< from a start or a place to the arena's edge [m]
+    double wheels = 0.0;  ///< each true wheel diameter is up to this share larger or smaller than it is assumed
   };
   std::optional<Crowd> crowd;
+
+  /// Replaces the experiment's robots and obstacles: walls with a way through.
+  std::optional<Passage> passage;
+
+  /// Gains to be searched for, by `skein tune`: see tune.h.
+  struct Tune {
+    /// Keys of the experiment, each with the numbers that it may have: on a logarithmic scale where low is above 0 and
+    /// high at least ten times that.
+    std::vector<std::pair<std::string, Span>> search;
+    std::int64_t objectives = 5;    ///< searches: two for the ends of the front, the others for what is between
+    std::int64_t candidates = 400;  ///< of each search, each tried with all `runs` of the study
+    std::int64_t held_out = 500;    ///< kicks on which the front is measured afterwards, with the seeds that follow
+    /// What a candidate must keep, the last two as means over its runs; empty: what the experiment's own gains have.
+    std::optional<double> delay_margin;   ///< at least [s]
+    std::optional<double> limited_share;  ///< at most: of robots and ticks in which a limit cut the law's command
+    std::optional<double> effort;         ///< at most: rms of the wheels' commanded acceleration [m/s^2]
+  };
+  std::optional<Tune> tune;
 
   /// The control: the same runs again, with these keys added, beside the others in the summary.
   std::vector<std::string> control;

@@ -31,9 +31,15 @@ class Distance final : public RecordSink {
   void record(const TickRecord& record) override {
     if (record.phase == Phase::staging || record.phase == Phase::ready) return;
     double error = 0.0;
+    farthest_way_ = 0.0;
+    at_rest_ = true;
     for (std::size_t i = 0; i < record.robots.size(); ++i) {
       const RobotRecord& robot = record.robots[i];
       const core::Pose& here = std::isnan(robot.truth.x) ? robot.pose : robot.truth;
+      at_rest_ = at_rest_ && robot.nominal.twist.v == 0.0;
+      if (starts_.size() == i) starts_.push_back(here);
+      farthest_way_ = std::fmax(farthest_way_, core::distance(starts_[i], schedule_.place(record, i)) /
+                                                   experiment_.robots[i].v_max.value_or(experiment_.controller.v_max));
       error = std::fmax(error, core::distance(schedule_.place(record, i), here));
     }
     for (const Event& event : record.events)
@@ -42,6 +48,10 @@ class Distance final : public RecordSink {
         farthest_ = std::fmax(farthest_, std::hypot(perturb->dx, perturb->dy));
       }
     if (error > near_enough_) last_far_ = record.t;
+    if (error > near_enough_ || !at_rest_)
+      arrived_.reset();
+    else if (!arrived_)
+      arrived_ = record.t;
     rows_.push_back({record.t, error});
     watch_wheels(record);
     count_jumps(record);
@@ -52,6 +62,9 @@ class Distance final : public RecordSink {
   }
   double effort() const noexcept { return changes_ > 0 ? std::sqrt(squares_ / static_cast<double>(changes_)) : 0.0; }
 
+  bool at_rest() const noexcept { return at_rest_; }  ///< all references, at the end
+  /// From where every robot began straight to its last place, at v_max: the longest of these [s].
+  double straight() const noexcept { return farthest_way_; }
   double perturbation() const noexcept { return farthest_; }
   std::int64_t v_jumps() const noexcept { return v_jumps_; }
   std::int64_t reversals() const noexcept { return reversals_; }
@@ -64,6 +77,8 @@ class Distance final : public RecordSink {
   std::optional<double> recovery() const noexcept {
     const double since = since_.value_or(0.0);
     if (rows_.empty() || !(final_error() <= near_enough_)) return {};
+    // Where references come to rest, a robot that was never off its way has still to arrive.
+    if (!since_ && arrived_) return arrived_;
     return last_far_ ? std::max(0.0, *last_far_ - since) : 0.0;
   }
 
@@ -108,10 +123,13 @@ class Distance final : public RecordSink {
     std::optional<bool> forwards;
   };
   double near_enough_;
+  std::vector<core::Pose> starts_;
+  double farthest_way_ = 0.0;  // [s]
+  bool at_rest_ = false;
   std::vector<Row> rows_;
   std::vector<Driven> in_motion_;
   std::int64_t v_jumps_ = 0, reversals_ = 0;
-  std::optional<double> since_, last_far_;
+  std::optional<double> since_, last_far_, arrived_;
   double farthest_ = 0.0;
 };
 
@@ -138,6 +156,7 @@ Json json(const SweepSummary& s) {
               {"min_distance_seed", s.min_distance_seed},
               {"obstacle_gap", json(s.obstacle_gap)},
               {"outside", json(s.outside)},
+              {"runs_outside", s.runs_outside},
               {"recovered", s.recovered},
               {"recovered_share", json(s.recovered_share())},
               {"recovery_p50", json(s.recovery_p50)},
@@ -165,8 +184,14 @@ Json json(const SweepSummary& s) {
                    {"whole_after_max", json(s.whole_after_max)},
                    {"lag_p50", json(s.lag_p50)},
                    {"lag_max", json(s.lag_max)}});
+  if (!std::isnan(s.over_straight_max))
+    result.update({{"over_straight_p50", json(s.over_straight_p50)},
+                   {"over_straight_p99", json(s.over_straight_p99)},
+                   {"over_straight_max", json(s.over_straight_max)}});
   for (const SweepSummary& control : s.control)
     result.update({{"control_collisions", control.collisions},
+                   {"control_runs_with_collisions", control.runs_with_collisions},
+                   {"control_runs_outside", control.runs_outside},
                    {"control_recovered_share", json(control.recovered_share())},
                    {"control_recovery_p50", json(control.recovery_p50)},
                    {"control_recovery_p99", json(control.recovery_p99)},
@@ -213,9 +238,7 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   outcome.obstacle_gap = summary.obstacle_gap;
   outcome.final_error = distance.final_error();
   outcome.recovery = distance.recovery();
-  // Where references come to rest, a robot that was never off its way has still to arrive.
-  if (outcome.recovery && outcome.perturbation == 0.0 && !std::isnan(summary.arrived))
-    outcome.recovery = summary.arrived;
+  if (outcome.perturbation == 0.0 && distance.at_rest()) outcome.straight = distance.straight();
   outcome.outside = summary.outside;
   outcome.v_jumps = distance.v_jumps();
   outcome.reversals = distance.reversals();
@@ -310,7 +333,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.experiment = study.experiment;
   s.runs = static_cast<std::int64_t>(outcomes.size());
   s.min_distance = s.obstacle_gap = none;
-  std::vector<double> recoveries, errors, wholes, wholes_after, lags;
+  std::vector<double> recoveries, over_straight, errors, wholes, wholes_after, lags;
   for (const RunOutcome& o : outcomes) {
     if (!o.failure.empty() || o.collided() || !o.recovery) s.bad_seeds.push_back(o.seed);
     if (!o.failure.empty()) {
@@ -323,6 +346,8 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     s.obstacle_gap = std::fmin(s.obstacle_gap, o.obstacle_gap);
     errors.push_back(o.final_error);
     if (o.recovery) recoveries.push_back(*o.recovery);
+    if (o.recovery && o.straight && *o.straight > 0.0) over_straight.push_back(*o.recovery / *o.straight);
+    s.runs_outside += o.outside > 0.0;
     if (o.whole) wholes.push_back(*o.whole);
     if (o.whole_after) wholes_after.push_back(*o.whole_after);
     if (o.lag) lags.push_back(*o.lag);
@@ -340,6 +365,9 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.recovery_p90 = quantile(recoveries, 0.9);
   s.recovery_p99 = quantile(recoveries, 0.99);
   s.recovery_max = quantile(recoveries, 1.0);
+  s.over_straight_p50 = quantile(over_straight, 0.5);
+  s.over_straight_p99 = quantile(over_straight, 0.99);
+  s.over_straight_max = quantile(over_straight, 1.0);
   s.whole_p50 = quantile(wholes, 0.5);
   s.whole_p99 = quantile(wholes, 0.99);
   s.whole_max = quantile(wholes, 1.0);

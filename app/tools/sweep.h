@@ -16,11 +16,14 @@ struct RunOutcome {
   std::uint64_t seed = 0;
   double perturbation = 0.0;  ///< the farthest that a hand put a robot [m]
   std::int64_t collisions = 0;
-  double min_distance = 0.0;            ///< between two robots, true poses [m]
-  double obstacle_gap = 0.0;            ///< between a robot's edge and an obstacle's; NaN without obstacles [m]
-  double final_error = 0.0;             ///< largest true distance from a place within the last second [m]
-  std::optional<double> recovery;       ///< until every robot was within `recovered_within` for good, from the (first)
-                                        ///< perturbation, or the start; empty: never [s]
+  double min_distance = 0.0;       ///< between two robots, true poses [m]
+  double obstacle_gap = 0.0;       ///< between a robot's edge and an obstacle's; NaN without obstacles [m]
+  double final_error = 0.0;        ///< largest true distance from a place within the last second [m]
+  std::optional<double> recovery;  ///< until every robot was within `recovered_within` for good, from the (first)
+                                   ///< perturbation, or the start; empty: never [s]
+  /// Of robots that come to rest: what the longest straight line from a start to a place takes at v_max; empty: they
+  /// drive on. [s]
+  std::optional<double> straight;
   std::optional<bool> formation_first;  ///< where a perturbation was large enough to ask
   std::optional<bool> relative_first;   ///< the same of the neighbours' relative positions
   double outside = 0.0;                 ///< farthest that a body was over the arena's edge [m]
@@ -69,12 +72,15 @@ struct SweepSummary {
   double obstacle_gap = 0.0;  ///< NaN without obstacles
   std::int64_t recovered = 0;
   double recovery_p50 = 0.0, recovery_p90 = 0.0, recovery_p99 = 0.0, recovery_max = 0.0;  ///< of those that did [s]
-  double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;             ///< [m]
+  /// Of runs in which all came to rest: their times as multiples of `straight`; NaN where none did.
+  double over_straight_p50 = 0.0, over_straight_p99 = 0.0, over_straight_max = 0.0;
+  double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;  ///< [m]
   std::int64_t formation_first = 0, formation_first_asked = 0, relative_first = 0;
   /// Of formations that wait: on their own clocks, and on the experiment's; NaN where none does. [s]
   double whole_p50 = 0.0, whole_p99 = 0.0, whole_max = 0.0;
   double whole_after_p50 = 0.0, whole_after_p99 = 0.0, whole_after_max = 0.0, lag_p50 = 0.0, lag_max = 0.0;
   double outside = 0.0;                  ///< farthest of all runs [m]
+  std::int64_t runs_outside = 0;         ///< in which a body was over the arena's edge
   std::vector<std::uint64_t> bad_seeds;  ///< of runs that collided, did not recover or failed
 
   std::int64_t v_jumps_max = 0, reversals_max = 0;    ///< of one run

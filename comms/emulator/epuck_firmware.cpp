@@ -57,11 +57,11 @@ void EpuckFirmware::receive(std::span<const std::uint8_t> bytes, std::vector<std
   if (is_in_packets(protocol_))
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   else
-    for (const std::uint8_t byte : bytes) take(byte, reply);
+    for (const std::uint8_t byte : bytes) receive_byte(byte, reply);
 }
 
 // The firmware is one thread that waits for every byte; here each place where it waits is a state.
-void EpuckFirmware::take(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
+void EpuckFirmware::receive_byte(std::uint8_t byte, std::vector<std::uint8_t>& reply) {
   const bool ends_line = byte == '\n' || byte == '\r';
   switch (parsing_) {
     case Parsing::top:

@@ -94,7 +94,7 @@ class EpuckFirmware final : public RobotFirmware {
  private:
   enum class Parsing { top, line_start, line, sequence, arguments };
 
-  void take(std::uint8_t byte, std::vector<std::uint8_t>& reply);
+  void receive_byte(std::uint8_t byte, std::vector<std::uint8_t>& reply);
   void run_line(std::vector<std::uint8_t>& reply);
   void run_letter(std::uint8_t letter, std::vector<std::uint8_t>& reply);
   void run_letter_with_arguments();

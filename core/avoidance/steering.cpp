@@ -50,8 +50,8 @@ Twist Steering::towards(double heading, double speed, double theta, const Refere
 }
 
 /// Everybody within reach, and how near each may be come: where it is nearer already, no nearer than it is.
-void Steering::look(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
-                    double reach) noexcept {
+void Steering::gather_movers(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
+                             double reach) noexcept {
   movers_.clear();
   const auto add = [&](double at_x, double at_y, double v_x, double v_y, double keep) {
     const double d = std::hypot(at_x - x, at_y - y);
@@ -117,7 +117,7 @@ Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& fro
 Course Steering::choose(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, const Pose& from,
                         const ReferencePoint& goal, const ReferenceBounds& bounds, double horizon, double last,
                         double turning, double waited) noexcept {
-  look(scene, i, near, from.x, from.y, 2.0 * bounds.v * horizon);
+  gather_movers(scene, i, near, from.x, from.y, 2.0 * bounds.v * horizon);
   const double left = std::hypot(goal.pose.x - from.x, goal.pose.y - from.y);
   // Where the goal will be by the time that the robot can be there.
   const double fastest = std::max(bounds.v, 1e-3);

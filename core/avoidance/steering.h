@@ -78,8 +78,8 @@ class Steering {
     double off;      // mean distance from the goal on the course [m]
     double closest;  // smallest distance to another, less the distance to keep [m]
   };
-  void look(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
-            double reach) noexcept;
+  void gather_movers(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
+                     double reach) noexcept;
   double gap(double x, double y, double t) const noexcept;
   Ride ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed,
             const ReferencePoint& goal, const ReferenceBounds& bounds, double horizon) const noexcept;

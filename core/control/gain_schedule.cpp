@@ -70,22 +70,22 @@ double left_to(GainName name, std::size_t i, const Gains& gains, const CouplingG
 
 }  // namespace
 
-double gain_border(GainName name, const Gains& gains, const CouplingGains& others,
-                   const ReferenceDemand& demand) noexcept {
+double gain_limit(GainName name, const Gains& gains, const CouplingGains& others,
+                  const ReferenceDemand& demand) noexcept {
   if (gains.robots() < 2) return 0.0;
   const auto partners = static_cast<double>(gains.robots() - 1);
-  double border = std::numeric_limits<double>::infinity();
+  double limit = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < gains.robots(); ++i) {
     const double left = left_to(name, i, gains, others, demand);
-    border = std::min(border, left / partners);
+    limit = std::min(limit, left / partners);
   }
-  return std::max(0.0, border);
+  return std::max(0.0, limit);
 }
 
-double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
-                   const ReferenceDemand& demand) noexcept {
+double gain_limit(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
+                  const ReferenceDemand& demand) noexcept {
   const double own = table(others, name)(i, j);
-  double border = std::numeric_limits<double>::infinity();
+  double limit = std::numeric_limits<double>::infinity();
   for (const std::size_t robot : {i, j}) {
     double taken = 0.0, free = std::numeric_limits<double>::infinity();
     switch (name) {
@@ -105,9 +105,9 @@ double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gai
       case GainName::l_tt:
         break;  // slopes and weights have no part in (18f, g)
     }
-    border = std::min(border, free - (taken - own));
+    limit = std::min(limit, free - (taken - own));
   }
-  return std::max(0.0, border);
+  return std::max(0.0, limit);
 }
 
 double held_share(GainName name, const Gains& gains, const CouplingGains& couplings,

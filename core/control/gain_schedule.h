@@ -55,12 +55,12 @@ struct ReferenceDemand {
 /// The largest value that one gain may have for all pairs at once: (18f, g) hold, and `tracking_share` of v_max and
 /// omega_max is left to tracking at every point of the reference. Never negative. `others` holds the gains that share
 /// the bound (18g).
-double gain_border(GainName name, const Gains& gains, const CouplingGains& others,
-                   const ReferenceDemand& demand) noexcept;
+double gain_limit(GainName name, const Gains& gains, const CouplingGains& others,
+                  const ReferenceDemand& demand) noexcept;
 
 /// The same for one pair, all the others as they are in `others`.
-double gain_border(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
-                   const ReferenceDemand& demand) noexcept;
+double gain_limit(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
+                  const ReferenceDemand& demand) noexcept;
 
 /// The share of one gain's table that (18f, g) allow with the others unchanged; 1: all of it.
 double held_share(GainName name, const Gains& gains, const CouplingGains& couplings,

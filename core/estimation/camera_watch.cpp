@@ -29,13 +29,15 @@ void CameraWatch::forget() noexcept {
 }
 
 void CameraWatch::see(std::size_t robot, const PoseFilter& filter, const FilterParameters& parameters,
-                      const Measurement& m) noexcept {
+                      const Measurement& before, const Measurement& m) noexcept {
   if (m.captured_at <= robots_[robot].seen_at) return;
-  if (!filter.known()) return see(robot, m.pose, m.pose, m.captured_at, {});
-  const Predictor::Way way = filter.way_to(m.captured_at);
-  const double noise = std::hypot(filter.sigma_after(parameters, way.driven), m.sigma_xy);
-  const double turn_noise = lever * std::hypot(filter.sigma_theta(), m.sigma_theta);
-  see(robot, filter.predict(m.captured_at), m.pose, m.captured_at,
+  // By then it has been elsewhere, under another camera or in a hand.
+  if (!(m.captured_at - before.captured_at <= patience)) return see(robot, m.pose, m.pose, m.captured_at, {});
+  const Predictor::Way way = filter.way(before.captured_at, m.captured_at);
+  const double drift = way.driven * std::hypot(before.sigma_theta, parameters.slip);
+  const double noise = std::hypot(before.sigma_xy, drift, m.sigma_xy);
+  const double turn_noise = lever * std::hypot(before.sigma_theta, m.sigma_theta);
+  see(robot, filter.predict(before, m.captured_at), m.pose, m.captured_at,
       {way.driven, lever * way.turned, unlikely * std::max(noise, turn_noise)});
 }
 

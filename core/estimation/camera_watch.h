@@ -17,11 +17,11 @@ struct CommonMotion {
   double turn = 0.0;      ///< counter-clockwise [rad]
 };
 
-/// Distinguishes a bumped camera from carried robots: after a bump every tag is displaced by the same rigid motion of
-/// the plane, which the commanded motion does not explain. The motion must show in two measurements of each tag, since
-/// a single torn frame looks the same. Tags that a bump has hidden may come back one after the other, within 2 s. A
-/// motion below the robots' own motion plus 6 mm from frame to frame is not detected, and with a single tag a moved
-/// robot and a moved camera look the same. Allocates in its constructor only.
+/// Distinguishes a bumped camera from carried robots, one watch for each camera: after a bump every tag is displaced by
+/// the same rigid motion of the plane, which the commanded motion does not explain. The motion must show in two
+/// measurements of each tag, since a single torn frame looks the same. Tags that a bump has hidden may come back one
+/// after the other, within 2 s. A motion below the robots' own motion plus 6 mm from frame to frame is not detected,
+/// and with a single tag a moved robot and a moved camera look the same. Allocates in its constructor only.
 class CameraWatch {
  public:
   static constexpr double lever = 0.1;  ///< a rotation counts as the displacement of a point this far out [m]
@@ -39,8 +39,8 @@ class CameraWatch {
     double turn = 0.0;   ///< the same for a rotation, times the lever [m]
     double noise = 0.0;  ///< uncertainty of both poses, a rotation times the lever [m]
   };
-  /// A robot's newest measurement, before its filter is updated.
-  void see(std::size_t robot, const PoseFilter& filter, const FilterParameters& parameters,
+  /// A robot's newest measurement by this camera and the one `before` it; the filter knows the commands between them.
+  void see(std::size_t robot, const PoseFilter& filter, const FilterParameters& parameters, const Measurement& before,
            const Measurement& measurement) noexcept;
   /// The same, with the pose expected from its previous measurement and its commands. A measurement that is not newer
   /// changes nothing.

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/kinematics/differential_drive.h"
@@ -15,7 +16,7 @@ constexpr double wander_theta = 0.02;  // [rad]
 
 constexpr double expected_within = 0.5;  // after `displaced`; a camera's frame may have been on its way [s]
 constexpr double lever = 0.035;          // a turn that moves a point so far out counts as its way [m]
-constexpr double surprise = 4.0;         // standard deviations that noise alone does not reach
+constexpr double surprising = 4.0;       // standard deviations that noise alone does not reach
 
 }  // namespace
 
@@ -42,19 +43,66 @@ std::optional<Pose> PoseFilter::see(const FilterParameters& parameters, const Me
 
   const Predictor::Way way = predictor_.way(captured_at_, m.captured_at);
   propagate(parameters, m.captured_at);
-  const Eigen::Vector3d innovation(m.pose.x - pose_.x, m.pose.y - pose_.y, wrap_angle(m.pose.theta - pose_.theta));
+  return update(parameters, way, m);
+}
 
-  // Farther than it can be even if it stood all the while, or slid: driven way, what is not known of either pose, and a
-  // little more.
-  const double far = parameters.kidnap + way.driven + surprise * std::hypot(sigma_xy(), m.sigma_xy);
-  const double turned = parameters.kidnap / lever + way.turned + surprise * std::hypot(sigma_theta(), m.sigma_theta);
-  if (std::hypot(innovation.x(), innovation.y()) > far || std::abs(innovation.z()) > turned) {
+std::optional<Pose> PoseFilter::fuse(const FilterParameters& parameters, const Measurement& m) noexcept {
+  if (!known_ || m.captured_at > captured_at_) return see(parameters, m);
+  return update(parameters, predictor_.way(m.captured_at, captured_at_), carried(parameters, m));
+}
+
+std::optional<Pose> PoseFilter::surprise(const FilterParameters& parameters, const Measurement& m) const noexcept {
+  if (!known_ || announced(m)) return {};
+  PoseFilter then(*this);
+  const bool late = m.captured_at <= captured_at_;
+  if (!late) then.propagate(parameters, m.captured_at);
+  const Predictor::Way way = predictor_.way(std::min(captured_at_, m.captured_at), then.captured_at_);
+  if (then.explains(parameters, way, late ? carried(parameters, m) : m)) return {};
+  return then.pose_;
+}
+
+/// An older measurement at the state's time.
+Measurement PoseFilter::carried(const FilterParameters& parameters, const Measurement& m) const noexcept {
+  const Predictor::Way way = predictor_.way(m.captured_at, captured_at_);
+  const double seconds = captured_at_ - m.captured_at;
+  const double heading = parameters.slip * (std::sqrt(2.0) * way.driven / DifferentialDrive{}.track + way.turned);
+  Measurement now = m;
+  now.pose = predictor_.predict(m, captured_at_);
+  now.captured_at = captured_at_;
+  now.sigma_xy =
+      std::sqrt(m.sigma_xy * m.sigma_xy + wander_xy * wander_xy * seconds +
+                way.driven * way.driven * (m.sigma_theta * m.sigma_theta + parameters.slip * parameters.slip));
+  now.sigma_theta =
+      std::sqrt(m.sigma_theta * m.sigma_theta + wander_theta * wander_theta * seconds + heading * heading);
+  return now;
+}
+
+/// No farther than it can be if it stood all the while, or slid: driven way, what is not known of either pose, and a
+/// little more.
+bool PoseFilter::explains(const FilterParameters& parameters, const Predictor::Way& way,
+                          const Measurement& m) const noexcept {
+  const double far = parameters.kidnap + way.driven + surprising * std::hypot(sigma_xy(), m.sigma_xy);
+  const double turned = parameters.kidnap / lever + way.turned + surprising * std::hypot(sigma_theta(), m.sigma_theta);
+  const double off = std::hypot(m.pose.x - pose_.x, m.pose.y - pose_.y);
+  const double turn = std::abs(wrap_angle(m.pose.theta - pose_.theta));
+  return !(off > far || turn > turned);
+}
+
+bool PoseFilter::announced(const Measurement& m) const noexcept {
+  return m.captured_at >= displaced_at_ && m.captured_at < displaced_at_ + expected_within;
+}
+
+/// With a measurement at the state's time.
+std::optional<Pose> PoseFilter::update(const FilterParameters& parameters, const Predictor::Way& way,
+                                       const Measurement& m) noexcept {
+  if (!explains(parameters, way, m)) {
     const Pose expected = pose_;
-    const bool known = m.captured_at >= displaced_at_ && m.captured_at < displaced_at_ + expected_within;
+    const bool known = announced(m);
     displaced_at_ = -1e9;
     begin(m);
     return known ? std::nullopt : std::optional(expected);
   }
+  const Eigen::Vector3d innovation(m.pose.x - pose_.x, m.pose.y - pose_.y, wrap_angle(m.pose.theta - pose_.theta));
   if (m.sigma_xy <= 0.0 && m.sigma_theta <= 0.0) {
     begin(m);
     return {};

@@ -28,10 +28,18 @@ class PoseFilter {
   /// Updates the state with the newest measurement; one that is not newer than the last changes nothing. Returns the
   /// expected pose if the robot has been carried elsewhere: then the filter restarts from the measurement.
   std::optional<Pose> see(const FilterParameters& parameters, const Measurement& measurement) noexcept;
+  /// The same with a measurement by another camera, which need not be newer: an older one is carried to the state's
+  /// time along the commands, and counts the less the farther.
+  std::optional<Pose> fuse(const FilterParameters& parameters, const Measurement& measurement) noexcept;
+  /// The expected pose if this measurement would make the filter restart; changes nothing.
+  std::optional<Pose> surprise(const FilterParameters& parameters, const Measurement& measurement) const noexcept;
 
   /// Whether there was a measurement, and the commanded distance from the newest one to `time`. [s]
   bool known() const noexcept { return known_; }
   Predictor::Way way_to(double time) const noexcept { return predictor_.way(captured_at_, time); }
+  /// The commanded motion between two times, and where it leads from an earlier measurement. [s]
+  Predictor::Way way(double from, double to) const noexcept { return predictor_.way(from, to); }
+  Pose predict(const Measurement& from, double time) const noexcept { return predictor_.predict(from, time); }
   /// The pose at `time`; requires one measurement. [s]
   Pose predict(double time) const noexcept { return predictor_.predict(pose_, captured_at_, time); }
   /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].
@@ -54,6 +62,11 @@ class PoseFilter {
  private:
   void propagate(const FilterParameters& parameters, double time) noexcept;
   void begin(const Measurement& measurement) noexcept;
+  Measurement carried(const FilterParameters& parameters, const Measurement& measurement) const noexcept;
+  bool explains(const FilterParameters& parameters, const Predictor::Way& way, const Measurement& m) const noexcept;
+  bool announced(const Measurement& m) const noexcept;
+  std::optional<Pose> update(const FilterParameters& parameters, const Predictor::Way& way,
+                             const Measurement& measurement) noexcept;
 
   Predictor predictor_;
   bool known_ = false;

@@ -132,8 +132,8 @@ void StepMotor::set_counter(std::int64_t steps) noexcept {
   landed_ = static_cast<double>(steps);
 }
 
-double steps_lost_by_change(MotorModel model, double from, double to) noexcept {
-  if (from == to || to == 0.0) return 0.0;
+double steps_lost_by_command(MotorModel model, double from, double to) noexcept {
+  if (to == 0.0) return 0.0;
   switch (model) {
     case MotorModel::ideal:
     case MotorModel::servo:

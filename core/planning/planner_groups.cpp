@@ -172,16 +172,16 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       query.least = setup_.shield_distance + 5e-4;
       query.pace = pace_;
       search_.begin(query, traffic_);
-      spent_ += search_.status() == RouteSearch::Status::found ? 60 : 500;  // the stamps and the estimate
+      spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
       g.asking = true;
     }
-    if (search_.status() == RouteSearch::Status::searching)
+    if (search_.searching())
       spent_ += search_.advance(std::max<std::size_t>(200, nodes_each_tick - std::min(nodes_each_tick, spent_)));
-    if (search_.status() == RouteSearch::Status::searching) return;
+    if (search_.searching()) return;
     g.asking = false;
     Route& route = g.routes[i];
     route = robots_[i].route;  // that it brakes along
-    if (search_.status() == RouteSearch::Status::found && route.append(search_.legs(), goal(i, scene).theta, pace_)) {
+    if (search_.found() && route.append(search_.legs(), goal(i, scene).theta, pace_)) {
       traffic_.drives(i, route, 0.0);
       g.planned[i] = 1;
       g.others = Group::Others::leave;

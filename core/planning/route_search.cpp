@@ -45,7 +45,8 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
   nodes_.clear();
   open_.clear();
   leg_count_ = 0;
-  status_ = Status::searching;
+  searching_ = true;
+  found_ = false;
   const auto k0 = std::min(Traffic::steps - 1, static_cast<std::size_t>(query.begins / Traffic::step));
   for (std::size_t j = 0; j < radius_.size(); ++j) {
     if (j == query.robot || !traffic.present(j)) {
@@ -59,7 +60,8 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
     radius_[j] = std::min(std::max(std::min(query.keep, at_end - less), query.least), at_start - less);
   }
   if (direct()) {
-    status_ = Status::found;
+    searching_ = false;
+    found_ = true;
     return;
   }
   stamp();
@@ -73,7 +75,7 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
       open_.emplace_back(0.0f, 0u);
       return;
     }
-  status_ = Status::none;
+  searching_ = false;
 }
 
 /// Straight there at once.
@@ -184,9 +186,9 @@ std::span<const RouteSearch::Interval> RouteSearch::intervals(std::size_t vertex
 std::size_t RouteSearch::advance(std::size_t budget) noexcept {
   std::size_t spent = 0;
   const auto later = [](const auto& a, const auto& b) { return a > b; };
-  while (status_ == Status::searching && spent < budget) {
+  while (searching_ && spent < budget) {
     if (open_.empty() || nodes_.size() + 64 > nodes_.capacity() || open_.size() + 64 > open_.capacity()) {
-      status_ = Status::none;
+      searching_ = false;
       break;
     }
     const auto [f, node] = open_.front();
@@ -271,7 +273,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
 
 /// The way back along the parents, straight pieces as one leg.
 void RouteSearch::finish(std::uint32_t node) noexcept {
-  status_ = Status::none;
+  searching_ = false;
   std::array<std::uint32_t, 512> chain{};
   std::size_t count = 0;
   for (std::uint32_t at = node; at != nobody; at = nodes_[at].parent) {
@@ -297,7 +299,7 @@ void RouteSearch::finish(std::uint32_t node) noexcept {
     theta = direction;
   }
   arrival_ = nodes_[node].g + query_.pace.turn_time(wrap_angle(query_.to.theta - theta));
-  status_ = Status::found;
+  found_ = true;
   straighten();
 }
 

@@ -29,12 +29,11 @@ class RouteSearch {
     double least = 0.0785;  ///< smaller limit if both goals are closer than that [m]
     Pace pace;
   };
-  enum class Status { idle, searching, found, none };
-
   void begin(const Query& query, const Traffic& traffic) noexcept;
   /// Continues with up to this many nodes; returns the number expanded.
   std::size_t advance(std::size_t nodes) noexcept;
-  Status status() const noexcept { return status_; }
+  bool searching() const noexcept { return searching_; }
+  bool found() const noexcept { return found_; }  ///< a route; false after the search: there is none
   /// If a route was found: the legs, with times relative to the query's, and when the robot has arrived and turned. [s]
   std::span<const Leg> legs() const noexcept { return {legs_.data(), leg_count_}; }
   double arrival() const noexcept { return arrival_; }
@@ -77,7 +76,7 @@ class RouteSearch {
   const Lattice* lattice_;
   const Traffic* traffic_ = nullptr;
   Query query_;
-  Status status_ = Status::idle;
+  bool searching_ = false, found_ = false;
   std::vector<double> radius_;                // to keep from each robot [m]
   std::vector<std::uint64_t> taken_;          // a bit for each step of each vertex
   std::vector<Interval> intervals_;           // of each vertex

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "comms/emulator/epuck_firmware.h"
+#include "comms/link_session.h"
 #include "tests/comms/bytes.h"
 #include "tests/property.h"
 
@@ -27,10 +28,33 @@ std::vector<Reply> lines_of(std::string_view fed) {
 
 TEST(Asercom, BinaryRequestsByteForByte) {
   EXPECT_EQ(wheel_request(WheelCommand{100, -200}, Question::wheels),
-            (Bytes{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xBB, 0xAF, 0x00}));
-  EXPECT_EQ(wheel_request(WheelCommand{}, Question::none), (Bytes{0xBC, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(wheel_request({}, Question::wheels), (Bytes{0xBB, 0xAF, 0x00}));
-  EXPECT_EQ(wheel_request({}, Question::wheels_and_battery), (Bytes{0xBB, 0xAF, 0x9E, 0x00}));
+            (Bytes{0, 0, 0, 0, 0xBC, 0x64, 0x00, 0x38, 0xFF, 0xBB, 0xAF, 0x00}));
+  EXPECT_EQ(wheel_request(WheelCommand{}, Question::none), (Bytes{0, 0, 0, 0, 0xBC, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(wheel_request({}, Question::wheels), (Bytes{0, 0, 0, 0, 0xBB, 0xAF, 0x00}));
+  EXPECT_EQ(wheel_request({}, Question::wheels_and_battery), (Bytes{0, 0, 0, 0, 0xBB, 0xAF, 0x9E, 0x00}));
+  EXPECT_EQ(wheel_request(WheelCommand{}, Question::wheels_and_battery).size(), longest_request);
+}
+
+// A speed command without all of its arguments, as a host that died or a lost byte leaves it. What comes next must not
+// be taken for speeds.
+TEST(Asercom, ASpeedCommandThatWasBrokenOffTakesNoneOfTheNextRequest) {
+  for (const core::MotorModel model : {core::MotorModel::epuck1, core::MotorModel::epuck2})
+    for (const std::size_t received : {1u, 2u, 3u, 4u}) {
+      const Bytes half{0xBC, 0x64, 0x00, 0x64};
+      EpuckFirmware driven(model), asked(model);
+      for (EpuckFirmware* robot : {&driven, &asked}) test::ask(*robot, std::span(half).first(received));
+      test::ask(driven, wheel_request(WheelCommand{300, -200}, Question::none));
+      EXPECT_EQ(driven.told(), (core::WheelSpeeds{300.0, -200.0})) << received;
+      const Bytes answer = test::ask(asked, wheel_request({}, Question::wheels));
+      const double left = received >= 2 ? 100.0 : 0.0, right = received == 4 ? 100.0 : 0.0;
+      EXPECT_EQ(asked.told(), (core::WheelSpeeds{left, right})) << received << ": what was sent, else it stands";
+      EXPECT_EQ(answer.size(), answer_size(Question::wheels)) << "and the robot says so";
+    }
+}
+
+TEST(Asercom, CommandsThatPileUpFitTheReceiveRingOfAnEpuck1) {
+  const std::size_t speeds = wheel_request(WheelCommand{}, Question::none).size();
+  EXPECT_LE(longest_request + LinkSession::most_unconfirmed * speeds, 58u);
 }
 
 TEST(Asercom, StopSequenceByteForByte) {

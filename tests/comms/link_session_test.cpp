@@ -1,5 +1,6 @@
 #include "comms/asercom_session.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -156,14 +157,14 @@ TEST(LinkSession, OneRequestSetsSpeedsAndReadsThemBackWithTheCounters) {
   Lab lab;
   lab.open();
   lab.command(100, -200);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x64, 0x00, 0x38, 0xFF, 0xBB, 0xAF, 0x00}));
+  EXPECT_EQ(lab.take(), (Bytes{0, 0, 0, 0, 0xBC, 0x64, 0x00, 0x38, 0xFF, 0xBB, 0xAF, 0x00}));
   EXPECT_FALSE(lab.session.stop_acknowledged());
   lab.pass(0.003);
   lab.session.received(answer(100, -200), lab.now);
   const LinkStatus status = lab.session.status(lab.now);
   EXPECT_EQ(status.exchanges, 1u);
   EXPECT_NEAR(status.rtt_median, 0.003, 1e-9);
-  EXPECT_EQ(status.bytes_sent, exact_stop.size() + 8u);
+  EXPECT_EQ(status.bytes_sent, exact_stop.size() + 12u);
   EXPECT_EQ(status.bytes_received, 3u + 8u);
   EXPECT_EQ(lab.session.answered_ticket(), lab.ticket);
 }
@@ -174,9 +175,9 @@ TEST(LinkSession, SpeedsGoOutWhileAnAnswerIsOwedTheQuestionWaits) {
   lab.command(1, 1);
   lab.take();
   lab.command(2, 2);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 2, 0, 2, 0, 0}));
+  EXPECT_EQ(lab.take(), (Bytes{0, 0, 0, 0, 0xBC, 2, 0, 2, 0, 0}));
   lab.command(3, 3);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 3, 0, 3, 0, 0}));
+  EXPECT_EQ(lab.take(), (Bytes{0, 0, 0, 0, 0xBC, 3, 0, 3, 0, 0}));
   const Bytes first = answer(1, 1);
   lab.session.received(std::span(first).first(5), lab.now);  // a part of it
   EXPECT_EQ(lab.take(), Bytes{});
@@ -220,14 +221,28 @@ TEST(LinkSession, ARobotThatTookOtherSpeedsIsStoppedWithinThatRoundTrip) {
   Lab lab;
   lab.open();
   Bytes reply;
-  lab.robot.receive(bytes("\xBC"), reply);  // noise: the beginning of a command
   lab.command(300, 300);
-  lab.robot.receive(lab.take(), reply);
+  Bytes changed = lab.take();
+  std::ranges::replace(changed, std::uint8_t{0x2C}, std::uint8_t{0xBC});  // on its way: 444 for 300
+  lab.robot.receive(changed, reply);
   EXPECT_NE(lab.robot.wheels(), (core::WheelSpeeds{300, 300}));
   lab.session.received(reply, lab.now);
   EXPECT_EQ(lab.take(), exact_stop);
   EXPECT_EQ(lab.session.status(lab.now).wrong_speeds, 1u);
   EXPECT_NE(lab.session.status(lab.now).reason.find("the robot took the speeds"), std::string::npos);
+}
+
+TEST(LinkSession, ARobotWhoseHalfLineAByteOfOursHasEndedIsStoppedWithinThatRoundTrip) {
+  Lab lab;
+  lab.open();
+  Bytes reply;
+  lab.robot.receive(bytes("D,900,900"), reply);  // by a host that died
+  lab.command(13, 342);  // 0D 00 56 01: a line's end, and the letter V, which begins the next line
+  lab.robot.receive(lab.take(), reply);
+  EXPECT_EQ(lab.robot.told(), (core::WheelSpeeds{900, 900}));
+  EXPECT_EQ(reply, bytes("d\r\n"));
+  lab.session.received(reply, lab.now);
+  EXPECT_EQ(lab.take(), exact_stop);
 }
 
 TEST(LinkSession, ARobotIsStoppedWhenItsBlindDistanceIsUsedUp) {
@@ -314,7 +329,7 @@ TEST(LinkSession, ALostReplyLeadsToTheStopAndTheCommandIsSentAgain) {
   EXPECT_EQ(lab.state(), LinkState::stale);
   EXPECT_EQ(lab.take(), exact_stop);
   lab.session.received(bytes("s\r\n"), lab.now);
-  EXPECT_EQ(lab.take(), (Bytes{0xBC, 0x2C, 0x01, 0x2C, 0x01, 0xBB, 0xAF, 0}));
+  EXPECT_EQ(lab.take(), (Bytes{0, 0, 0, 0, 0xBC, 0x2C, 0x01, 0x2C, 0x01, 0xBB, 0xAF, 0}));
   EXPECT_NE(lab.session.answered_ticket(), lab.ticket);
 }
 

@@ -45,6 +45,7 @@ struct Scene {
         told(robots),
         driven(robots),
         filters(robots),
+        before(robots),
         seen_until(robots, 1e9),
         hidden_until(robots, -1.0),
         watch(robots) {}
@@ -59,7 +60,8 @@ struct Scene {
       const auto noise = [&](double sigma) { return sigma * (draw.between(-1, 1) + draw.between(-1, 1)) * 1.2; };
       pose = {pose.x + noise(sigma_xy), pose.y + noise(sigma_xy), core::wrap_angle(pose.theta + noise(sigma_theta))};
       const Measurement m{pose, now, claimed * sigma_xy, claimed * sigma_theta, core::How::tracked};
-      watch.see(i, filters[i], {}, m);
+      watch.see(i, filters[i], {}, before[i], m);
+      before[i] = m;
       filters[i].see({}, m);
     }
     const auto motion = watch.moved(least);
@@ -78,6 +80,7 @@ struct Scene {
   std::vector<Pose> truth;
   std::vector<Twist> told, driven;  // what the filters believe, and what the wheels do
   std::vector<PoseFilter> filters;
+  std::vector<Measurement> before;  // the newest of each
   std::vector<double> seen_until, hidden_until;
   double now = 0.0, dropout = 0.0, sigma_xy = 0.0001, sigma_theta = 0.001, claimed = 1.0;
   CameraWatch watch;

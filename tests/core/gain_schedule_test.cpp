@@ -117,8 +117,8 @@ core::Margins margins_at(Gains gains, const CouplingGains& couplings, const Refe
   return core::margins(gains, i, reference);
 }
 
-TEST(GainBorder, LeavesTheTrackingShareAndNotMore) {
-  holds("at the border every robot keeps tracking_share, and one of them no more than that", [] {
+TEST(GainLimit, LeavesTheTrackingShareAndNotMore) {
+  holds("at the limit every robot keeps tracking_share, and one of them no more than that", [] {
     const int robots = any_of(2, 8);
     const auto n = static_cast<std::size_t>(robots);
     Draw draw(any_seed());
@@ -128,9 +128,9 @@ TEST(GainBorder, LeavesTheTrackingShareAndNotMore) {
     const ReferenceDemand demand{0.05, 0.42 + 11.0 * 0.05};
     CouplingGains couplings{PairTable(n), PairTable(n, draw.between(0.0, 0.04)), PairTable(n, draw.between(0.0, 0.04))};
     const GainName name = random_name(draw);
-    const double border = core::gain_border(name, gains, couplings, demand);
-    RC_ASSERT(border > 0.0);
-    core::table(couplings, name).fill(border);
+    const double limit = core::gain_limit(name, gains, couplings, demand);
+    RC_ASSERT(limit > 0.0);
+    core::table(couplings, name).fill(limit);
     double least = 1e9;
     for (std::size_t i = 0; i < n; ++i) {
       RC_ASSERT(margins_at(gains, couplings, demand, i).hold());
@@ -144,23 +144,23 @@ TEST(GainBorder, LeavesTheTrackingShareAndNotMore) {
   });
 }
 
-TEST(GainBorder, IsNeverNegative) {
+TEST(GainLimit, IsNeverNegative) {
   const Gains gains = core::paper_gains(4);
   const CouplingGains none{PairTable(4), PairTable(4), PairTable(4)};
   for (const GainName name : core::gain_names) {
-    EXPECT_EQ(core::gain_border(name, gains, none, {1.0, 100.0}), 0.0);
-    EXPECT_EQ(core::gain_border(name, core::paper_gains(1), {PairTable(1), PairTable(1), PairTable(1)}, {}), 0.0);
+    EXPECT_EQ(core::gain_limit(name, gains, none, {1.0, 100.0}), 0.0);
+    EXPECT_EQ(core::gain_limit(name, core::paper_gains(1), {PairTable(1), PairTable(1), PairTable(1)}, {}), 0.0);
   }
 }
 
-TEST(GainBorder, AdmitsTheCaseStudy) {
+TEST(GainLimit, AdmitsTheCaseStudy) {
   const Gains gains = core::paper_gains(4);
   const CouplingGains paper{gains.k_xx, gains.k_tt, gains.k_yy};
   const core::Platoon platoon(std::make_shared<core::RoundedRectangle>(1.3, 0.9, 0.119), 4, 0.12, 0.05, 1.6);
   const ReferenceDemand demand = platoon.demand(gains.k_y);
-  EXPECT_GT(core::gain_border(GainName::k_xx, gains, paper, demand), 0.008);
-  EXPECT_GT(core::gain_border(GainName::k_tt, gains, paper, demand), 0.025);
-  EXPECT_GT(core::gain_border(GainName::k_yy, gains, paper, demand), 0.08);
+  EXPECT_GT(core::gain_limit(GainName::k_xx, gains, paper, demand), 0.008);
+  EXPECT_GT(core::gain_limit(GainName::k_tt, gains, paper, demand), 0.025);
+  EXPECT_GT(core::gain_limit(GainName::k_yy, gains, paper, demand), 0.08);
 }
 
 TEST(ReferenceDemand, OfAPlatoonIsTheMostAlongItsLap) {

@@ -197,8 +197,8 @@ TEST(Lattice, SeesADoorNarrowerThanTwoCellsWhereverItIs) {
     query.from = {-0.7, 0.3, 0.0};
     query.to = {0.7, 0.3, 0.0};
     search.begin(query, nobody);
-    while (search.status() == core::RouteSearch::Status::searching) search.advance(100);
-    EXPECT_EQ(search.status(), core::RouteSearch::Status::found) << "a door at y = " << at;
+    while (search.searching()) search.advance(100);
+    EXPECT_TRUE(search.found()) << "a door at y = " << at;
   }
 }
 
@@ -213,8 +213,8 @@ TEST(RouteSearch, SaysWhereThereIsNoWay) {
   query.from = {-0.7, 0.3, 0.0};
   query.to = {0.7, 0.3, 0.0};
   search.begin(query, nobody);
-  while (search.status() == core::RouteSearch::Status::searching) search.advance(100);
-  EXPECT_EQ(search.status(), core::RouteSearch::Status::none);
+  while (search.searching()) search.advance(100);
+  EXPECT_FALSE(search.found());
 }
 
 class ManyRobots : public testing::TestWithParam<std::size_t> {};

@@ -112,6 +112,57 @@ TEST(PoseFilter, AFrameThatComesLateChangesNothing) {
   }
 }
 
+TEST(PoseFilter, FusesTwoCamerasByTheirCovariances) {
+  PoseFilter filter;
+  const Measurement coarse{.pose = {0.10, 0.2, 0.3}, .captured_at = 1.0, .sigma_xy = 2e-3, .sigma_theta = 1e-2};
+  const Measurement fine{.pose = {0.11, 0.2, 0.3}, .captured_at = 1.0, .sigma_xy = 1e-3, .sigma_theta = 1e-2};
+  filter.see({}, coarse);
+  EXPECT_FALSE(filter.fuse({}, fine));
+  EXPECT_NEAR(filter.predict(1.0).x, (0.10 / 4.0 + 0.11) / (1.0 / 4.0 + 1.0), 1e-12) << "weights 1 / sigma^2";
+  EXPECT_NEAR(filter.sigma_xy(), 1e-3 / std::sqrt(1.25), 1e-12);
+}
+
+/// Two cameras see a robot at other times, and the one's frames come after the other's newer ones.
+TEST(PoseFilter, TakesALateMeasurementWhereTheCommandsHaveLedItSince) {
+  const core::Twist forward{0.1, 0.5};
+  const auto truth = [&](double time) { return core::advance({0.1, 0.2, 0.3}, forward, time); };
+  const auto seen = [&](double time) { return Measurement{truth(time), time, 1e-3, 1e-2, core::How::tracked}; };
+  PoseFilter filter, naive;
+  for (PoseFilter* each : {&filter, &naive}) {
+    each->command(0.0, forward);
+    each->see({}, seen(0.04));
+    each->see({}, seen(0.08));
+  }
+  EXPECT_FALSE(filter.surprise({}, seen(0.05)));
+  EXPECT_FALSE(filter.fuse({}, seen(0.05)));
+  EXPECT_LT(core::distance(filter.predict(0.08), truth(0.08)), 1e-9);
+  EXPECT_LT(filter.sigma_xy(), naive.sigma_xy()) << "it has told something";
+  // The control: as if it had been captured now, it is 3 mm behind.
+  Measurement mistaken = seen(0.05);
+  mistaken.captured_at = 0.08;
+  naive.fuse({}, mistaken);
+  EXPECT_GT(core::distance(naive.predict(0.08), truth(0.08)), 1e-3);
+}
+
+TEST(PoseFilter, NamesASurpriseAndChangesNothing) {
+  PoseFilter filter;
+  const Measurement seen{.pose = {0.1, 0.2, 0.3}, .captured_at = 1.0, .sigma_xy = 1e-3, .sigma_theta = 1e-2};
+  EXPECT_FALSE(filter.surprise({}, seen)) << "nothing was expected";
+  filter.see({}, seen);
+  for (const double at : {0.98, 1.0, 1.04}) {
+    Measurement jumped = seen;
+    jumped.captured_at = at, jumped.pose.x += 0.05;
+    const auto expected = filter.surprise({}, jumped);
+    ASSERT_TRUE(expected) << at;
+    EXPECT_EQ(*expected, seen.pose);
+    EXPECT_EQ(filter.predict(1.0), seen.pose);
+  }
+  filter.displaced(1.04);
+  Measurement announced = seen;
+  announced.captured_at = 1.04, announced.pose.x += 0.05;
+  EXPECT_FALSE(filter.surprise({}, announced)) << "a hand is known to have moved it";
+}
+
 TEST(PoseFilter, DoubtsAPoseMoreTheLongerItIsNotSeenThoughTheRobotStands) {
   const Measurement seen{.pose = {}, .captured_at = 0.0, .sigma_xy = 1e-3, .sigma_theta = 1e-2};
   for (const double seconds : {0.5, 8.0}) {

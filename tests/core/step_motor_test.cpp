@@ -26,10 +26,9 @@ TEST(StepMotor, AnEpuck1LosesStepsBelow601WhenItIsToldASpeedEveryTick) {
     // Which phase the commands meet is fixed at some speeds: an average over neighbours of the same period will do.
     const double expected = 2.0 * 15.0 * (std::floor(10000.0 / speed) - 15.0) / std::floor(10000.0 / speed) / 400.0;
     EXPECT_NEAR(expected, lost, 0.02) << speed;
-    // A little less, so that the period stays the same: the steps that a speed loses only by being sent again.
-    EXPECT_NEAR(steps_lost_by_change(MotorModel::epuck1, speed, speed - 1e-9) * 25.0 /
-                    actual_step_rate(MotorModel::epuck1, speed),
-                expected, 1e-6)
+    EXPECT_NEAR(
+        steps_lost_by_command(MotorModel::epuck1, speed, speed) * 25.0 / actual_step_rate(MotorModel::epuck1, speed),
+        expected, 1e-6)
         << speed;
   }
   for (const double speed : {601.0, 700.0, 1000.0}) EXPECT_NEAR(share_lost(speed, 40.0), 0.0, 1e-3) << speed;

@@ -2,6 +2,7 @@
 import ctypes
 import fcntl
 import os
+import pathlib
 import resource
 import shutil
 import signal
@@ -192,6 +193,80 @@ def sigint(lab):
     since = kill(run, signal.SIGINT)
     stands(robots)
     ends(run)
+    return robots.blind(since)
+
+
+@case("SIGINT, and four more in the next milliseconds")
+def sigint_again(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run, signal.SIGINT)
+    for _ in range(4):
+        time.sleep(0.001)
+        kill(run, signal.SIGINT)
+    stands(robots)
+    ends(run)
+    if lab.markers():
+        raise Failed("a run whose robots stand has left its marker")
+    return robots.blind(since)
+
+
+@case("SIGKILL for the run's whole process group")
+def group_killed(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = time.monotonic()
+    os.killpg(run.pid, signal.SIGKILL)
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("run and guard frozen for 2 s (from their waking on)")
+def both_frozen(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    both = (lab.guard_of(run), run.pid)
+    for pid in both:
+        os.kill(pid, signal.SIGSTOP)
+    time.sleep(2.0)
+    if robots.all_stand():
+        raise Failed("somebody else has stopped them")
+    since = time.monotonic()
+    for pid in reversed(both):
+        os.kill(pid, signal.SIGCONT)
+    stands(robots)
+    if ends(run) == 0:
+        raise Failed("the run went on by itself after it had stood still")
+    return robots.blind(since)
+
+
+@case("the processor time that a run may use is over (`ulimit -t`; from its end on)")
+def processor_limit(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    resource.prlimit(run.pid, resource.RLIMIT_CPU, (0, 1))
+    wait_until("the kernel ends the run", lambda: run.poll() is not None)  # at one of its next ticks
+    since = time.monotonic()
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("the program is replaced (an upgrade), the guard killed, 1 s later the run")
+def program_replaced(lab):
+    installed = lab.case / "bin"
+    installed.mkdir()
+    for file in [lab.skein, *pathlib.Path(lab.skein).parent.glob("skein_*.so")]:
+        shutil.copy(file, installed)
+    robots = lab.emulate()
+    run = lab.run(robots, program=installed / "skein")
+    shutil.rmtree(installed)
+    first = lab.guard_of(run)
+    kill(first)
+    time.sleep(1.0)
+    if lab.guard_of(run) in (None, first):
+        raise Failed("there is no new guard after 1 s: " + lab.log())
+    since = kill(run)
+    stands(robots)
     return robots.blind(since)
 
 

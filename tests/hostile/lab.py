@@ -159,9 +159,9 @@ class Lab:
         path.write_text(text.replace('"camera.toml"', f'"{self.folder}/camera.toml"'))
         return path
 
-    def run(self, robots, *words, wrap=(), terminal=False, background=False, setup=None, **pipes):
+    def run(self, robots, *words, program=None, wrap=(), terminal=False, background=False, setup=None, **pipes):
         """Starts `skein run` and waits until all robots drive."""
-        command = [*wrap, self.skein, "run", str(self.experiment(robots)), *map(str, words)]
+        command = [*wrap, str(program or self.skein), "run", str(self.experiment(robots)), *map(str, words)]
         log = open(self.case / "log", "ab")
         options = dict(stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
         options.update(pipes)

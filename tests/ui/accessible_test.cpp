@@ -116,7 +116,7 @@ TEST_F(Accessible, ValuesAndStatesAreTold) {
   EXPECT_FALSE(text_of(of("arena"), QAccessible::Description).isEmpty());
 
   // The state of the run and the alert say what they show, not only what they are.
-  for (const char* name : {"phase", "alert", "time", "pace", "now_k_xx", "border_k_xx"}) {
+  for (const char* name : {"phase", "alert", "time", "pace", "now_k_xx", "limit_k_xx"}) {
     const QString told =
         text_of(of(name), QAccessible::Name) + QLatin1Char(' ') + text_of(of(name), QAccessible::Value);
     QString shown = find<QLabel>(name)->text();

@@ -142,7 +142,7 @@ TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {
   alone.resize(640, 480);
   alone.show();
   alone.show_experiment(real);
-  alone.take(seen);
+  alone.show_record(seen);
   QString why;
   int gestures = 0;
   QObject::connect(&alone, &ArenaView::refused, &alone, [&](const QString& text) { why = text; });

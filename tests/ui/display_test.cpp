@@ -104,31 +104,31 @@ class Display : public Operator {
   QProcess emulator;
 };
 
-TEST_F(Display, AGainThatIsTypedIsTakenWithEitherDecimalSignAndHeldAtItsBorder) {
+TEST_F(Display, AGainThatIsTypedIsTakenWithEitherDecimalSignAndHeldAtItsLimit) {
   start();
   type("spin_k_yy", QStringLiteral("0,05"));
   EXPECT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_yy) - 0.05) < 1e-9; }))
       << target(core::GainName::k_yy);
   type("spin_k_yy", QStringLiteral("0.3"));
-  const double border = live().gain_border(core::GainName::k_yy);
-  ASSERT_LT(border, 0.3);
-  EXPECT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_yy) - border) < 1e-6; }))
+  const double limit = live().gain_limit(core::GainName::k_yy);
+  ASSERT_LT(limit, 0.3);
+  EXPECT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_yy) - limit) < 1e-6; }))
       << target(core::GainName::k_yy);
   EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("k_yy is held at")); })) << alert().toStdString();
-  EXPECT_TRUE(eventually([&] { return std::abs(shown("spin_k_yy") - border) < 1e-3; })) << shown("spin_k_yy");
+  EXPECT_TRUE(eventually([&] { return std::abs(shown("spin_k_yy") - limit) < 1e-3; })) << shown("spin_k_yy");
   type("spin_k_yy", QStringLiteral("-0.1"));
   EXPECT_TRUE(eventually([&] { return target(core::GainName::k_yy) == 0.0; }));
   EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("clamped at 0, its limit")); }))
       << alert().toStdString();
 }
 
-TEST_F(Display, ASliderThatIsHeldPastItsBorderShowsWhatIsInForceOnceItIsLetGo) {
+TEST_F(Display, ASliderThatIsHeldPastItsLimitShowsWhatIsInForceOnceItIsLetGo) {
   start();
   auto* slider = find<QSlider>("slider_k_tt");
   slider->setSliderDown(true);
   slider->setValue(slider->maximum());
-  const double border = live().gain_border(core::GainName::k_tt);
-  ASSERT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_tt) - border) < 1e-6; }));
+  const double limit = live().gain_limit(core::GainName::k_tt);
+  ASSERT_TRUE(eventually([&] { return std::abs(target(core::GainName::k_tt) - limit) < 1e-6; }));
   QTest::qWait(200);  // the rows with the event have come by now
   slider->setSliderDown(false);
   EXPECT_TRUE(eventually([&] { return std::abs(shown("spin_k_tt") - target(core::GainName::k_tt)) < 1e-4; }))
@@ -152,7 +152,7 @@ TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
   EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }))
       << arena().scene().banner.toStdString();
   EXPECT_TRUE(arena().scene().banner_alarms);
-  EXPECT_EQ(arena().scene().look_of(0, c).name, said);
+  EXPECT_EQ(arena().scene().style_of(0, c).name, said);
   ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGCONT), 0);
   EXPECT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::mode) != said; })) << "it has acknowledged";
   EXPECT_TRUE(eventually([&] { return !arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }));
@@ -325,7 +325,7 @@ TEST_F(Display, WithoutItsCameraAnExperimentOpensAndSaysWhatIsMissing) {
     return find<QLabel>("check_camera")->text().contains(QStringLiteral("no-such-camera"));
   })) << find<QLabel>("check_camera")->text().toStdString();
   EXPECT_GT(find<QAbstractItemView>("robots")->model()->rowCount(), 0);
-  EXPECT_GT(live().gain_border(core::GainName::k_xx), 0.0);
+  EXPECT_GT(live().gain_limit(core::GainName::k_xx), 0.0);
   window.go();
   QTest::qWait(100);
   EXPECT_EQ(live().phase(), app::Phase::ready) << "nobody drives blind";

@@ -137,7 +137,7 @@ TEST_F(Gains, FollowAScheduleThatWasMadeInTheWindow) {
   EXPECT_EQ(count(saved_events(), "schedule k_xx 0.008 -> 0.002"), 1);
 }
 
-TEST_F(Gains, AreSetPairByPairAndHeldAtTheBorder) {
+TEST_F(Gains, AreSetPairByPairAndHeldAtTheLimit) {
   start();
   find<QTabWidget>("gain_tabs")->setCurrentWidget(find("pairs"));
   auto* table = find<QAbstractItemView>("pair_table");

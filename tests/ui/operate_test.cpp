@@ -70,14 +70,13 @@ TEST_F(Operator, MovesAGainWithTheSlider) {
   EXPECT_EQ(count(saved_events(), "gain k_xx 0.008 -> "), 1);
 }
 
-TEST_F(Operator, FindsAGainHeldAtItsBorder) {
+TEST_F(Operator, FindsAGainHeldAtItsLimit) {
   start();
   auto* spin = find<QDoubleSpinBox>("spin_k_yy");
-  const double border = live().gain_border(core::GainName::k_yy);
-  ASSERT_LT(border, spin->maximum());
+  const double limit = live().gain_limit(core::GainName::k_yy);
+  ASSERT_LT(limit, spin->maximum());
   spin->setValue(spin->maximum());
-  ASSERT_TRUE(eventually([&] { return std::abs(spin->value() - border) < 1e-4; }))
-      << "the box shows what does not hold";
+  ASSERT_TRUE(eventually([&] { return std::abs(spin->value() - limit) < 1e-4; })) << "the box shows what does not hold";
   const QStringList events = saved_events();
   EXPECT_EQ(count(events, "gain_held k_yy "), 1);
   EXPECT_EQ(count(events, "gain k_yy "), 1);

@@ -98,7 +98,7 @@ TEST(ArenaView, LeavesRealRobotsToRealHands) {
   ArenaView arena;
   arena.resize(700, 500);
   arena.show_experiment(experiment);
-  arena.take(standing(experiment));
+  arena.show_record(standing(experiment));
   arena.show();
   ASSERT_TRUE(QTest::qWaitForWindowExposed(&arena));
   const QSignalSpy refused(&arena, &ArenaView::refused), moved(&arena, &ArenaView::move_wanted);
@@ -118,13 +118,13 @@ TEST(ArenaScene, DrawsNoLineWhereAHandCarriedARobot) {
   for (const double x : {0.0, 0.002, 0.004, 0.3, 0.302}) {
     record.t += 0.04;
     record.robots[0].pose.x = x;
-    scene.take(record);
+    scene.show_record(record);
   }
   ASSERT_EQ(scene.trails[0].size(), 5u);
   EXPECT_TRUE(scene.trails[0][3].jump);
   EXPECT_FALSE(scene.trails[0][4].jump);
   record.t += 100.0;
-  scene.take(record);
+  scene.show_record(record);
   EXPECT_TRUE(scene.trails[0].size() <= 1) << "trails fade";
 }
 
@@ -158,9 +158,9 @@ TEST(RunHistory, IsBounded) {
 
 TEST(Modes, ShowTheGravest) {
   const Colours c = colours(palette(Theme::light));
-  EXPECT_EQ(look(app::lost | app::stopped | app::tracking, c).mode, app::lost);
-  EXPECT_EQ(look(app::avoiding | app::shielded | app::limited, c).mode, app::shielded);
-  EXPECT_TRUE(look(app::tracking, c).symbol.isEmpty());
+  EXPECT_EQ(mode_style(app::lost | app::stopped | app::tracking, c).mode, app::lost);
+  EXPECT_EQ(mode_style(app::avoiding | app::shielded | app::limited, c).mode, app::shielded);
+  EXPECT_TRUE(mode_style(app::tracking, c).symbol.isEmpty());
   EXPECT_EQ(mode_text(app::avoiding | app::limited), QStringLiteral("avoiding+limited"));
 }
 
@@ -173,7 +173,7 @@ TEST(RobotsModel, SaysWhatIsWrongWithALink) {
   links[2].link = app::LinkState::failed;
   links[2].reason = "no route to it";
   links[2].round_trip = 0.0123;
-  model.take(standing(experiment), {links});
+  model.show_record(standing(experiment), {links});
   const auto cell = [&](int column, int role) { return model.data(model.index(2, column), role); };
   EXPECT_EQ(cell(RobotsModel::link, Qt::DisplayRole).toString(), QStringLiteral("failed"));
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ToolTipRole).toString().contains(QStringLiteral("no route to it")));
@@ -190,7 +190,7 @@ TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
     for (double t = from; t < to; t += 0.04) {
       record.t = t;
       record.robots[1].mode = mode;
-      strip.take(record);
+      strip.show_record(record);
     }
     return strip.text();
   };
@@ -208,7 +208,7 @@ TEST(AlertStrip, SaysWhyARobotIsNotSeenAsLongAsItIsLost) {
     const auto take = [&](app::Event event) {
       record.events.clear();
       record.events.add(event);
-      strip.take(record);
+      strip.show_record(record);
       return strip.text();
     };
     const QString unexplained = take(app::events::Lost{1});
@@ -230,7 +230,7 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
     record.t = t;
     record.events.clear();
     if (event) record.events.add(*event);
-    strip.take(record);
+    strip.show_record(record);
     return strip.text();
   };
   strip.warn_unguarded(QStringLiteral("NO GUARD"));
@@ -256,6 +256,40 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   EXPECT_EQ(take(8.1, app::events::Lost{1}), QStringLiteral("STOPPED"));
   strip.clear_alert();
   EXPECT_EQ(strip.loud(), QString());
+}
+
+TEST(AlertStrip, TellsAnAlarmOnceAsLongAsItLasts) {
+  AlertStrip strip;
+  const QSignalSpy alarms(&strip, &AlertStrip::alarmed);
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(3);
+  const auto tick = [&](double t, std::optional<app::Event> event = {}) {
+    record.t = t;
+    record.events.clear();
+    if (event) record.events.add(*event);
+    strip.show_record(record);
+  };
+  strip.warn_unguarded(QStringLiteral("NO GUARD"));
+  tick(1.0, app::events::VRise{});
+  EXPECT_EQ(alarms.size(), 0) << "warnings are read";
+  tick(1.1, app::events::Lost{1});
+  tick(1.2);
+  tick(1.3);
+  ASSERT_EQ(alarms.size(), 1);
+  EXPECT_TRUE(alarms[0][0].toString().contains(QStringLiteral("LOST: robot 2")));
+  tick(2.0, app::events::Found{1});
+  tick(2.1, app::events::Lost{1});
+  EXPECT_EQ(alarms.size(), 2) << "the same robot, lost once more";
+  strip.warn_batteries({QStringLiteral("3")});
+  strip.warn_batteries({QStringLiteral("3")});
+  ASSERT_EQ(alarms.size(), 3);
+  EXPECT_TRUE(alarms[2][0].toString().contains(QStringLiteral("BATTERY LOW: robot 3")));
+  strip.warn_batteries({});
+  strip.hold(QStringLiteral("STOPPED"), Severity::alarm);
+  strip.hold(QStringLiteral("STOPPED"), Severity::alarm);
+  ASSERT_EQ(alarms.size(), 4);
+  EXPECT_EQ(alarms[3][0].toString(), QStringLiteral("STOPPED"));
 }
 
 }  // namespace

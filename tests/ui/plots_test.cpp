@@ -163,9 +163,10 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
   ASSERT_TRUE(eventually([&] { return view.axisRect(0)->graphs().last()->dataCount() > 10; }));
   const QRect first = view.axisRect(0)->rect();
   const auto read = [&](double t) {
-    const int x = static_cast<int>(view.axisRect(0)->axis(QCPAxis::atBottom)->coordToPixel(t));
-    // A pointer that the X server puts elsewhere meanwhile hides the tip: then the mouse comes back.
+    // A pointer that the X server puts elsewhere meanwhile hides the tip: then the mouse comes back. The numbers beside
+    // the axis may take more room in a next picture, which moves the time.
     EXPECT_TRUE(eventually([&] {
+      const int x = static_cast<int>(view.axisRect(0)->axis(QCPAxis::atBottom)->coordToPixel(t));
       QTest::mouseMove(&view, {x + 9, first.center().y()});
       QTest::mouseMove(&view, {x, first.center().y()});
       return !QToolTip::text().isEmpty();
@@ -188,6 +189,69 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
   emit robots->aboutToShow();
   robots->actions().at(3)->toggle();
   EXPECT_FALSE(read((*row)->t).contains(QStringLiteral("4: ")));
+}
+
+TEST_F(Plots, MeasureDifferencesFromAMark) {
+  start();
+  window.set_speed(20.0);
+  ASSERT_TRUE(eventually([&] { return record().t > 20.0; }));
+  QTest::mouseClick(find<QToolButton>("freeze_plots"), Qt::LeftButton);
+  PlotView& view = plots().view();
+  view.set_time(10.0, 20.0);
+  ASSERT_TRUE(eventually([&] { return view.axisRect(0)->graphs().last()->dataCount() > 10; }));
+  view.setFocus();
+  const auto press = [&](Qt::Key key, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    QTest::keyClick(&view, key, modifiers);
+    return view.accessibleDescription();
+  };
+  EXPECT_FALSE(press(Qt::Key_Left).contains(QStringLiteral("Δ"))) << "there is no mark yet";
+  EXPECT_TRUE(press(Qt::Key_D).contains(QStringLiteral("Δt = 0.00 s")));
+  ASSERT_TRUE(plots().mark());
+  const double from = *plots().mark();
+  // 10 s / 60 a step
+  QString text;
+  for (int step = 0; step < 12; ++step) text = press(Qt::Key_Left);
+  EXPECT_TRUE(text.contains(QStringLiteral("Δt = -2.00 s since the mark at %1 s").arg(from, 0, 'f', 2)))
+      << text.toStdString();
+  const double t = from - 2.0;
+  const std::size_t e_x = 0;
+  ASSERT_EQ(plots().rows()[e_x].name, QStringLiteral("e_x"));
+  const double difference = plots().history().value(e_x, t) - plots().history().value(e_x, from);
+  EXPECT_NE(difference, 0.0);
+  EXPECT_TRUE(text.contains(QStringLiteral("Δ %1").arg(difference, 0, 'g', 4))) << text.toStdString();
+  EXPECT_FALSE(press(Qt::Key_D, Qt::ShiftModifier).contains(QStringLiteral("Δ")));
+  EXPECT_FALSE(plots().mark());
+}
+
+TEST_F(Plots, KeepAHeightUntilTheyAreToFollowTheirCurves) {
+  start();
+  window.set_speed(20.0);
+  ASSERT_TRUE(eventually([&] { return record().t > 20.0; }));
+  PlotView& view = plots().view();
+  const QCPRange fitted = view.height_of(0);
+  const QPoint middle = view.axisRect(0)->rect().center();
+  const double value = view.value_at(0, middle);
+  QWheelEvent wheel(middle, view.mapToGlobal(QPointF(middle)), {}, {0, 120}, Qt::NoButton, Qt::ControlModifier,
+                    Qt::NoScrollPhase, false);
+  QApplication::sendEvent(&view, &wheel);
+  EXPECT_NEAR(view.height_of(0).size(), fitted.size() / PlotsPanel::zoom_step, 1e-9);
+  EXPECT_NEAR(view.value_at(0, middle), value, 1e-9) << "what is under the mouse stays there";
+  EXPECT_TRUE(plots().is_live()) << "the time runs on";
+  const QCPRange other = view.height_of(1);
+  const double t = record().t;
+  ASSERT_TRUE(eventually([&] { return record().t > t + 5.0; }));
+  EXPECT_NEAR(view.height_of(0).size(), fitted.size() / PlotsPanel::zoom_step, 1e-9);
+  EXPECT_GT(other.size(), 0.0);
+  // By keys, in the row of the cursor; a plot that is not drawn keeps nothing.
+  view.setFocus();
+  QTest::keyClick(&view, Qt::Key_Left);
+  QTest::keyClick(&view, Qt::Key_Y, Qt::ShiftModifier);
+  EXPECT_NEAR(view.height_of(0).size(), fitted.size(), 1e-9);
+  QTest::keyClick(&view, Qt::Key_A);
+  EXPECT_FALSE(view.holds_heights());
+  // Without end it ends: a height is never empty.
+  for (int k = 0; k < 4000; ++k) view.zoom_height(0, PlotsPanel::zoom_step);
+  EXPECT_GT(view.height_of(0).size(), 0.0);
 }
 
 TEST_F(Plots, AreSavedAsPictures) {
@@ -238,7 +302,7 @@ TEST_F(Plots, LeaveOutTheWayToTheStarts) {
   key(Qt::Key_Space);
   ASSERT_TRUE(eventually([&] { return stopped(); }));
   plots().show_experiment(*experiment);
-  for (const app::TickRecord& row : run.rows) plots().take(row);
+  for (const app::TickRecord& row : run.rows) plots().show_record(row);
   plots().set_span(0.0);
   EXPECT_EQ(plots().history().size(), 100u);
   EXPECT_LT(std::abs(plots().history().value(1, 0.0)), 0.02) << "e_x of robot 2 at its start";

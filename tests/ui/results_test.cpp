@@ -35,7 +35,7 @@ TEST_F(Results, AreThoseOfTheCommandLine) {
   RunResults results(experiment);
   for (const app::TickRecord& row : rows) {
     statistics.record(row);
-    results.take(row);
+    results.add_record(row);
   }
   const app::Statistics::Summary summary = statistics.summary();
   const std::vector<RunResults::Kick> kicks = results.kicks();
@@ -61,7 +61,7 @@ TEST_F(Results, TakeNoMoreMemoryTheLongerARunLasts) {
   const auto drive = [&](int from, int to) {  // [h]
     for (int k = from * 90'000; k < to * 90'000; ++k) {
       row.t = k / 25.0;
-      results.take(row);
+      results.add_record(row);
     }
     return static_cast<std::int64_t>(::mallinfo2().uordblks);
   };
@@ -79,7 +79,7 @@ TEST_F(Results, AHandThatCarriesARobotOnIsOneKickFromItsLastMoment) {
     row.min_distance = distance;
     row.events.clear();
     if (moved) row.events.add(app::events::Move{0, {0.1, 0.0, 0.0}});
-    results.take(row);
+    results.add_record(row);
   };
   take(1.00, 0.20, false);
   take(1.04, 0.30, true);
@@ -102,9 +102,9 @@ TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
   panel.resize(900, 300);
   panel.show();
   panel.show_experiment(experiment);
-  for (const app::TickRecord& row : rows) panel.take(row);
+  for (const app::TickRecord& row : rows) panel.show_record(row);
   auto beside_it = std::make_shared<RunResults>(uncoupled);
-  for (const app::TickRecord& row : others) beside_it->take(row);
+  for (const app::TickRecord& row : others) beside_it->add_record(row);
   panel.compare({{QStringLiteral("A"), QStringLiteral("uncoupled"), beside_it}});
   auto* table = panel.findChild<QTableWidget*>(QStringLiteral("result_table"));
   ASSERT_EQ(table->rowCount(), static_cast<int>(panel.results()->kicks().size()));

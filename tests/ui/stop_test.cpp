@@ -4,10 +4,13 @@
 #include <QLineEdit>
 #include <QMenu>
 #include <QMenuBar>
+#include <QSignalSpy>
 #include <QSlider>
 #include <QToolButton>
 
 #include "operator.h"
+#include "ui/status/alert_strip.h"
+#include "ui/status/alert_voice.h"
 
 namespace skein::ui::test {
 namespace {
@@ -49,6 +52,24 @@ TEST_F(Stop, ByTheMenu) {
   start();
   find<QAction>("stop_action")->trigger();
   expect_stopped();
+}
+
+TEST_F(Stop, IsSpokenWhereThatIsSwitchedOn) {
+  start();
+  auto* voice = window.findChild<AlertVoice*>(QStringLiteral("alert_voice"));
+  auto* speaks = find<QAction>("view_voice");
+  EXPECT_FALSE(speaks->isChecked()) << "nobody is startled who did not ask for it";
+  const QSignalSpy said(voice, &AlertVoice::said);
+  speaks->trigger();
+  window.stop();
+  expect_stopped();
+  ASSERT_GE(said.size(), 1);
+  EXPECT_TRUE(said.last()[0].toString().contains(QStringLiteral("STOPPED by operator")));
+  speaks->trigger();
+  const qsizetype before = said.size();
+  find<AlertStrip>("alert")->clear_alert();
+  find<AlertStrip>("alert")->hold(QStringLiteral("STOPPED once more"), Severity::alarm);
+  EXPECT_EQ(said.size(), before) << "it is switched off";
 }
 
 TEST_F(Stop, WithTheFocusInAnyWidgetThatTakesKeys) {

@@ -16,6 +16,28 @@ enum class ArenaTool {
   obstacle,  ///< drops obstacles
 };
 
+/// What sets the tools apart.
+struct ArenaToolKind {
+  bool grasps = false;          ///< what lies there: couplings as well; without it, keys move a cross
+  bool kicks = false;           ///< a drag out of a robot is a kick
+  bool measures = false;        ///< with a ruler, through robots and obstacles
+  bool sets_obstacles = false;  ///< before robots
+  bool aims = false;            ///< at a point of the floor
+};
+constexpr ArenaToolKind kind(ArenaTool tool) noexcept {
+  switch (tool) {
+    case ArenaTool::hand:
+      return {.grasps = true};
+    case ArenaTool::kick:
+      return {.kicks = true};
+    case ArenaTool::measure:
+      return {.measures = true, .aims = true};
+    case ArenaTool::obstacle:
+      return {.sets_obstacles = true, .aims = true};
+  }
+  return {};
+}
+
 /// Where the operator's gestures go; nothing of them changes the run but through these.
 struct ArenaRequests {
   std::function<void(int robot, const core::Pose&)> move;

@@ -111,24 +111,24 @@ void ArenaPainter::scale_bar(const QRectF& widget) {
 
 void ArenaPainter::legend(const QRectF& widget) {
   if (!scene_.record) return;
-  std::map<std::uint8_t, ModeLook> present;  // only what can be seen now needs words
+  std::map<std::uint8_t, ModeStyle> present;  // only what can be seen now needs words
   for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
-    const ModeLook mode_look = scene_.look_of(i, c_);
-    if (!mode_look.symbol.isEmpty()) present.emplace(mode_look.mode, mode_look);
+    const ModeStyle style = scene_.style_of(i, c_);
+    if (!style.symbol.isEmpty()) present.emplace(style.mode, style);
   }
   const QFontMetricsF metrics(p_.font());
   const QRectF inside = map_.sheet() & widget;
   double right = inside.right() - 20;
   const double middle = inside.bottom() - 18 - metrics.height() / 2;
-  for (const auto& [mode, mode_look] : present) {
-    const double width = metrics.horizontalAdvance(mode_look.name);
+  for (const auto& [mode, style] : present) {
+    const double width = metrics.horizontalAdvance(style.name);
     p_.setPen(Qt::NoPen);
     p_.setBrush(faded(c_.floor, 0.85));
     const QRectF card(right - width - 30, middle - metrics.height() / 2 - 4, width + 36, metrics.height() + 8);
     p_.drawRoundedRect(card, 4, 4);
     p_.setPen(c_.text);
-    p_.drawText(QPointF(right - width, middle + metrics.ascent() / 2 - 1), mode_look.name);
-    badge({right - width - 14, middle}, mode_look.symbol, mode_look.colour);
+    p_.drawText(QPointF(right - width, middle + metrics.ascent() / 2 - 1), style.name);
+    badge({right - width - 14, middle}, style.symbol, style.colour);
     right -= width + 46;
   }
 }

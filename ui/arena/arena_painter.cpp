@@ -238,12 +238,12 @@ void ArenaPainter::robots() {
       p_.drawEllipse(centre, radius + 6, radius + 6);
     }
     robot(*pose, i, mode & app::lost ? 0.35 : dragged ? 0.5 : 1.0);
-    const ModeLook mode_look = scene_.look_of(i, c_);
-    if (!mode_look.symbol.isEmpty()) {
+    const ModeStyle style = scene_.style_of(i, c_);
+    if (!style.symbol.isEmpty()) {
       p_.setBrush(Qt::NoBrush);
-      p_.setPen(cosmetic(mode_look.colour, 2.6));
+      p_.setPen(cosmetic(style.colour, 2.6));
       p_.drawEllipse(centre, radius + 2.2, radius + 2.2);
-      badge(centre + QPointF(0.8, -0.8) * (radius + 5), mode_look.symbol, mode_look.colour);
+      badge(centre + QPointF(0.8, -0.8) * (radius + 5), style.symbol, style.colour);
     }
   }
 }

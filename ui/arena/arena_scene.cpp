@@ -26,7 +26,7 @@ void ArenaScene::reset(const app::Experiment& of) {
   lines = app::make_reference(experiment)->lines();
 }
 
-void ArenaScene::take(const app::TickRecord& newest) {
+void ArenaScene::show_record(const app::TickRecord& newest) {
   const bool jumped = record && newest.t < record->t;
   record = newest;
   for (const app::Event& event : newest.events)
@@ -60,9 +60,9 @@ bool ArenaScene::is_out_of_group(std::size_t i) const {
   return robot.is(app::lost) || (record->phase == app::Phase::running && robot.is(app::stopped));
 }
 
-ModeLook ArenaScene::look_of(std::size_t i, const Colours& colours) const {
+ModeStyle ArenaScene::style_of(std::size_t i, const Colours& colours) const {
   const bool unknown = std::find(may_be_driving.begin(), may_be_driving.end(), i) != may_be_driving.end();
-  return unknown ? may_be_driving_look(colours) : look(record->robots[i].mode, colours);
+  return unknown ? may_be_driving_style(colours) : mode_style(record->robots[i].mode, colours);
 }
 
 QPointF ArenaScene::cross_at() const {

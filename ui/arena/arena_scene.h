@@ -37,7 +37,7 @@ struct ArenaScene {
   std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
 
   std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
-  /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their borders.
+  /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their limits.
   std::vector<double> couplings;
 
   std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
@@ -84,7 +84,7 @@ struct ArenaScene {
   QString hint;  ///< at the bottom: what can be done here
 
   void reset(const app::Experiment& of);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
 
   /// Where robot i is: the truth where there is one, else the pose that the law used. Empty: never seen.
   std::optional<core::Pose> pose(std::size_t i) const;
@@ -103,7 +103,7 @@ struct ArenaScene {
   /// Robot i is not coupled to anybody now: it is lost, or it was made to stand while the others drive.
   bool is_out_of_group(std::size_t i) const;
   /// How robot i looks now.
-  ModeLook look_of(std::size_t i, const Colours& colours) const;
+  ModeStyle style_of(std::size_t i, const Colours& colours) const;
   void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }
 };
 

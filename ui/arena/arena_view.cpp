@@ -8,6 +8,7 @@
 #include <QWheelEvent>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ui/arena/arena_painter.h"
 #include "ui/base/told.h"
@@ -18,6 +19,12 @@ namespace {
 constexpr double zoom_step = 1.2;
 constexpr double notch = 120.0;       // of a mouse wheel, in Qt's unit
 constexpr qint64 same_turn_ms = 400;  // the wheel keeps to a robot that drives away from under the pointer
+
+/// Keys 1 to 9 mean the robots 0 to 8.
+std::optional<int> robot_of(const QKeyEvent& key) {
+  if (key.key() < Qt::Key_1 || key.key() > Qt::Key_9) return {};
+  return key.key() - Qt::Key_1;
+}
 
 }  // namespace
 
@@ -47,7 +54,7 @@ void ArenaView::set_camera(ArenaMap::Camera camera) {
   choose_sheet();
 }
 
-void ArenaView::take(const app::Picture& picture) {
+void ArenaView::set_picture(const app::Picture& picture) {
   const bool first = scene_.picture.isNull();
   scene_.picture =
       QImage(picture.grey.data(), picture.width, picture.height, picture.width, QImage::Format_Grayscale8).copy();
@@ -127,7 +134,7 @@ void ArenaView::show_grid(bool on) {
 
 void ArenaView::set_tool(ArenaTool tool) {
   end_gesture();
-  if (tool != ArenaTool::measure) scene_.ruler.reset();
+  if (!kind(tool).measures) scene_.ruler.reset();
   scene_.cross.reset();
   tool_ = tool;
 }
@@ -188,16 +195,16 @@ void ArenaView::resizeEvent(QResizeEvent*) {
 
 std::unique_ptr<ArenaGesture> ArenaView::begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global) {
   const QPointF floor = map_.to_floor(screen);
-  if (tool_ == ArenaTool::measure) return measure(scene_, floor);
+  if (kind(tool_).measures) return measure(scene_, floor);
   const int robot = robot_under(screen), obstacle = obstacle_under(screen);
-  const bool takes_obstacle = obstacle >= 0 && (robot < 0 || tool_ == ArenaTool::obstacle);
+  const bool takes_obstacle = obstacle >= 0 && (robot < 0 || kind(tool_).sets_obstacles);
   scene_.selected_obstacle = takes_obstacle ? obstacle : -1;
   if (takes_obstacle) return drag_obstacle(scene_, obstacle, floor);
-  if (tool_ == ArenaTool::obstacle) return drop_obstacle(scene_, floor);
+  if (kind(tool_).sets_obstacles) return drop_obstacle(scene_, floor);
   select(robot);
   if (robot >= 0) {
     if (!may_take(robot, global)) return nullptr;
-    const bool kicks = tool_ == ArenaTool::kick || modifiers & Qt::ShiftModifier;
+    const bool kicks = kind(tool_).kicks || modifiers & Qt::ShiftModifier;
     return kicks ? kick_robot(scene_, robot) : drag_robot(scene_, robot, floor);
   }
   if (const auto pair = coupling_under(screen)) emit coupling_clicked((*pair)[0], (*pair)[1]);
@@ -215,7 +222,7 @@ void ArenaView::mousePressEvent(QMouseEvent* event) {
   pressed_ = event->position().toPoint();
   moving_ = false;
   gesture_ = begin_gesture(event->position(), event->modifiers(), event->globalPosition().toPoint());
-  if (gesture_ && tool_ == ArenaTool::hand) setCursor(Qt::ClosedHandCursor);
+  if (gesture_ && kind(tool_).grasps) setCursor(Qt::ClosedHandCursor);
   update();
 }
 
@@ -236,10 +243,10 @@ void ArenaView::mouseMoveEvent(QMouseEvent* event) {
 
 void ArenaView::hover(QPointF screen) {
   const int robot = robot_under(screen);
-  const auto coupling = robot < 0 && tool_ == ArenaTool::hand && obstacle_under(screen) < 0
+  const auto coupling = robot < 0 && kind(tool_).grasps && obstacle_under(screen) < 0
                             ? coupling_under(screen)
                             : std::optional<std::array<int, 2>>();
-  if (tool_ == ArenaTool::measure || tool_ == ArenaTool::obstacle)
+  if (kind(tool_).aims)
     setCursor(Qt::CrossCursor);
   else if (robot >= 0)
     setCursor(movable(robot) ? Qt::OpenHandCursor : Qt::ForbiddenCursor);
@@ -271,7 +278,7 @@ ArenaRequests ArenaView::requests() {
 }
 
 void ArenaView::mouseDoubleClickEvent(QMouseEvent* event) {
-  if (event->button() == Qt::LeftButton && tool_ == ArenaTool::hand && robot_under(event->position()) < 0 &&
+  if (event->button() == Qt::LeftButton && kind(tool_).grasps && robot_under(event->position()) < 0 &&
       obstacle_under(event->position()) < 0)
     fit();
   else
@@ -300,10 +307,9 @@ void ArenaView::keyPressEvent(QKeyEvent* event) {
     map_.pan(QPointF(-step.x(), step.y()) / way * pan);
     return update();
   }
-  if (tool_ != ArenaTool::hand && point(*event, step)) return update();
-  if (event->key() >= Qt::Key_1 && event->key() <= Qt::Key_9) {
-    const int asked = event->key() - Qt::Key_1;
-    if (asked < robots) select(asked);
+  if (!kind(tool_).grasps && point(*event, step)) return update();
+  if (const auto asked = robot_of(*event)) {
+    if (*asked < robots) select(*asked);
     return;
   }
   if (event->key() == Qt::Key_N && robots > 0)
@@ -319,11 +325,10 @@ void ArenaView::keyPressEvent(QKeyEvent* event) {
 
 /// A tool without a mouse: false if the key is none of its.
 bool ArenaView::point(const QKeyEvent& event, QPointF step) {
-  if (event.key() >= Qt::Key_1 && event.key() <= Qt::Key_9) {
-    const int asked = event.key() - Qt::Key_1;
-    if (asked >= static_cast<int>(scene_.experiment.robots.size())) return true;
-    select(asked);
-    scene_.cross = {scene_.cross_at(), asked};
+  if (const auto asked = robot_of(event)) {
+    if (*asked >= static_cast<int>(scene_.experiment.robots.size())) return true;
+    select(*asked);
+    scene_.cross = {scene_.cross_at(), *asked};
     move_cross({});
     return true;
   }
@@ -361,7 +366,7 @@ void ArenaView::press_at_cross() {
   move_cross({});
   const QPointF floor = scene_.cross_at();
   gesture_ = begin_gesture(map_.to_screen(floor), Qt::NoModifier, {});
-  if (gesture_ && tool_ == ArenaTool::kick) gesture_->move(floor);
+  if (gesture_ && kind(tool_).kicks) gesture_->move(floor);
 }
 
 /// The selected obstacle by keys: false if the key is none for it, or none is selected.

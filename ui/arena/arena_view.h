@@ -24,8 +24,8 @@ class ArenaView final : public QWidget {
   void show_experiment(const app::Experiment& experiment);
   /// Where floor points stand in the camera's picture; none: there is no camera.
   void set_camera(ArenaMap::Camera camera);
-  void take(const app::TickRecord& record) { scene_.take(record); }
-  void take(const app::Picture& picture);
+  void show_record(const app::TickRecord& record) { scene_.show_record(record); }
+  void set_picture(const app::Picture& picture);
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
   void set_others(std::vector<OtherRun> others);             ///< drawn pale
   void set_banner(const QString& text, bool alarms);

@@ -6,7 +6,7 @@
 
 namespace skein::ui {
 
-ModeLook look(std::uint8_t mode, const Colours& c) {
+ModeStyle mode_style(std::uint8_t mode, const Colours& c) {
   if (mode & app::lost) return {app::lost, QStringLiteral("?"), tr("lost"), c.alarm};
   if (mode & app::late) return {app::late, QStringLiteral("…"), tr("late"), c.limited};
   if (mode & app::stopped) return {app::stopped, QStringLiteral("■"), tr("stopped"), c.standing};
@@ -17,7 +17,7 @@ ModeLook look(std::uint8_t mode, const Colours& c) {
   return {app::tracking, {}, tr("tracking"), c.good};
 }
 
-ModeLook may_be_driving_look(const Colours& c) {
+ModeStyle may_be_driving_style(const Colours& c) {
   return {0, QStringLiteral("!"), tr("may be driving"), c.alarm};
 }
 
@@ -74,12 +74,14 @@ Severity severity(const app::Event& event) {
   using app::one_of;
   return std::visit(
       app::Overloaded{
-          [](const one_of<Stop, Lost, Outside, CameraMoved> auto&) { return Severity::alarm; },
+          [](const one_of<Stop, Lost, Outside, CameraMoved, CamerasDisagree, CameraLost> auto&) {
+            return Severity::alarm;
+          },
           [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link,
                           app::events::NotSeen, FilmBroken, NoWay, NoProgress, Controller, NoNumber> auto&) {
             return Severity::warning;
           },
-          [](const one_of<Found> auto&) { return Severity::good; },
+          [](const one_of<Found, CameraFound> auto&) { return Severity::good; },
           [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Couple, Uncouple, Schedule,
                           Pause, Resume> auto&) { return Severity::notice; },
           [](const one_of<app::events::Stage, Staged, Deadlock, Avoid, Clear> auto&) { return Severity::note; },

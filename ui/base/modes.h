@@ -11,7 +11,7 @@
 namespace skein::ui {
 
 /// How a mode looks: never by colour alone.
-struct ModeLook {
+struct ModeStyle {
   std::uint8_t mode;
   QString symbol;  ///< one character; empty: nothing out of the ordinary
   QString name;
@@ -19,9 +19,9 @@ struct ModeLook {
 };
 
 /// The gravest of a robot's modes.
-ModeLook look(std::uint8_t mode, const Colours& colours);
+ModeStyle mode_style(std::uint8_t mode, const Colours& colours);
 /// How a robot looks that was told to stand and has not acknowledged it: whatever its mode says, it may be driving.
-ModeLook may_be_driving_look(const Colours& colours);
+ModeStyle may_be_driving_style(const Colours& colours);
 /// All that apply, joined by "+".
 QString mode_text(std::uint8_t mode);
 

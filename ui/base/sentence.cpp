@@ -88,6 +88,18 @@ QString sentence(const app::Event& event) {
                 .arg(e.tags)
                 .arg(1000.0 * e.by, 0, 'f', 0);
           },
+          [&](const CamerasDisagree& e) {
+            return tr("Cameras %1 and %2 see robot %3 %4 mm apart: one of them has moved. Poses are wrong until it is "
+                      "calibrated again")
+                .arg(e.camera + 1)
+                .arg(e.other + 1)
+                .arg(e.robot + 1)
+                .arg(1000.0 * e.by, 0, 'f', 0);
+          },
+          [&](const CameraLost& e) {
+            return tr("Camera %1 is lost: robots that no other camera sees stand").arg(e.camera + 1);
+          },
+          [&](const CameraFound& e) { return tr("Camera %1 delivers frames again").arg(e.camera + 1); },
           [&](const app::events::NotSeen& e) {
             return tr("The camera does not see robot %1: %2").arg(e.robot + 1).arg(reason_text(e.why));
           },

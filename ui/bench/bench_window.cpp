@@ -114,7 +114,7 @@ class PastRun final : public app::RecordSink {
   void record(const app::TickRecord& record) override {
     row_ = record;
     row_.t -= duration_;
-    plots_.take(row_);
+    plots_.show_record(row_);
   }
 
  private:

@@ -247,7 +247,7 @@ void CalibrationDialog::refuse(const QString& why) {
 
 void CalibrationDialog::refresh() {
   if (!calibration_) return;
-  if (app::Picture picture; calibration_->picture(picture)) picture_->take(picture);
+  if (app::Picture picture; calibration_->picture(picture)) picture_->set_picture(picture);
   const app::CalibrationProgress progress = calibration_->progress();
   picture_->show_progress(progress);
   views_.show(progress.views);

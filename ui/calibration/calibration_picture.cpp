@@ -40,7 +40,7 @@ CalibrationPicture::CalibrationPicture(QWidget* parent) : QWidget(parent) {
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Expanding);
 }
 
-void CalibrationPicture::take(const app::Picture& picture) {
+void CalibrationPicture::set_picture(const app::Picture& picture) {
   picture_ = QImage(picture.width, picture.height, QImage::Format_Grayscale8);
   for (int row = 0; row < picture.height; ++row)
     std::memcpy(picture_.scanLine(row), picture.grey.data() + static_cast<std::ptrdiff_t>(row) * picture.width,

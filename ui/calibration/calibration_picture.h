@@ -13,7 +13,7 @@ class CalibrationPicture final : public QWidget {
 
  public:
   explicit CalibrationPicture(QWidget* parent = nullptr);
-  void take(const app::Picture& picture);
+  void set_picture(const app::Picture& picture);
   void show_progress(const app::CalibrationProgress& progress);
   QSize sizeHint() const override { return {560, 420}; }
   QSize minimumSizeHint() const override { return {320, 240}; }

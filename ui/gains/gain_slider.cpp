@@ -17,7 +17,7 @@ namespace {
 
 constexpr int settle_ms = 120;
 constexpr int taken_ms = 1000;  // the session has taken a wish by then, and says where the gain goes
-constexpr double room_beyond_border = 1.25;
+constexpr double room_beyond_limit = 1.25;
 
 struct Words {
   const char *symbol, *unit, *role, *what;
@@ -44,7 +44,7 @@ Words words(core::GainName gain) {
   return {"", "", "", ""};
 }
 
-/// What makes room beyond the border.
+/// What makes room beyond the limit.
 const char* way_on(core::GainName gain) {
   switch (gain) {
     case core::GainName::k_tt:
@@ -68,25 +68,25 @@ QString number(double value) {
 
 }  // namespace
 
-BorderSlider::BorderSlider(QWidget* parent) : QSlider(Qt::Horizontal, parent) {
+LimitSlider::LimitSlider(QWidget* parent) : QSlider(Qt::Horizontal, parent) {
   setRange(0, steps);
   setPageStep(steps / 20);
   setSingleStep(steps / 100);
 }
 
-void BorderSlider::set_marks(double border, double border_now, double now) {
-  if (border == border_ && border_now == border_now_ && now == now_) return;
-  border_ = border;
-  border_now_ = border_now;
+void LimitSlider::set_marks(double limit, double limit_now, double now) {
+  if (limit == limit_ && limit_now == limit_now_ && now == now_) return;
+  limit_ = limit;
+  limit_now_ = limit_now;
   now_ = now;
   update();
 }
 
-QSize BorderSlider::sizeHint() const {
+QSize LimitSlider::sizeHint() const {
   return {120, 26};
 }
 
-void BorderSlider::paintEvent(QPaintEvent*) {
+void LimitSlider::paintEvent(QPaintEvent*) {
   QPainter p(this);
   p.setRenderHint(QPainter::Antialiasing);
   const Colours c = colours(palette());
@@ -101,21 +101,21 @@ void BorderSlider::paintEvent(QPaintEvent*) {
   QColor forbidden = c.alarm;
   forbidden.setAlphaF(0.25F);
   p.setBrush(forbidden);
-  p.drawRoundedRect(QRectF(QPointF(x(border_), track.top()), track.bottomRight()), 3, 3);
+  p.drawRoundedRect(QRectF(QPointF(x(limit_), track.top()), track.bottomRight()), 3, 3);
   forbidden.setAlphaF(0.6F);
   p.setBrush(forbidden);
-  p.drawRoundedRect(QRectF(QPointF(x(border_now_), track.top()), track.bottomRight()), 3, 3);
+  p.drawRoundedRect(QRectF(QPointF(x(limit_now_), track.top()), track.bottomRight()), 3, 3);
   p.setBrush(isEnabled() ? c.accent : c.faint_text);
   p.drawRoundedRect(QRectF(track.topLeft(), QPointF(x(now_), track.bottom())), 3, 3);  // what holds now
   p.setPen(QPen(c.alarm, 2));
-  p.drawLine(QPointF(x(border_), track.top() - 5), QPointF(x(border_), track.bottom() + 5));
+  p.drawLine(QPointF(x(limit_), track.top() - 5), QPointF(x(limit_), track.bottom() + 5));
 
   p.setPen(QPen(hasFocus() ? c.accent : c.axis, hasFocus() ? 2.0 : 1.2));
   p.setBrush(c.dark ? c.panel.lighter(240) : QColor(Qt::white));
   p.drawEllipse(QPointF(x(static_cast<double>(value()) / steps), track.center().y()), knob - 1, knob - 1);
 }
 
-void BorderSlider::wheelEvent(QWheelEvent* event) {
+void LimitSlider::wheelEvent(QWheelEvent* event) {
   // Scrolling past must not change a gain of driving robots.
   if (hasFocus())
     QSlider::wheelEvent(event);
@@ -126,10 +126,10 @@ void BorderSlider::wheelEvent(QWheelEvent* event) {
 GainSlider::GainSlider(core::GainName gain, QWidget* parent)
     : QWidget(parent),
       gain_(gain),
-      slider_(new BorderSlider(this)),
+      slider_(new LimitSlider(this)),
       spin_(new NumberField(this)),
       now_text_(new QLabel(this)),
-      border_text_(new QLabel(this)) {
+      limit_text_(new QLabel(this)) {
   const Words w = words(gain);
   const QString name = QString::fromLatin1(core::word(gain).data());
   auto* symbol = new QLabel(QString::fromUtf8(w.symbol), this);
@@ -150,7 +150,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   spin_->setSuffix(QStringLiteral(" ") + QString::fromLatin1(w.unit));
   spin_->setAlignment(Qt::AlignRight);
   now_text_->setObjectName(QStringLiteral("now_") + name);
-  border_text_->setObjectName(QStringLiteral("border_") + name);
+  limit_text_->setObjectName(QStringLiteral("limit_") + name);
   auto* role = new QLabel(tr(w.role), this);
   role->setToolTip(tr(w.what));
 
@@ -163,7 +163,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   layout->addWidget(spin_, 0, 2);
   layout->addWidget(slider_, 1, 0, 1, 3);
   layout->addWidget(now_text_, 2, 0, 1, 2);
-  layout->addWidget(border_text_, 2, 2, Qt::AlignRight);
+  layout->addWidget(limit_text_, 2, 2, Qt::AlignRight);
   layout->setColumnStretch(1, 1);
 
   rest_.setSingleShot(true);
@@ -172,7 +172,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
     asked_.start();
     emit wanted(gain_, spin_->value());
   });
-  connect(slider_, &QSlider::valueChanged, this, [this](int step) { choose(top_ * step / BorderSlider::steps); });
+  connect(slider_, &QSlider::valueChanged, this, [this](int step) { choose(top_ * step / LimitSlider::steps); });
   connect(slider_, &QSlider::sliderReleased, this, [this] {
     if (rest_.isActive()) rest_.start(0);
   });
@@ -180,7 +180,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
 }
 
 int GainSlider::step_of(double value) const {
-  return static_cast<int>(std::lround(std::clamp(value / top_, 0.0, 1.0) * BorderSlider::steps));
+  return static_cast<int>(std::lround(std::clamp(value / top_, 0.0, 1.0) * LimitSlider::steps));
 }
 
 void GainSlider::choose(double value) {
@@ -195,10 +195,10 @@ void GainSlider::choose(double value) {
   rest_.start();
 }
 
-void GainSlider::reset(double value, double border) {
+void GainSlider::reset(double value, double limit) {
   rest_.stop();
-  border_ = border_now_ = border;
-  set_range(std::max(border, value) * room_beyond_border);
+  limit_ = limit_now_ = limit;
+  set_range(std::max(limit, value) * room_beyond_limit);
   now_ = value;
   set_target(value);
   show_text();
@@ -214,11 +214,11 @@ void GainSlider::set_range(double top) {
   slider_->setValue(step_of(value));
 }
 
-void GainSlider::set_border(double border, double border_now) {
-  if (border == border_ && border_now == border_now_) return;
-  border_ = border;
-  border_now_ = border_now;
-  if (border > top_ && !slider_->isSliderDown()) set_range(border * room_beyond_border);
+void GainSlider::set_limit(double limit, double limit_now) {
+  if (limit == limit_ && limit_now == limit_now_) return;
+  limit_ = limit;
+  limit_now_ = limit_now;
+  if (limit > top_ && !slider_->isSliderDown()) set_range(limit * room_beyond_limit);
   show_text();
 }
 
@@ -244,16 +244,16 @@ void GainSlider::set_target(double value) {
 }
 
 void GainSlider::show_text() {
-  slider_->set_marks(border_ / top_, border_now_ / top_, now_ / top_);
+  slider_->set_marks(limit_ / top_, limit_now_ / top_, now_ / top_);
   const bool on_its_way = std::abs(now_ - spin_->value()) > 0.5e-4;
   now_text_->setText(on_its_way ? tr("now %1 …").arg(number(now_)) : tr("now %1").arg(number(now_)));
-  border_text_->setText(tr("border %1").arg(number(border_)));
-  for (QLabel* text : {now_text_, border_text_})  // alone, they do not name the gain
+  limit_text_->setText(tr("limit %1").arg(number(limit_)));
+  for (QLabel* text : {now_text_, limit_text_})  // alone, they do not name the gain
     text->setAccessibleName(gain_symbol(gain_) + QLatin1Char(' ') + text->text());
-  border_text_->setToolTip(tr("The largest value that (18f) and (18g) leave over the whole reference. At this moment "
-                              "they would leave %1: the reference needs less here than elsewhere.")
-                               .arg(number(border_now_)) +
-                           QLatin1Char(' ') + tr(way_on(gain_)));
+  limit_text_->setToolTip(tr("The largest value that (18f) and (18g) leave over the whole reference. At this moment "
+                             "they would leave %1: the reference needs less here than elsewhere.")
+                              .arg(number(limit_now_)) +
+                          QLatin1Char(' ') + tr(way_on(gain_)));
 }
 
 }  // namespace skein::ui

@@ -13,15 +13,15 @@ namespace skein::ui {
 
 /// A slider whose track shows how far a gain may go: beyond the first mark lies what (18) forbids somewhere along the
 /// reference, beyond the second what it forbids now.
-class BorderSlider final : public QSlider {
+class LimitSlider final : public QSlider {
   Q_OBJECT
 
  public:
   static constexpr int steps = 1000;
 
-  explicit BorderSlider(QWidget* parent = nullptr);
-  /// As shares of the track, 0 to 1: the border over the whole reference, the border now, the gain now.
-  void set_marks(double border, double border_now, double now);
+  explicit LimitSlider(QWidget* parent = nullptr);
+  /// As shares of the track, 0 to 1: the limit over the whole reference, the limit now, the gain now.
+  void set_marks(double limit, double limit_now, double now);
   QSize sizeHint() const override;
 
  protected:
@@ -29,10 +29,10 @@ class BorderSlider final : public QSlider {
   void wheelEvent(QWheelEvent*) override;
 
  private:
-  double border_ = 1.0, border_now_ = 1.0, now_ = 0.0;
+  double limit_ = 1.0, limit_now_ = 1.0, now_ = 0.0;
 };
 
-/// One coupling gain: what is asked for, what it is now, and where its border lies.
+/// One coupling gain: what is asked for, what it is now, and where its limit lies.
 class GainSlider final : public QWidget {
   Q_OBJECT
 
@@ -40,8 +40,8 @@ class GainSlider final : public QWidget {
   GainSlider(core::GainName gain, QWidget* parent = nullptr);
 
   /// A new experiment: the value of its file.
-  void reset(double value, double border);
-  void set_border(double border, double border_now);
+  void reset(double value, double limit);
+  void set_limit(double limit, double limit_now);
   void set_now(double value);  ///< what governs the robots now, on its way to the target
   /// What the gain is on its way to, whoever has asked for it. What the operator is about to ask for is left alone: a
   /// number that is being typed, a knob that is held, a wish that the session cannot have taken yet.
@@ -60,12 +60,12 @@ class GainSlider final : public QWidget {
   void show_text();
 
   core::GainName gain_;
-  BorderSlider* slider_;
+  LimitSlider* slider_;
   NumberField* spin_;
-  QLabel *now_text_, *border_text_;
+  QLabel *now_text_, *limit_text_;
   QTimer rest_;          // a drag along the slider is one wish, made when the hand rests
   QElapsedTimer asked_;  // since the last wish; invalid: the session has had time to take it
-  double top_ = 1.0, border_ = 0.0, border_now_ = 0.0, now_ = 0.0;
+  double top_ = 1.0, limit_ = 0.0, limit_now_ = 0.0, now_ = 0.0;
 };
 
 }  // namespace skein::ui

@@ -152,12 +152,12 @@ GainsPanel::GainsPanel(QWidget* parent)
           [this](const QString& changes) { emit experiment_wanted(QStringLiteral("gain_change=") + changes); });
 }
 
-void GainsPanel::show_experiment(const app::Experiment& experiment, const Border& border) {
+void GainsPanel::show_experiment(const app::Experiment& experiment, const GainValue& limit) {
   experiment_ = experiment;
   undo_.clear();
   for (const core::GainName gain : core::gain_names) {
     const double value = core::table(experiment.controller.gains, gain).largest();
-    slider(gain)->reset(value, border(gain));
+    slider(gain)->reset(value, limit(gain));
     targets_[static_cast<std::size_t>(gain)] = value;
   }
   setEnabled(experiment.robots.size() > 1);  // one robot alone has nobody to couple to
@@ -167,11 +167,11 @@ void GainsPanel::show_experiment(const app::Experiment& experiment, const Border
   schedule_->show_experiment(experiment);
 }
 
-void GainsPanel::take(const app::TickRecord& record) {
+void GainsPanel::show_record(const app::TickRecord& record) {
   slider(core::GainName::k_xx)->set_now(record.k_xx);
   slider(core::GainName::k_tt)->set_now(record.k_tt);
   slider(core::GainName::k_yy)->set_now(record.k_yy);
-  // The file's own changes and what was held at the border come back as events; both say where the gain goes now.
+  // The file's own changes and what was held at the limit come back as events; both say where the gain goes now.
   const auto goes_to = [this](core::GainName gain, double target) {
     if (gain > core::gain_names.back()) return;  // slopes and weights have no slider
     slider(gain)->set_target(target);
@@ -182,14 +182,14 @@ void GainsPanel::take(const app::TickRecord& record) {
     if (const auto* const due = std::get_if<app::events::Schedule>(&event)) goes_to(due->gain, due->to);
     if (const auto* const held = std::get_if<app::events::GainHeld>(&event)) goes_to(held->gain, held->held);
   }
-  margins_->take(record);
+  margins_->show_record(record);
 }
 
-void GainsPanel::set_borders(const Border& over_all, const Border& now) {
-  for (const core::GainName gain : core::gain_names) slider(gain)->set_border(over_all(gain), now(gain));
+void GainsPanel::set_limits(const GainValue& over_all, const GainValue& now) {
+  for (const core::GainName gain : core::gain_names) slider(gain)->set_limit(over_all(gain), now(gain));
 }
 
-void GainsPanel::follow_targets(const Border& target) {
+void GainsPanel::follow_targets(const GainValue& target) {
   for (const core::GainName gain : core::gain_names) {
     const double value = target(gain);
     slider(gain)->follow_target(value);
@@ -252,7 +252,7 @@ void GainsPanel::refresh_pairs() {
 
 void GainsPanel::use(const GainPreset& preset) {
   undo_.beginMacro(preset.name);
-  // Down first: what one of them gives back, another may need below the common border of (18g).
+  // Down first: what one of them gives back, another may need below the common limit of (18g).
   for (const bool down : {true, false})
     for (const core::GainName gain : core::gain_names) {
       const double value = preset.values[static_cast<std::size_t>(gain)];

@@ -26,14 +26,14 @@ class GainsPanel final : public QWidget {
   Q_OBJECT
 
  public:
-  using Border = std::function<double(core::GainName)>;
+  using GainValue = std::function<double(core::GainName)>;
 
   explicit GainsPanel(QWidget* parent = nullptr);
-  void show_experiment(const app::Experiment& experiment, const Border& border);
-  void take(const app::TickRecord& record);
-  void set_borders(const Border& over_all, const Border& now);
+  void show_experiment(const app::Experiment& experiment, const GainValue& limit);
+  void show_record(const app::TickRecord& record);
+  void set_limits(const GainValue& over_all, const GainValue& now);
   /// Where each gain is going: the sliders show nothing else for long.
-  void follow_targets(const Border& target);
+  void follow_targets(const GainValue& target);
   /// How much delay from camera to wheels the loops bear, in words, beside what was measured; `short_`: not enough.
   void show_delay_margin(const QString& text, bool short_ = false);
   /// How the pairs are asked for: now and whenever one of them is changed.

@@ -34,7 +34,7 @@ void MarginBars::show_experiment(const app::Experiment& experiment) {
   update();
 }
 
-void MarginBars::take(const app::TickRecord& record) {
+void MarginBars::show_record(const app::TickRecord& record) {
   constexpr double rounding = 1e-9;
   forward_.clear();
   turning_.clear();

@@ -17,7 +17,7 @@ class MarginBars final : public QWidget {
  public:
   explicit MarginBars(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
   QSize sizeHint() const override;
   QSize minimumSizeHint() const override { return sizeHint(); }
 

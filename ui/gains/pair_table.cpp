@@ -87,7 +87,7 @@ QVariant PairModel::data(const QModelIndex& index, int role) const {
           .arg(i + 1)
           .arg(j + 1)
           .arg(pair.coupled ? QString::number(pair.target, 'g', 4) : tr("switched off"))
-          .arg(pair.border, 0, 'g', 4);
+          .arg(pair.limit, 0, 'g', 4);
     case Qt::AccessibleTextRole:
       return tr("Robots %1 and %2: %3").arg(i + 1).arg(j + 1).arg(data(index, Qt::DisplayRole).toString());
     default:

@@ -20,7 +20,7 @@ class PairModel final : public QAbstractTableModel {
 
  public:
   struct Pair {
-    double target = 0.0, border = 0.0;
+    double target = 0.0, limit = 0.0;
     bool coupled = true;
     friend bool operator==(const Pair&, const Pair&) = default;
   };

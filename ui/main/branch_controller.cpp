@@ -14,7 +14,7 @@ constexpr double fastest = 50.0;  // times real time
 
 BranchController::BranchController(Runs& runs, const Messages& messages, QObject* parent)
     : QObject(parent), runs_(runs), messages_(messages) {
-  connect(&runs_.live(), &LiveRun::record_shown, this, &BranchController::take);
+  connect(&runs_.live(), &LiveRun::record_shown, this, &BranchController::show_record);
 }
 
 void BranchController::build_menu(QMenu* run) {
@@ -51,7 +51,7 @@ void BranchController::go_on_from_here() {
   (void)runs_.live().set_speed(fastest);  // no session is open yet: it is kept for the one that comes
 }
 
-void BranchController::take(const app::TickRecord& record) {
+void BranchController::show_record(const app::TickRecord& record) {
   if (!pause_at_ || !record.events.contains<app::events::Pause>()) return;
   messages_.tell(runs_.live().set_speed(speed_));
   messages_.say(tr("Repeated up to %1 s. Change what you like; F5 goes on").arg(*pause_at_, 0, 'f', 2), Severity::note);

@@ -23,7 +23,7 @@ class BranchController final : public QObject {
   void experiment_wanted(const skein::app::Experiment& experiment);
 
  private:
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
 
   Runs& runs_;
   const Messages& messages_;

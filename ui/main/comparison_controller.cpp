@@ -127,7 +127,7 @@ void ComparisonController::add(ReplayRun::Recording recording) {
                                   [&](const Run& run) { return run.recording->file == recording->file; });
   if (same > 0) name += QStringLiteral(" (%1)").arg(same + 1);
   auto results = std::make_shared<RunResults>(recording->experiment);
-  for (const app::TickRecord& row : recording->rows) results->take(row);
+  for (const app::TickRecord& row : recording->rows) results->add_record(row);
   others_.push_back({std::move(recording), name, std::move(results)});
   looked_.invalidate();
   show();

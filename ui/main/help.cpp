@@ -40,7 +40,10 @@ QString shortcuts_text() {
          row.arg(tr("Wheel, drag"), tr("Zoom and move along the time; the run goes on")) +
          row.arg(tr("Arrows"), tr("Read values along the time, and from plot to plot")) +
          row.arg(tr("+, −, Page Up, Page Down"), tr("Zoom and move along the time")) +
-         row.arg(tr("Double click, Home"), tr("Back to live")) + row.arg(tr("Right click"), tr("Save as PDF or PNG")) +
+         row.arg(tr("Double click, Home"), tr("Back to live")) +
+         row.arg(tr("Right click"), tr("Save, measure, heights")) +
+         row.arg(tr("D, Shift+D"), tr("Measure differences from the cursor's time on; no longer")) +
+         row.arg(tr("Ctrl+wheel, Y, Shift+Y, A"), tr("A plot's height; all follow their curves again")) +
          section(tr("Files and window")) +
          row.arg(QStringLiteral("Ctrl+O"), tr("Open an experiment or a recorded run; or drop the file here")) +
          row.arg(tr("Ctrl+E, Ctrl+Shift+E, Ctrl+Alt+E"), tr("Edit it; with present gains; as this run was done")) +

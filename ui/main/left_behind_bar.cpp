@@ -10,7 +10,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int look_ms = 1000;  // a guard may be stopping the same robots, and may have done by now
+constexpr int refresh_ms = 1000;  // a guard may be stopping the same robots, and may have done by now
 
 }  // namespace
 
@@ -31,17 +31,17 @@ LeftBehindBar::LeftBehindBar(QWidget* parent)
   layout->addWidget(text_, 1);
   layout->addWidget(stop_);
   connect(stop_, &QPushButton::clicked, this, &LeftBehindBar::stop);
-  connect(&timer_, &QTimer::timeout, this, &LeftBehindBar::look);
-  timer_.start(look_ms);
+  connect(&timer_, &QTimer::timeout, this, &LeftBehindBar::refresh);
+  timer_.start(refresh_ms);
   hide();
-  QTimer::singleShot(0, this, &LeftBehindBar::look);  // once it is part of a window
+  QTimer::singleShot(0, this, &LeftBehindBar::refresh);  // once it is part of a window
 }
 
 LeftBehindBar::~LeftBehindBar() {
   if (stopping_.valid()) stopping_.wait();
 }
 
-void LeftBehindBar::look() {
+void LeftBehindBar::refresh() {
   if (stopping_.valid()) {
     if (stopping_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     failed_ = !stopping_.get();

@@ -22,7 +22,7 @@ class LeftBehindBar final : public QFrame {
   void stopped();  ///< all of them are known to stand
 
  private:
-  void look();
+  void refresh();
   void stop();
 
   QLabel* text_;

@@ -43,6 +43,7 @@
 #include "ui/robots/robot_buttons.h"
 #include "ui/robots/robots_panel.h"
 #include "ui/status/alert_strip.h"
+#include "ui/status/alert_voice.h"
 #include "ui/status/check_list.h"
 #include "ui/status/event_log.h"
 #include "ui/status/run_bar.h"
@@ -115,6 +116,8 @@ void MainWindow::build_panels() {
   log_ = new EventPanel;
   results_ = new ResultPanel;
   alert_ = new AlertStrip;
+  voice_ = new AlertVoice(this);
+  connect(alert_, &AlertStrip::alarmed, voice_, &AlertVoice::say);
   check_list_ = new CheckList;
   check_list_->hide();
   pace_ = new QLabel;
@@ -344,6 +347,12 @@ void MainWindow::build_view_menu(QMenu* view) {
   add_toggle(view, tr("&Full screen"), QStringLiteral("view_full_screen"), [this](bool on) {
     on ? showFullScreen() : showNormal();
   })->setShortcut(QKeySequence(tr("F11")));
+  voice_action_ =
+      add_toggle(view, tr("Speak a&larms"), QStringLiteral("view_voice"), [this](bool on) { voice_->set_on(on); });
+  voice_action_->setToolTip(
+      AlertVoice::can_speak() ? tr("Says stops, lost tags and links and low batteries aloud")
+                              : tr("Beeps at stops, lost tags and links and low batteries: this machine has no speech "
+                                   "engine (Debian: qt6-speech-speechd-plugin and speech-dispatcher)"));
   QMenu* go = view->addMenu(tr("Go t&o"));
   const auto place = [&](const QString& text, const char* name, int number, const std::function<void()>& slot) {
     add(go, text, QLatin1String(name), QKeySequence(QStringLiteral("Ctrl+%1").arg(number)), slot);
@@ -421,14 +430,14 @@ void MainWindow::connect_session() {
   connect(&runs_, &Runs::shown_changed, this, &MainWindow::show_run);
   connect(&runs_, &Runs::session_ends, this, &MainWindow::let_go_of_session);
   connect(&runs_, &Runs::changed, this, &MainWindow::show_state);
-  connect(&runs_, &Runs::row_added, plots_, &PlotsPanel::take);
-  connect(&runs_, &Runs::row_added, log_, &EventPanel::take);
-  connect(&runs_, &Runs::row_added, results_, &ResultPanel::take);
+  connect(&runs_, &Runs::row_added, plots_, &PlotsPanel::show_record);
+  connect(&runs_, &Runs::row_added, log_, &EventPanel::show_record);
+  connect(&runs_, &Runs::row_added, results_, &ResultPanel::show_record);
   connect(&runs_, &Runs::record_shown, this, [this](const app::TickRecord& record) {
-    arena_->take(record);
-    run_bar_->take(record);
-    gains_->take(record);
-    alert_->take(record);
+    arena_->show_record(record);
+    run_bar_->show_record(record);
+    gains_->show_record(record);
+    alert_->show_record(record);
   });
 
   const LiveRun* live = &runs_.live();
@@ -494,7 +503,7 @@ void MainWindow::show_run() {
   run_bar_->show_experiment(experiment);
   run_bar_->time_line()->set_scrubbable(run.is_complete(), run.rows());
   arena_->show_experiment(experiment);
-  gains_->show_experiment(experiment, [&run](core::GainName gain) { return run.gain_border(gain); });
+  gains_->show_experiment(experiment, [&run](core::GainName gain) { return run.gain_limit(gain); });
   plots_->show_experiment(experiment);
   if (run.is_complete()) plots_->set_span(0.0);
   results_->show_experiment(experiment);
@@ -509,7 +518,7 @@ void MainWindow::show_run() {
 
 void MainWindow::on_opened() {
   const LiveRun& live = runs_.live();
-  gains_->show_experiment(live.experiment(), [&live](core::GainName gain) { return live.gain_border(gain); });
+  gains_->show_experiment(live.experiment(), [&live](core::GainName gain) { return live.gain_limit(gain); });
   if (const auto why = live.unguarded()) {  // nothing would stop the robots should this program be killed
     const QString text = tr("NO GUARD: if this program is killed, nothing stops the robots (%1)").arg(*why);
     log_->note(0.0, text, Severity::warning);
@@ -534,7 +543,7 @@ void MainWindow::on_frame() {
   for (const QString& sentence : runs_.live().alarms()) log_->note(0.0, sentence, Severity::alarm);
   calibration_->refresh();
   app::Picture picture;
-  if (arena_->shows_picture() && runs_.live().picture(picture)) arena_->take(picture);
+  if (arena_->shows_picture() && runs_.live().picture(picture)) arena_->set_picture(picture);
   arena_->refresh();
   alert_->refresh();
   const Colours c = colours(palette());
@@ -583,7 +592,12 @@ void MainWindow::show_state() {
   show_numbers();
   if (!run.latest()) return;
   arena_->set_may_be_driving(run.may_be_driving());
-  robots_->robots().take(*run.latest(), {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
+  robots_->robots().show_record(*run.latest(), {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
+  QStringList low;
+  const auto& robots = run.robots();
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    if (robots[i].battery_low) low << QString::number(i + 1);
+  alert_->warn_batteries(over ? QStringList() : low);
   pairs_->refresh();
 }
 
@@ -799,6 +813,7 @@ void MainWindow::restore_settings() {
   }
   plots_->show_plots(stored.value(QStringLiteral("plots")).toStringList());
   arena_actions_->restore(stored);
+  voice_action_->setChecked(stored.value(QStringLiteral("speak_alarms")).toBool());
 }
 
 void MainWindow::store_settings() {
@@ -811,6 +826,7 @@ void MainWindow::store_settings() {
   stored.setValue(QStringLiteral("layout"), saveState(layout_version));
   stored.setValue(QStringLiteral("plots"), plots_->shown());
   arena_actions_->store(stored);
+  stored.setValue(QStringLiteral("speak_alarms"), voice_->is_on());
 }
 
 }  // namespace skein::ui

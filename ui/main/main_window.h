@@ -16,6 +16,7 @@ class QMenuBar;
 namespace skein::ui {
 
 class AlertStrip;
+class AlertVoice;
 class ArenaActions;
 class ArenaView;
 class BranchController;
@@ -138,7 +139,8 @@ class MainWindow final : public QMainWindow {
   CheckList* check_list_;
   QLabel* pace_;
   QDockWidget *gains_dock_, *plots_dock_, *robots_dock_, *log_dock_, *results_dock_;
-  QAction *dark_, *go_action_, *new_run_action_, *save_csv_action_;
+  AlertVoice* voice_;
+  QAction *dark_, *voice_action_, *go_action_, *new_run_action_, *save_csv_action_;
 
   std::unique_ptr<Messages> messages_;
   ArenaActions* arena_actions_;

@@ -24,7 +24,7 @@ PairController::PairController(Runs& runs, const Messages& messages, GainsPanel*
     : QObject(parent), runs_(runs), gains_(gains), arena_(arena) {
   gains_->set_pairs([this](core::GainName gain, std::size_t i, std::size_t j) {
     const RunSource& run = runs_.shown();
-    return PairModel::Pair{run.gain_target(gain, i, j), run.gain_border(gain, i, j), run.coupled(i, j)};
+    return PairModel::Pair{run.gain_target(gain, i, j), run.gain_limit(gain, i, j), run.coupled(i, j)};
   });
   connect(gains_, &GainsPanel::wanted, this, [this, &messages](core::GainName gain, double value) {
     messages.tell(runs_.shown().set_gain(gain, value, gains_->ramp()));
@@ -43,8 +43,8 @@ PairController::PairController(Runs& runs, const Messages& messages, GainsPanel*
 
 void PairController::refresh() {
   const RunSource& run = runs_.shown();
-  gains_->set_borders([&run](core::GainName gain) { return run.gain_border(gain); },
-                      [&run](core::GainName gain) { return run.gain_border_now(gain); });
+  gains_->set_limits([&run](core::GainName gain) { return run.gain_limit(gain); },
+                     [&run](core::GainName gain) { return run.gain_limit_now(gain); });
   gains_->follow_targets([&run](core::GainName gain) { return largest_target(run, gain); });
   gains_->refresh_pairs();
   show_couplings();
@@ -54,14 +54,14 @@ void PairController::refresh() {
 void PairController::show_couplings() {
   const RunSource& run = runs_.shown();
   const std::size_t n = run.experiment().robots.size();
-  std::array<double, 3> borders{};
-  for (const core::GainName gain : core::gain_names) borders[static_cast<std::size_t>(gain)] = run.gain_border(gain);
+  std::array<double, 3> limits{};
+  for (const core::GainName gain : core::gain_names) limits[static_cast<std::size_t>(gain)] = run.gain_limit(gain);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       double shares = 0.0;
       for (const core::GainName gain : core::gain_names)
-        if (const double border = borders[static_cast<std::size_t>(gain)]; border > 0.0)
-          shares += run.gain(gain, i, j) / border;
+        if (const double limit = limits[static_cast<std::size_t>(gain)]; limit > 0.0)
+          shares += run.gain(gain, i, j) / limit;
       arena_->set_coupling(i, j, shares / core::gain_names.size());
     }
 }

@@ -36,13 +36,51 @@ auto known(Value value) {
 }  // namespace
 
 std::optional<std::pair<std::size_t, std::size_t>> robots_of(PlotRow::Of of, std::size_t curve, std::size_t robots) {
-  if (of == PlotRow::Of::robot) return std::pair(curve, curve);
-  if (of == PlotRow::Of::pair) return std::pair(curve, curve + 1);
-  if (of != PlotRow::Of::couple) return std::nullopt;
-  std::size_t i = 0;
-  for (; i + 1 < robots && curve >= robots - 1 - i; ++i) curve -= robots - 1 - i;
-  return std::pair(i, i + 1 + curve);
+  switch (of) {
+    case PlotRow::Of::robot:
+      return std::pair(curve, curve);
+    case PlotRow::Of::pair:
+      return std::pair(curve, curve + 1);
+    case PlotRow::Of::couple: {
+      std::size_t i = 0;
+      for (; i + 1 < robots && curve >= robots - 1 - i; ++i) curve -= robots - 1 - i;
+      return std::pair(i, i + 1 + curve);
+    }
+    case PlotRow::Of::stage:
+    case PlotRow::Of::group:
+      return std::nullopt;
+  }
+  return std::nullopt;
 }
+
+namespace {
+
+std::vector<QString> curve_names(PlotRow::Of of, std::size_t n) {
+  const auto names = [](std::size_t i, std::size_t j) { return QStringLiteral("%1,%2").arg(i + 1).arg(j + 1); };
+  std::vector<QString> curves;
+  switch (of) {
+    case PlotRow::Of::robot:
+      for (std::size_t i = 0; i < n; ++i) curves.push_back(QString::number(i + 1));
+      break;
+    case PlotRow::Of::pair:
+      for (std::size_t i = 0; i + 1 < n; ++i) curves.push_back(names(i, i + 1));
+      break;
+    case PlotRow::Of::couple:
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) curves.push_back(names(i, j));
+      break;
+    case PlotRow::Of::stage:
+      for (const char* stage : {"capture", "dequeue", "detect", "hand over", "estimate", "law", "write", "answer"})
+        curves.push_back(tr(stage));
+      break;
+    case PlotRow::Of::group:
+      curves.emplace_back();
+      break;
+  }
+  return curves;
+}
+
+}  // namespace
 
 std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
   using Of = PlotRow::Of;
@@ -217,17 +255,7 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
   std::size_t next = 0;
   for (PlotRow& row : rows) {
     row.first = next;
-    if (row.of == Of::robot)
-      for (std::size_t i = 0; i < n; ++i) row.curves.push_back(QString::number(i + 1));
-    if (row.of == Of::pair)
-      for (std::size_t i = 0; i + 1 < n; ++i) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(i + 2));
-    if (row.of == Of::couple)
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = i + 1; j < n; ++j) row.curves.push_back(QStringLiteral("%1,%2").arg(i + 1).arg(j + 1));
-    if (row.of == Of::stage)
-      for (const char* stage : {"capture", "dequeue", "detect", "hand over", "estimate", "law", "write", "answer"})
-        row.curves.push_back(tr(stage));
-    if (row.of == Of::group) row.curves.push_back(QString());
+    row.curves = curve_names(row.of, n);
     next += row.curves.size();
   }
   return rows;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ui/base/compared.h"
 #include "ui/base/told.h"
@@ -12,6 +13,24 @@ namespace {
 
 constexpr std::size_t most_named = 8;   // curves that a legend has room for: of more the pointer tells the names
 constexpr std::size_t times_every = 6;  // plots
+
+struct Legend {
+  int columns = 8;
+  bool first_robot_only = false;  // of many pairs there is no room for the second number
+};
+Legend legend_of(const PlotRow& row) {
+  switch (row.of) {
+    case PlotRow::Of::robot:
+    case PlotRow::Of::couple:
+    case PlotRow::Of::group:
+      return {};
+    case PlotRow::Of::pair:
+      return {.first_robot_only = row.curves.size() >= 6};
+    case PlotRow::Of::stage:
+      return {.columns = 3};
+  }
+  return {};
+}
 
 /// So many names a line, for the right end of a plot's head.
 QCPLegend* compact_legend(int columns) {
@@ -32,9 +51,10 @@ PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
   setObjectName(QStringLiteral("plot"));
   tell(this, QAccessible::Chart);
   setAccessibleName(tr("Plots over time"));
-  setAccessibleDescription(
-      tr("Arrow keys move a cursor along the time and from plot to plot, and its values are read; plus and minus zoom, "
-         "Page Up and Page Down go back and on, Home goes back to live."));
+  setAccessibleDescription(tr(
+      "Arrow keys move a cursor along the time and from plot to plot, and its values are read; plus and minus zoom, "
+      "Page Up and Page Down go back and on, Home goes back to live. D marks a time to measure differences from, Y and "
+      "Shift+Y change a plot's height, A lets all plots follow their curves again."));
   setFocusPolicy(Qt::StrongFocus);
   setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
   setMouseTracking(true);
@@ -58,17 +78,28 @@ void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>
   delete sides_;
   sides_ = new QCPMarginGroup(this);
   rows_ = all;
+  heights_.resize(rows_.size());
   robots_.resize(robots, true);
   const auto last = std::find(shown.rbegin(), shown.rend(), true);
   bool robots_named = false, couples_named = false;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     if (!shown[row]) continue;
-    using Of = PlotRow::Of;
-    const Of of = rows_[row].of;
-    const bool first = (of == Of::couple && !couples_named) || (of == Of::robot && !robots_named);
-    const bool names_curves = (of == Of::pair || of == Of::stage || first) && rows_[row].curves.size() <= most_named;
-    robots_named = robots_named || of == Of::robot;
-    couples_named = couples_named || of == Of::couple;
+    bool names_curves = false;  // robots and couples only once: the colours are the same in all plots
+    switch (rows_[row].of) {
+      case PlotRow::Of::robot:
+        names_curves = !std::exchange(robots_named, true);
+        break;
+      case PlotRow::Of::couple:
+        names_curves = !std::exchange(couples_named, true);
+        break;
+      case PlotRow::Of::pair:
+      case PlotRow::Of::stage:
+        names_curves = true;
+        break;
+      case PlotRow::Of::group:
+        break;
+    }
+    names_curves = names_curves && rows_[row].curves.size() <= most_named;
     // The times stand below the last plot, and, where one has to scroll to it, here and there on the way.
     const bool last_one = row + 1 == static_cast<std::size_t>(shown.rend() - last);
     add_row(row, last_one, last_one || shown_.size() % times_every == times_every - 1, names_curves);
@@ -97,7 +128,7 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
   head->addElement(0, 0, s.title);
   head->addElement(0, 1, new QCPLayoutElement(this));  // takes up what is left between title and legend
   head->setColumnStretchFactor(1, 1000);
-  if (names_curves) head->addElement(0, 2, s.legend = compact_legend(spec.of == PlotRow::Of::stage ? 3 : 8));
+  if (names_curves) head->addElement(0, 2, s.legend = compact_legend(legend_of(spec).columns));
   plotLayout()->addElement(place + 1, 0, s.rect);
   plotLayout()->setRowStretchFactor(place, 0.001);
   s.rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides_);
@@ -125,9 +156,7 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
     s.graphs.push_back(graph());
     if (!names_curves) continue;
-    // Of many pairs the legend has room for the first robot's number only.
-    const bool few = spec.of != PlotRow::Of::pair || spec.curves.size() < 6;
-    s.graphs[c]->setName(few ? spec.curves[c] : QString::number(c + 1));
+    s.graphs[c]->setName(legend_of(spec).first_robot_only ? QString::number(c + 1) : spec.curves[c]);
     s.graphs[c]->addToLegend(s.legend);
   }
   if (spec.band > 0.0) s.band = band(s.rect, spec.band);
@@ -139,7 +168,7 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
     at->point2->setCoords(1.0, limit);
     s.limits.push_back(at);
   }
-  for (QCPItemStraightLine** made : {&s.cursor, &s.playhead}) {
+  for (QCPItemStraightLine** made : {&s.cursor, &s.playhead, &s.mark}) {
     *made = line(s.rect, QStringLiteral("cursor"));
     (*made)->point1->setTypeY(QCPItemPosition::ptAxisRectRatio);
     (*made)->point2->setTypeY(QCPItemPosition::ptAxisRectRatio);
@@ -248,32 +277,68 @@ void PlotView::fit(Shown& shown, const PlotHistory& history, const std::vector<c
   const double room = row.from_zero ? 0.0 : 0.3 * step;
   low = std::floor((low - room) / step) * step;
   high = std::ceil((high + 0.3 * step) / step) * step;
-  shown.rect->axis(QCPAxis::atLeft)->setRange(low, high);
+  shown.rect->axis(QCPAxis::atLeft)->setRange(heights_[shown.row].value_or(QCPRange(low, high)));
+}
+
+void PlotView::place(QCPItemStraightLine* Shown::*line, std::optional<double> t) {
+  for (Shown& s : shown_) {
+    (s.*line)->setVisible(t.has_value());
+    (s.*line)->point1->setCoords(t.value_or(0.0), 0.0);
+    (s.*line)->point2->setCoords(t.value_or(0.0), 1.0);
+  }
+  layer(QStringLiteral("cursor"))->replot();
 }
 
 void PlotView::set_cursor(std::optional<double> t) {
-  for (Shown& s : shown_) {
-    s.cursor->setVisible(t.has_value());
-    s.cursor->point1->setCoords(t.value_or(0.0), 0.0);
-    s.cursor->point2->setCoords(t.value_or(0.0), 1.0);
-  }
-  layer(QStringLiteral("cursor"))->replot();
+  place(&Shown::cursor, t);
 }
 
 void PlotView::set_playhead(std::optional<double> t) {
-  for (Shown& s : shown_) {
-    s.playhead->setVisible(t.has_value());
-    s.playhead->point1->setCoords(t.value_or(0.0), 0.0);
-    s.playhead->point2->setCoords(t.value_or(0.0), 1.0);
-  }
-  layer(QStringLiteral("cursor"))->replot();
+  place(&Shown::playhead, t);
+}
+
+void PlotView::set_mark(std::optional<double> t) {
+  place(&Shown::mark, t);
+}
+
+const PlotView::Shown* PlotView::find(std::size_t row) const {
+  const auto found = std::find_if(shown_.begin(), shown_.end(), [row](const Shown& s) { return s.row == row; });
+  return found == shown_.end() ? nullptr : &*found;
+}
+
+void PlotView::zoom_height(std::size_t row, double times, std::optional<double> value) {
+  const Shown* const s = find(row);
+  if (!s) return;
+  const QCPRange now = height_of(row);
+  const double about = value.value_or(now.center());
+  const QCPRange asked(about - (about - now.lower) / times, about + (now.upper - about) / times);
+  if (!QCPRange::validRange(asked)) return;  // nothing is that small
+  heights_[row] = asked;
+  s->rect->axis(QCPAxis::atLeft)->setRange(asked);
+}
+
+void PlotView::fit_heights() {
+  heights_.assign(rows_.size(), std::nullopt);
+}
+
+QCPRange PlotView::height_of(std::size_t row) const {
+  const Shown* const s = find(row);
+  return s ? s->rect->axis(QCPAxis::atLeft)->range() : QCPRange();
+}
+
+bool PlotView::holds_heights() const {
+  return std::any_of(heights_.begin(), heights_.end(), [](const auto& held) { return held.has_value(); });
+}
+
+double PlotView::value_at(std::size_t row, const QPoint& where) const {
+  const Shown* const s = find(row);
+  return s ? s->rect->axis(QCPAxis::atLeft)->pixelToCoord(where.y()) : 0.0;
 }
 
 QPoint PlotView::place_of(std::size_t row, double t) const {
-  for (const Shown& s : shown_)
-    if (s.row == row)
-      return {static_cast<int>(s.rect->axis(QCPAxis::atBottom)->coordToPixel(t)), s.rect->rect().center().y()};
-  return rect().center();
+  const Shown* const s = find(row);
+  if (!s) return rect().center();
+  return {static_cast<int>(s->rect->axis(QCPAxis::atBottom)->coordToPixel(t)), s->rect->rect().center().y()};
 }
 
 int PlotView::row_at(const QPoint& where) const {
@@ -328,6 +393,7 @@ void PlotView::style() {
     }
     s.cursor->setPen(QPen(c.faint_text, 1));
     s.playhead->setPen(QPen(c.accent, 2));
+    s.mark->setPen(QPen(c.text, 1, Qt::DashDotLine));
     if (!s.legend) continue;
     s.legend->setFont(text);
     s.legend->setTextColor(c.text);
@@ -342,10 +408,26 @@ void PlotView::style_curves() {
     const PlotRow& row = rows_[s.row];
     for (std::size_t i = 0; i < row.curves.size(); ++i) {
       const auto of = robots_of(row.of, i, robots_.size());
-      const bool single = row.of == PlotRow::Of::group;
-      QColor colour = single ? colours_.text : row.of == PlotRow::Of::pair ? colours_.pair(i) : colours_.robot(i);
-      constexpr std::size_t hues = 7;  // then they come round again, dashed
-      const auto style = row.of == PlotRow::Of::couple && i >= hues ? Qt::DashLine : Qt::SolidLine;
+      QColor colour;
+      auto style = Qt::SolidLine;
+      switch (row.of) {
+        case PlotRow::Of::robot:
+        case PlotRow::Of::stage:
+          colour = colours_.robot(i);
+          break;
+        case PlotRow::Of::pair:
+          colour = colours_.pair(i);
+          break;
+        case PlotRow::Of::couple: {
+          constexpr std::size_t hues = 7;  // then they come round again, dashed
+          colour = colours_.robot(i);
+          if (i >= hues) style = Qt::DashLine;
+          break;
+        }
+        case PlotRow::Of::group:
+          colour = colours_.text;
+          break;
+      }
       const bool crowd = row.curves.size() > most_named;  // thin lines without smooth edges cost a fifth
       double width = crowd ? 1.0 : 1.5;
       const auto chosen = static_cast<std::size_t>(selected_);

@@ -38,12 +38,20 @@ class PlotView final : public QCustomPlot {
                     const QRect& within = {});
 
   EventMarkers& markers() { return markers_; }
-  /// A line through all plots; none: no line.
+  /// A line through all plots; none: no line. From the mark, values at the cursor are measured.
   void set_cursor(std::optional<double> t);
   void set_playhead(std::optional<double> t);
+  void set_mark(std::optional<double> t);
+  /// Makes the height of a row (of all) so many times smaller, about `value` or, without one, about its middle. It then
+  /// stays as it is until `fit_heights`, which lets all rows follow their curves again.
+  void zoom_height(std::size_t row, double times, std::optional<double> value = {});
+  void fit_heights();
+  QCPRange height_of(std::size_t row) const;  ///< of a row (of all) that is shown
+  bool holds_heights() const;                 ///< whether a row's height stays as it is
   /// The row (of all) at this height; -1: between two.
   int row_at(const QPoint& where) const;
   double time_at(const QPoint& where) const;
+  double value_at(std::size_t row, const QPoint& where) const;
   /// Where a row (of all) is at this time; the middle of the widget if it is not shown.
   QPoint place_of(std::size_t row, double t) const;
 
@@ -60,11 +68,13 @@ class PlotView final : public QCustomPlot {
     std::vector<std::vector<QCPGraph*>> others;  // of every compared run
     std::vector<QCPItemStraightLine*> limits;
     QCPItemRect* band;  // or none
-    QCPItemStraightLine *cursor, *playhead;
+    QCPItemStraightLine *cursor, *playhead, *mark;
   };
   void add_row(std::size_t row, bool last, bool has_times, bool names_curves);
   QCPItemRect* band(QCPAxisRect* rect, double half);
   QCPItemStraightLine* line(QCPAxisRect* rect, const QString& layer);
+  void place(QCPItemStraightLine* Shown::*line, std::optional<double> t);
+  const Shown* find(std::size_t row) const;
   void style();
   void style_curves();
   bool drawn(const PlotRow& row, std::size_t curve) const;
@@ -74,6 +84,7 @@ class PlotView final : public QCustomPlot {
   std::vector<PlotRow> rows_;
   std::vector<Shown> shown_;
   std::vector<bool> robots_;
+  std::vector<std::optional<QCPRange>> heights_;  // of all rows: those that do not follow their curves
   std::vector<PlotHistory::Point> points_;
   EventMarkers markers_;
   Colours colours_;

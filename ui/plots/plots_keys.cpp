@@ -11,10 +11,9 @@ namespace skein::ui {
 
 bool PlotsPanel::take_key(int key, bool fine) {
   if (rows_.empty()) return false;
-  constexpr double zoom = 1.25;
   const QCPRange seen = view_->time();
   const double step = seen.size() / (fine ? 600.0 : 60.0);
-  const auto look = [&](double from, double to) {
+  const auto show_span = [&](double from, double to) {
     leave_live();
     view_->set_time(from, to);
     if (cursor_) move_cursor(*cursor_);
@@ -38,14 +37,25 @@ bool PlotsPanel::take_key(int key, bool fine) {
       return true;
     }
     case Qt::Key_Plus:
-      return look(at - (at - seen.lower) / zoom, at + (seen.upper - at) / zoom);
+      return show_span(at - (at - seen.lower) / zoom_step, at + (seen.upper - at) / zoom_step);
     case Qt::Key_Minus:
-      return look(at - (at - seen.lower) * zoom, at + (seen.upper - at) * zoom);
+      return show_span(at - (at - seen.lower) * zoom_step, at + (seen.upper - at) * zoom_step);
     case Qt::Key_PageUp:
     case Qt::Key_PageDown: {
       const double by = (key == Qt::Key_PageUp ? -0.5 : 0.5) * seen.size();
-      return look(seen.lower + by, seen.upper + by);
+      return show_span(seen.lower + by, seen.upper + by);
     }
+    case Qt::Key_Y:
+      if (!cursor_) move_cursor(at);
+      zoom_height(cursor_row_, fine ? 1.0 / zoom_step : zoom_step);
+      return true;
+    case Qt::Key_A:
+      fit_heights();
+      return true;
+    case Qt::Key_D:
+      set_mark(fine ? std::nullopt : std::optional(at));
+      move_cursor(at);
+      return true;
     case Qt::Key_Home:
       go_live();
       return true;

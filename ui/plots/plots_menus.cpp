@@ -111,6 +111,10 @@ void PlotsPanel::context_menu(const QPoint& where) {
   menu->addAction(tr("Save the visible part …"), this, [this] { emit save_wanted(false); });
   menu->addAction(tr("Save everything …"), this, [this] { emit save_wanted(true); });
   menu->addAction(tr("Back to live"), this, &PlotsPanel::go_live)->setEnabled(!live_);
+  menu->addSeparator();
+  menu->addAction(tr("Measure from here"), this, [this, t = view_->time_at(where)] { set_mark(t); });
+  menu->addAction(tr("Remove the mark"), this, [this] { set_mark({}); })->setEnabled(mark_.has_value());
+  menu->addAction(tr("Fit all heights"), this, &PlotsPanel::fit_heights)->setEnabled(view_->holds_heights());
   menu->popup(view_->mapToGlobal(where));
 }
 

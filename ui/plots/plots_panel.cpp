@@ -18,7 +18,8 @@
 namespace skein::ui {
 namespace {
 
-constexpr int replot_ms = 60;  // at most some 16 pictures a second
+constexpr double notch = 120.0;  // of a mouse wheel, in Qt's unit
+constexpr int replot_ms = 60;    // at most some 16 pictures a second
 constexpr std::size_t most_bytes =
     64'000'000;  // of curves: an hour of four robots at 25 Hz; with all else below 200 MB
 
@@ -78,12 +79,14 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   history_ = PlotHistory(curves, most_samples(curves));
   others_.clear();
   playhead_.reset();
+  mark_.reset();
   robots_.assign(experiment.robots.size(), true);
   t_ = 0.0;
   selected_ = -1;
   cursor_.reset();
   cursor_row_ = 0;
   view_->markers().clear();
+  view_->fit_heights();
   view_->select(-1);
   rebuild();
   go_live();
@@ -96,6 +99,7 @@ void PlotsPanel::rebuild() {
   view_->set_rows(rows_, shown_, robots_.size(), others_.size());
   view_->show_robots(robots_);
   if (playhead_) view_->set_playhead(playhead_);
+  if (mark_) view_->set_mark(mark_);
   refresh();
 }
 
@@ -117,7 +121,7 @@ void PlotsPanel::show_all_plots() {
   show_plots(names);
 }
 
-void PlotsPanel::take(const app::TickRecord& record) {
+void PlotsPanel::show_record(const app::TickRecord& record) {
   if (!is_sample(record)) return;
   note_events(record);
   const bool new_time = record.t > t_ || history_.empty();
@@ -142,6 +146,21 @@ void PlotsPanel::set_playhead(std::optional<double> t) {
   if (!t && !playhead_) return;
   playhead_ = t;
   view_->set_playhead(t);
+}
+
+void PlotsPanel::set_mark(std::optional<double> t) {
+  mark_ = t;
+  view_->set_mark(t);
+}
+
+void PlotsPanel::zoom_height(std::size_t row, double times, std::optional<double> value) {
+  view_->zoom_height(row, times, value);
+  refresh();
+}
+
+void PlotsPanel::fit_heights() {
+  view_->fit_heights();
+  refresh();
 }
 
 void PlotsPanel::compare(const std::vector<Compared>& runs) {
@@ -246,11 +265,14 @@ QString PlotsPanel::values_at(const QPoint& where) const {
 QString PlotsPanel::values_of(std::size_t row, double t, const QString& events) const {
   const PlotRow& spec = rows_[row];
   QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
+  if (mark_) lines << tr("Δt = %1 s since the mark at %2 s").arg(t - *mark_, 0, 'f', 2).arg(*mark_, 0, 'f', 2);
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
     if (const auto of = robots_of(spec.of, c, robots_.size()); of && !(robots_[of->first] && robots_[of->second]))
       continue;
     const double value = history_.value(spec.first + c, t);
     QString text = std::isnan(value) ? tr("–") : QStringLiteral("%1 %2").arg(value, 0, 'g', 4).arg(spec.unit);
+    if (const double since = mark_ ? value - history_.value(spec.first + c, *mark_) : app::none; !std::isnan(since))
+      text += tr(", Δ %1").arg(since, 0, 'g', 4);
     for (std::size_t k = 0; k < others_.size(); ++k)
       if (const double other = others_[k].value(spec.first + c, t); !std::isnan(other))
         text += QStringLiteral(" (%1: %2)").arg(compared_letter(k)).arg(other, 0, 'g', 4);
@@ -271,6 +293,15 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
       const bool over = view_->row_at(where) >= 0;
       view_->set_cursor(over ? std::optional(view_->time_at(where)) : std::nullopt);
       QToolTip::showText(move->globalPosition().toPoint(), values_at(where), view_);
+    }
+  }
+  if (event->type() == QEvent::Wheel) {
+    const auto* wheel = static_cast<QWheelEvent*>(event);
+    const QPoint where = wheel->position().toPoint();
+    if (const int row = view_->row_at(where); row >= 0 && wheel->modifiers() & Qt::ControlModifier) {
+      const auto of = static_cast<std::size_t>(row);
+      zoom_height(of, std::pow(zoom_step, wheel->angleDelta().y() / notch), view_->value_at(of, where));
+      return true;
     }
   }
   if (event->type() == QEvent::KeyPress) {

@@ -32,11 +32,12 @@ class PlotsPanel final : public QWidget {
   Q_OBJECT
 
  public:
+  static constexpr double zoom_step = 1.25;  ///< of a key, or of a notch of the wheel
   explicit PlotsPanel(QWidget* parent = nullptr);
   ~PlotsPanel() override;
 
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
   /// A line marks where a replay is.
   void set_playhead(std::optional<double> t);  ///< none: no line
   /// Another run behind this one.
@@ -47,6 +48,11 @@ class PlotsPanel final : public QWidget {
   };
   /// Draws other runs paler behind this one, each with a line of its own; none: only this one.
   void compare(const std::vector<Compared>& runs);
+  /// From this time on, values at the mouse and the cursor are told with their difference as well; none: no longer.
+  void set_mark(std::optional<double> t);
+  std::optional<double> mark() const { return mark_; }
+  /// All plots follow their curves again, in height.
+  void fit_heights();
   ComparisonBar& comparison_bar() { return *comparison_bar_; }
 
   void select(int robot);  ///< from 0, drawn bold; -1: all alike
@@ -99,6 +105,7 @@ class PlotsPanel final : public QWidget {
   QString values_at(const QPoint& where) const;
   QString values_of(std::size_t row, double t, const QString& events) const;
   bool take_key(int key, bool fine);
+  void zoom_height(std::size_t row, double times, std::optional<double> value = {});
   void move_cursor(double t);
   void show_values();
   QString save_csv(const QString& file, double from, double to) const;
@@ -120,7 +127,7 @@ class PlotsPanel final : public QWidget {
   QTimer timer_;
   QElapsedTimer since_replot_;
   double cost_ms_ = 0.0;  // of the last picture
-  std::optional<double> playhead_;
+  std::optional<double> playhead_, mark_;
   std::optional<double> cursor_;  // where the keyboard reads, and in which plot of all
   std::size_t cursor_row_ = 0;
   double t_ = 0.0, span_ = 60.0;

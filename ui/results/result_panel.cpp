@@ -101,9 +101,9 @@ void ResultPanel::show_experiment(const app::Experiment& experiment) {
   refresh();
 }
 
-void ResultPanel::take(const app::TickRecord& record) {
+void ResultPanel::show_record(const app::TickRecord& record) {
   if (!results_) return;
-  results_->take(record);
+  results_->add_record(record);
   dirty_ = true;
 }
 

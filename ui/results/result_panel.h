@@ -19,7 +19,7 @@ class ResultPanel final : public QWidget {
  public:
   explicit ResultPanel(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
   /// A run to compare with.
   struct Beside {
     QString letter, name;

@@ -24,7 +24,7 @@ QString centimetres(double metres) {
 
 RunResults::RunResults(const app::Experiment& experiment) : experiment_(experiment), statistics_(experiment) {}
 
-void RunResults::take(const app::TickRecord& record) {
+void RunResults::add_record(const app::TickRecord& record) {
   const bool moves = record.phase == app::Phase::running || record.phase == app::Phase::staging;
   started_ = started_ || moves;
   over_ = record.phase == app::Phase::finished || record.phase == app::Phase::stopped;

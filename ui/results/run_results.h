@@ -15,7 +15,7 @@ class RunResults {
  public:
   explicit RunResults(const app::Experiment& experiment);
   /// Every record of a session in order; those before the start are passed over.
-  void take(const app::TickRecord& record);
+  void add_record(const app::TickRecord& record);
 
   struct Kick {
     double t = 0.0;  ///< [s]

@@ -29,7 +29,7 @@ void RobotsModel::show_experiment(const app::Experiment& experiment) {
   endResetModel();
 }
 
-void RobotsModel::take(const app::TickRecord& record, const Known& known) {
+void RobotsModel::show_record(const app::TickRecord& record, const Known& known) {
   robots_ = record.robots;
   known_ = known;
   why_.clear();
@@ -102,7 +102,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
   }
   if (i >= robots_.size()) return nothing();
   const app::RobotRecord& record = robots_[i];
-  if (column == mode && may_be_driving(i)) return may_be_driving_look(colours_).name;
+  if (column == mode && may_be_driving(i)) return may_be_driving_style(colours_).name;
   if (column == mode) return known_.held.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
   if (column == found) return found_text(record);
   if (column == tag_age) {
@@ -146,7 +146,7 @@ QVariant RobotsModel::ink(std::size_t i, int column) const {
   }
   if (i >= robots_.size()) return {};
   if (column == mode && may_be_driving(i)) return colours_.alarm;
-  if (column == mode && !look(robots_[i].mode, colours_).symbol.isEmpty()) {
+  if (column == mode && !mode_style(robots_[i].mode, colours_).symbol.isEmpty()) {
     // The colour of a ring is too pale for text on white; the gravest two are not.
     if (robots_[i].is(app::lost)) return colours_.alarm;
     if (robots_[i].is(app::avoiding) || robots_[i].is(app::shielded)) return colours_.warning;

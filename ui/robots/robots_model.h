@@ -31,7 +31,7 @@ class RobotsModel final : public QAbstractTableModel {
     std::set<int> held{};                       ///< by the operator, from 0
     std::vector<std::size_t> may_be_driving{};  ///< from 0: told to stand, and not acknowledged
   };
-  void take(const app::TickRecord& record, const Known& known);
+  void show_record(const app::TickRecord& record, const Known& known);
   void set_colours(const Colours& colours);
 
   int rowCount(const QModelIndex& parent = {}) const override;

@@ -11,7 +11,7 @@ namespace skein::ui {
 namespace {
 
 constexpr int frame_ms = 32;         // the screen's pace: faster than the eye minds, far slower than the machine can
-constexpr int looks_per_status = 8;  // links change slowly, and asking for them makes strings
+constexpr int polls_per_status = 8;  // links change slowly, and asking for them makes strings
 constexpr int rest_ms = 500;         // after the end of a run its last row has reached the recorder
 
 /// A recording whose session is gone. There is nobody left to tell but the terminal.
@@ -27,7 +27,7 @@ void complete(app::CsvRecorder* recorder) {
 
 LiveRun::LiveRun(QObject* parent) : RunSource(parent) {
   timer_.setTimerType(Qt::PreciseTimer);
-  connect(&timer_, &QTimer::timeout, this, &LiveRun::look);
+  connect(&timer_, &QTimer::timeout, this, &LiveRun::poll);
   timer_.start(frame_ms);
 }
 
@@ -136,10 +136,10 @@ void LiveRun::settle() {
   }
 }
 
-void LiveRun::look() {
+void LiveRun::poll() {
   constexpr double noticed = 1.0;  // the window's thread stood still for longer than this [s]
-  const double away = since_look_.isValid() ? 1e-3 * static_cast<double>(since_look_.restart()) : 0.0;
-  if (!since_look_.isValid()) since_look_.start();
+  const double away = since_poll_.isValid() ? 1e-3 * static_cast<double>(since_poll_.restart()) : 0.0;
+  if (!since_poll_.isValid()) since_poll_.start();
   if (away > noticed && session_) emit was_away(away);
   settle();
   if (session_) {
@@ -150,7 +150,7 @@ void LiveRun::look() {
       emit row_added(record);
       emit record_shown(record);
     });
-    if (++looks_ % looks_per_status == 0) take_robots();
+    if (++polls_ % polls_per_status == 0) take_robots();
     if (const auto tested = session_->wheel_check()) {
       tests_ = false;
       if (*tested)
@@ -286,16 +286,16 @@ double LiveRun::gain_target(core::GainName name, std::size_t i, std::size_t j) c
   return session_ ? session_->gain_target(name, i, j) : 0.0;
 }
 
-double LiveRun::gain_border(core::GainName name) const {
-  return session_ ? session_->gain_border(name) : 0.0;
+double LiveRun::gain_limit(core::GainName name) const {
+  return session_ ? session_->gain_limit(name) : 0.0;
 }
 
-double LiveRun::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
-  return session_ ? session_->gain_border(name, i, j) : 0.0;
+double LiveRun::gain_limit(core::GainName name, std::size_t i, std::size_t j) const {
+  return session_ ? session_->gain_limit(name, i, j) : 0.0;
 }
 
-double LiveRun::gain_border_now(core::GainName name) const {
-  return session_ && latest_ ? session_->gain_border(name, *latest_) : gain_border(name);
+double LiveRun::gain_limit_now(core::GainName name) const {
+  return session_ && latest_ ? session_->gain_limit(name, *latest_) : gain_limit(name);
 }
 
 RunSource::Done LiveRun::move_robot(std::size_t robot, const core::Pose& pose) {

@@ -94,9 +94,9 @@ class LiveRun final : public RunSource {
   bool coupled(std::size_t i, std::size_t j) const override { return !session_ || session_->coupled(i, j); }
   double gain(core::GainName name, std::size_t i, std::size_t j) const override;
   double gain_target(core::GainName name, std::size_t i, std::size_t j) const override;
-  double gain_border(core::GainName name, std::size_t i, std::size_t j) const override;
-  double gain_border(core::GainName name) const override;
-  double gain_border_now(core::GainName name) const override;
+  double gain_limit(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_limit(core::GainName name) const override;
+  double gain_limit_now(core::GainName name) const override;
   Done move_robot(std::size_t robot, const core::Pose& pose) override;
   Done kick_robot(std::size_t robot, double vx, double vy) override;
   Done hold_robot(std::size_t robot, bool hold) override;
@@ -115,7 +115,7 @@ class LiveRun final : public RunSource {
  signals:
   void opened();
   void open_failed(const QString& reason);
-  void frame();  ///< after each look, thirty times a second
+  void frame();  ///< after each poll, thirty times a second
   void closed();
   void was_away(double seconds);             ///< the window's thread stood still so long; the control thread did not
   void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
@@ -129,7 +129,7 @@ class LiveRun final : public RunSource {
  private:
   using Opened = tl::expected<std::unique_ptr<app::Session>, std::string>;
 
-  void look();
+  void poll();
   void settle();  // takes what the thread aside has brought
   void take_robots();
   void finish_recording();
@@ -147,7 +147,7 @@ class LiveRun final : public RunSource {
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
   bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false, film_is_broken_ = false;
   bool tests_ = false;  // a robot turns its wheels
-  QElapsedTimer since_stop_, since_look_, since_over_;
+  QElapsedTimer since_stop_, since_poll_, since_over_;
   double wanted_speed_ = 1.0;
   QString record_file_;
   std::optional<app::TickRecord> latest_;
@@ -159,7 +159,7 @@ class LiveRun final : public RunSource {
   bool records_next_ = false;
   std::uint64_t rows_missed_ = 0;  // of this session
   QTimer timer_;
-  int looks_ = 0;
+  int polls_ = 0;
 };
 
 }  // namespace skein::ui

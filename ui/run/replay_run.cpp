@@ -18,7 +18,7 @@ std::size_t rows_until(const app::RecordedRun& run, double t) {
 
 ReplayRun::ReplayRun(QObject* parent) : RunSource(parent) {
   timer_.setTimerType(Qt::PreciseTimer);
-  connect(&timer_, &QTimer::timeout, this, &ReplayRun::look);
+  connect(&timer_, &QTimer::timeout, this, &ReplayRun::advance);
 }
 
 void ReplayRun::load(Recording run) {
@@ -120,12 +120,12 @@ bool ReplayRun::coupled(std::size_t i, std::size_t j) const {
   return !uncoupled_.contains({std::min(i, j), std::max(i, j)});
 }
 
-double ReplayRun::gain_border(core::GainName name) const {
-  return core::gain_border(name, app::make_gains(experiment()), gains_now(), demand_);
+double ReplayRun::gain_limit(core::GainName name) const {
+  return core::gain_limit(name, app::make_gains(experiment()), gains_now(), demand_);
 }
 
-double ReplayRun::gain_border(core::GainName name, std::size_t i, std::size_t j) const {
-  return core::gain_border(name, i, j, app::make_gains(experiment()), gains_now(), demand_);
+double ReplayRun::gain_limit(core::GainName name, std::size_t i, std::size_t j) const {
+  return core::gain_limit(name, i, j, app::make_gains(experiment()), gains_now(), demand_);
 }
 
 RunSource::Done ReplayRun::go() {
@@ -153,7 +153,7 @@ RunSource::Done ReplayRun::set_speed(double speed) {
   return {};
 }
 
-void ReplayRun::look() {
+void ReplayRun::advance() {
   t_ = std::min(last_time(), t_ + speed_ * 1e-3 * static_cast<double>(since_.restart()));
   show_until(rows_until(*run_, t_));
   if (t_ >= last_time()) pause();

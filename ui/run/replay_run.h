@@ -63,9 +63,9 @@ class ReplayRun final : public RunSource {
   double gain(core::GainName name, std::size_t i, std::size_t j) const override;
   double gain_target(core::GainName name, std::size_t i, std::size_t j) const override { return gain(name, i, j); }
   bool coupled(std::size_t i, std::size_t j) const override;
-  double gain_border(core::GainName name) const override;
-  double gain_border(core::GainName name, std::size_t i, std::size_t j) const override;
-  double gain_border_now(core::GainName name) const override { return gain_border(name); }
+  double gain_limit(core::GainName name) const override;
+  double gain_limit(core::GainName name, std::size_t i, std::size_t j) const override;
+  double gain_limit_now(core::GainName name) const override { return gain_limit(name); }
 
   Done go() override;
   Done step() override;
@@ -83,7 +83,7 @@ class ReplayRun final : public RunSource {
   const app::TickRecord& row() const { return run_->rows[next_ > 0 ? next_ - 1 : 0]; }
   Done refusal() const;
   core::CouplingGains gains_now() const;
-  void look();
+  void advance();
   void note_changes(const app::TickRecord& of);
   void show_until(std::size_t end);
 

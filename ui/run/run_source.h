@@ -68,9 +68,9 @@ class RunSource : public QObject {
   virtual double gain_target(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual bool coupled(std::size_t i, std::size_t j) const = 0;
   /// What (18f, g) leave: to all pairs over the whole reference, to one pair, to all pairs at the present moment alone.
-  virtual double gain_border(core::GainName name) const = 0;
-  virtual double gain_border(core::GainName name, std::size_t i, std::size_t j) const = 0;
-  virtual double gain_border_now(core::GainName name) const = 0;
+  virtual double gain_limit(core::GainName name) const = 0;
+  virtual double gain_limit(core::GainName name, std::size_t i, std::size_t j) const = 0;
+  virtual double gain_limit_now(core::GainName name) const = 0;
 
   virtual Done go() = 0;  ///< starts, pauses, resumes, plays: what `state().go` says
   virtual Done step() = 0;

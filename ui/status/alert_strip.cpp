@@ -32,7 +32,7 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
   show_text();  // also where nothing has been said yet
 }
 
-void AlertStrip::take(const app::TickRecord& record) {
+void AlertStrip::show_record(const app::TickRecord& record) {
   const std::map<int, QString> before = lost_;
   for (const app::Event& event : record.events) {
     if (const auto* const lost = std::get_if<app::events::Lost>(&event))
@@ -103,6 +103,13 @@ QString AlertStrip::lost_robots() const {
   return numbers.join(QStringLiteral(", "));
 }
 
+void AlertStrip::warn_batteries(const QStringList& robots) {
+  const QString text = robots.isEmpty()
+                           ? QString()
+                           : tr("BATTERY LOW: robot %1 – change or charge it").arg(robots.join(QStringLiteral(", ")));
+  stand(State::battery, text, Severity::warning);
+}
+
 void AlertStrip::stand(State state, const QString& text, Severity severity) {
   const auto known = states_.find(state);
   if (known == states_.end() ? text.isEmpty() : known->second.text == text) return;
@@ -110,6 +117,8 @@ void AlertStrip::stand(State state, const QString& text, Severity severity) {
     states_.erase(state);
   else
     states_[state] = {text, severity};
+  const bool must_be_heard = severity == Severity::alarm || state == State::battery;
+  if (must_be_heard && !text.isEmpty() && !held_) emit alarmed(text);
   if (!text.isEmpty() && news_.severity < severity) since_.invalidate();  // "all are seen" is no longer so
   choose();
 }
@@ -120,6 +129,7 @@ void AlertStrip::say(const QString& text, Severity severity) {
   if (held_ || graver_one_is_fresh) return;
   news_ = {text, severity};
   since_.start();
+  if (severity == Severity::alarm) emit alarmed(text);
   choose();
 }
 
@@ -129,6 +139,7 @@ void AlertStrip::hold(const QString& text, Severity severity) {
   text_ = text;
   severity_ = severity;
   show_text();
+  if (severity == Severity::alarm) emit alarmed(text);
 }
 
 void AlertStrip::clear_alert() {

@@ -16,12 +16,14 @@ class AlertStrip final : public QLabel {
 
  public:
   explicit AlertStrip(QWidget* parent = nullptr);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
   /// The robots that are lost now, as "2, 3"; empty: none.
   QString lost_robots() const;
   void say(const QString& text, Severity severity);
   /// Stays until `clear`, over everything else: STOP, a failure.
   void hold(const QString& text, Severity severity);
+  /// Robots, from 1, whose battery is low; empty: none.
+  void warn_batteries(const QStringList& robots);
   /// Nothing stops the robots if this program is killed: shown unless something more severe is, until `clear`.
   void warn_unguarded(const QString& text) { stand(State::unguarded, text, Severity::warning); }
   void clear_alert();
@@ -30,12 +32,16 @@ class AlertStrip final : public QLabel {
   Severity severity() const { return severity_; }
   void refresh();  ///< lets old news fade
 
+ signals:
+  /// What an operator must hear who does not look: an alarm, or a low battery, once when it begins.
+  void alarmed(const QString& text);
+
  protected:
   void paintEvent(QPaintEvent*) override;
 
  private:
   /// The first is shown if two are equally severe.
-  enum class State { lost, link, v_rises, limited, unguarded };
+  enum class State { lost, link, battery, v_rises, limited, unguarded };
   struct Said {
     QString text;
     Severity severity = Severity::note;

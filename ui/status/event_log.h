@@ -92,7 +92,7 @@ class EventPanel final : public QWidget {
 
  public:
   explicit EventPanel(QWidget* parent = nullptr);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
   void note(double t, const QString& text, Severity severity) { log_->note(t, text, severity); }
   void clear() { log_->clear(); }
 

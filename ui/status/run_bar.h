@@ -21,7 +21,7 @@ class RunBar final : public QWidget {
  public:
   explicit RunBar(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record) { time_line_->take(record); }
+  void show_record(const app::TickRecord& record) { time_line_->show_record(record); }
   void show_state(const RunState& state);
   void pick_speed(int steps);  ///< this many steps faster; negative: slower
 

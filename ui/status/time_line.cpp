@@ -93,7 +93,7 @@ void TimeLine::keyPressEvent(QKeyEvent* event) {
   }
 }
 
-void TimeLine::take(const app::TickRecord& record) {
+void TimeLine::show_record(const app::TickRecord& record) {
   if (record.t == t_) return;
   t_ = record.t;
   update();

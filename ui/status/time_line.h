@@ -16,7 +16,7 @@ class TimeLine final : public QWidget {
  public:
   explicit TimeLine(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
-  void take(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record);
   /// A place on it is a time to go to. `rows`: the whole run, for its length and its events.
   void set_scrubbable(bool on, const RunHistory::Rows& rows);
   QSize sizeHint() const override { return {320, 40}; }

@@ -142,7 +142,7 @@ class AravisSource final : public FrameSource {
   tl::expected<bool, std::string> read(Frame& frame) override {
     for (;;) {
       std::string problem;
-      if (take(frame, problem)) return true;
+      if (read_frame(frame, problem)) return true;
       if (nobody_waits()) return false;
       if (!problem.empty())
         if (std::string given_up = reopen(problem); !given_up.empty()) {
@@ -348,7 +348,7 @@ class AravisSource final : public FrameSource {
   using Buffer = std::unique_ptr<ArvBuffer, Unqueue>;
 
   /// Waits for the newest frame. false: none, or a damaged one; `problem`: the camera has stopped delivering.
-  bool take(Frame& frame, std::string& problem) {
+  bool read_frame(Frame& frame, std::string& problem) {
     if (!trigger(problem)) return false;
     int passed_over = 0;
     Buffer newest = wait(problem);

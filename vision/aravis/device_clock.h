@@ -23,7 +23,7 @@ class DeviceClock {
     if (!buckets_.empty() && stamp < last_stamp_) restart();
     if (buckets_.empty()) first_ = Pair{stamp, arrived};
     last_stamp_ = stamp;
-    take(arrived, difference);
+    update(arrived, difference);
     const double passed = arrived - first_.arrived;
     usable_ = std::abs(stamp - first_.stamp - passed) <= same_rate * passed + allowed_jitter;
     if (!usable_) return arrived;
@@ -63,7 +63,7 @@ class DeviceClock {
     read_.reset();
     delay_.reset();
   }
-  void take(double arrived, double difference) {
+  void update(double arrived, double difference) {
     if (buckets_.empty() || arrived >= buckets_.back().until)
       buckets_.push_back({arrived + bucket, difference});
     else

@@ -5,9 +5,9 @@
 namespace skein::vision::detail {
 namespace {
 
-std::vector<AravisCamera> discover() {
+std::vector<NetworkCamera> discover() {
   arv_update_device_list();
-  std::vector<AravisCamera> cameras;
+  std::vector<NetworkCamera> cameras;
   for (unsigned i = 0; i < arv_get_n_devices(); ++i)
     cameras.push_back({text(arv_get_device_id(i)), text(arv_get_device_vendor(i)) + " " + text(arv_get_device_model(i)),
                        text(arv_get_device_address(i)), text(arv_get_device_protocol(i))});

@@ -68,12 +68,18 @@ std::string draw_sheet(const std::vector<Page>& pages, bool pdf, const std::stri
   // Through a file of our own: cairo's says nothing of what a full disk did not take at the end.
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbe"), std::fclose);
   if (!file) return std::strerror(errno);
+  struct Output {
+    std::FILE* file;
+    int error = 0;  // errno of the first write that failed: cairo does not keep it
+  } output{file.get()};
   const cairo_write_func_t write = [](void* to, const unsigned char* bytes, unsigned size) {
-    return std::fwrite(bytes, 1, size, static_cast<std::FILE*>(to)) == size ? CAIRO_STATUS_SUCCESS
-                                                                            : CAIRO_STATUS_WRITE_ERROR;
+    Output& there = *static_cast<Output*>(to);
+    if (std::fwrite(bytes, 1, size, there.file) == size) return CAIRO_STATUS_SUCCESS;
+    if (there.error == 0) there.error = errno;
+    return CAIRO_STATUS_WRITE_ERROR;
   };
-  const Surface surface(pdf ? cairo_pdf_surface_create_for_stream(write, file.get(), width, height)
-                            : cairo_svg_surface_create_for_stream(write, file.get(), width, height));
+  const Surface surface(pdf ? cairo_pdf_surface_create_for_stream(write, &output, width, height)
+                            : cairo_svg_surface_create_for_stream(write, &output, width, height));
   if (!pdf) cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PT);
   {
     const Context context(cairo_create(surface.get()));
@@ -85,15 +91,13 @@ std::string draw_sheet(const std::vector<Page>& pages, bool pdf, const std::stri
       cairo_restore(context.get());
       cairo_show_page(context.get());
     }
-    if (const auto status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS) return problem_of(status);
+    if (const auto status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS && output.error == 0)
+      return problem_of(status);
   }
   cairo_surface_finish(surface.get());
-  errno = 0;
-  const bool flushed = std::fflush(file.get()) == 0 && std::ferror(file.get()) == 0;
-  const int error = errno;
-  const bool closed = std::fclose(file.release()) == 0;
-  if (!flushed) return std::strerror(error != 0 ? error : EIO);
-  if (!closed) return std::strerror(errno);
+  if (std::fflush(file.get()) != 0 && output.error == 0) output.error = errno;
+  if (std::fclose(file.release()) != 0 && output.error == 0) output.error = errno;
+  if (output.error != 0) return std::strerror(output.error);
   return problem_of(cairo_surface_status(surface.get()));
 }
 

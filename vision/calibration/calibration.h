@@ -48,7 +48,9 @@ struct Calibration {
 /// The synthetic scene's camera: 1280x960, hung over the origin just high enough to see the whole arena (width along x,
 /// height along y [m]) and the robots that stand on its edge. A degree of tilt and a lens with mild barrel distortion
 /// keep the geometry from being trivial.
-Calibration overhead_calibration(double arena_width, double arena_height);
+/// The same camera over a part of a floor, around `centre` [m].
+Calibration overhead_calibration(double arena_width, double arena_height,
+                                 const Eigen::Vector2d& centre = Eigen::Vector2d::Zero());
 
 /// The same camera tilted about its own x axis, as a bump does. The calibration must have a world frame. [deg]
 Calibration tilted(Calibration calibration, double degrees);

@@ -51,7 +51,7 @@ bool sees(const Calibration& camera, double half_width, double half_height) {
 
 }  // namespace
 
-Calibration overhead_calibration(double arena_width, double arena_height) {
+Calibration overhead_calibration(double arena_width, double arena_height, const Eigen::Vector2d& centre) {
   Calibration camera;
   camera.width = 1280;
   camera.height = 960;
@@ -72,6 +72,7 @@ Calibration overhead_calibration(double arena_width, double arena_height) {
     (sees(camera, half_width, half_height) ? high : low) = middle;
   }
   camera.world_from_camera = hang(high);
+  camera.world_from_camera->position += Eigen::Vector3d(centre.x(), centre.y(), 0.0);
   return camera;
 }
 

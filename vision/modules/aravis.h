@@ -10,12 +10,12 @@
 
 namespace skein::vision {
 
-/// A camera that has answered.
-struct AravisCamera {
-  std::string name{};      // what stands behind "aravis:": vendor, model and serial number
-  std::string model{};     // vendor and model
-  std::string address{};   // in the network, or on the USB
-  std::string protocol{};  // "GigEVision", "USB3Vision"
+/// A GigE Vision or USB3 Vision camera that has answered.
+struct NetworkCamera {
+  std::string name{};      ///< what follows "aravis:": vendor, model and serial number
+  std::string model{};     ///< vendor and model
+  std::string address{};   ///< in the network, or on the USB
+  std::string protocol{};  ///< "GigEVision", "USB3Vision"
 };
 
 struct Aravis {
@@ -23,7 +23,7 @@ struct Aravis {
   std::unique_ptr<FrameSource> (*open)(const std::string& camera, const SourceOptions& options, std::string& error);
 
   /// Those that answer within a second.
-  std::vector<AravisCamera> (*discover)();
+  std::vector<NetworkCamera> (*discover)();
 
   /// What a camera can do and how it is set, for people, line by line; none and why in `error`. Does not change it, but
   /// nobody else may be reading frames from it.

@@ -9,7 +9,7 @@
 namespace skein::vision {
 namespace {
 
-void take(sem_t& semaphore) {
+void wait(sem_t& semaphore) {
   while (sem_wait(&semaphore) == -1 && errno == EINTR) {
   }
 }
@@ -55,7 +55,7 @@ bool Recorder::offer(const Frame& frame) {
 }
 
 void Recorder::add(const Frame& frame) {
-  take(room_);
+  wait(room_);
   put(frame);
 }
 
@@ -68,7 +68,7 @@ void Recorder::put(const Frame& frame) {
 
 void Recorder::work() {
   for (std::int64_t done = 0;; ++done) {
-    take(ready_);
+    wait(ready_);
     // One post a frame, and one behind the last: whoever is woken up and finds no frame has written all of them.
     if (done == put_.load(std::memory_order_acquire)) break;
     const std::size_t next = static_cast<std::size_t>(done) % waiting_.size();

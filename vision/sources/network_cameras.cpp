@@ -7,11 +7,7 @@ namespace skein::vision {
 tl::expected<std::vector<NetworkCamera>, std::string> network_cameras() {
   const auto module = aravis();
   if (!module) return tl::unexpected(module.error());
-  std::vector<NetworkCamera> cameras;
-  for (AravisCamera& found : (*module)->discover())
-    cameras.push_back(
-        {std::move(found.name), std::move(found.model), std::move(found.address), std::move(found.protocol)});
-  return cameras;
+  return (*module)->discover();
 }
 
 tl::expected<std::vector<std::string>, std::string> describe_network_camera(const std::string& camera) {

@@ -4,15 +4,9 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-namespace skein::vision {
+#include "vision/modules/aravis.h"
 
-/// A GigE Vision or USB3 Vision camera that has answered.
-struct NetworkCamera {
-  std::string name{};      ///< what follows "aravis:": vendor, model and serial number
-  std::string model{};     ///< vendor and model
-  std::string address{};   ///< in the network, or on the USB
-  std::string protocol{};  ///< "GigEVision", "USB3Vision"
-};
+namespace skein::vision {
 
 /// The cameras that answer within a second. The error: Aravis cannot be loaded.
 tl::expected<std::vector<NetworkCamera>, std::string> network_cameras();

@@ -25,8 +25,9 @@ struct SampleGrid {
 
   constexpr SampleGrid() {
     for (std::size_t i = 0; i < points; ++i) {
-      x[i] = static_cast<float>(i % side) * pitch - reach;
-      y[i] = static_cast<float>(i / side) * pitch - reach;
+      const std::size_t column = i % side, row = i / side;
+      x[i] = static_cast<float>(column) * pitch - reach;
+      y[i] = static_cast<float>(row) * pitch - reach;
       weight[i] = 1.0F;
     }
   }

@@ -106,14 +106,15 @@ const TrackerCounters& TagTracker::counters() const {
   return parts_->counters;
 }
 
-const std::vector<TagPose>& TagTracker::process(const Frame& frame) {
+const std::vector<TagPose>& TagTracker::process(const Frame& frame, std::span<const SeenElsewhere> elsewhere) {
   TrackerParts& parts = *parts_;
-  parts.begin();
+  parts.begin(elsewhere);
   if (frame.width != parts.calibration.width || frame.height != parts.calibration.height) {
     ++parts.counters.wrong_frames;
     return parts.poses;
   }
   parts.follow(frame);
+  parts.enter(frame);
   parts.look_nearby(frame);
   parts.look_at_gate(frame);
   parts.search(frame);
@@ -123,12 +124,15 @@ const std::vector<TagPose>& TagTracker::process(const Frame& frame) {
   return parts.poses;
 }
 
-void TrackerParts::begin() {
+void TrackerParts::begin(std::span<const SeenElsewhere> elsewhere) {
   poses.clear();
   ++counters.frames;
   for (WantedTag& tag : wanted) {
     tag.found = tag.predicted = tag.ghost = false;
     tag.stretch.reset();
+    const auto seen = std::find_if(elsewhere.begin(), elsewhere.end(),
+                                   [&](const SeenElsewhere& other) { return other.tag == tag.tag; });
+    tag.elsewhere = seen == elsewhere.end() ? std::nullopt : std::optional(seen->pose);
   }
 }
 
@@ -144,13 +148,26 @@ void TrackerParts::follow(const Frame& frame) {
     detail::Fit fit = fitter.fit(frame, tag.model, predict(tag, frame.captured_at));
     // It may have stopped short.
     const bool moved = tag.velocity.x != 0.0 || tag.velocity.y != 0.0 || tag.velocity.theta != 0.0;
-    if (fit.verdict == detail::FitVerdict::unlike && moved) fit = fitter.fit(frame, tag.model, tag.last);
-    if (fit.verdict == detail::FitVerdict::good) {
-      ++counters.fits;
-      tag.predicted = true;
-      accept(tag, frame, fit);
-    } else {
-      ++counters.failed_fits;
+    switch (fit.verdict) {
+      case detail::FitVerdict::unlike:
+        if (moved) fit = fitter.fit(frame, tag.model, tag.last);
+        break;
+      case detail::FitVerdict::good:
+      case detail::FitVerdict::outside:
+      case detail::FitVerdict::misshapen:
+        break;
+    }
+    switch (fit.verdict) {
+      case detail::FitVerdict::good:
+        ++counters.fits;
+        tag.predicted = true;
+        accept(tag, frame, fit);
+        break;
+      case detail::FitVerdict::unlike:
+      case detail::FitVerdict::outside:
+      case detail::FitVerdict::misshapen:
+        ++counters.failed_fits;
+        break;
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "vision/calibration/calibration.h"
@@ -24,7 +25,8 @@ class TagTracker {
   TagTracker& operator=(TagTracker&&) noexcept;
 
   /// The wanted tags that this frame shows, in the order of options.tags, each at most once. Valid until the next call.
-  const std::vector<TagPose>& process(const Frame& frame);
+  /// Tags that another camera sees are looked for at that place, and are missing only if it lies inside this picture.
+  const std::vector<TagPose>& process(const Frame& frame, std::span<const SeenElsewhere> elsewhere = {});
 
   const TrackerCounters& counters() const;
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/pose.h"
 #include "vision/tags/tag_plane.h"
 
 namespace skein::vision {
@@ -27,6 +28,12 @@ struct TrackerOptions {
                                    // of its own, but they change slowly while a robot drives
   int threads = 1;                 // of a full search
   bool baseline = false;           // only the instructions that every x86-64 has, as where there is no AVX2
+};
+
+/// A tag that another camera sees, and its pose on the floor at the time of the frame, as far as that camera knows it.
+struct SeenElsewhere {
+  int tag = 0;
+  core::Pose pose;
 };
 
 /// What the tracker has done since it was made.

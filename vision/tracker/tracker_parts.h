@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "vision/calibration/calibration.h"
@@ -36,11 +37,12 @@ struct WantedTag {
   bool predicted = false;  // found where it was expected
   bool ghost = false;
   TagPose pose;
-  std::optional<double> stretch;  // of its fit
+  std::optional<core::Pose> elsewhere;  // where another camera sees it
+  std::optional<double> stretch;        // of its fit
   double stretch_sigma = 0.0;
 
   WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
-  bool missing() const { return !found && !ghost; }
+  bool missing() const { return !found && !ghost && !elsewhere; }
   bool lifted(double tolerance) noexcept;
 };
 
@@ -72,8 +74,9 @@ struct TrackerParts {
   TrackerParts(Calibration c, TrackerOptions o);
 
   // The stages, in this order; each searches only for tags that the previous ones have not found.
-  void begin();
+  void begin(std::span<const SeenElsewhere> elsewhere);
   void follow(const Frame& frame);        // fits from the predicted poses
+  void enter(const Frame& frame);         // fits, or AprilTag, where another camera sees them
   void look_nearby(const Frame& frame);   // AprilTag in windows around them
   void look_at_gate(const Frame& frame);  // the gate, and AprilTag where it points to
   void search(const Frame& frame);        // AprilTag over the full frame or a part of it, where it is due

@@ -75,10 +75,44 @@ void TrackerParts::list_known() {
     if (tag.found) known.push_back(middle_of(tag.pose.corners));
 }
 
+/// A tag that another camera sees may be in this picture too, or enter it: it is fitted where that camera sees it, and
+/// if the two calibrations differ by too much for that, AprilTag looks around there. One that should be in the picture
+/// and is not there is missing like any other: one of the cameras may have been moved.
+void TrackerParts::enter(const Frame& frame) {
+  for (WantedTag& tag : wanted) {
+    if (tag.found || tag.ambiguous || !tag.elsewhere) continue;
+    const auto centre = pixel_from_world(calibration, {tag.elsewhere->x, tag.elsewhere->y, calibration.tag_height});
+    if (!centre || centre->x() < 0.0 || centre->y() < 0.0 || centre->x() >= frame.width || centre->y() >= frame.height)
+      continue;
+    const detail::Fit fit = fitter.fit(frame, tag.model, *tag.elsewhere);
+    switch (fit.verdict) {
+      case detail::FitVerdict::good:
+        ++counters.fits;
+        tag.predicted = true;
+        accept(tag, frame, fit);
+        continue;
+      case detail::FitVerdict::outside:  // part of it at most is in this picture
+        ++counters.failed_fits;
+        break;
+      case detail::FitVerdict::unlike:
+      case detail::FitVerdict::misshapen:
+        ++counters.failed_fits;
+        tag.elsewhere.reset();
+        break;
+    }
+    ++counters.windows;
+    detector.set_decimate(decimate);
+    detector.set_min_white_black_diff(detector_threshold());
+    for (const Detection& detection :
+         detector.detect(frame, square_around(centre->x(), centre->y(), 0.5 * options.window * edge_px)))
+      if (detection.tag == tag.tag) consider(tag, frame, detection, /*predicted=*/true);
+  }
+}
+
 /// Looks for every tag that was followed and has just been lost in a window around where it should be by now.
 void TrackerParts::look_nearby(const Frame& frame) {
   for (WantedTag& tag : wanted) {
-    if (!tag.following || tag.found) continue;
+    if (!tag.following || tag.found || tag.elsewhere) continue;
     const core::Pose expected = predict(tag, frame.captured_at);
     const auto centre = pixel_from_world(calibration, {expected.x, expected.y, calibration.tag_height});
     if (!centre) continue;
@@ -112,16 +146,23 @@ void TrackerParts::consider(WantedTag& tag, const Frame& frame, const Detection&
     return;
   }
   const detail::Fit fit = fitter.fit(frame, tag.model, place->pose);
-  if (fit.verdict == detail::FitVerdict::misshapen) {
-    ++counters.rejected;
-    return;
+  bool cut_off = false;
+  switch (fit.verdict) {
+    case detail::FitVerdict::misshapen:
+      ++counters.rejected;
+      return;
+    case detail::FitVerdict::good:
+      ++counters.fits;
+      tag.predicted = predicted;
+      accept(tag, frame, fit);
+      return;
+    case detail::FitVerdict::outside:
+      cut_off = true;
+      break;
+    case detail::FitVerdict::unlike:
+      break;
   }
   tag.predicted = predicted;
-  if (fit.verdict == detail::FitVerdict::good) {
-    ++counters.fits;
-    accept(tag, frame, fit);
-    return;
-  }
   ++counters.failed_fits;
   // AprilTag's own word, if it is a clear one, where the picture cuts the white border off, so that nothing can be
   // fitted, and where modules are so small that blur makes all tags alike: then only the bits tell which it is.
@@ -129,7 +170,7 @@ void TrackerParts::consider(WantedTag& tag, const Frame& frame, const Detection&
   const bool tiny = needed > most_likeness;
   const bool clear = detection.likeness >= (tiny ? least_of_tiny : needed) && off <= options.shape_tolerance &&
                      place->misfit <= 0.5 * options.shape_tolerance * place->edge;
-  if (!clear || (fit.verdict != detail::FitVerdict::outside && !tiny)) {
+  if (!clear || (!cut_off && !tiny)) {
     ++counters.rejected;
     return;
   }

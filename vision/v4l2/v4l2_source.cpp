@@ -63,7 +63,7 @@ class V4l2Camera final : public FrameSource {
   tl::expected<bool, std::string> read(Frame& frame) override {
     for (;;) {
       std::string problem;
-      const bool whole = take(frame, problem);
+      const bool whole = read_frame(frame, problem);
       if (whole) return true;
       if (nobody_waits()) return false;
       if (!problem.empty())
@@ -126,7 +126,7 @@ class V4l2Camera final : public FrameSource {
   }
 
   /// Waits for the newest frame. false: none, or a damaged one; `problem`: the camera has stopped delivering.
-  bool take(Frame& frame, std::string& problem) {
+  bool read_frame(Frame& frame, std::string& problem) {
     problem = wait();
     if (!problem.empty()) return false;
     // Everything that has piled up while we were busy; only the last is of use.

@@ -49,6 +49,21 @@ TEST(RadioLap, NoRandomFaultsLetARobotDriveMoreThanItsBlindDistance) {
   }
 }
 
+// A parser that was left within a speed command took the next request for full speed, and the host knew nothing of it:
+// 51 to 75 mm in these sequences of `skein-bench radio`.
+TEST(RadioLap, GarbledSpeedsLetNobodyDriveMoreThanItsBlindDistance) {
+  Experiment experiment = lap_with({"failure.link_lost=others_go_on"});
+  experiment.duration = 10.0;
+  experiment.reference.speed = 0.09;
+  experiment.perturbations.clear();
+  for (const std::uint64_t seed : {233u, 456u, 556u, 575u, 849u, 942u, 964u, 967u, 983u}) {
+    RadioLapOptions options;
+    options.seed = seed;
+    options.faults = comms::random_faults(experiment.robots.size(), 15.0, 5.0, seed);
+    EXPECT_LE(radio_lap(experiment, options).blind_way, experiment.links.blind_distance) << seed;
+  }
+}
+
 /// The control: without the blind distance the same sequences let robots drive farther.
 TEST(RadioLap, WithoutItsBlindDistanceTheSameFaultsLetARobotDriveFarther) {
   Experiment experiment = lap_with({"failure.link_lost=others_go_on"});
@@ -80,7 +95,7 @@ TEST(RadioLap, SteadyErrorsAreSmallerWhereMotorsAreTakenForWhatTheyAre) {
   using enum core::MotorModel;
   EXPECT_LT(steady_x_e(epuck2, epuck2), 0.05e-3);
   EXPECT_GT(steady_x_e(epuck2, ideal), 0.1e-3);
-  EXPECT_LT(steady_x_e(epuck1, epuck1), 0.7e-3);
+  EXPECT_LT(steady_x_e(epuck1, epuck1), 0.2e-3) << "the speed of one wheel costs the other one steps as well";
   EXPECT_GT(steady_x_e(epuck1, ideal), steady_x_e(epuck1, epuck1));
 }
 

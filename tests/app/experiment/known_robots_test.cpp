@@ -9,6 +9,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "app/experiment/toml_edit.h"
 #include "tests/app/experiment_texts.h"
@@ -129,6 +133,26 @@ TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
   EXPECT_EQ(again->at(2).spec.address, carl.spec.address);
   EXPECT_EQ(again->at(2).spec.tag, -1);
   EXPECT_FALSE(save_known_robots("/proc/nowhere/robots.toml", added.text));
+}
+
+TEST_F(KnownRobots, ProgramsThatSaveAtTheSameTimeDoNotMixWhatTheyWrite) {
+  constexpr std::size_t writers = 4, saves = 20, size = 200'000;
+  const std::string file = path("shared.toml");
+  const auto text = [](std::size_t writer) {
+    return "# " + std::string(size + writer, static_cast<char>('a' + writer)) + "\n";
+  };
+  std::vector<std::jthread> threads;
+  for (std::size_t writer = 0; writer < writers; ++writer)
+    threads.emplace_back([&, writer] {
+      for (std::size_t k = 0; k < saves; ++k) EXPECT_TRUE(save_known_robots(file, text(writer)));
+    });
+  threads.clear();
+  std::ifstream in(file);
+  const std::string saved{std::istreambuf_iterator<char>(in), {}};
+  bool whole = false;
+  for (std::size_t writer = 0; writer < writers; ++writer) whole = whole || saved == text(writer);
+  EXPECT_TRUE(whole) << saved.size();
+  EXPECT_FALSE(fs::exists(file + ".new"));
 }
 
 TEST_F(KnownRobots, WhatWasMeasuredGoesIntoTheirTables) {

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/eventually.h"
 #include "tests/places.h"
 
 extern char** environ;
@@ -49,7 +52,7 @@ class Folder {
 /// The program with these words, its output in files.
 class Program {
  public:
-  explicit Program(const std::vector<std::string>& words) {
+  explicit Program(const std::vector<std::string>& words, const char* out = nullptr) {
     std::vector<std::string> all{skein::test::program()};
     all.insert(all.end(), words.begin(), words.end());
     std::vector<char*> arguments;
@@ -57,7 +60,7 @@ class Program {
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 1, (folder_ / "out").c_str(), O_CREAT | O_WRONLY, 0600);
+    posix_spawn_file_actions_addopen(&actions, 1, out ? out : (folder_ / "out").c_str(), O_CREAT | O_WRONLY, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, (folder_ / "err").c_str(), O_CREAT | O_WRONLY, 0600);
     EXPECT_EQ(posix_spawn(&pid_, all[0].c_str(), &actions, nullptr, arguments.data(), environ), 0);
     posix_spawn_file_actions_destroy(&actions);
@@ -246,6 +249,34 @@ TEST(CommandLine, CheckSaysWhatTheorem1AsksInVain) {
   EXPECT_TRUE(has(door.out, "theorem_1: case 1, v_ref is nonzero (smallest: 0.0205 m/s, robot 1 at t = ")) << door.out;
 }
 
+TEST(CommandLine, TuneSavesAnExperimentAndWritesOverNone) {
+  Folder folder;
+  const std::string study = folder / "study.toml";
+  std::ofstream(study) << "experiment = \"" << experiments << "platoon.toml\"\nruns = 2\n"
+                       << "set = [\"duration=16\", \"perturb=[]\"]\n[hand]\ndistance = [0.05, 0.1]\n[tune]\n"
+                       << "objectives = 2\neffort = 100\nlimited_share = 1\ndelay_margin = 0.01\nheld_out = 2\n"
+                       << "[tune.search]\n\"controller.c_x\" = [15, 40]\n\"controller.k_y\" = [4, 12]\n";
+  const Result r =
+      skein({"tune", study, "--candidates", "8", "--csv", folder / "front.csv", "--save", folder / "tuned.toml"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.out, "candidates: 16\n") && has(r.out, "\n1 ") && has(r.out, "\nverdict: ")) << r.out;
+  EXPECT_TRUE(has(read_file(folder / "front.csv"), "\n1,")) << read_file(folder / "front.csv");
+  const std::string tuned = read_file(folder / "tuned.toml");
+  EXPECT_TRUE(has(tuned, "# The case study of the paper")) << "its comments are kept";
+  EXPECT_FALSE(has(tuned, "c_x = 20.0"));
+  EXPECT_EQ(skein({"check", folder / "tuned.toml"}).status, 0);
+
+  const Result again = skein({"tune", study, "--save", folder / "tuned.toml"});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_TRUE(has(again.err, "name a new one")) << again.err;
+  EXPECT_EQ(read_file(folder / "tuned.toml"), tuned);
+  const Result none =
+      skein({"tune", skein::test::in_source("resources/studies/kicks.toml"), "--save", folder / "n.toml"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_TRUE(has(none.err, "no table [tune]")) << none.err;
+  EXPECT_EQ(read_file(folder / "n.toml"), "") << "nothing is left behind";
+}
+
 TEST(CommandLine, ARecordedRunReplaysBitForBit) {
   Folder folder;
   ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--csv", folder / "run.csv", "--quiet", "--set",
@@ -310,13 +341,81 @@ TEST(CommandLine, NoRunIsOverwritten) {
   EXPECT_EQ(read_file(copy), read_file(experiments + "platoon.toml"));
 }
 
-TEST(CommandLine, ADeviceIsNoFile) {
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"check", "/dev/zero"}, {"replay", "/dev/zero"}}) {
+// A device may never end, and a FIFO without a writer is waited for while it is opened.
+TEST(CommandLine, ADeviceIsNoFileAndAFifoIsNone) {
+  Folder folder;
+  const std::string fifo = folder / "fifo.csv";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const std::string trajectory = folder / "trajectory.toml";
+  std::ofstream(trajectory) << "duration = 1\n[reference]\nkind = 'independent'\n[[robot]]\ntrajectory = { csv = "
+                               "'fifo.csv' }\n";
+  std::vector<std::vector<std::string>> uses{{"check", trajectory}, {fifo}, {"identify", fifo}, {"report", fifo}};
+  for (const std::string& file : {fifo, std::string("/dev/zero")})
+    for (const char* command : {"run", "check", "replay", "sweep"}) uses.push_back({command, file});
+  for (const std::vector<std::string>& words : uses) {
     const Result r = skein(words);
-    EXPECT_EQ(r.status, 2);
-    EXPECT_TRUE(has(r.err, "a device or a FIFO, allowed: a file")) << r.err;
+    EXPECT_EQ(r.status, 2) << words[0];
+    EXPECT_TRUE(has(r.err, "a device or a FIFO, allowed: a file")) << words[0] << ": " << r.err;
   }
+}
+
+// A script that keeps the summary of a run must learn that there is none.
+TEST(CommandLine, ResultsThatStdoutDoesNotTakeAreAnError) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", experiments + "platoon.toml"},
+        {"run", experiments + "platoon.toml", "--set", "duration=1", "--json"}}) {
+    Program full(words, "/dev/full"), nowhere(words, "/dev/null");
+    EXPECT_EQ(full.wait(), 3) << words[0];
+    EXPECT_TRUE(has(full.err(), "stdout: cannot be written: No space left on device")) << full.err();
+    EXPECT_EQ(nowhere.wait(), 0) << words[0];
+  }
+}
+
+TEST(CommandLine, ATextFileHasALargestSize) {
+  Folder folder;
+  const std::string file = folder / "large.toml";
+  std::ofstream(file) << "name = \"large\"\n";
+  EXPECT_EQ(skein({"check", file}).status, 0);
+  std::filesystem::resize_file(file, (std::uintmax_t{64} << 20) + 1);  // of holes
+  const Result r = skein({"check", file});
+  EXPECT_EQ(r.status, 2);
+  EXPECT_TRUE(has(r.err, "allowed: at most 67108864")) << r.err;
+}
+
+TEST(CommandLine, ASheetThatTheDiskDoesNotTakeIsAnError) {
+  Folder folder;
+  for (const char* name : {"tags.pdf", "tags.svg"}) {
+    const std::string full = folder / name, good = folder / ("good-" + std::string(name));
+    std::filesystem::create_symlink("/dev/full", full);
+    const Result r = skein({"tags", "--out", full});
+    EXPECT_NE(r.status, 0) << name;
+    EXPECT_TRUE(has(r.err, "cannot be written: No space left on device")) << r.err;
+    EXPECT_TRUE(r.out.empty()) << "names no file: " << r.out;
+    const Result control = skein({"tags", "--out", good});
+    EXPECT_EQ(control.status, 0) << control.err;
+    EXPECT_GT(std::filesystem::file_size(good), 1000u);
+  }
+}
+
+TEST(CommandLine, ARunThatIsKilledLeavesItsRowsOnTheDisk) {
+  Folder folder;
+  const std::string csv = folder / "run.csv";
+  Program program({"run", experiments + "platoon.toml", "--speed", "realtime", "--csv", csv, "--quiet"});
+  // A row after 3 s of the run is in the file: those before it were not kept for later.
+  const auto rows = [&csv] {
+    std::ifstream file(csv);
+    int count = 0;
+    for (std::string line; std::getline(file, line) && !file.eof();)
+      count += !line.empty() && std::isdigit(static_cast<unsigned char>(line[0])) ? 1 : 0;
+    return count;
+  };
+  constexpr int three_seconds = 75;
+  EXPECT_TRUE(skein::test::eventually([&] { return rows() >= three_seconds; }, std::chrono::seconds(60)));
+  program.send(SIGKILL);
+  EXPECT_EQ(program.wait(), 128 + SIGKILL);
+  EXPECT_GE(rows(), three_seconds);
+  const Result read = skein({"replay", csv});
+  EXPECT_EQ(read.status, 0) << read.err;
 }
 
 TEST(CommandLine, JsonIsOneObject) {

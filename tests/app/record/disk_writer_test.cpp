@@ -5,11 +5,26 @@
 #include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+
+#include "tests/eventually.h"
+
+namespace {
+std::atomic<off_t> synced_size{-1};  // of the file that was given to the disk last [bytes]
+}
+
+/// The C library's, which this program's writer calls instead.
+extern "C" int fdatasync(int file) {
+  struct stat found {};
+  if (::fstat(file, &found) == 0) synced_size = found.st_size;
+  return static_cast<int>(::syscall(SYS_fdatasync, file));
+}
 
 namespace skein::app {
 namespace {
@@ -100,6 +115,17 @@ TEST_F(DiskWriting, AStalledReaderHoldsUpNobodyAndWhatIsNotWrittenIsSaid) {
   ASSERT_FALSE(finished);
   EXPECT_NE(finished.error().find("NOT written"), std::string::npos) << finished.error();
   ::close(reader);
+}
+
+// What only the kernel knows is lost at a power cut.
+TEST_F(DiskWriting, RowsAreGivenToTheDiskWhileTheRunGoesOn) {
+  auto disk = DiskWriter::open(*this / "run.csv");
+  ASSERT_TRUE(disk) << disk.error();
+  for (off_t rows = 1; rows <= 3; ++rows) {
+    ASSERT_TRUE(disk->write("row\n"));
+    EXPECT_TRUE(test::eventually([rows] { return synced_size == 4 * rows; })) << synced_size;
+  }
+  ASSERT_TRUE(disk->finish(10.0));
 }
 
 TEST_F(DiskWriting, AFullDiskIsAnError) {

@@ -71,7 +71,7 @@ Hand busy_hand() {
     if (at(6, 7.0)) {
       ASSERT_TRUE(session.hold_robot(0, false));
     }
-    if (at(7, 8.0)) {  // held at the border
+    if (at(7, 8.0)) {  // held at the limit
       EXPECT_TRUE(session.set_gain(core::GainName::k_tt, 1.0));
     }
     if (at(8, 9.0)) {

@@ -58,12 +58,12 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
   auto rig = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
   ASSERT_TRUE(rig) << rig.error();
   (*rig)->start();
-  const std::vector<std::string> why = (*rig)->why_not_seen();
+  const std::vector<CameraRig::Absence> why = (*rig)->why_not_seen();
   (*rig)->end();
   ASSERT_EQ(why.size(), 4U) << "one sentence a robot";
-  EXPECT_TRUE(why[0].starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
-      << why[0];
-  EXPECT_EQ(why[1], "no tag 2 is in the picture");
+  EXPECT_TRUE(why[0].sentence.starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
+      << why[0].sentence;
+  EXPECT_EQ(why[1].sentence, "no tag 2 is in the picture");
 }
 
 TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {

@@ -92,6 +92,45 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   EXPECT_EQ(bumps, 1);
 }
 
+/// Two cameras with frames out of step, one of which says at times what the other contradicts.
+TEST(Allocation, TheFusionOfSeveralCamerasIsNothing) {
+  Experiment experiment = paper_experiment();
+  experiment.camera.source = "synthetic";
+  experiment.camera.also = {experiment.camera};
+  experiment.failure.camera_moved = FailureSpec::CameraMoved::go_on;
+  ControlTick tick(experiment);
+  RecordChannel channel(8, tick.record());
+  const auto reference = make_reference(experiment);
+  std::vector<core::Measurement> measurements(8);
+  const OperatorCommand start = commands::Start{};
+  const long before = allocations.load();
+  int disagreements = 0, kidnaps = 0;
+  for (int k = 0; k < 600; ++k) {
+    const double now = k / 25.0;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t camera = 0; camera < 2; ++camera) {
+        const double at = camera == 0 ? now : std::max(0.0, now - 0.05);
+        core::Pose pose = reference->at(i, at).pose;
+        if (camera == 1 && i == 2 && k > 300 && k < 320) pose.y += 0.05;
+        measurements[4 * camera + i] = {pose, at, 1e-4, 1e-3, core::How::tracked};
+      }
+    TickInput input;
+    input.now = now;
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&start, 1};
+    const TickRecord& record = tick.step(input);
+    for (const Event& event : record.events) {
+      disagreements += is<events::CamerasDisagree>(event) ? 1 : 0;
+      kidnaps += is<events::Kidnap>(event) ? 1 : 0;
+    }
+    channel.push(record);
+    channel.drain([](const TickRecord&) {});
+  }
+  EXPECT_EQ(allocations.load() - before, 0);
+  EXPECT_EQ(disagreements, 1);
+  EXPECT_EQ(kidnaps, 0);
+}
+
 /// Every kind of reference, with everything that it can be busy with.
 class AllocationOf : public testing::TestWithParam<const char*> {};
 

@@ -179,7 +179,7 @@ TEST(Couplings, FixedTrackingGainsAreRefusedWhere18FailsAndKeptOtherwise) {
       ASSERT_EQ(robot.k_x, 0.02);
       ASSERT_TRUE(robot.margins.hold());
     }
-  // Online they are the border.
+  // Online they are the limit.
   Desk desk(e);
   EXPECT_THAT(desk.obey(SetGain{GainName::k_xx, 1.0}), StartsWith("gain_held k_xx 1 -> 0.01"));
 }
@@ -220,7 +220,7 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
   EXPECT_TRUE(s.coupled(0, 2));
   EXPECT_EQ(s.gain_target(GainName::k_xx, 3, 0), 0.0);
   EXPECT_DOUBLE_EQ(s.gain(GainName::k_tt, 0, 2), 0.01);
-  EXPECT_GT(s.gain_border(GainName::k_xx, 0, 3), 0.008);
+  EXPECT_GT(s.gain_limit(GainName::k_xx, 0, 3), 0.008);
   s.close();
   EXPECT_THAT(text.str(), HasSubstr("uncouple r1 r3; pair_gain r2 r4 k_tt"));
   std::istringstream recorded(text.str());

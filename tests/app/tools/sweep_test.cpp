@@ -11,6 +11,7 @@
 #include <set>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/ways.h"
 #include "app/record/report.h"
 #include "app/run/tick_record.h"
 #include "app/tools/sweep_report.h"
@@ -96,6 +97,84 @@ TEST_F(StudyText, ChanceStaysInsideWhatItIsTold) {
       }
   }
   EXPECT_EQ(hands, (std::set<std::size_t>{1, 2, 3}));
+}
+
+TEST_F(StudyText, SaysWhatIsWrongWithAPassageAHandAndWheels) {
+  const std::string experiment = "experiment = \"e.toml\"\n";
+  EXPECT_THAT(refusal(experiment + "[passage]\nkind = \"tunnel\"\n"),
+              AllOf(HasSubstr(":3:"), HasSubstr("passage.kind"), HasSubstr("\"dead_end\"")));
+  EXPECT_THAT(refusal(experiment + "[passage]\nwidth = [0.9, 2]\n"), HasSubstr("passage.width"));
+  EXPECT_THAT(refusal(experiment + "[passage]\nrobots = [0, 2]\n"), HasSubstr("passage.robots"));
+  EXPECT_THAT(refusal(experiment + "[hand]\nedge = [0.0, 0.1]\ndistance = [0.1, 0.2]\n"),
+              AllOf(HasSubstr("hand.edge"), HasSubstr("without distance")));
+  EXPECT_THAT(refusal(experiment + "[crowd]\nwheels = 0.5\n"), HasSubstr("crowd.wheels"));
+}
+
+TEST_F(StudyText, AHandPutsRobotsBesideTheEdge) {
+  const auto study = load("experiment = \"e.toml\"\nset = [\"perturb=[]\"]\n[hand]\nrobots = 2\nedge = [0.0, 0.03]\n");
+  ASSERT_TRUE(study) << study.error().front().message();
+  std::set<std::pair<bool, bool>> sides;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const auto e = experiment_of(*study, seed);
+    ASSERT_TRUE(e) << e.error();
+    const auto reference = make_reference(*e);
+    for (const Perturbation& p : e->perturbations) {
+      const core::Pose from = reference->at(p.robot, p.t).pose;
+      const double x = from.x + p.dx, y = from.y + p.dy;
+      const double gap =
+          std::min(0.5 * e->arena_width - std::abs(x), 0.5 * e->arena_height - std::abs(y)) - e->robots[p.robot].radius;
+      EXPECT_GE(gap, -1e-9);
+      EXPECT_LE(gap, 0.03 + 1e-9);
+      const bool beside = 0.5 * e->arena_width - std::abs(x) < 0.5 * e->arena_height - std::abs(y);
+      sides.insert({beside, (beside ? x : y) > 0.0});
+    }
+  }
+  EXPECT_EQ(sides.size(), 4U) << "each of the four edges";
+}
+
+TEST(Study, CrowdsHaveWheelsThatNobodyKnows) {
+  const Study study = shipped("noisy-crowds.toml");
+  const auto e = experiment_of(study, 3);
+  ASSERT_TRUE(e) << e.error();
+  double most = 0.0;
+  for (const RobotSpec& robot : e->robots) {
+    EXPECT_EQ(robot.drive.wheel_ratio, 1.0) << "they are assumed to be right";
+    for (const double d : {robot.true_drive().left_diameter(), robot.true_drive().right_diameter()})
+      most = std::max(most, std::abs(d / robot.drive.wheel_diameter - 1.0));
+  }
+  EXPECT_LE(most, 0.03 + 1e-12);
+  EXPECT_GT(most, 0.01);
+}
+
+TEST(Study, APassageIsTheOnlyWayAndItIsOne) {
+  for (const char* name : {"corridors.toml", "head-on.toml", "dead-ends.toml", "doors.toml"}) {
+    Study study = shipped(name);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      study.passage->width = {1.26, 1.26};
+      const auto open = experiment_of(study, seed);
+      ASSERT_TRUE(open) << open.error();
+      EXPECT_EQ(open->robots.size() > 1, std::string(name) == "head-on.toml" || std::string(name) == "doors.toml");
+      EXPECT_EQ(missing_ways(*open), std::vector<std::string>{}) << name << " " << seed;
+      study.passage->width = {1.1, 1.1};  // too narrow for what the shield keeps
+      const auto shut = experiment_of(study, seed);
+      ASSERT_TRUE(shut) << shut.error();
+      EXPECT_EQ(missing_ways(*shut).size(), shut->robots.size()) << name << " " << seed;
+    }
+  }
+}
+
+TEST(Sweep, ARobotHasArrivedWhereTheStudySaysItHas) {
+  Study study = shipped("crowds.toml");
+  study.crowd->robots = {2, 2};
+  study.recovered_within = 0.05;
+  const RunOutcome soon = run_one(study, 1);
+  study.recovered_within = 0.003;
+  const RunOutcome late = run_one(study, 1);
+  ASSERT_TRUE(soon.recovery && late.recovery && soon.straight);
+  EXPECT_LT(*soon.recovery, *late.recovery);
+  EXPECT_GT(*soon.recovery, *soon.straight) << "nobody is faster than the straight line at v_max";
+  EXPECT_EQ(soon.straight, late.straight);
+  EXPECT_FALSE(run_one(shipped("kicks.toml"), 1).straight) << "these drive on";
 }
 
 TEST(Sweep, ThreadsMakeNoDifference) {
@@ -245,7 +324,10 @@ INSTANTIATE_TEST_SUITE_P(Studies, Short,
                          ::testing::Values(std::pair("perturbations.toml", 40),
                                            std::pair("perturbations-noisy.toml", 40),
                                            std::pair("obstacle-fields.toml", 10), std::pair("staging.toml", 10),
-                                           std::pair("swaps.toml", 4)));
+                                           std::pair("swaps.toml", 4), std::pair("corridors.toml", 6),
+                                           std::pair("dead-ends.toml", 6), std::pair("head-on.toml", 2),
+                                           std::pair("doors.toml", 1), std::pair("obstacle-crowds.toml", 6),
+                                           std::pair("walls.toml", 4), std::pair("noisy-crowds.toml", 2)));
 
 }  // namespace
 }  // namespace skein::app

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tests/vision/support.h"
 #include "vision/synthetic/random.h"
@@ -44,9 +45,10 @@ struct TrackerLab {
     return calibration;
   }
 
-  const std::vector<TagPose>& step(const std::vector<SyntheticTag>& tags) {
+  const std::vector<TagPose>& step(const std::vector<SyntheticTag>& tags,
+                                   const std::vector<SeenElsewhere>& elsewhere = {}) {
     camera.render(tags, frame_time * static_cast<double>(tracker.counters().frames), frame);
-    return tracker.process(frame);
+    return tracker.process(frame, elsewhere);
   }
 
   Calibration calibration;
@@ -56,8 +58,8 @@ struct TrackerLab {
 };
 
 std::vector<int> first_ids(int count) {
-  std::vector<int> ids;
-  for (int i = 0; i < count; ++i) ids.push_back(i);
+  std::vector<int> ids(static_cast<std::size_t>(count));
+  std::iota(ids.begin(), ids.end(), 0);
   return ids;
 }
 
@@ -68,8 +70,9 @@ std::vector<SyntheticTag> roundabout(double t, double size) {
   for (int i = 0; i < 12; ++i) {
     constexpr double radius = 0.2;
     const double angle = 0.5 * i + 0.13 * t / radius;
+    const int column = i % 4, row = i / 4;
     tags.push_back({i,
-                    {-0.75 + 0.5 * (i % 4) + radius * std::cos(angle), -0.5 + 0.5 * (i / 4) + radius * std::sin(angle),
+                    {-0.75 + 0.5 * column + radius * std::cos(angle), -0.5 + 0.5 * row + radius * std::sin(angle),
                      core::wrap_angle(angle + core::pi / 2)},
                     size});
   }
@@ -127,10 +130,11 @@ TEST(TagTracker, IsRightAtEveryPlaceAndHeading) {
     for (int i = 0; i < 6; ++i) {
       // Up to the arena's very edges, in cells of their own so that none covers another; every heading in steps of 5
       // degrees.
-      const double x = std::clamp(-0.67 + 0.67 * (i % 3) + random.between(-0.33, 0.33) * 0.85, -1.0, 1.0);
-      const double y = std::clamp(-0.375 + 0.75 * (i / 3) + random.between(-0.375, 0.375) * 0.85, -0.75, 0.75);
+      const int column = i % 3, row = i / 3;
+      const double x = std::clamp(-0.67 + 0.67 * column + random.between(-0.33, 0.33) * 0.85, -1.0, 1.0);
+      const double y = std::clamp(-0.375 + 0.75 * row + random.between(-0.375, 0.375) * 0.85, -0.75, 0.75);
       tags.push_back(
-          {i, {i % 3 == 2 && k % 5 == 0 ? 1.0 : x, y, core::wrap_angle((5.0 * k + 60.0 * i) * core::pi / 180.0)}});
+          {i, {column == 2 && k % 5 == 0 ? 1.0 : x, y, core::wrap_angle((5.0 * k + 60.0 * i) * core::pi / 180.0)}});
     }
     const auto& poses = lab.step(tags);
     ASSERT_EQ(poses.size(), tags.size()) << "frame " << k;
@@ -219,9 +223,10 @@ TEST(TagTracker, WhatTheGateCannotSeeIsFoundPartByPart) {
   const int rounds = 2 * options.search_parts;  // every other one is for dim light
   for (int k = 0; k < rounds && seen < 2; ++k) {
     lab.camera.render(std::vector{one, two}, frame_time * k, lab.frame);
-    for (int v = 0; v < lab.frame.height; ++v)
-      for (int u = lab.frame.width / 2; u < lab.frame.width; ++u) {
-        std::uint8_t& grey = lab.frame.grey[static_cast<std::size_t>(v * lab.frame.width + u)];
+    const auto width = static_cast<std::size_t>(lab.frame.width), height = static_cast<std::size_t>(lab.frame.height);
+    for (std::size_t v = 0; v < height; ++v)
+      for (std::size_t u = width / 2; u < width; ++u) {
+        std::uint8_t& grey = lab.frame.grey[v * width + u];
         grey = static_cast<std::uint8_t>(grey / 6);
       }
     seen = lab.tracker.process(lab.frame).size();
@@ -325,6 +330,52 @@ TEST(TagTracker, WantsAWorldFrame) {
   Calibration calibration = overhead_calibration(2.0, 1.5);
   calibration.world_from_camera.reset();
   EXPECT_THROW(TagTracker(calibration, {.tags = {1}}), std::invalid_argument);
+}
+
+TEST(TagTracker, DoesNotSearchForTagsThatAnotherCameraSees) {
+  const std::vector<SeenElsewhere> outside{{1, {3.0, 0.0, 0.0}}, {2, {-1.9, 0.4, 1.0}}};
+  std::int64_t searches[2] = {}, windows[2] = {};
+  for (const bool told : {false, true}) {
+    TrackerLab lab({.tags = first_ids(3)});
+    const std::vector<SyntheticTag> tags{{0, {0.2, 0.1, 0.5}, lab.calibration.tag_size}};
+    for (int k = 0; k < 20; ++k) lab.step(tags, told ? outside : std::vector<SeenElsewhere>{});
+    const TrackerCounters before = lab.tracker.counters();
+    for (int k = 0; k < 100; ++k) ASSERT_EQ(lab.step(tags, told ? outside : std::vector<SeenElsewhere>{}).size(), 1u);
+    searches[told] = lab.tracker.counters().gates - before.gates;
+    windows[told] = lab.tracker.counters().windows - before.windows;
+  }
+  EXPECT_EQ(searches[0], 100) << "the control: a missing tag is searched for in every frame";
+  EXPECT_EQ(searches[1], 0);
+  EXPECT_LE(windows[1], windows[0]);
+}
+
+TEST(TagTracker, SearchesForATagThatIsNotWhereAnotherCameraSeesIt) {
+  // One of the cameras has been moved: 0.3 m apart, no window around the place shows it.
+  TrackerLab lab({.tags = first_ids(2)});
+  const double size = lab.calibration.tag_size;
+  for (int k = 0; k < 20; ++k) lab.step({{0, {0.2, 0.1, 0.5}, size}}, {{1, {-0.3, 0.0, 0.0}}});
+  const std::vector<SyntheticTag> both{{0, {0.2, 0.1, 0.5}, size}, {1, {-0.6, 0.0, 0.0}, size}};
+  std::size_t seen = 0;
+  for (int k = 0; k < 5; ++k) seen = lab.step(both, {{1, {-0.3, 0.0, 0.0}}}).size();
+  EXPECT_EQ(seen, 2u);
+}
+
+TEST(TagTracker, SeesATagThatEntersInItsFirstFrameWhereAnotherCameraTellsItsPlace) {
+  // 3 mm: two calibrations that differ a little; 20 mm: by too much for a fit, so that AprilTag looks around there.
+  for (const double apart : {0.0, 0.003, 0.020}) {
+    TrackerLab lab({.tags = first_ids(2)});
+    const double size = lab.calibration.tag_size;
+    for (int k = 0; k < 50; ++k) {
+      const core::Pose beyond{1.4 - 0.004 * k, 0.2, 2.5};
+      const auto& seen = lab.step({{0, {0.2, 0.1, 0.5}, size}}, {{1, beyond}});
+      ASSERT_EQ(seen.size(), 1u) << "frame " << k;
+    }
+    const core::Pose entered{0.9, 0.2, 2.5};
+    const auto& seen = lab.step({{0, {0.2, 0.1, 0.5}, size}, {1, entered, size}}, {{1, {0.9 + apart, 0.2, 2.5}}});
+    ASSERT_EQ(seen.size(), 2u) << apart;
+    EXPECT_EQ(seen[1].tag, 1);
+    EXPECT_LT(core::distance(seen[1].pose, entered), 0.5e-3) << apart;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "app/cli/command_line_studies.h"
+#include "app/record/gnuplot.h"
+#include "app/record/report.h"
+#include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
+#include "app/run/output.h"
+#include "app/tools/tune.h"
+
+namespace skein::app {
+
+int tune(const TuneRequest& request) {
+  auto study = load_study(request.file);
+  if (!study) {
+    for (const Problem& problem : study.error()) print_error(fmt::format("{}\n", problem.message()));
+    return wrong_input;
+  }
+  study->sets.insert(study->sets.end(), request.sets.begin(), request.sets.end());
+  if (request.runs) study->runs = *request.runs;
+  if (request.seed) study->seed = *request.seed;
+  if (study->tune && request.candidates) study->tune->candidates = *request.candidates;
+  if (study->tune && request.held_out) study->tune->held_out = *request.held_out;
+  // An hour's work must not end with a file that cannot be written.
+  if (!request.report.empty())
+    if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
+  if (!request.save.empty() && std::filesystem::exists(request.save))
+    return complain(fmt::format("--save {}: there is such a file: name a new one", request.save)), wrong_input;
+  for (const std::string& path : {request.save, request.csv})
+    if (!path.empty())
+      if (const auto possible = write_file(path, ""); !possible) return complain(possible.error()), wrong_input;
+
+  const bool shown = !request.quiet && isatty(STDERR_FILENO) != 0;
+  std::int64_t told = 0;
+  const auto progress = [&](std::int64_t made) {
+    if (shown && made != told)
+      print_error(fmt::format("\r\033[K{} of at most {} runs", told = made, most_runs(*study)));
+    return !interrupted();
+  };
+  const auto tuned = tune(*study, request.threads > 0 ? request.threads : usable_cores(), progress);
+  if (shown) print_error("\r\033[K");
+  const auto give_up = [&](const std::string& why, int status) {
+    if (std::error_code ignored; !request.save.empty()) std::filesystem::remove(request.save, ignored);
+    return complain(why), status;
+  };
+  if (!tuned)
+    return give_up(fmt::format("{}: {}", request.file, tuned.error()),
+                   interrupted() ? expectation_failed : wrong_input);
+
+  if (!request.csv.empty())
+    if (const auto done = write_file(request.csv, as_csv(*study, *tuned)); !done)
+      return give_up(done.error(), wrong_input);
+  if (!request.report.empty())
+    if (const auto done = write_front(request.report, *study, *tuned); !done) return give_up(done.error(), wrong_input);
+  if (!request.quiet)
+    print_out(
+        fmt::format("study: {}\nexperiment: {}\nruns: {}\ncandidates: {}\nuncertified: {}\nunaffordable: {}\n"
+                    "front: {} points\n\n{}verdict: {}\n",
+                    study->name, study->experiment, tuned->runs, tuned->candidates, tuned->uncertified,
+                    tuned->unaffordable, tuned->front.size(), as_table(*study, *tuned), verdict(*tuned)));
+  if (tuned->front.empty()) return give_up(verdict(*tuned), expectation_failed);
+  if (!request.save.empty()) {
+    const auto text = experiment_with(*study, tuned->front[tuned->chosen]);
+    if (!text) return give_up(text.error(), wrong_input);
+    if (const auto done = write_file(request.save, *text); !done) return give_up(done.error(), wrong_input);
+  }
+  return done;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,160 @@
+#include "app/session/cameras.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace skein::app {
+
+tl::expected<std::unique_ptr<Cameras>, std::string> Cameras::open(const Experiment& experiment, SessionClock& clock,
+                                                                  SimulatedWorld& world, bool pictures,
+                                                                  const std::vector<int>& wanted, bool await) {
+  std::unique_ptr<Cameras> cameras(new Cameras(experiment));
+  const auto sights = std::make_shared<LastSights>(experiment.cameras(), experiment.robots.size());
+  for (std::size_t k = 0; k < cameras->all_.size(); ++k) {
+    auto rig = CameraRig::open(experiment, clock, world, pictures, wanted, await, k, sights);
+    if (!rig) return tl::unexpected(rig.error());
+    cameras->all_[k].rig = std::move(*rig);
+  }
+  return cameras;
+}
+
+std::vector<std::string> film_paths(const Experiment& experiment, const std::string& path) {
+  std::vector<std::string> paths{path};
+  const std::filesystem::path whole(path);
+  for (std::size_t k = 2; k <= experiment.cameras(); ++k)
+    paths.push_back(
+        (whole.parent_path() / fmt::format("{}-{}{}", whole.stem().string(), k, whole.extension().string())).string());
+  return paths;
+}
+
+tl::expected<void, std::string> Cameras::keep(const std::string& path) {
+  const std::vector<std::string> paths = film_paths(experiment_, path);
+  for (std::size_t k = 0; k < all_.size(); ++k)
+    if (auto begun = all_[k].rig->keep(paths[k]); !begun) return begun;
+  return {};
+}
+
+void Cameras::start() {
+  for (Each& camera : all_) camera.rig->start();
+}
+
+void Cameras::end() {
+  for (Each& camera : all_) camera.rig->end();
+}
+
+void Cameras::look() {
+  for (Each& camera : all_) camera.rig->look();
+}
+
+CameraRig& Cameras::lead() const noexcept {
+  const auto runs = std::find_if(all_.begin(), all_.end(), [](const Each& camera) { return !camera.rig->failed(); });
+  return runs == all_.end() ? *all_.front().rig : *runs->rig;
+}
+
+bool Cameras::newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept {
+  const CameraRig* const leading = &lead();
+  const std::size_t each = measurements.size() / all_.size();
+  bool looked = false;
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    FrameTimes of_frame;
+    if (!all_[k].rig->newest(measurements.subspan(k * each, each), of_frame) || all_[k].rig.get() != leading) continue;
+    times = of_frame;
+    looked = true;
+  }
+  return looked;
+}
+
+void Cameras::tell(EventList& events) noexcept {
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    Each& camera = all_[k];
+    camera.rig->tell(events);
+    const bool lost = camera.lost.load(std::memory_order_acquire);
+    if (lost == camera.told || events.room() == 0) continue;
+    camera.told = lost;
+    events.add(lost ? Event(events::CameraLost{k}) : Event(events::CameraFound{k}));
+  }
+}
+
+VideoStatus Cameras::video() const {
+  VideoStatus all;
+  for (const Each& camera : all_) {
+    const VideoStatus one = camera.rig->video();
+    all.frames += one.frames;
+    all.dropped += one.dropped;
+    if (all.problem.empty()) all.problem = one.problem;
+  }
+  return all;
+}
+
+vision::SourceStatus Cameras::status() const {
+  vision::SourceStatus all = all_.front().rig->camera();
+  for (std::size_t k = 0; all_.size() > 1 && k < all_.size(); ++k) {
+    vision::SourceStatus one = all_[k].rig->camera();
+    const std::string prefix = camera_prefix(experiment_, k);
+    if (k == 0) all = {};
+    for (std::string& notice : one.notices) all.notices.push_back(prefix + notice);
+    all.outages += one.outages;
+    all.damaged += one.damaged;
+    all.passed_over += one.passed_over;
+    all.up = all.up && one.up;
+    if (all.reason.empty() && !one.reason.empty()) all.reason = prefix + one.reason;
+  }
+  return all;
+}
+
+/// What a camera sees of a tag says more than that another one finds nothing of it.
+std::vector<std::string> Cameras::why_not_seen() {
+  std::vector<std::pair<std::size_t, CameraRig::Absence>> all;
+  for (std::size_t k = 0; k < all_.size(); ++k)
+    for (CameraRig::Absence& absence : all_[k].rig->why_not_seen()) all.emplace_back(k, std::move(absence));
+  std::vector<std::string> sentences;
+  for (auto one = all.begin(); one != all.end(); ++one) {
+    const CameraRig::Absence& absence = one->second;
+    const auto same = [&](const auto& other) { return other.second.tag == absence.tag; };
+    const auto tells = [&](const auto& other) { return same(other) && other.second.why != core::NotSeen::not_found; };
+    const bool nothing = absence.tag >= 0 && absence.why == core::NotSeen::not_found;
+    // Where no camera finds anything, the first says so for all.
+    if (nothing && (std::any_of(all.begin(), all.end(), tells) || std::any_of(all.begin(), one, same))) continue;
+    sentences.push_back((nothing ? std::string() : camera_prefix(experiment_, one->first)) + absence.sentence);
+  }
+  return sentences;
+}
+
+std::vector<std::string> Cameras::alarms() {
+  std::vector<std::string> all;
+  for (Each& camera : all_)
+    for (std::string& sentence : camera.rig->alarms()) all.push_back(std::move(sentence));
+  const std::lock_guard lock(mutex_);
+  for (std::string& sentence : std::exchange(alarms_, {})) all.push_back(std::move(sentence));
+  return all;
+}
+
+void Cameras::watch() {
+  for (std::size_t k = 0; all_.size() > 1 && k < all_.size(); ++k) {
+    Each& camera = all_[k];
+    const bool failed = camera.rig->failed();
+    const vision::SourceStatus status = failed ? vision::SourceStatus{} : camera.rig->camera();
+    const bool lost = failed || !status.up;
+    if (lost == camera.lost.load(std::memory_order_relaxed)) continue;
+    camera.lost.store(lost, std::memory_order_release);
+    const std::string prefix = camera_prefix(experiment_, k);
+    const std::lock_guard lock(mutex_);
+    alarms_.push_back(lost ? fmt::format("{}lost: {}; robots that no other camera sees stand", prefix,
+                                         failed ? camera.rig->reason() : status.reason)
+                           : prefix + "delivers frames again");
+  }
+}
+
+std::string Cameras::failure() const {
+  std::string reasons;
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    if (!all_[k].rig->failed()) return {};
+    reasons += (k == 0 ? "" : "; ") + camera_prefix(experiment_, k) + all_[k].rig->reason();
+  }
+  return reasons;
+}
+
+}  // namespace skein::app

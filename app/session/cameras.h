@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/session/camera_rig.h"
+
+namespace skein::app {
+
+/// All cameras over one floor: a CameraRig with a thread each. Their poses are fused by the control tick. One that is
+/// lost leaves the rest.
+class Cameras {
+ public:
+  /// As CameraRig::open.
+  static tl::expected<std::unique_ptr<Cameras>, std::string> open(const Experiment& experiment, SessionClock& clock,
+                                                                  SimulatedWorld& world, bool pictures,
+                                                                  const std::vector<int>& wanted, bool await = false);
+
+  /// Records the frames of each camera, in the files of film_paths. To be called before the first frame.
+  tl::expected<void, std::string> keep(const std::string& path);
+  void start();
+  void end();
+  /// Virtual clock: each takes and processes a frame now.
+  void look();
+
+  /// Overwrites the newest measurements: those of camera 1 first, as many of each. True if the leading camera has
+  /// something new, with the times of its frame: the first one that has not failed. Control thread only.
+  bool newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept;
+  /// As CameraRig's, of the leading camera.
+  void wait_for_frame(double since, double until) noexcept { lead().wait_for_frame(since, until); }
+  bool picture(Picture& out) { return lead().picture(out); }
+  std::array<double, 2> pixel(double x, double y) const { return lead().pixel(x, y); }
+  /// Events: those of each camera, and which of several are lost or back. Control thread only.
+  void tell(EventList& events) noexcept;
+
+  /// Of all: counts are sums, `up` if every one is. Any thread.
+  VideoStatus video() const;
+  vision::SourceStatus status() const;
+
+  /// Why robots were seen by no camera, a sentence each. As CameraRig's.
+  std::vector<std::string> why_not_seen();
+  /// Sentences about lost robots and cameras, each once. Any thread, one caller at a time.
+  std::vector<std::string> alarms();
+  /// Notices which of several cameras are lost or back. Not on the control thread; one caller at a time.
+  void watch();
+  /// Why there is no camera left; empty: there is one.
+  std::string failure() const;
+
+ private:
+  struct Each {
+    std::unique_ptr<CameraRig> rig;
+    std::atomic<bool> lost{false};  // written by watch()
+    bool told = false;              // the control thread's: what its events say
+  };
+  explicit Cameras(const Experiment& experiment) : experiment_(experiment), all_(experiment.cameras()) {}
+  CameraRig& lead() const noexcept;
+
+  const Experiment& experiment_;
+  std::vector<Each> all_;  // one at least
+  std::mutex mutex_;
+  std::vector<std::string> alarms_;  // guarded by it
+};
+
+/// The film of each camera of an experiment: the path itself, and for the others the same with -2, -3... before its
+/// end.
+std::vector<std::string> film_paths(const Experiment& experiment, const std::string& path);
+
+}  // namespace skein::app

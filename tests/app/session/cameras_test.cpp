@@ -1,0 +1,216 @@
+// Several cameras over one floor, through whole runs: robots that cross the seam, a camera that is lost, one that is
+// bumped, and two that disagree.
+#include "app/session/cameras.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "app/experiment/experiment_file.h"
+#include "app/record/csv_writer.h"
+#include "app/replay/replay.h"
+#include "app/session/session.h"
+#include "tests/app/experiment_texts.h"
+#include "tests/app/rows.h"
+
+namespace skein::app {
+namespace {
+
+using test::Rows;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The paper's platoon under two cameras, west and east of x = 0: a second before the first robot crosses the seam.
+Experiment platoon_under_two(const std::string& second_camera = "", const Sets& more = {}) {
+  Sets sets{"camera.source=synthetic",
+            "camera.also=[{source=\"synthetic\"" + second_camera + "}]",
+            "reference.start=2.55",
+            "duration=9",
+            "perturb=[]",
+            "expect={}"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  return good(paper_experiment().source, sets);
+}
+
+struct CamerasRun {
+  explicit CamerasRun(const Experiment& experiment) {
+    CsvWriter file(csv, experiment);
+    auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&file, &sink}});
+    EXPECT_TRUE(session) << session.error();
+    const auto listen = [&] {
+      for (std::string& sentence : (*session)->alarms()) alarms.push_back(std::move(sentence));
+      return true;
+    };
+    end = (*session)->run(listen);
+    listen();
+    (*session)->close();
+    failure = (*session)->failure().value_or("");
+  }
+  /// Of a robot at a tick by one camera; null: it has not seen it just now.
+  static const core::Measurement* seen(const TickRecord& row, std::size_t robot, std::size_t camera) {
+    const core::Measurement& m = row.by_camera[camera * row.robots.size() + robot];
+    return m.captured_at >= row.now - 1e-9 ? &m : nullptr;
+  }
+  Rows sink;
+  std::ostringstream csv;
+  Phase end = Phase::ready;
+  std::string failure;
+  std::vector<std::string> alarms;
+};
+
+std::string replayed_cameras(const CamerasRun& run) {
+  std::istringstream csv(run.csv.str());
+  const auto result = replay(csv, "run.csv");
+  if (!result) return result.error();
+  return result->different == 0 && result->commands > 0 ? "" : result->first;
+}
+
+TEST(Cameras, RobotsThatCrossTheSeamAreOneRobotEach) {
+  const CamerasRun run(platoon_under_two());
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_FALSE(run.sink.has<events::Kidnap>());
+  EXPECT_FALSE(run.sink.has<events::Lost>());
+  EXPECT_FALSE(run.sink.has<events::CameraMoved>());
+  EXPECT_FALSE(run.sink.has<events::CamerasDisagree>());
+  EXPECT_THAT(run.alarms, IsEmpty()) << "a robot that another camera sees is not missing";
+  struct SeamErrors {
+    double square = 0.0;
+    int poses = 0;
+    double rms() const { return std::sqrt(square / poses); }
+  } west, east, both;
+  double largest_step = 0.0;  // of an error from tick to tick
+  core::Pose before[4];
+  for (const TickRecord& row : run.sink.rows)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const bool w = CamerasRun::seen(row, i, 0), e = CamerasRun::seen(row, i, 1);
+      ASSERT_TRUE(w || e) << "robot " << i + 1 << " at " << row.t;
+      const core::Pose &pose = row.robots[i].pose, &truth = row.robots[i].truth;
+      const core::Pose error{pose.x - truth.x, pose.y - truth.y, 0.0};
+      SeamErrors& sum = w && e ? both : w ? west : east;
+      sum.square += error.x * error.x + error.y * error.y;
+      ++sum.poses;
+      if (row.tick > 0) largest_step = std::max(largest_step, core::distance(error, before[i]));
+      before[i] = error;
+    }
+  EXPECT_GT(west.poses, 25);
+  EXPECT_GT(east.poses, 25);
+  EXPECT_GT(both.poses, 25);
+  EXPECT_LE(both.rms(), 1.2 * std::max(west.rms(), east.rms()));
+  EXPECT_LT(largest_step, 1e-3);
+  EXPECT_EQ(replayed_cameras(run), "");
+}
+
+/// Calibrations never agree perfectly: here one camera hangs a tenth of a degree from where its calibration has it.
+TEST(Cameras, NoPoseJumpsWhereTwoCalibrationsDiffer) {
+  const CamerasRun run(platoon_under_two(",bump_at=0,bump=0.1"));
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_FALSE(run.sink.has<events::Kidnap>());
+  EXPECT_FALSE(run.sink.has<events::CamerasDisagree>());
+  double least_apart = 1e9, largest_step = 0.0, largest = 0.0;
+  core::Pose before[4];
+  for (const TickRecord& row : run.sink.rows)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const core::Measurement *west = CamerasRun::seen(row, i, 0), *east = CamerasRun::seen(row, i, 1);
+      if (west && east) least_apart = std::min(least_apart, core::distance(west->pose, east->pose));
+      const core::Pose &pose = row.robots[i].pose, &truth = row.robots[i].truth;
+      const core::Pose error{pose.x - truth.x, pose.y - truth.y, 0.0};
+      if (row.tick > 0) largest_step = std::max(largest_step, core::distance(error, before[i]));
+      largest = std::max(largest, std::hypot(error.x, error.y));
+      before[i] = error;
+    }
+  EXPECT_GT(least_apart, 2e-3) << "the control: what the cameras measure is apart";
+  EXPECT_LT(largest_step, 0.3 * least_apart);
+  EXPECT_LT(largest, 5e-3) << "no worse than the worse camera";
+  EXPECT_EQ(replayed_cameras(run), "");
+}
+
+TEST(Cameras, OneThatIsLostLeavesTheRest) {
+  const CamerasRun run(platoon_under_two(",lost_at=2.5"));
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_EQ(run.failure, "");
+  EXPECT_THAT(run.alarms, Contains(HasSubstr("camera 2: lost: the synthetic camera is lost (camera.lost_at); robots "
+                                             "that no other camera sees stand")));
+  EXPECT_EQ(run.sink.count<events::CameraLost>(), 1);
+  EXPECT_NE(run.csv.str().find("camera_lost c2"), std::string::npos);
+  int stood = 0, drove = 0;
+  for (const TickRecord& row : run.sink.rows) {
+    if (row.now < 2.8) continue;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const RobotRecord& robot = row.robots[i];
+      EXPECT_EQ(robot.is(lost), !CamerasRun::seen(row, i, 0)) << "robot " << i + 1 << " at " << row.t;
+      stood += robot.is(lost) && robot.wheels.left == 0.0 && robot.wheels.right == 0.0 ? 1 : 0;
+      drove += !robot.is(lost) && robot.wheels.left > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(stood, 0);
+  EXPECT_GT(drove, 0) << "who is seen drives on";
+  EXPECT_EQ(replayed_cameras(run), "");
+}
+
+TEST(Cameras, WhenAllAreLostEverybodyStops) {
+  const CamerasRun run(platoon_under_two(",lost_at=2.5", {"camera.lost_at=3"}));
+  EXPECT_EQ(run.end, Phase::stopped);
+  EXPECT_THAT(run.failure, HasSubstr("camera 1: the synthetic camera is lost (camera.lost_at); camera 2: the "
+                                     "synthetic camera is lost (camera.lost_at)"));
+  ASSERT_FALSE(run.sink.rows.empty());
+  EXPECT_LE(run.sink.rows.back().now, 3.0 + 0.12);
+}
+
+TEST(Cameras, OneThatIsBumpedStopsTheRobotsAndTheOperatorIsToldWhichOne) {
+  const CamerasRun run(platoon_under_two(",bump_at=1"));  // all four are under it
+  EXPECT_EQ(run.end, Phase::stopped);
+  EXPECT_THAT(run.failure, HasSubstr("camera 2 moved (or the floor under it): all 4 tags moved by"));
+  EXPECT_NE(run.csv.str().find("camera_moved c2 tags=4"), std::string::npos);
+  EXPECT_LE(run.sink.rows.back().now, 1.0 + 0.12) << "three frames of 40 ms at most";
+  EXPECT_EQ(replayed_cameras(run), "");
+}
+
+/// One robot under two cameras: its own jump and the bumped camera's look the same to that camera, but not to the
+/// other.
+struct OneRobot {
+  static Experiment under(const std::string& second_camera, const Sets& more = {}) {
+    Sets sets{"camera.source=synthetic", "camera.also=[{source=\"synthetic\"" + second_camera + "}]", "duration=4"};
+    sets.insert(sets.end(), more.begin(), more.end());
+    return good(
+        "[reference]\nkind = \"independent\"\n[[robot]]\ntag = 1\n"
+        "trajectory = { path = { shape = \"line\", from = [0.0, -0.2], to = [0.0, 0.3] }, speed = 0.08 }\n",
+        sets);
+  }
+};
+
+TEST(Cameras, ABumpIsKnownByOneRobotThatAnotherCameraSees) {
+  const CamerasRun run(OneRobot::under(",bump_at=2"));
+  EXPECT_EQ(run.end, Phase::stopped);
+  EXPECT_THAT(run.failure, HasSubstr("cameras 1 and 2 see robot 1 "));
+  EXPECT_FALSE(run.sink.has<events::Kidnap>()) << "the robot is where it was";
+  EXPECT_LE(run.sink.rows.back().now, 2.0 + 0.28) << "five frames and a tick";
+  for (const TickRecord& row : run.sink.rows)
+    EXPECT_LT(core::distance(row.robots[0].pose, row.robots[0].truth), 2e-3) << "nobody drives by the moved one";
+  EXPECT_EQ(replayed_cameras(run), "");
+}
+
+TEST(Cameras, OneThatWasMovedSinceItsCalibrationIsKnownAtTheStart) {
+  const CamerasRun run(OneRobot::under(",bump_at=0"));
+  EXPECT_EQ(run.end, Phase::stopped);
+  EXPECT_THAT(run.failure, HasSubstr("cameras 1 and 2 see robot 1 "));
+  EXPECT_LE(run.sink.rows.back().t, 0.28);
+}
+
+TEST(Cameras, TheSameGoesOnByTheFirstCameraWhereTheFileSaysSo) {
+  const CamerasRun run(OneRobot::under(",bump_at=2", {"failure.camera_moved=go_on"}));
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_EQ(run.sink.count<events::CamerasDisagree>(), 1) << "it is said all the same, once";
+}
+
+TEST(Cameras, ARobotThatIsCarriedWhereBothSeeItIsAKidnapAndNoMore) {
+  const CamerasRun run(OneRobot::under("", {"perturb=[]", "operator=[{t=2,does=\"kick r1 vx=0.0 vy=0.9\"}]"}));
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_FALSE(run.sink.has<events::CamerasDisagree>());
+  EXPECT_FALSE(run.sink.has<events::CameraMoved>());
+}
+
+}  // namespace
+}  // namespace skein::app
