@@ -48,6 +48,8 @@ TEST_P(Look, CutsNothingOff) {
   ASSERT_TRUE(eventually([&] { return window.size() == QSize(screen.width, screen.height); }))
       << "it needs more: " << window.width() << " x " << window.height();
   QTest::qWait(50);  // layouts
+  // A label whose text has just changed asks for its room by an event: nobody sees it before.
+  QCoreApplication::sendPostedEvents(nullptr, QEvent::LayoutRequest);
   for (QWidget* widget : window.findChildren<QWidget*>()) {
     const bool text = qobject_cast<QAbstractButton*>(widget) || qobject_cast<QAbstractSpinBox*>(widget) ||
                       (qobject_cast<QLabel*>(widget) && widget->objectName() != QStringLiteral("alert"));
