@@ -210,7 +210,7 @@ TEST(OwnController, ARunIsRepeatedToTheBitWithoutIt) {
 TEST(OwnController, ARunWithGapsIsRepeatedToTheBitAsWell) {
   for (const char* const failure : {"hold", "built_in"}) {
     const Outcome first = outcome_of(experiment_of(
-        {host("--adversary 6"), "controller.deadline=0.004", fmt::format("controller.failure={}", failure)}));
+        {host("--adversary 6"), "controller.deadline=0.02", fmt::format("controller.failure={}", failure)}));
     ASSERT_EQ(first.error, "");
     EXPECT_GT(first.report.late, 0);
     EXPECT_LT(first.report.late, first.report.asked);
@@ -258,7 +258,7 @@ TEST(OwnController, OneThatCrashesEndsTheRunOrLeavesItToTheBuiltInLaw) {
 TEST(OwnController, OneThatHangsIsEndedAndCostsTheTickItsDeadlineAlone) {
   for (const std::uint64_t seed : {8, 9}) {  // hangs; stops itself
     const Outcome run =
-        outcome_of(experiment_of({host(fmt::format("--adversary {}", seed)), "controller.deadline=0.004"}));
+        outcome_of(experiment_of({host(fmt::format("--adversary {}", seed)), "controller.deadline=0.02"}));
     EXPECT_EQ(run.end, Phase::stopped);
     EXPECT_THAT(run.failure, HasSubstr("was late 25 times in a row")) << word(adversary_of(seed));
     EXPECT_EQ(run.report.late, 25);
