@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
-#include <exception>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -161,6 +160,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     print_out(completions(program, {argv + 2, argv + argc}));
     return done;
   }
+  refuse_options_as_values(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -206,15 +206,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
 }  // namespace
 
 int bench(int argc, char** argv, const BenchWindow& bench_window) {
-  fill_standard_descriptors();
-  try {
-    return parse_and_measure(argc, argv, bench_window);
-  } catch (const std::exception& error) {
-    complain(error.what());
-  } catch (...) {
-    complain("an unknown error");
-  }
-  return device_failed;
+  return exit_status_of([&] { return parse_and_measure(argc, argv, bench_window); });
 }
 
 }  // namespace skein::app

@@ -8,7 +8,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 
@@ -29,7 +28,6 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
-#include "app/run/output_error.h"
 #include "app/run/resources.h"
 #include "app/run/version.h"
 #include "comms/crash_stop.h"
@@ -283,6 +281,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     print_out(completions(program, {argv + 2, argv + argc}, candidates));
     return done;
   }
+  refuse_options_as_values(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -360,19 +359,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 }  // namespace
 
 int command_line(int argc, char** argv, const ShowWindow& show_window) {
-  fill_standard_descriptors();
-  try {
-    const int status = parse_and_do(argc, argv, show_window);
-    const int error = output_error();
-    if (error == 0) return status;
-    complain(fmt::format("stdout: cannot be written: {}", std::strerror(error)));
-    return status == done ? static_cast<int>(device_failed) : status;
-  } catch (const std::exception& error) {
-    complain(error.what());
-  } catch (...) {
-    complain("an unknown error");
-  }
-  return device_failed;
+  return exit_status_of([&] { return parse_and_do(argc, argv, show_window); });
 }
 
 }  // namespace skein::app

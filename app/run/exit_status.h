@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 namespace skein::app {
 
 /// Exit statuses that scripts rely on.
@@ -9,5 +11,9 @@ enum ExitStatus {
   wrong_input = 2,         ///< the command line or a file
   device_failed = 3,       ///< a camera or a robot
 };
+
+/// Runs a whole program, from its first to its last output: what it returns is its exit status. An exception is a
+/// complaint, and lost output as well (a full disk): both are device_failed where nothing worse is known.
+int exit_status_of(const std::function<int()>& program) noexcept;
 
 }  // namespace skein::app

@@ -39,6 +39,24 @@ class Manual : public testing::Test {
   bool flag = false;
 };
 
+TEST_F(Manual, AnOptionIsNotTheValueOfAnotherOne) {
+  refuse_options_as_values(program);
+  const auto said = [&](std::string words) -> std::string {
+    try {
+      program.parse(std::move(words));
+    } catch (const CLI::ParseError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(said("run x --speed --set a=1"), "--speed: --set not in {max,realtime}");
+  EXPECT_EQ(said("run x --set --quiet"), "--set: KEY=VALUE is missing before --quiet");
+  EXPECT_EQ(said("run x --set --speed=max"), "--set: KEY=VALUE is missing before --speed=max");
+  EXPECT_EQ(said("run x --set -1 --quiet"), "") << "a negative number is a value";
+  EXPECT_EQ(said("run --quiet -- --odd"), "") << "a file may be called so, behind --";
+  EXPECT_EQ(text, "--odd");
+}
+
 TEST_F(Manual, EveryCommandHasAPageAndHiddenOnesHaveNone) {
   std::vector<std::string> names;
   for (const ManualPage& page : manual_pages(program, "1.2")) names.push_back(page.name);

@@ -52,8 +52,9 @@ class Folder {
 /// The program with these words, its output in files.
 class Program {
  public:
-  explicit Program(const std::vector<std::string>& words, const char* out = nullptr) {
-    std::vector<std::string> all{skein::test::program()};
+  explicit Program(const std::vector<std::string>& words, const char* out = nullptr,
+                   const std::string& program = skein::test::program()) {
+    std::vector<std::string> all{program};
     all.insert(all.end(), words.begin(), words.end());
     std::vector<char*> arguments;
     for (std::string& word : all) arguments.push_back(word.data());
@@ -369,6 +370,17 @@ TEST(CommandLine, ResultsThatStdoutDoesNotTakeAreAnError) {
     EXPECT_TRUE(has(full.err(), "stdout: cannot be written: No space left on device")) << full.err();
     EXPECT_EQ(nowhere.wait(), 0) << words[0];
   }
+  const auto beside = std::filesystem::path(skein::test::program()).replace_filename("skein-bench").string();
+  Program benchmarks({"--version"}, "/dev/full", beside);
+  EXPECT_EQ(benchmarks.wait(), 3);
+}
+
+// A run may not be written to a file named "--set" where the name was forgotten.
+TEST(CommandLine, AnOptionWithoutItsValueIsNamed) {
+  const Result r = skein({"run", experiments + "platoon.toml", "--csv", "--set", "duration=1"});
+  EXPECT_EQ(r.status, 2);
+  EXPECT_TRUE(has(r.err, "--csv: FILE is missing before --set")) << r.err;
+  EXPECT_FALSE(std::filesystem::exists("--set"));
 }
 
 TEST(CommandLine, ATextFileHasALargestSize) {
