@@ -24,6 +24,7 @@
 #include "core/safety/limits.h"
 #include "core/safety/shield.h"
 #include "core/simulation/simulated_robot.h"
+#include "vision/frames/film.h"
 
 namespace skein::app {
 
@@ -216,6 +217,7 @@ struct CameraSpec {
   std::string calibration;      ///< path, relative to the experiment file; empty: the synthetic camera's own
   /// Settings of a real camera; NaN: unchanged. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
+  vision::FilmCoding film = vision::FilmCoding::lossless;  ///< how --video keeps its frames
   std::string trigger;  ///< what triggers a real camera's frames, see vision::SourceOptions; empty: its own clock
   /// For practice: this long after the session was opened the synthetic camera is tilted by `bump` degrees, and stays
   /// so; empty: never. [s]

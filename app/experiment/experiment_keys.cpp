@@ -145,6 +145,8 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.camera.focus; }, [](Limits) { return between(0.0, 1e6); }}},
       {"camera", "trigger", "of an aravis camera: software, or one of its lines; empty: it runs free",
        TextKey{[](E& e) -> auto& { return e.camera.trigger; }, 100}},
+      {"camera", "film", "how a run's film (--video) keeps the pixels: to the bit, or in a tenth of the room",
+       choice<[](E& e) -> auto& { return e.camera.film; }>()},
 
       {"camera", "bump_at", "for practice: when the synthetic camera is bumped, counted from its opening",
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.bump_at; },

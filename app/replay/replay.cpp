@@ -19,6 +19,7 @@
 #include "app/replay/replay_film.h"
 #include "app/run/operator_command.h"
 #include "app/tick/control_tick.h"
+#include "core/geometry/pose.h"
 
 namespace skein::app {
 namespace {
@@ -74,6 +75,37 @@ void compare_poses(const TickRecord& recorded, std::span<const core::Measurement
     result.poses_different += same(values, recorded, i, result) ? 0 : 1;
   }
 }
+
+/// What the poses of a film with losses differ by from the recorded ones.
+class FilmLoss {
+ public:
+  void add(const TickRecord& recorded, std::span<const core::Measurement> seen, ReplayResult& result) {
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const core::Measurement &a = recorded.robots[i].measurement, &b = seen[i];
+      if (std::isnan(a.captured_at)) continue;  // nobody had seen it yet
+      ++result.poses;
+      if (a.captured_at != b.captured_at) {
+        ++result.poses_missing;
+        continue;
+      }
+      ++compared_;
+      const double distance = std::hypot(b.pose.x - a.pose.x, b.pose.y - a.pose.y);
+      const double turn = core::wrap_angle(b.pose.theta - a.pose.theta);
+      squares_ += distance * distance;
+      turns_ += turn * turn;
+      result.pose_error_max = std::max(result.pose_error_max, distance);
+    }
+  }
+  void finish(ReplayResult& result) const {
+    if (compared_ == 0) return;
+    result.pose_error_rms = std::sqrt(squares_ / static_cast<double>(compared_));
+    result.heading_error_rms = std::sqrt(turns_ / static_cast<double>(compared_));
+  }
+
+ private:
+  double squares_ = 0.0, turns_ = 0.0;
+  std::int64_t compared_ = 0;
+};
 
 void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& result) {
   for (std::size_t i = 0; i < recorded.robots.size(); ++i) {
@@ -137,6 +169,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     if (!opened) return tl::unexpected(opened.error());
     frames = std::move(*opened);
     result.filmed = true;
+    result.lossless = frames->lossless();
   }
 
   const bool own = experiment->controller.law.own();
@@ -153,6 +186,8 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   std::vector<core::Twist> laws(own ? experiment->robots.size() : 0);
 
   ControlTick tick(*experiment);
+  FilmLoss loss;
+  std::vector<core::Measurement> from_film(frames ? experiment->robots.size() : 0);
   std::vector<core::Measurement> measurements(experiment->cameras() * experiment->robots.size());
   std::vector<double> delays(experiment->robots.size());
   std::vector<LinkInput> links(experiment->robots.size());
@@ -163,9 +198,11 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
     if (frames) {
-      if (const auto seen = frames->advance(newest_capture(row), measurements); !seen)
-        return tl::unexpected(seen.error());
-      compare_poses(row, measurements, result);
+      if (const auto seen = frames->advance(newest_capture(row), from_film); !seen) return tl::unexpected(seen.error());
+      result.lossless ? compare_poses(row, from_film, result) : loss.add(row, from_film, result);
+    }
+    if (frames && result.lossless) {
+      measurements = from_film;
     } else if (experiment->cameras() > 1) {
       measurements = row.by_camera;
     } else {
@@ -208,6 +245,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   if (reader->torn()) result.warnings.push_back(*reader->torn());
   if (frames) {
     result.frames = frames->frames();
+    loss.finish(result);
     result.missing_frames = frames->missing();
     if (result.missing_frames > 0)
       result.warnings.push_back(

@@ -29,6 +29,11 @@ tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, 
   return ReplayFilm(std::move(*source), std::move(tracker), std::move(wanted));
 }
 
+bool ReplayFilm::lossless() const {
+  const auto coding = source_->notes().find(vision::coding_note);
+  return coding == source_->notes().end() || coding->second == word(vision::FilmCoding::lossless);
+}
+
 tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core::Measurement> newest) {
   while (!ended_) {
     if (!has_next_) {

@@ -25,6 +25,9 @@ class ReplayFilm {
   /// measurement is in `newest`.
   tl::expected<void, std::string> advance(double time, std::span<core::Measurement> newest);
 
+  /// Whether its pixels are those that the tracker saw during the run.
+  bool lossless() const;
+
   std::int64_t frames() const noexcept { return frames_; }    ///< worked off
   std::int64_t missing() const noexcept { return missing_; }  ///< that the recorder had dropped before those
 

@@ -68,6 +68,14 @@ Step check_experiment(const std::string& folder, const std::string& csv) {
   return {"experiment", true, "run.csv embeds experiment.toml"};
 }
 
+/// A film with losses proves no pose to the bit, but shows that the poses were measured.
+std::string film_loss(const ReplayResult& result) {
+  return fmt::format(
+      "; the film, which is not lossless, gives {} of {} poses, {:.3f} mm (rms), at most {:.3f} mm, apart",
+      result.poses - result.poses_missing, result.poses, 1000.0 * result.pose_error_rms,
+      1000.0 * result.pose_error_max);
+}
+
 Step check_commands(const std::string& folder, const std::string& csv, std::vector<std::string>& notes) {
   std::ifstream in(csv, std::ios::binary);
   const fs::path film = fs::path(folder) / run_files::film;
@@ -81,7 +89,9 @@ Step check_commands(const std::string& folder, const std::string& csv, std::vect
                         result->poses_different, result->poses, result->first)};
   return {"commands", true,
           fmt::format("{} commands of {} ticks are the same, bit for bit{}", result->commands, result->ticks,
-                      result->filmed ? fmt::format(", from the {} frames of the film", result->frames) : "")};
+                      !result->filmed    ? ""
+                      : result->lossless ? fmt::format(", from the {} frames of the film", result->frames)
+                                         : film_loss(*result))};
 }
 
 /// Compares what a run writes with a file, line by line. The first line, which names the program, may differ.

@@ -165,7 +165,8 @@ tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
   auto recorder = vision::Recorder::open(path, {{"PROGRAM", "skein " SKEIN_VERSION},
                                                 {"SOURCE", spec_.source},
                                                 {"EXPERIMENT", experiment_.source},
-                                                {"CALIBRATION", format_calibration(calibration_)}});
+                                                {"CALIBRATION", format_calibration(calibration_)}},
+                                         spec_.film);
   if (!recorder) return tl::unexpected(recorder.error());
   recorder_ = std::move(*recorder);
   return {};

@@ -20,7 +20,7 @@ struct Files {
 
   Files() {
     std::string error;
-    const auto writer = vision::media::create_film(path, {}, error);
+    const auto writer = vision::media::create_film(path, {}, vision::FilmCoding::lossless, error);
     for (const vision::Frame& frame : film) writer->write(frame);
     writer->finish();
     well.push_back(fuzz::read_bytes(path));

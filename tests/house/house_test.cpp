@@ -117,7 +117,7 @@ TEST(Rules, ReportWhatIsForbidden) {
            {"vision/track/a.cpp", "#include \"../comms/link.h\""},
            {"app/run/a.cpp", "#include \"app/tick/control_tick.h\""},
            {"app/tick/a.cpp", "#include \"app/session/session.h\""},
-           {"app/experiment/a.cpp", "#include \"vision/frames/frame.h\""},
+           {"app/experiment/a.cpp", "#include \"vision/tracker/tracker.h\""},
            {"vision/fit/a.cpp", "#include \"vision/tracker/tracker.h\""},
            // another room's names, whichever header they come by
            {"vision/fit/a.cpp", "comms::LinkState state;"},

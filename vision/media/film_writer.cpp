@@ -15,14 +15,17 @@ extern "C" {
 namespace skein::vision::media {
 namespace {
 
-constexpr AVRational milliseconds{1, 1000};  // Matroska's own
+constexpr AVRational milliseconds{1, 1000};     // Matroska's own
+constexpr int frames_between_whole_ones = 25;   // of a small film: what a damaged frame may damage
+constexpr const char* constant_quality = "20";  // x264's CRF, of a small film
 
-class Ffv1Film final : public FilmWriter {
+class MatroskaFilm final : public FilmWriter {
  public:
-  Ffv1Film(std::string path, FilmNotes notes) : path_(std::move(path)), notes_(std::move(notes)) {}
-  ~Ffv1Film() override { finish(); }
-  Ffv1Film(const Ffv1Film&) = delete;
-  Ffv1Film& operator=(const Ffv1Film&) = delete;
+  MatroskaFilm(std::string path, FilmNotes notes, FilmCoding coding)
+      : path_(std::move(path)), notes_(std::move(notes)), coding_(coding) {}
+  ~MatroskaFilm() override { finish(); }
+  MatroskaFilm(const MatroskaFilm&) = delete;
+  MatroskaFilm& operator=(const MatroskaFilm&) = delete;
 
   /// Empty, or what is in the way.
   std::string create() {
@@ -46,7 +49,8 @@ class Ffv1Film final : public FilmWriter {
     picture_->pts = last_pts_;
     int result = avcodec_send_frame(codec_.get(), picture_.get());
     if (result >= 0) result = avcodec_receive_packet(codec_.get(), packet_.get());
-    if (result >= 0) result = attach(to_text(stamp_of(frame)));
+    if (result >= 0) result = read_back(frame);
+    if (result >= 0) result = attach(to_text(stamp_of(*seen_)));
     if (result >= 0) {
       packet_->duration = 1;
       result = av_write_frame(file_, packet_.get());
@@ -75,8 +79,8 @@ class Ffv1Film final : public FilmWriter {
   std::string failed(int error) const { return fmt::format("{}: cannot be written: {}", path_, reason(error)); }
 
   std::string begin(const Frame& frame) {
-    const AVCodec* coder = avcodec_find_encoder(AV_CODEC_ID_FFV1);
-    if (coder == nullptr) return path_ + ": this system's FFmpeg cannot write FFV1";
+    const AVCodec* coder = encoder();
+    if (coder == nullptr) return fmt::format("{}: this system's FFmpeg cannot write {} films", path_, word(coding_));
     codec_.reset(avcodec_alloc_context3(coder));
     picture_.reset(av_frame_alloc());
     packet_.reset(av_packet_alloc());
@@ -88,17 +92,17 @@ class Ffv1Film final : public FilmWriter {
     picture_->format = AV_PIX_FMT_GRAY8;
     codec_->color_range = picture_->color_range = AVCOL_RANGE_JPEG;
     codec_->time_base = milliseconds;
-    codec_->gop_size = 1;  // a damaged frame damages no other
     codec_->thread_count = 1;
-    codec_->level = 3;
     if ((file_->oformat->flags & AVFMT_GLOBALHEADER) != 0) codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    av_opt_set(codec_->priv_data, "slicecrc", "1", 0);
+    tune();
     int result = avcodec_open2(codec_.get(), coder, nullptr);
     if (result >= 0) result = avcodec_parameters_from_context(stream->codecpar, codec_.get());
+    if (result >= 0) result = open_decoder(*stream->codecpar);
     if (result < 0) return failed(result);
     stream->time_base = milliseconds;
     for (const auto& [name, text] : notes_) av_dict_set(&file_->metadata, name.c_str(), text.c_str(), 0);
     av_dict_set(&file_->metadata, film_note, film_version, 0);
+    av_dict_set(&file_->metadata, coding_note, std::string(word(coding_)).c_str(), 0);
     // Ends a cluster every second: a run that breaks off loses no more than that.
     AVDictionary* options = nullptr;
     av_dict_set(&options, "cluster_time_limit", "1000", 0);
@@ -108,6 +112,60 @@ class Ffv1Film final : public FilmWriter {
     begun_ = true;
     first_at_ = frame.captured_at;
     return {};
+  }
+
+  const AVCodec* encoder() const {
+    switch (coding_) {
+      case FilmCoding::lossless:
+        return avcodec_find_encoder(AV_CODEC_ID_FFV1);
+      case FilmCoding::small:
+        return avcodec_find_encoder_by_name("libx264");
+    }
+    return nullptr;
+  }
+
+  void tune() {
+    switch (coding_) {
+      case FilmCoding::lossless:
+        codec_->gop_size = 1;  // a damaged frame damages no other
+        codec_->level = 3;
+        av_opt_set(codec_->priv_data, "slicecrc", "1", 0);
+        break;
+      case FilmCoding::small:
+        codec_->gop_size = frames_between_whole_ones;
+        av_opt_set(codec_->priv_data, "preset", "superfast", 0);
+        av_opt_set(codec_->priv_data, "tune", "zerolatency", 0);  // a packet for every frame, at once
+        av_opt_set(codec_->priv_data, "crf", constant_quality, 0);
+        break;
+    }
+  }
+
+  int open_decoder(const AVCodecParameters& parameters) {
+    if (coding_ == FilmCoding::lossless) return 0;
+    const AVCodec* coder = avcodec_find_decoder(parameters.codec_id);
+    if (coder == nullptr) return AVERROR_DECODER_NOT_FOUND;
+    decoder_.reset(avcodec_alloc_context3(coder));
+    decoded_.reset(av_frame_alloc());
+    if (!decoder_ || !decoded_) return AVERROR(ENOMEM);
+    int result = avcodec_parameters_to_context(decoder_.get(), &parameters);
+    decoder_->thread_count = 1;
+    decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;  // a picture for every packet, at once
+    if (result >= 0) result = avcodec_open2(decoder_.get(), coder, nullptr);
+    return result;
+  }
+
+  /// What the film's reader will see of the frame, whose checksum shows it later that nothing is damaged, goes to
+  /// seen_.
+  int read_back(const Frame& frame) {
+    seen_ = &frame;
+    if (!decoder_) return 0;
+    int result = avcodec_send_packet(decoder_.get(), packet_.get());
+    if (result >= 0) result = avcodec_receive_frame(decoder_.get(), decoded_.get());
+    if (result < 0) return result;
+    read_.index = frame.index;
+    read_.captured_at = frame.captured_at;
+    seen_ = &read_;
+    return to_grey(*decoded_, scaler_, read_) ? 0 : AVERROR_INVALIDDATA;
   }
 
   /// Text beside the frame: BlockAdditional, whose id, 1, comes first.
@@ -121,10 +179,14 @@ class Ffv1Film final : public FilmWriter {
 
   std::string path_;
   FilmNotes notes_;
+  FilmCoding coding_;
   AVFormatContext* file_ = nullptr;
-  Codec codec_;
-  Picture picture_;
+  Codec codec_, decoder_;  // there is a decoder where pixels do not come back as they were
+  Picture picture_, decoded_;
   Packet packet_;
+  Scaler scaler_;
+  Frame read_;
+  const Frame* seen_ = nullptr;
   bool begun_ = false;
   double first_at_ = 0.0;
   std::int64_t last_pts_ = -1;
@@ -133,9 +195,10 @@ class Ffv1Film final : public FilmWriter {
 
 }  // namespace
 
-std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, std::string& error) {
+std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, FilmCoding coding,
+                                        std::string& error) {
   av_log_set_level(AV_LOG_QUIET);  // what matters is said by whoever asked
-  auto film = std::make_unique<Ffv1Film>(path, notes);
+  auto film = std::make_unique<MatroskaFilm>(path, notes, coding);
   error = film->create();
   if (!error.empty()) return nullptr;
   return film;

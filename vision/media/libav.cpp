@@ -6,6 +6,7 @@ extern "C" {
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -15,6 +16,24 @@ std::string reason(int error) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(error, text, sizeof text);
   return text;
+}
+
+bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame) {
+  const int width = picture.width;
+  const int height = picture.height;
+  if (width <= 0 || height <= 0) return false;
+  frame.resize(width, height);
+  if (picture.format == AV_PIX_FMT_GRAY8) {
+    for (int v = 0; v < height; ++v)
+      std::copy_n(picture.data[0] + static_cast<std::ptrdiff_t>(v) * picture.linesize[0], width, frame.row(v));
+    return true;
+  }
+  scaler.reset(sws_getCachedContext(scaler.release(), width, height, static_cast<AVPixelFormat>(picture.format), width,
+                                    height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr));
+  if (!scaler) return false;
+  std::uint8_t* const rows[4] = {frame.grey.data(), nullptr, nullptr, nullptr};
+  const int strides[4] = {width, 0, 0, 0};
+  return sws_scale(scaler.get(), picture.data, picture.linesize, 0, height, rows, strides) == height;
 }
 
 Stamp stamp_of(const Frame& frame) {

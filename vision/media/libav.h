@@ -35,6 +35,10 @@ using Picture = std::unique_ptr<AVFrame, FrameDeleter>;
 using Packet = std::unique_ptr<AVPacket, PacketDeleter>;
 using Scaler = std::unique_ptr<SwsContext, ScalerDeleter>;
 
+/// A decoded picture as grey values; false: its pixel format cannot be converted. `scaler` is kept from picture to
+/// picture.
+bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame);
+
 /// FFmpeg's message for one of its error numbers.
 std::string reason(int error);
 
@@ -47,7 +51,8 @@ inline constexpr const char* film_version = "1";
 struct Stamp {
   std::int64_t index = 0;
   double captured_at = 0.0;    // [s]
-  std::uint32_t checksum = 0;  // CRC-32 of all this and the pixels: FFV1's own covers only what it has coded
+  std::uint32_t checksum = 0;  // CRC-32 of all this and the pixels, as they are read back: a codec's own, where it has
+                               // one, covers only what it has coded
 };
 Stamp stamp_of(const Frame& frame);
 /// "index captured_at checksum"; numbers are the shortest that read back to the same bits.

@@ -32,6 +32,6 @@ bool decode_jpeg(const std::uint8_t* bytes, std::size_t size, Frame& frame) {
 }  // namespace skein::vision::media
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Media skein_media_4 = {.open = skein::vision::media::open,
+const skein::vision::Media skein_media_5 = {.open = skein::vision::media::open,
                                             .decode_jpeg = skein::vision::media::decode_jpeg,
                                             .create_film = skein::vision::media::create_film};

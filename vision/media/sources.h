@@ -11,6 +11,7 @@ std::unique_ptr<FrameSource> open_images(const std::string& path, std::string& e
 std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error);
 
 /// Begins one.
-std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, std::string& error);
+std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, FilmCoding coding,
+                                        std::string& error);
 
 }  // namespace skein::vision::media

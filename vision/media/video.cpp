@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 #include "vision/media/libav.h"
@@ -102,49 +103,33 @@ class Video final : public FrameSource {
     }
   }
 
-  /// A recorded film's decoder gives a picture for each packet, in their order: what belongs to the packet belongs to
-  /// the picture.
+  /// A picture has the time of the packet that it comes from; a decoder may hold some back.
   void remember_stamp() {
     std::size_t size = 0;
     const std::uint8_t* data = av_packet_get_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, &size);
-    stamp_ =
-        data != nullptr && size > 8 ? parse_stamp({reinterpret_cast<const char*>(data) + 8, size - 8}) : std::nullopt;
+    if (data == nullptr || size <= 8) return;
+    if (const auto stamp = parse_stamp({reinterpret_cast<const char*>(data) + 8, size - 8}))
+      stamps_[packet_->pts] = *stamp;
   }
 
   /// Null, or what is wrong with the picture.
   const char* convert(Frame& frame) {
     const std::int64_t number = pictures_++;
     if ((picture_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || picture_->decode_error_flags != 0) return "is damaged";
-    if (!to_grey(frame)) return "is of a pixel format that cannot be converted";
+    if (!to_grey(*picture_, scaler_, frame)) return "is of a pixel format that cannot be converted";
     if (recorded_) {
-      if (!stamp_) return "has lost its capture time";
-      frame.index = stamp_->index;
-      frame.captured_at = stamp_->captured_at;
-      if (stamp_of(frame).checksum != stamp_->checksum) return "is damaged";
+      const auto stamp = stamps_.extract(picture_->pts);
+      stamps_.erase(stamps_.begin(), stamps_.lower_bound(picture_->pts));  // of packets that no picture came from
+      if (!stamp) return "has lost its capture time";
+      frame.index = stamp.mapped().index;
+      frame.captured_at = stamp.mapped().captured_at;
+      if (stamp_of(frame).checksum != stamp.mapped().checksum) return "is damaged";
     } else {
       frame.index = number;
       frame.captured_at = time_in_film();
     }
     frame.source = std::to_string(frame.index);
     return nullptr;
-  }
-
-  bool to_grey(Frame& frame) {
-    const int width = picture_->width;
-    const int height = picture_->height;
-    if (width <= 0 || height <= 0) return false;
-    frame.resize(width, height);
-    if (picture_->format == AV_PIX_FMT_GRAY8) {
-      for (int v = 0; v < height; ++v)
-        std::copy_n(picture_->data[0] + static_cast<std::ptrdiff_t>(v) * picture_->linesize[0], width, frame.row(v));
-      return true;
-    }
-    scaler_.reset(sws_getCachedContext(scaler_.release(), width, height, static_cast<AVPixelFormat>(picture_->format),
-                                       width, height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr));
-    if (!scaler_) return false;
-    std::uint8_t* const rows[4] = {frame.grey.data(), nullptr, nullptr, nullptr};
-    const int strides[4] = {width, 0, 0, 0};
-    return sws_scale(scaler_.get(), picture_->data, picture_->linesize, 0, height, rows, strides) == height;
   }
 
   /// Some containers carry no stamps: then the frames are evenly spaced.
@@ -180,10 +165,10 @@ class Video final : public FrameSource {
   double rate_ = 0.0;
   double last_time_ = -1.0;
   std::int64_t first_stamp_ = AV_NOPTS_VALUE;
-  std::optional<Stamp> stamp_;
-  std::int64_t pictures_ = 0;  // that the decoder gave
-  std::int64_t whole_ = 0;     // that were handed on
-  std::int64_t damaged_ = 0;   // that were not
+  std::map<std::int64_t, Stamp> stamps_;  // of a recorded film's packets that are being decoded, by their times
+  std::int64_t pictures_ = 0;             // that the decoder gave
+  std::int64_t whole_ = 0;                // that were handed on
+  std::int64_t damaged_ = 0;              // that were not
   std::vector<std::string> skipped_;
 };
 

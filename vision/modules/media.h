@@ -25,11 +25,12 @@ struct Media {
   bool (*decode_jpeg)(const std::uint8_t* bytes, std::size_t size, Frame& frame);
 
   /// See film.h.
-  std::unique_ptr<FilmWriter> (*create_film)(const std::string& path, const FilmNotes& notes, std::string& error);
+  std::unique_ptr<FilmWriter> (*create_film)(const std::string& path, const FilmNotes& notes, FilmCoding coding,
+                                             std::string& error);
 };
 
 /// The one name that is looked up in the module. It carries a number, to be raised whenever Media, Frame, FrameSource
 /// or FilmWriter change, so that a module left over from another version is refused.
-inline constexpr const char* media_symbol = "skein_media_4";
+inline constexpr const char* media_symbol = "skein_media_5";
 
 }  // namespace skein::vision

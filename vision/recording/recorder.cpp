@@ -15,9 +15,10 @@ void wait(sem_t& semaphore) {
 }
 
 /// Over whatever `path` held before. None: why not is in `error`.
-std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, std::string& error) {
+std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, FilmCoding coding,
+                                        std::string& error) {
   const auto module = media();
-  if (module) return (*module)->create_film(path, notes, error);
+  if (module) return (*module)->create_film(path, notes, coding, error);
   error = module.error();
   return nullptr;
 }
@@ -25,9 +26,9 @@ std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes
 }  // namespace
 
 tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::open(const std::string& path, const FilmNotes& notes,
-                                                                    std::size_t capacity) {
+                                                                    FilmCoding coding, std::size_t capacity) {
   std::string error;
-  auto film = create_film(path, notes, error);
+  auto film = create_film(path, notes, coding, error);
   if (!film) return tl::unexpected(error);
   return std::make_unique<Recorder>(std::move(film), capacity);
 }

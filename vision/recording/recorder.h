@@ -24,12 +24,13 @@ struct RecorderStatus {
 };
 
 /// Keeps frames in a film, on a thread of its own. Whoever hands them over pays for one copy of the pixels and never
-/// waits for encoder or disk; read back, pixels, capture times and indices are the same bits
-/// (open_source("video:...")).
+/// waits for encoder or disk; read back, capture times and indices are the same bits, and the pixels of a lossless film
+/// as well (open_source("video:...")).
 class Recorder {
  public:
   /// `capacity`: frames that may wait to be written. The error says why the film cannot be created.
   static tl::expected<std::unique_ptr<Recorder>, std::string> open(const std::string& path, const FilmNotes& notes = {},
+                                                                   FilmCoding coding = FilmCoding::lossless,
                                                                    std::size_t capacity = 50);
   /// The same for a film that is already open.
   explicit Recorder(std::unique_ptr<FilmWriter> film, std::size_t capacity = 50);

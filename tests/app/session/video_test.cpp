@@ -120,6 +120,47 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
   EXPECT_NE(none.error().find(path.string()), std::string::npos) << none.error();
 }
 
+/// A film with losses takes a small part of the room; the replay says what they are in millimetres.
+TEST(Video, ASmallFilmSaysWhatItLoses) {
+  const auto folder = std::filesystem::temp_directory_path();
+  std::uintmax_t lossless = 0;
+  for (const std::string film : {"lossless", "small"}) {
+    const auto path = folder / ("skein_" + film + "_" + std::to_string(::getpid()) + ".mkv");
+    const Experiment experiment = short_film_run({"camera.film=" + film});
+    std::ostringstream csv;
+    {
+      CsvWriter file(csv, experiment);
+      SessionOptions options;
+      options.sinks = {&file};
+      options.video = path.string();
+      auto session = Session::open(experiment, Session::Clock::virtual_, options);
+      ASSERT_TRUE(session) << session.error();
+      EXPECT_EQ((*session)->run(), Phase::finished);
+    }
+    const std::uintmax_t size = std::filesystem::file_size(path);
+    std::istringstream in(csv.str());
+    const auto result = replay(in, "run.csv", path.string());
+    std::filesystem::remove(path);
+    ASSERT_TRUE(result) << result.error();
+    EXPECT_EQ(result->different, 0) << result->first;
+    EXPECT_EQ(result->poses_different, 0) << "poses with losses are not compared to the bit";
+    EXPECT_EQ(result->missing_frames, 0);
+    if (film == "lossless") {
+      lossless = size;
+      EXPECT_TRUE(result->lossless);
+      EXPECT_EQ(result->pose_error_max, 0.0);
+      continue;
+    }
+    EXPECT_FALSE(result->lossless);
+    EXPECT_LT(size, lossless / 8);
+    EXPECT_EQ(result->poses, 4 * result->ticks);
+    EXPECT_EQ(result->poses_missing, 0);
+    EXPECT_GT(result->pose_error_rms, 0.0);
+    EXPECT_LT(result->pose_error_rms, 0.0002);
+    EXPECT_LT(result->pose_error_max, 0.001);
+  }
+}
+
 TEST(Video, ADiskThatIsFullDoesNotStopTheRun) {
   // The sixth tick is not over before the recorder has met the disk's end: what holds few frames waits in its buffers.
   struct Patient final : RecordSink {
