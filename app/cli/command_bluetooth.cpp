@@ -4,6 +4,7 @@
 
 #include "app/cli/commands.h"
 #include "app/experiment/experiment_robots.h"
+#include "app/experiment/file_change.h"
 #include "app/experiment/known_robots.h"
 #include "app/experiment/text_file.h"
 #include "app/run/exit_status.h"
@@ -36,6 +37,11 @@ void print(const comms::BluetoothRobot& robot) {
 /// Adds the robots to the file of robots, and says so.
 int save(const std::string& file, const std::vector<comms::BluetoothRobot>& found) {
   const std::string path = known_robots_file(file);
+  auto change = FileChange::begin(path);
+  if (!change) {
+    complain(change.error());
+    return wrong_input;
+  }
   std::string text;
   std::vector<KnownRobot> there, more;
   if (std::filesystem::exists(path)) {
@@ -51,7 +57,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
   for (const comms::BluetoothRobot& robot : found) more.push_back(known(robot));
   const Added added = with_robots(text, there, more);
   if (added.robots > 0)
-    if (const auto saved = save_known_robots(path, added.text); !saved) {
+    if (const auto saved = change->save(added.text); !saved) {
       complain(saved.error());
       return wrong_input;
     }

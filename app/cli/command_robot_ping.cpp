@@ -6,7 +6,7 @@
 #include <map>
 
 #include "app/cli/commands.h"
-#include "app/experiment/known_robots.h"
+#include "app/experiment/file_change.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_edit.h"
 #include "app/guard/safety_net.h"
@@ -30,6 +30,11 @@ void print(const RobotPing::Robot& robot, double seconds) {
 }
 
 int save(const std::string& file, const LinksSpec& links) {
+  auto change = FileChange::begin(file);
+  if (!change) {
+    complain(change.error());
+    return wrong_input;
+  }
   auto text = read_text(file);
   if (!text) {
     print_error(messages(text.error()) + "\n");
@@ -44,7 +49,7 @@ int save(const std::string& file, const LinksSpec& links) {
     }
     *text = std::move(*with);
   }
-  if (const auto saved = save_known_robots(file, *text); !saved) {
+  if (const auto saved = change->save(*text); !saved) {
     complain(saved.error());
     return wrong_input;
   }

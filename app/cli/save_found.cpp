@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/cli/commands.h"
+#include "app/experiment/file_change.h"
 #include "app/experiment/known_robots.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_edit.h"
@@ -12,6 +13,11 @@
 namespace skein::app {
 
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
+  auto change = FileChange::begin(file);
+  if (!change) {
+    complain(change.error());
+    return wrong_input;
+  }
   const auto known = load_known_robots(file);
   const auto text = read_text(file);
   if (!known || !text) {
@@ -34,7 +40,7 @@ int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
     }
   }
   if (changed == *text) return done;
-  if (const auto saved = save_known_robots(file, changed); !saved) {
+  if (const auto saved = change->save(changed); !saved) {
     complain(saved.error());
     return wrong_input;
   }

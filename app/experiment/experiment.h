@@ -172,8 +172,16 @@ struct RobotSpec {
   struct Truth {
     core::DifferentialDrive drive;
     double actuation_delay = 0.0;  ///< [s]
+    /// From `at` [s, session's clock] on it obeys nobody: it drives like this, or on as it does then.
+    struct Runaway {
+      double at = 0.0;
+      std::optional<core::Twist> twist;
+    };
+    std::optional<Runaway> runaway;
   };
   std::optional<Truth> truth;
+  /// Whether it obeys nobody at this time [s, session's clock].
+  bool runs_away(double now) const noexcept { return truth && truth->runaway && now >= truth->runaway->at; }
   const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
   /// Real or emulated: bytes go to it.
@@ -263,6 +271,11 @@ struct FailureSpec {
     go_on,     ///< an event reports it, and the run goes on with wrong poses
   };
   CameraMoved camera_moved = CameraMoved::all_stop;
+  enum class Runaway {
+    others_go_on,  ///< it is commanded to stand, and the others keep clear of its measured motion
+    ignored,       ///< it is taken to do as it is told
+  };
+  Runaway runaway = Runaway::others_go_on;
   /// A link that has not been up for longer than this is lost [s]; one whose connection is gone is lost at once. Until
   /// then its robot is stopped and the others keep clear of it. Longer than the second for which an e-puck2's WiFi
   /// program may pause.
@@ -286,6 +299,16 @@ constexpr std::string_view word(FailureSpec::CameraMoved then) noexcept {
       return "all_stop";
     case FailureSpec::CameraMoved::go_on:
       return "go_on";
+  }
+  return {};
+}
+
+constexpr std::string_view word(FailureSpec::Runaway then) noexcept {
+  switch (then) {
+    case FailureSpec::Runaway::others_go_on:
+      return "others_go_on";
+    case FailureSpec::Runaway::ignored:
+      return "ignored";
   }
   return {};
 }

@@ -101,7 +101,7 @@ std::string wrong_with(const Event& action, const Experiment& e) {
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
                           Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed,
                           VRise, Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
-                          FilmBroken, Controller, NoNumber> auto&) -> std::string { return {}; },
+                          FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&) -> std::string { return {}; },
       },
       action);
 }

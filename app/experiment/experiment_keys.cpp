@@ -170,6 +170,8 @@ const std::vector<ExperimentKey>& all_keys() {
        choice<[](E& e) -> auto& { return e.failure.link_lost; }>()},
       {"failure", "camera_moved", "what the group does when the camera was bumped",
        choice<[](E& e) -> auto& { return e.failure.camera_moved; }>()},
+      {"failure", "runaway", "what the group does when a robot drives though it is told otherwise",
+       choice<[](E& e) -> auto& { return e.failure.runaway; }>()},
       {"failure", "link_bridge", "a link that has not been up for longer than this is lost",
        NumberKey{[](E& e) -> auto& { return e.failure.link_bridge; }, [](Limits) { return between(0.05, 10.0, "s"); }}},
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/experiment/experiment_trajectory.h"
+#include "app/experiment/longest.h"
 #include "comms/link_address.h"
 #include "core/geometry/pose.h"
 
@@ -61,6 +62,22 @@ void read_drive(TomlTable& t, DriveKeys& drive) {
   t.number("track", drive.track, between(0.01, 0.5, "m"));
 }
 
+/// When a simulated robot ceases to obey, and how it drives then.
+void read_runaway(TomlTable& t, std::optional<RobotSpec::Truth::Runaway>& runaway) {
+  const toml::node* const found = t.node("runaway");
+  if (!found) return;
+  const Range at = between(0.0, longest_run, "s"), v = between(-1.0, 1.0, "m/s"), omega = between(-10.0, 10.0, "rad/s");
+  const auto alone = numbers_of<1>(*found);
+  const auto with_twist = numbers_of<3>(*found);
+  if (alone && at.holds((*alone)[0]))
+    runaway = {(*alone)[0], {}};
+  else if (with_twist && at.holds((*with_twist)[0]) && v.holds((*with_twist)[1]) && omega.holds((*with_twist)[2]))
+    runaway = {(*with_twist)[0], core::Twist{(*with_twist)[1], (*with_twist)[2]}};
+  else
+    t.refuse("runaway", *found,
+             fmt::format("[t] or [t, v, omega]: t {}, v {}, omega {}", at.text(), v.text(), omega.text()));
+}
+
 /// What a simulated robot is really like.
 void read_truth(TomlTable& t, RobotKeys& robot) {
   TomlTable table = t.table("truth");
@@ -68,6 +85,7 @@ void read_truth(TomlTable& t, RobotKeys& robot) {
   RobotKeys::Truth& truth = robot.truth.emplace(RobotKeys::Truth{});
   read_drive(table, truth.drive);
   table.number("actuation_delay", truth.actuation_delay, between(0.0, 0.5, "s"));
+  read_runaway(table, truth.runaway);
   table.finish();
 }
 
@@ -137,7 +155,8 @@ RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   robot.radius = keys.radius.value_or(type.radius);
   robot.drive = keys.drive.over(type.wheels);
   if (keys.truth)
-    robot.truth.emplace(RobotSpec::Truth{keys.truth->drive.over(robot.drive), keys.truth->actuation_delay});
+    robot.truth.emplace(
+        RobotSpec::Truth{keys.truth->drive.over(robot.drive), keys.truth->actuation_delay, keys.truth->runaway});
   return robot;
 }
 

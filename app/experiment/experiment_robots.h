@@ -32,6 +32,7 @@ struct RobotKeys {
   struct Truth {
     DriveKeys drive;
     double actuation_delay = 0.0;
+    std::optional<RobotSpec::Truth::Runaway> runaway;
   };
   std::optional<Truth> truth;
   std::string model_key;  ///< where it came from

@@ -1,15 +1,9 @@
 #include "app/experiment/known_robots.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <map>
 
@@ -179,48 +173,6 @@ Added with_robots(std::string_view text, const std::vector<KnownRobot>& known, c
     ++added.robots;
   }
   return added;
-}
-
-tl::expected<void, std::string> save_known_robots(const std::string& path, std::string_view text) {
-  const auto failed = [&] { return tl::unexpected(fmt::format("{}: cannot be written: {}", path, strerror(errno))); };
-  std::error_code error;
-  const fs::path directory = fs::path(path).parent_path();
-  if (!directory.empty()) fs::create_directories(directory, error);  // what is wrong with it, open says
-  // A link to the file that is shared between machines stays a link.
-  const fs::path target = fs::is_symlink(path, error) ? fs::canonical(path, error) : fs::path(path);
-  const std::string draft = target.string() + ".new";
-  // Locked: two programs that save at the same time must not mix what they write. Whoever had the lock before may have
-  // given its draft the name of the file.
-  int file = -1;
-  struct Close {
-    int& file;
-    ~Close() {
-      if (file >= 0) ::close(file);
-    }
-  } const close{file};
-  while (true) {
-    file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (file < 0 || ::flock(file, LOCK_EX) != 0) return failed();
-    struct stat locked {};
-    struct stat there {};
-    if (::fstat(file, &locked) == 0 && ::lstat(draft.c_str(), &there) == 0 && locked.st_ino == there.st_ino) break;
-    ::close(file);
-  }
-  if (::ftruncate(file, 0) != 0) return failed();
-  for (std::string_view rest = text; !rest.empty();) {
-    const ssize_t count = ::write(file, rest.data(), rest.size());
-    if (count <= 0) return failed();
-    rest.remove_prefix(static_cast<std::size_t>(count));
-  }
-  // On the disk before it takes the name: a power cut leaves the old file or the new one.
-  if (::fsync(file) != 0 || std::rename(draft.c_str(), target.c_str()) != 0) return failed();
-  const int parent =
-      ::open(target.has_parent_path() ? target.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (parent >= 0) {
-    ::fsync(parent);
-    ::close(parent);
-  }
-  return {};
 }
 
 }  // namespace skein::app

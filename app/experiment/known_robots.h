@@ -47,7 +47,4 @@ struct Added {
 };
 Added with_robots(std::string_view text, const std::vector<KnownRobot>& known, const std::vector<KnownRobot>& more);
 
-/// Writes the file atomically; creates its directory. The error is a sentence.
-tl::expected<void, std::string> save_known_robots(const std::string& path, std::string_view text);
-
 }  // namespace skein::app

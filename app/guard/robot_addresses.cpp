@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include <toml++/toml.h>
 
@@ -19,16 +20,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void add(RobotAddresses& found, const std::string& link, const std::string& model, const std::string& adapter,
-         const std::string& name, const std::string& place) {
-  if (link == "sim" || link == "loopback") return;
-  auto address = comms::parse_link_address(link);
+/// What names a robot, as the file has it; empty: it does not say.
+struct Keys {
+  std::string link, model, adapter, name;
+
+  static Keys of(const toml::table& table) {
+    const auto text = [&table](std::string_view key) { return table[key].value_or(std::string{}); };
+    return {text("link"), text("model"), text("adapter"), text("name")};
+  }
+  /// With what [robot_defaults] says where this says nothing.
+  Keys over(const Keys& defaults) const {
+    const auto or_else = [](const std::string& own, const std::string& other) { return own.empty() ? other : own; };
+    return {or_else(link, defaults.link), or_else(model, defaults.model), or_else(adapter, defaults.adapter), name};
+  }
+};
+
+void add(RobotAddresses& found, const Keys& robot, const std::string& place) {
+  if (robot.link.empty() || robot.link == "sim" || robot.link == "loopback") return;
+  auto address = comms::parse_link_address(robot.link);
   if (!address) return found.problems.push_back(fmt::format("{}: {}", place, address.error()));
   // Where model and link disagree, the link is believed: that robot is tried.
-  if (const core::RobotType* const type = core::find_robot_type(model))
+  if (const core::RobotType* const type = core::find_robot_type(robot.model))
     if (auto spoken = comms::spoken_by(*address, type->protocol)) address = std::move(spoken);
-  address->adapter = adapter;
-  address->name = name;
+  address->adapter = robot.adapter;
+  address->name = robot.name;
   found.robots.push_back(std::move(*address));
 }
 
@@ -50,21 +65,27 @@ std::optional<std::string> value_of(std::string_view line, std::string_view key)
 
 void read_lines(const std::string& text, const std::string& file, RobotAddresses& found) {
   std::istringstream lines(text);
-  std::string line, link, model, adapter, name, place;
+  std::string line, place;
+  Keys defaults, robot;
+  bool in_defaults = false;
   const auto end_robot = [&] {
-    if (!link.empty()) add(found, link, model, adapter, name, place);
-    link.clear(), model.clear(), adapter.clear(), name.clear();
+    if (!robot.link.empty()) add(found, robot.over(defaults), place);
+    robot = {};
   };
   for (int number = 1; std::getline(lines, line); ++number) {
-    if (const std::size_t begin = line.find_first_not_of(" \t"); begin != line.npos && line[begin] == '[') end_robot();
+    if (const std::size_t begin = line.find_first_not_of(" \t"); begin != line.npos && line[begin] == '[') {
+      end_robot();
+      in_defaults = std::string_view(line).substr(begin).starts_with("[robot_defaults");
+    }
     if (auto value = value_of(line, "link")) {
-      if (!link.empty()) end_robot();  // the line that begins a robot is damaged
-      link = *value;
+      if (!robot.link.empty()) end_robot();  // the line that begins a robot is damaged
+      robot.link = *value;
       place = fmt::format("{}:{}", file, number);
     }
-    if (auto value = value_of(line, "model")) model = *value;
-    if (auto value = value_of(line, "adapter")) adapter = *value;
-    if (auto value = value_of(line, "name")) name = *value;
+    Keys& keys = in_defaults ? defaults : robot;
+    if (auto value = value_of(line, "model")) keys.model = *value;
+    if (auto value = value_of(line, "adapter")) keys.adapter = *value;
+    if (auto value = value_of(line, "name")) robot.name = *value;
   }
   end_robot();
 }
@@ -74,21 +95,18 @@ void read_document(const toml::table& document, const std::string& file, RobotAd
   if (const auto robots_file = document["robots_file"].value<std::string>())
     known = robot_addresses((fs::path(file).parent_path() / *robots_file).string());
   found.problems.insert(found.problems.end(), known.problems.begin(), known.problems.end());
+  const toml::table* const table = document["robot_defaults"].as_table();
+  const Keys defaults = table ? Keys::of(*table) : Keys{};
   const toml::array* const robots = document["robot"].as_array();
   for (std::size_t i = 0; robots && i < robots->size(); ++i) {
     const toml::table* const robot = robots->get(i)->as_table();
     if (!robot) continue;
-    const std::string name = (*robot)["name"].value_or(std::string{});
-    std::string adapter = (*robot)["adapter"].value_or(std::string{});
+    Keys keys = Keys::of(*robot);
     const auto listed = std::find_if(known.robots.begin(), known.robots.end(),
-                                     [&](const comms::LinkAddress& other) { return other.name == name; });
-    const bool is_listed = !name.empty() && listed != known.robots.end();
-    if (adapter.empty() && is_listed) adapter = listed->adapter;
-    const std::string link = (*robot)["link"].value_or(is_listed ? comms::to_text(*listed) : std::string{});
-    const std::string defaults = document["robot_defaults"]["model"].value_or(std::string{});
-    if (!link.empty())
-      add(found, link, (*robot)["model"].value_or(defaults), adapter, name,
-          fmt::format("{}: robot.{}.link", file, i + 1));
+                                     [&](const comms::LinkAddress& other) { return other.name == keys.name; });
+    if (!keys.name.empty() && listed != known.robots.end())
+      keys = keys.over({comms::to_text(*listed), {}, listed->adapter, {}});
+    add(found, keys.over(defaults), fmt::format("{}: robot.{}.link", file, i + 1));
   }
 }
 

@@ -62,6 +62,8 @@ Statistics::Statistics(const Experiment& experiment)
     : experiment_(experiment), schedule_(experiment), obstacles_(experiment.obstacles) {
   obstacles_.resize(experiment.obstacles.size() + core::ObstacleField::room_for_more);
   so_far_.name = experiment.name;
+  for (const RobotSpec& robot : experiment.robots)
+    if (robot.truth && robot.truth->runaway) so_far_.run_into = 0;
 }
 
 void Statistics::record(const TickRecord& record) {
@@ -116,19 +118,33 @@ void Statistics::count_collisions(const TickRecord& record) {
     if (put && put->number < obstacles_.size()) obstacles_[put->number] = put->obstacle;
   }
   touching_.resize(n * n + n * obstacles_.size());
-  const auto see = [&](std::size_t pair, double gap) {
+  drove_.resize(n);
+  const auto see = [&](std::size_t pair, double gap, std::int64_t& times) {
     if (gap < 0.0 && !touching_[pair]) {
-      ++so_far_.collisions;
+      ++times;
       touching_[pair] = true;
     } else if (gap > touch_hysteresis) {
       touching_[pair] = false;
     }
   };
+  const auto runs_away = [&](std::size_t i) { return experiment_.robots[i].runs_away(record.now); };
+  /// Of two of which one obeys nobody: a collision only if the other one drove towards it.
+  std::int64_t none_of_ours = 0;
+  const auto kind = [&](std::size_t i, std::size_t j) -> std::int64_t& {
+    if (!runs_away(i) && !runs_away(j)) return so_far_.collisions;
+    if (runs_away(i) && runs_away(j)) return none_of_ours;
+    const auto [obeys, other] = runs_away(i) ? std::pair(j, i) : std::pair(i, j);
+    const core::Pose from = place(record.robots[obeys]), to = place(record.robots[other]);
+    const double ahead = (to.x - from.x) * std::cos(from.theta) + (to.y - from.y) * std::sin(from.theta);
+    return drove_[obeys] * ahead > 1e-3 * core::distance(from, to) ? so_far_.collisions : *so_far_.run_into;
+  };
   for (std::size_t i = 0; i < n; ++i) {
     const core::Pose here = place(record.robots[i]);
     const double radius = experiment_.robots[i].radius;
     for (std::size_t j = i + 1; j < n; ++j)
-      see(i * n + j, core::distance(here, place(record.robots[j])) - (radius + experiment_.robots[j].radius));
+      see(i * n + j, core::distance(here, place(record.robots[j])) - (radius + experiment_.robots[j].radius),
+          kind(i, j));
+    if (runs_away(i)) continue;
     const double over =
         std::fmax(std::abs(here.x) - 0.5 * experiment_.arena_width, std::abs(here.y) - 0.5 * experiment_.arena_height) +
         radius;
@@ -141,9 +157,10 @@ void Statistics::count_collisions(const TickRecord& record) {
       }
       const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - radius;
       so_far_.obstacle_gap = std::fmin(so_far_.obstacle_gap, gap);
-      see(n * n + i * obstacles_.size() + k, gap);
+      see(n * n + i * obstacles_.size() + k, gap, so_far_.collisions);
     }
   }
+  for (std::size_t i = 0; i < n; ++i) drove_[i] = record.robots[i].command.v;
 }
 
 void Statistics::disturb(double t, double clock, const Event& event) {

@@ -65,6 +65,9 @@ class Statistics final : public RecordSink {
     double outside = 0.0;  ///< largest distance of a robot's body over the edge of the arena [m]
     std::int64_t collisions =
         0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
+    /// Times that a simulated robot that obeys nobody ran into one that did not drive towards it: no collision.
+    /// Empty: there is no such robot.
+    std::optional<std::int64_t> run_into;
     std::int64_t missed_deadlines = 0;
     std::int64_t dropped_rows = 0;    ///< dropped since the recorder was too slow: they are in no file and in no figure
     std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
@@ -136,6 +139,7 @@ class Statistics final : public RecordSink {
   Bands bands_;   // since the newest disturbance
   Bands before_;  // since the one before it, up to now: it ends where the newest ends, which may still be moving
   Durations compute_times_, loop_delays_;
+  std::vector<double> drove_;   // commanded speed of each in the tick before [m/s]
   std::vector<bool> touching_;  // pairs closer than 70 mm at the last tick, then robots with obstacles
 };
 

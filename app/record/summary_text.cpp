@@ -128,6 +128,7 @@ Json json(const Statistics::Summary& s) {
               {"perturbations", Json::array()},
               {"events", Json::array()}};
   if (s.largest_lag) result["largest_lag"] = json(s.largest_lag), result["final_lag"] = json(s.final_lag);
+  if (s.run_into) result["run_into"] = *s.run_into;
   if (!s.kept.empty()) result["kept"] = s.kept;
   if (s.published) result["published_rows"] = s.published->sent, result["published_dropped"] = s.published->dropped;
   for (const auto& [robot, link] : s.links) result["links"].push_back(json(robot, link));

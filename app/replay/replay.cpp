@@ -225,7 +225,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     input.commands = commands;
     input.recorded = true;
     for (const Event& event : row.events)
-      if (is<events::Perturb, events::Move>(event)) input.events.add(event);
+      if (is<events::Perturb, events::Move, events::Kick>(event)) input.events.add(event);
     for (std::size_t i = 0; i < laws.size(); ++i) laws[i] = row.robots[i].law;
     input.law = laws;
     tick.see(input);

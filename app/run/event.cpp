@@ -19,7 +19,7 @@ using namespace events;
 
 void fields(auto&, one_of<Start, Pause, Resume, Stop, Stage, Staged, FilmBroken> auto&) {}
 
-void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoWay, NoNumber> auto& e) {
+void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoWay, NoNumber, Obeys> auto& e) {
   io.number_of('r', e.robot);
 }
 
@@ -84,6 +84,11 @@ void fields(auto& io, one_of<NoProgress> auto& e) {
   io.number_of('r', e.robot);
   io.bare(e.distance);
   io.word_of(e.hindrance);
+}
+
+void fields(auto& io, one_of<Runaway> auto& e) {
+  io.number_of('r', e.robot);
+  io.bare(e.v);
 }
 
 void fields(auto& io, one_of<Outside> auto& e) {
@@ -265,7 +270,7 @@ bool is_action(const Event& event) noexcept {
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
                           Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
                           events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
-                          FilmBroken, events::Controller, NoNumber> auto&) { return false; },
+                          FilmBroken, events::Controller, NoNumber, Runaway, Obeys> auto&) { return false; },
       },
       event);
 }

@@ -23,6 +23,7 @@ namespace skein::app {
 enum class Hindrance : std::uint8_t {
   lost,       ///< no pose within the bridge time
   held,       ///< stopped by the operator or its link
+  runaway,    ///< it drives otherwise than it is told
   outside,    ///< over the edge of the arena
   no_way,     ///< planning finds no route to its place
   turn,       ///< on a planned route: it waits for others to pass first
@@ -39,6 +40,8 @@ constexpr std::string_view word(Hindrance hindrance) noexcept {
       return "lost";
     case Hindrance::held:
       return "held";
+    case Hindrance::runaway:
+      return "runaway";
     case Hindrance::outside:
       return "outside";
     case Hindrance::no_way:
@@ -249,6 +252,16 @@ struct Outside {  ///< its body is over the edge of the arena
   double over = 0.0;  ///< by so much [m]
 };
 
+struct Runaway {  ///< it drives otherwise than it is told; it is told to stand
+  static constexpr std::string_view word = "runaway";
+  std::size_t robot = 0;
+  double v = 0.0;  ///< as measured [m/s]
+};
+struct Obeys {  ///< and it stands: it may drive again
+  static constexpr std::string_view word = "obeys";
+  std::size_t robot = 0;
+};
+
 struct Controller {  ///< the run's own controller is late, has ended, or answers in time again
   static constexpr std::string_view word = "controller";
   ControllerState state = ControllerState::answered;
@@ -268,7 +281,7 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
                            events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
                            events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree,
-                           events::CameraLost, events::CameraFound>;
+                           events::CameraLost, events::CameraFound, events::Runaway, events::Obeys>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -35,7 +35,7 @@ std::optional<OperatorCommand> command_of(const Event& event) noexcept {
           [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, GainHeld, PairGainHeld, Lost, Found, Avoid,
                           Clear, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link,
                           CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen, FilmBroken,
-                          Controller, NoNumber> auto&) -> Command { return std::nullopt; },
+                          Controller, NoNumber, Runaway, Obeys> auto&) -> Command { return std::nullopt; },
       },
       event);
 }

@@ -11,6 +11,11 @@ SimulatedWorld::SimulatedWorld(const Experiment& experiment) {
     simulated_.push_back(spec.simulated());
     robots_.emplace_back(spec.true_drive(), spec.motor, experiment.simulation, experiment.seed, i);
     if (spec.truth) robots_.back().delay_commands(spec.truth->actuation_delay);
+    if (spec.truth && spec.truth->runaway) {
+      const auto& [at, twist] = *spec.truth->runaway;
+      runaways_.push_back({at, i, {}});
+      if (twist) runaways_.back().speeds = spec.true_drive().wheels(*twist);
+    }
     robots_.back().place(spec.simulated() ? spec.start.value_or(reference->at(i, 0.0).pose)
                                           : core::Pose{none, none, none});
   }
@@ -20,8 +25,17 @@ void SimulatedWorld::advance_locked(double now) {
   const double dt = now - now_;
   if (dt <= 0.0) return;
   now_ = now;
+  run_away(now);
   for (std::size_t i = 0; i < robots_.size(); ++i)
     if (simulated_[i]) robots_[i].step(dt);
+}
+
+void SimulatedWorld::run_away(double now) {
+  std::erase_if(runaways_, [&](const Runaway& runaway) {
+    if (runaway.at > now) return false;
+    robots_[runaway.robot].run_away(runaway.speeds);
+    return true;
+  });
 }
 
 void SimulatedWorld::advance(double now) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "app/experiment/experiment.h"
@@ -30,10 +31,17 @@ class SimulatedWorld {
 
  private:
   void advance_locked(double now);
+  void run_away(double now);
 
   mutable std::mutex mutex_;
   std::vector<core::SimulatedRobot> robots_;
   std::vector<bool> simulated_;
+  struct Runaway {
+    double at;  // [s]
+    std::size_t robot;
+    std::optional<core::WheelSpeeds> speeds;
+  };
+  std::vector<Runaway> runaways_;  // still to come
   double now_ = 0.0;
 };
 

@@ -23,6 +23,9 @@ constexpr double staging_horizon = 3.0;
 /// The time within which the filter comes to believe a new pose. [s]
 constexpr double settles = 0.5;
 
+/// A measured speed below this is noise [m/s].
+constexpr double standing = 0.02;
+
 /// How many standard deviations a pose is trusted to be off at most.
 constexpr double trusted_deviations = 3.0;
 
@@ -104,6 +107,7 @@ TickState::TickState(const Experiment& e)
   record.by_camera.resize(cameras > 1 ? cameras * n : 0);
   seen_before.resize(n);
   held.resize(n);
+  disobeys.resize(n);
   off_nominal.resize(n);
   owed.resize(n);
   acts_at.resize(n, none);
@@ -293,17 +297,45 @@ void TickState::hear_links(const TickInput& input) noexcept {
   }
 }
 
-/// How a robot moves that need not do as it is told: from its first and its newest sight within a fifth of a second.
+/// Whether a robot does as it is told, by its first and its newest sight: one that drives otherwise, three times in a
+/// row, is told to stand, until it does. One that does not drive is stuck, or has been switched off: no danger.
+void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
+  constexpr double contrary = 0.04;  // what lies between expected and measured velocity [m/s]
+  constexpr int convincing = 3;
+  const core::Measurement& newest = record.robots[i].measurement;
+  const double noise = trusted_deviations * (first.sigma_xy + newest.sigma_xy);
+  const double blind = *std::max_element(sights[i].blind.begin(), sights[i].blind.end());
+  const double off = core::distance(filters[i].predict(first, newest.captured_at), newest.pose);
+  const bool drives = std::abs(v) >= standing;
+  const bool otherwise = drives && off > noise + blind + contrary * (newest.captured_at - first.captured_at);
+  int& times = sights[i].contradicted;
+  times = (disobeys[i] ? !drives : otherwise) ? times + 1 : 0;
+  if (times < convincing || experiment.failure.runaway == FailureSpec::Runaway::ignored) return;
+  times = 0;
+  disobeys[i] = !disobeys[i];
+  note(disobeys[i] ? Event(events::Runaway{i, v}) : Event(events::Obeys{i}));
+}
+
+/// How a robot moves that need not do as it is told: from its first and its newest sight within a fifth of a second. A
+/// jump is a hand's, and hands may move robots where nobody drives.
 void TickState::measure_twist(std::size_t i) noexcept {
-  constexpr double longest = 0.5;    // between them [s]
-  constexpr double standing = 0.02;  // slower than this is noise [m/s]
+  constexpr double longest = 0.5;  // between them [s]
   const core::Measurement& newest = record.robots[i].measurement;
   Sight& sight = sights[i];
-  if (sight.count == 0 || sight.seen[(sight.count - 1) % Sight::frames].captured_at < newest.captured_at)
+  const core::Measurement& before = sight.seen[(sight.count + Sight::frames - 1) % Sight::frames];
+  const bool seen_anew = sight.count == 0 || before.captured_at < newest.captured_at;
+  if (seen_anew && sight.count > 0) {
+    const double jump = core::distance(filters[i].predict(before, newest.captured_at), newest.pose);
+    if (jump > experiment.estimation.filter.kidnap + trusted_deviations * (before.sigma_xy + newest.sigma_xy))
+      sight.count = 0, sight.contradicted = 0;
+  }
+  if (seen_anew) {
+    const LinkInput& link = record.robots[i].link.input;
+    sight.blind[sight.count % Sight::frames] = link.linked ? link.blind_way : 0.0;
     sight.seen[sight.count++ % Sight::frames] = newest;
+  }
   adrift[i] = false;
-  if (!record.robots[i].link.input.linked || !is_out(i) || record.robots[i].is(lost) || sight.count < Sight::frames)
-    return;
+  if (record.robots[i].is(lost) || sight.count < Sight::frames) return;
   const core::Measurement& first = sight.seen[sight.count % Sight::frames];
   const double seconds = newest.captured_at - first.captured_at;
   if (!(seconds > 0.0 && seconds < longest)) return;
@@ -312,7 +344,9 @@ void TickState::measure_twist(std::size_t i) noexcept {
   const double v =
       ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
       seconds;
-  if (std::abs(v) < standing) return;
+  if (seen_anew && moving() && !(record.now < sight.excused_until)) watch_obedience(i, first, v);
+  const bool by_itself = disobeys[i] || (record.robots[i].link.input.linked && is_out(i));
+  if (!by_itself || std::abs(v) < standing) return;
   adrift[i] = true;
   driving[i] = {v, turned / seconds};
 }
@@ -323,9 +357,9 @@ void TickState::estimate(const TickInput& input) noexcept {
   for (const Event& event : input.events)
     if (is<events::Perturb, events::Move, events::Kick>(event)) {
       if (!is<events::Kick>(event)) filters[*robot_of(event)].displaced(input.now);
-      for (core::CameraWatch& of_camera : camera_watch)
-        of_camera.excuse(*robot_of(event),
-                         input.now + experiment.simulation.latency + core::SimulatedRobot::slides_for);
+      const double until = input.now + experiment.simulation.latency + core::SimulatedRobot::slides_for;
+      sights[*robot_of(event)].excused_until = until;
+      for (core::CameraWatch& of_camera : camera_watch) of_camera.excuse(*robot_of(event), until);
     }
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
@@ -555,7 +589,9 @@ bool may_raise_v(const Event& event) noexcept {
   using namespace events;
   return std::visit(
       Overloaded{
-          [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found> auto&) { return true; },
+          [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found, Runaway, Obeys> auto&) {
+            return true;
+          },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
                           Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
                           DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound,
@@ -581,6 +617,7 @@ Hindrance TickState::hindrance(std::size_t i) const noexcept {
   const RobotRecord& robot = record.robots[i];
   if (robot.is(lost)) return Hindrance::lost;
   if (held[i]) return Hindrance::held;
+  if (disobeys[i]) return Hindrance::runaway;
   if (outside[i]) return Hindrance::outside;
   if (planner && planner->no_way(i)) return Hindrance::no_way;
   if (planner && planner->waits_for(i) < robots()) return Hindrance::turn;

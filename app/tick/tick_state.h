@@ -36,6 +36,7 @@ struct TickState {
     for (core::CameraWatch& of_camera : camera_watch) of_camera.forget();
     for (Seen& each : seen_by) each = {};
     for (core::Measurement& each : believed) each = {};
+    for (Sight& each : sights) each = {};
   }
   void accept_measurements(std::size_t i, const TickInput& input) noexcept;
   void accept_measurement(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept;
@@ -63,9 +64,12 @@ struct TickState {
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
   /// errors count for nobody.
-  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || held[i] || trust[i] == 0.0; }
+  bool is_out(std::size_t i) const noexcept {
+    return record.robots[i].is(lost) || held[i] || disobeys[i] || trust[i] == 0.0;
+  }
   void hear_links(const TickInput& input) noexcept;
   void measure_twist(std::size_t i) noexcept;
+  void watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept;
   bool on_nominal(std::size_t i) const noexcept {
     return planner ? planner->state(i) == core::Planner::State::nominal
                    : avoidance.state(i) == core::Avoidance::State::nominal;
@@ -130,13 +134,17 @@ struct TickState {
   std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
   std::vector<bool> seen_before;
   std::vector<bool> held;               // made to stand by the operator
+  std::vector<bool> disobeys;           // drives otherwise than it was told, and has not stood since
   std::vector<bool> off_nominal;        // follows a modified reference
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
   std::vector<double> acts_at;          // from when on the newest commands act [s]
   struct Sight {
     static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
     std::array<core::Measurement, frames> seen{};
+    std::array<double, frames> blind{};  // how far it may have driven by then on commands that nobody had confirmed [m]
     std::size_t count = 0;
+    int contradicted = 0;         // times in a row that it was seen not to do what is believed of it
+    double excused_until = none;  // a hand has moved it [s, session's clock]
   };
   std::vector<Sight> sights;
 
@@ -151,7 +159,7 @@ struct TickState {
   std::vector<double> v_limits;
   std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
   std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
-  std::unique_ptr<bool[]> adrift;    // it is out, has a link, and rolls
+  std::unique_ptr<bool[]> adrift;    // it is out, has a link or disobeys, and rolls
   std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
   std::vector<double> doubt;         // how far off each pose may be [m]
   std::unique_ptr<bool[]> shield_touched;

@@ -97,6 +97,7 @@ void for_columns(Outcome& o, Use&& use) {
   use("seed", o.seed);
   use("perturbation", o.perturbation);
   use("collisions", o.collisions);
+  use("run_into", o.run_into);
   use("min_distance", o.min_distance);
   use("obstacle_gap", o.obstacle_gap);
   use("final_error", o.final_error);

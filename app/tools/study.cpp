@@ -127,6 +127,7 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     c.number("clearance", crowd.clearance, between(2.0 * core::standard_radius, longest, "m"));
     c.number("border", crowd.border, between(core::standard_radius, longest, "m"));
     c.number("wheels", crowd.wheels, between(0.0, 0.2));
+    c.integer("runaways", crowd.runaways, 0, crowd.robots[0]);
     c.finish();
     study.crowd = crowd;
   }
@@ -230,6 +231,13 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
   return sets;
 }
 
+/// A robot whose motors stick as they run, or one that drives anywhere.
+std::string draw_runaway(Dice& dice) {
+  const double at = dice.between({0.0, 10.0}), v = dice.between({0.03, 0.13}), omega = dice.between({-1.0, 1.0});
+  if (dice.random.uniform() < 0.5) return fmt::format("runaway=[{}]", at);
+  return fmt::format("runaway=[{}, {}, {}]", at, dice.random.uniform() < 0.5 ? -v : v, omega);
+}
+
 tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, const Experiment& e, Dice& dice) {
   const double more = beyond(e, 0);  // all are as the defaults say
   const double w = 0.5 * e.arena_width - crowd.border - more, h = 0.5 * e.arena_height - crowd.border - more;
@@ -250,16 +258,18 @@ tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, con
     }
   std::string text;
   for (std::size_t i = 0; i < n; ++i) {
-    std::string truth;
+    std::vector<std::string> truth;
     if (crowd.wheels > 0.0) {
       const double left = 1.0 + dice.between({-crowd.wheels, crowd.wheels});
       const double right = 1.0 + dice.between({-crowd.wheels, crowd.wheels});
-      truth = fmt::format(", truth={{wheel_diameter={}, wheel_ratio={}}}",
-                          e.robots[0].drive.wheel_diameter * 0.5 * (left + right), right / left);
+      truth.push_back(fmt::format("wheel_diameter={}, wheel_ratio={}",
+                                  e.robots[0].drive.wheel_diameter * 0.5 * (left + right), right / left));
     }
-    text += fmt::format(
-        "{}{{start=[{}, {}, {}], trajectory={{path={{shape=\"line\", from=[{}, {}], to=[{}, {}]}}}}{}}}", i ? ", " : "",
-        starts[i].x, starts[i].y, starts[i].theta, starts[i].x, starts[i].y, places[i].x, places[i].y, truth);
+    if (static_cast<std::int64_t>(i) < crowd.runaways) truth.push_back(draw_runaway(dice));
+    text +=
+        fmt::format("{}{{start=[{}, {}, {}], trajectory={{path={{shape=\"line\", from=[{}, {}], to=[{}, {}]}}}}{}}}",
+                    i ? ", " : "", starts[i].x, starts[i].y, starts[i].theta, starts[i].x, starts[i].y, places[i].x,
+                    places[i].y, truth.empty() ? "" : fmt::format(", truth={{{}}}", fmt::join(truth, ", ")));
   }
   return "robot=[" + text + "]";
 }

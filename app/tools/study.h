@@ -61,6 +61,7 @@ struct Study {
     std::array<std::int64_t, 2> robots{4, 30};  ///< from ... to, both allowed
     double clearance = 0.12;                    ///< between two starts, and between two places [m]
     double border = 0.1;                        ///< from a start or a place to the arena's edge [m]
+    std::int64_t runaways = 0;                  ///< so many of them obey nobody from a random moment on
     double wheels = 0.0;  ///< each true wheel diameter is up to this share larger or smaller than it is assumed
   };
   std::optional<Crowd> crowd;

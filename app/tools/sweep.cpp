@@ -36,8 +36,10 @@ class Distance final : public RecordSink {
     for (std::size_t i = 0; i < record.robots.size(); ++i) {
       const RobotRecord& robot = record.robots[i];
       const core::Pose& here = std::isnan(robot.truth.x) ? robot.pose : robot.truth;
+      const std::optional<RobotSpec::Truth>& truth = experiment_.robots[i].truth;
       at_rest_ = at_rest_ && robot.nominal.twist.v == 0.0;
       if (starts_.size() == i) starts_.push_back(here);
+      if (truth && truth->runaway) continue;  // nobody expects it anywhere
       farthest_way_ = std::fmax(farthest_way_, core::distance(starts_[i], schedule_.place(record, i)) /
                                                    experiment_.robots[i].v_max.value_or(experiment_.controller.v_max));
       error = std::fmax(error, core::distance(schedule_.place(record, i), here));
@@ -152,6 +154,7 @@ Json json(const SweepSummary& s) {
               {"failed_runs", s.failed_runs},
               {"collisions", s.collisions},
               {"runs_with_collisions", s.runs_with_collisions},
+              {"run_into", s.run_into},
               {"min_distance", json(s.min_distance)},
               {"min_distance_seed", s.min_distance_seed},
               {"obstacle_gap", json(s.obstacle_gap)},
@@ -234,6 +237,7 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   outcome.seed = seed;
   outcome.perturbation = distance.perturbation();
   outcome.collisions = summary.collisions;
+  outcome.run_into = summary.run_into.value_or(0);
   outcome.min_distance = summary.min_distance;
   outcome.obstacle_gap = summary.obstacle_gap;
   outcome.final_error = distance.final_error();
@@ -342,6 +346,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     }
     s.collisions += o.collisions;
     s.runs_with_collisions += o.collided();
+    s.run_into += o.run_into;
     if (!(o.min_distance >= s.min_distance)) s.min_distance = o.min_distance, s.min_distance_seed = o.seed;
     s.obstacle_gap = std::fmin(s.obstacle_gap, o.obstacle_gap);
     errors.push_back(o.final_error);

@@ -16,6 +16,7 @@ struct RunOutcome {
   std::uint64_t seed = 0;
   double perturbation = 0.0;  ///< the farthest that a hand put a robot [m]
   std::int64_t collisions = 0;
+  std::int64_t run_into = 0;       ///< by robots that obey nobody, while standing or driving away
   double min_distance = 0.0;       ///< between two robots, true poses [m]
   double obstacle_gap = 0.0;       ///< between a robot's edge and an obstacle's; NaN without obstacles [m]
   double final_error = 0.0;        ///< largest true distance from a place within the last second [m]
@@ -66,7 +67,7 @@ double quantile(std::vector<double> values, double share);
 struct SweepSummary {
   std::string name, experiment;
   std::int64_t runs = 0, failed_runs = 0;
-  std::int64_t collisions = 0, runs_with_collisions = 0;
+  std::int64_t collisions = 0, runs_with_collisions = 0, run_into = 0;
   double min_distance = 0.0;
   std::uint64_t min_distance_seed = 0;
   double obstacle_gap = 0.0;  ///< NaN without obstacles

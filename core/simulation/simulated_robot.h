@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "core/estimation/measurement.h"
 #include "core/kinematics/differential_drive.h"
@@ -51,6 +52,12 @@ class SimulatedRobot {
   /// The twist from these without slip.
   Twist twist() const noexcept { return drive_.twist(wheels()); }
 
+  /// From now on it obeys nobody: its motors keep the speeds that they have, or these [steps/s].
+  void run_away(const std::optional<WheelSpeeds>& speeds) noexcept {
+    if (speeds) obey(*speeds);
+    runs_away_ = true;
+  }
+
   /// Drives for dt seconds.
   void step(double dt) noexcept;
 
@@ -62,6 +69,7 @@ class SimulatedRobot {
   static constexpr std::size_t in_flight = 64;
 
   void obey(const WheelSpeeds& speeds) noexcept {
+    if (runs_away_) return;
     left_.command(speeds.left);
     right_.command(speeds.right);
   }
@@ -77,6 +85,7 @@ class SimulatedRobot {
   Pose pose_;
   StepMotor left_, right_;
   WheelSpeeds commanded_;
+  bool runs_away_ = false;
   double actuation_delay_ = 0.0, clock_ = 0.0;  // [s]
   std::array<Told, in_flight> told_{};          // delayed commands; number k is at k % in_flight
   std::size_t given_ = 0, heard_ = 0;

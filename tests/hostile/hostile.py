@@ -11,7 +11,7 @@ import sys
 import termios
 import time
 
-from lab import Failed, Lab, fail, wait_until
+from lab import Failed, Lab, ended_by_the_kernel, fail, wait_until
 
 longest = 0.6   # [s]: 60 mm at 0.1 m/s
 cases = {}      # name: (function, what it does)
@@ -240,13 +240,23 @@ def both_frozen(lab):
     return robots.blind(since)
 
 
-@case("the processor time that a run may use is over (`ulimit -t`; from its end on)")
+@case("the processor time that a run may use is over (`ulimit -t`: SIGKILL)")
 def processor_limit(lab):
     robots = lab.emulate()
     run = lab.run(robots)
-    resource.prlimit(run.pid, resource.RLIMIT_CPU, (0, 1))
-    wait_until("the kernel ends the run", lambda: run.poll() is not None)  # at one of its next ticks
-    since = time.monotonic()
+    resource.prlimit(run.pid, resource.RLIMIT_CPU, (0, 0))
+    since = ended_by_the_kernel(run)  # at one of its next ticks
+    if run.wait() != -signal.SIGKILL:
+        raise Failed(f"the run ended by itself: {run.returncode} {lab.log()}")
+    stands(robots)
+    return robots.blind(since)
+
+
+@case("it is warned that its processor time is over (`ulimit -S -t`: SIGXCPU)")
+def processor_warning(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = kill(run, signal.SIGXCPU)
     stands(robots)
     return robots.blind(since)
 

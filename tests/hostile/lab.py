@@ -28,6 +28,30 @@ def wait_until(what, condition, seconds=30.0):
         time.sleep(0.002)
 
 
+def lives(process):
+    """Whether nothing has ended it yet. It commands nobody from then on, long before it is gone: its memory and its files go first."""
+    exiting, signalled = 0x4, 0x400  # PF_EXITING, PF_SIGNALED of the kernel
+    try:
+        fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return False
+    return fields[0] not in "ZX" and not int(fields[6]) & (exiting | signalled)
+
+
+def ended_by_the_kernel(process, seconds=30.0):
+    """When it was last seen to live, before the kernel ended it."""
+    since = None
+    end = time.monotonic() + seconds
+    while (now := time.monotonic()) < end:
+        if not lives(process):
+            if since is None:
+                raise Failed("the process ended before it was looked at")
+            return since
+        since = now
+        time.sleep(0.001)
+    raise Failed(f"waited {seconds:g} s in vain: the kernel ends the run")
+
+
 class Robots:
     """`skein emulate`: every change of a wheel with its time."""
 

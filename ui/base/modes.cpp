@@ -74,14 +74,14 @@ Severity severity(const app::Event& event) {
   using app::one_of;
   return std::visit(
       app::Overloaded{
-          [](const one_of<Stop, Lost, Outside, CameraMoved, CamerasDisagree, CameraLost> auto&) {
+          [](const one_of<Stop, Lost, Outside, Runaway, CameraMoved, CamerasDisagree, CameraLost> auto&) {
             return Severity::alarm;
           },
           [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link,
                           app::events::NotSeen, FilmBroken, NoWay, NoProgress, Controller, NoNumber> auto&) {
             return Severity::warning;
           },
-          [](const one_of<Found, CameraFound> auto&) { return Severity::good; },
+          [](const one_of<Found, Obeys, CameraFound> auto&) { return Severity::good; },
           [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Couple, Uncouple, Schedule,
                           Pause, Resume> auto&) { return Severity::notice; },
           [](const one_of<app::events::Stage, Staged, Deadlock, Avoid, Clear> auto&) { return Severity::note; },

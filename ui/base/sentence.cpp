@@ -137,6 +137,13 @@ QString sentence(const app::Event& event) {
                 .arg(QString::fromUtf8(word(e.hindrance).data()));
           },
           [&](const Outside& e) { return tr("Robot %1 is over the edge of the arena").arg(e.robot + 1); },
+          [&](const Runaway& e) {
+            return tr("Robot %1 drives at %2 m/s though it is told otherwise: it is told to stand, the others keep "
+                      "clear")
+                .arg(e.robot + 1)
+                .arg(e.v, 0, 'f', 2);
+          },
+          [&](const Obeys& e) { return tr("Robot %1 stands, and may drive again").arg(e.robot + 1); },
           [&](const Controller& e) {
             switch (e.state) {
               case app::ControllerState::answered:

@@ -3,8 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -39,6 +42,32 @@ class KnownRobotsCommands : public ::testing::Test {
 
   fs::path directory;
 };
+
+/// Each reads the file, changes its robot in it and writes it, again and again: what it has written stays.
+TEST_F(KnownRobotsCommands, NothingIsLostOfWhatTwoProgramsSaveAtTheSameTime) {
+  constexpr int rounds = 100;
+  const auto program = [&](std::size_t number) {
+    std::freopen("/dev/null", "w", stdout);
+    for (int round = 1; round <= rounds; ++round) {
+      FoundRobot found;
+      found.spec.name = found.name = number == 0 ? "anna" : "bert";
+      found.values = {{"tag", std::to_string(2 * round + static_cast<int>(number))}};
+      if (save_found(path("robots.toml"), {found}) != done) return 1;
+      const auto known = load_known_robots(path("robots.toml"));
+      if (!known || known->at(number).spec.tag != 2 * round + static_cast<int>(number)) return 2;
+    }
+    return 0;
+  };
+  std::array<pid_t, 2> processes{};
+  for (std::size_t k = 0; k < processes.size(); ++k)
+    if ((processes[k] = ::fork()) == 0) ::_exit(program(k));
+  for (const pid_t process : processes) {
+    int status = -1;
+    ASSERT_EQ(::waitpid(process, &status, 0), process);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0) << "1: not saved, 2: what it saved was gone";
+  }
+}
 
 TEST_F(KnownRobotsCommands, TestedOnesAreSaved) {
   write("loopback.toml",

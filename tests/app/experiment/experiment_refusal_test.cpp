@@ -83,6 +83,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[robot_defaults]\ntruth = {}", "e.toml:2:1: robot_defaults.truth: unknown key"},
         Refused{"[[robot]]\nwheel_ratio = 2",
                 "e.toml:2:15: robot.1.wheel_ratio: found 2, allowed: a number from 0.8 to 1.25"},
+        Refused{
+            "[[robot]]\ntruth = {runaway = [1, 2]}",
+            "e.toml:2:20: robot.1.truth.runaway: found an array, allowed: [t] or [t, v, omega]: t a number from 0 to "
+            "86400 s, v a number from -1 to 1 m/s"},
         Refused{"[[robot]]\ntruth = {wheel = 1}", "e.toml:2:10: robot.1.truth.wheel: unknown key"},
         Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'c.toml'\n[[robot]]\nlink = 'tcp:a'\ntruth = "
                 "{track = 0.05}",

@@ -1,6 +1,7 @@
 // robots.toml: known robots, and experiments that take theirs from it.
 #include "app/experiment/known_robots.h"
 #include "app/experiment/experiment_robots.h"
+#include "app/experiment/file_change.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -112,6 +113,11 @@ TEST_F(KnownRobots, AreTakenOnce) {
                            "name for each robot");
 }
 
+bool save(const std::string& file, const std::string& text) {
+  auto change = FileChange::begin(file);
+  return change && change->save(text);
+}
+
 TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
   const auto known = load_known_robots(path("robots.toml"));
   ASSERT_TRUE(known);
@@ -126,13 +132,13 @@ TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
   EXPECT_EQ(added.robots, 1u);
   EXPECT_TRUE(added.text.starts_with(robots_text));
   const std::string there = path("new/directory/robots.toml");
-  ASSERT_TRUE(save_known_robots(there, added.text));
+  ASSERT_TRUE(save(there, added.text));
   const auto again = load_known_robots(there);
   ASSERT_TRUE(again) << again.error().front().message();
   ASSERT_EQ(again->size(), 3u);
   EXPECT_EQ(again->at(2).spec.address, carl.spec.address);
   EXPECT_EQ(again->at(2).spec.tag, -1);
-  EXPECT_FALSE(save_known_robots("/proc/nowhere/robots.toml", added.text));
+  EXPECT_FALSE(save("/proc/nowhere/robots.toml", added.text));
 }
 
 TEST_F(KnownRobots, ProgramsThatSaveAtTheSameTimeDoNotMixWhatTheyWrite) {
@@ -144,7 +150,7 @@ TEST_F(KnownRobots, ProgramsThatSaveAtTheSameTimeDoNotMixWhatTheyWrite) {
   std::vector<std::jthread> threads;
   for (std::size_t writer = 0; writer < writers; ++writer)
     threads.emplace_back([&, writer] {
-      for (std::size_t k = 0; k < saves; ++k) EXPECT_TRUE(save_known_robots(file, text(writer)));
+      for (std::size_t k = 0; k < saves; ++k) EXPECT_TRUE(save(file, text(writer)));
     });
   threads.clear();
   std::ifstream in(file);
@@ -153,6 +159,13 @@ TEST_F(KnownRobots, ProgramsThatSaveAtTheSameTimeDoNotMixWhatTheyWrite) {
   for (std::size_t writer = 0; writer < writers; ++writer) whole = whole || saved == text(writer);
   EXPECT_TRUE(whole) << saved.size();
   EXPECT_FALSE(fs::exists(file + ".new"));
+}
+
+TEST_F(KnownRobots, AChangeThatIsNotSavedLeavesTheFileAndNothingElse) {
+  const std::string file = path("robots.toml");
+  { ASSERT_TRUE(FileChange::begin(file)); }
+  EXPECT_FALSE(fs::exists(file + ".new"));
+  EXPECT_TRUE(load_known_robots(file));
 }
 
 TEST_F(KnownRobots, WhatWasMeasuredGoesIntoTheirTables) {

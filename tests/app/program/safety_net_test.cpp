@@ -285,6 +285,49 @@ TEST_F(DyingProgram, RobotsAreFoundInAFileWithMistakes) {
   EXPECT_EQ(found.problems.size(), 1u) << "and the mistake is told";
 }
 
+/// What a run of this experiment connects to is what `robots stop` connects to, adapters included: over another adapter
+/// a robot may be out of reach.
+TEST_F(DyingProgram, RobotsOfAFileAreReachedAsItsRunReachesThem) {
+  fs::create_directories(state_);
+  std::ofstream(state_ / "robots.toml")
+      << "[[robot]]\nname = \"anna\"\nlink = \"rfcomm:10:00:E8:AA:BB:CC/1\"\nadapter = "
+         "\"hci3\"\n[[robot]]\nname = \"bert\"\nlink = \"rfcomm:10:00:E8:AA:BB:CD/2\"\n";
+  const std::string file = R"(robots_file = "robots.toml"
+[robot_defaults]
+adapter = "hci1"
+[[robot]]
+link = "rfcomm:10:00:E8:AA:BB:01/1"
+[[robot]]
+link = "rfcomm:10:00:E8:AA:BB:02/1"
+adapter = "hci2"
+[[robot]]
+name = "anna"
+[[robot]]
+name = "bert"
+[camera]
+source = "images:pictures"
+calibration = "camera.toml"
+)";
+  const std::string path = (state_ / "experiment.toml").string(), damaged = (state_ / "damaged.toml").string();
+  std::ofstream(path) << file;
+  const auto experiment = load({path, {}});
+  ASSERT_TRUE(experiment);
+  const auto run = real_robots(*experiment);
+  ASSERT_TRUE(run) << run.error();
+  const RobotAddresses found = robot_addresses(path);
+  EXPECT_TRUE(found.problems.empty());
+  ASSERT_EQ(found.robots.size(), run->size());
+  for (std::size_t i = 0; i < run->size(); ++i) {
+    EXPECT_EQ(comms::to_text(found.robots[i]), comms::to_text((*run)[i])) << i;
+    EXPECT_EQ(found.robots[i].adapter, (*run)[i].adapter) << i;
+  }
+  std::ofstream(damaged) << file << "[[robot\n";
+  const RobotAddresses rest = robot_addresses(damaged);
+  ASSERT_EQ(rest.robots.size(), 2u);
+  EXPECT_EQ(rest.robots[0].adapter, "hci1");
+  EXPECT_EQ(rest.robots[1].adapter, "hci2");
+}
+
 TEST(Output, NeitherThrowsNorWaitsForAReaderThatDoesNotRead) {
   std::signal(SIGPIPE, SIG_IGN);  // as catch_interrupts() does in the program
   int ends[2];

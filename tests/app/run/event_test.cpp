@@ -53,7 +53,9 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::NoProgress{1, 0.31, Hindrance::shield}, "no_progress r2 0.31 shield"},
     {events::Outside{0, 0.01}, "outside r1 0.01"},
     {events::Controller{ControllerState::late}, "controller late"},
-    {events::NoNumber{1}, "no_number r2"}};
+    {events::NoNumber{1}, "no_number r2"},
+    {events::Runaway{1, 0.1}, "runaway r2 0.1"},
+    {events::Obeys{1}, "obeys r2"}};
 
 TEST(Event, WordsOfEveryKindAreReadBack) {
   std::vector<bool> seen(std::variant_size_v<Event>, false);

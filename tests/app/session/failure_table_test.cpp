@@ -16,6 +16,7 @@
 #include "app/session/session.h"
 #include "app/tick/control_tick.h"
 #include "core/simulation/simulated_robot.h"
+#include "tests/app/rows.h"
 #include "tests/app/session/failure_links.h"
 #include "tests/eventually.h"
 
@@ -188,6 +189,62 @@ TEST(FailureTable, TheOthersKeepClearOfARobotThatRollsOn) {
     }
   }
   EXPECT_GT(rolled, 1000) << "it is commanded to stand, and does not";
+}
+
+// --- A robot drives otherwise than it is told ------------------------------------------------------------------------
+
+TEST(FailureTable, ARobotThatDisobeysIsToldToStandAndLeavesTheGroup) {
+  for (const bool ignored : {false, true})
+    for (int seed = 0; seed < 16; ++seed) {
+      Group group(others_go_on({ignored ? "failure.runaway=ignored" : "failure.runaway=others_go_on"}));
+      group.start();
+      group.steps(100 + 120 * seed);
+      group.adrift = 2;
+      group.robots[2].command({-300.0 - 20.0 * seed, -400.0});
+      group.steps(10);  // 0.4 s
+      const TickRecord& row = group.rows.back();
+      EXPECT_EQ(row.robots[2].is(stopped), !ignored) << seed;
+      EXPECT_EQ(row.robots[2].wheels == core::WheelSpeeds{}, !ignored) << seed;
+      EXPECT_EQ(std::isnan(row.robots[2].error.x), !ignored) << "nobody is coupled to it; " << seed;
+      for (const std::size_t other : {0u, 1u, 3u}) EXPECT_FALSE(row.robots[other].is(stopped)) << seed;
+    }
+}
+
+TEST(FailureTable, ARobotThatObeysAgainDrivesAgain) {
+  Group group(others_go_on());
+  group.start();
+  group.steps(300);
+  group.adrift = 2;
+  group.robots[2].command({500, -100});
+  group.steps(50);
+  EXPECT_EQ(group.rows.back().robots[2].wheels, core::WheelSpeeds{});
+  group.adrift = 99;
+  group.steps(50);
+  std::vector<std::string> said;
+  for (const TickRecord& row : group.rows)
+    for (const Event& event : row.events)
+      if (is<events::Runaway, events::Obeys>(event)) said.push_back(describe(event).substr(0, 10));
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_EQ(said[0], "runaway r3");
+  EXPECT_EQ(said[1], "obeys r3");
+  EXPECT_NE(group.rows.back().robots[2].wheels, core::WheelSpeeds{});
+}
+
+TEST(FailureTable, NobodyIsTakenForARunawayWhoIsMovedOrBadlyMeasured) {
+  for (const std::vector<std::string>& sets :
+       {std::vector<std::string>{},
+        {"simulation.pose_noise=0.002", "simulation.heading_noise=0.01745", "simulation.latency=0.08",
+         "simulation.dropout=0.05", "simulation.slip=0.03", "robot_defaults.model=epuck2"},
+        {R"(operator=[{t=5, does="kick r2 vx=0.6 vy=0.3"}, {t=20, does="move r1 x=0.3 y=0.3 theta=1"}])"}}) {
+    Experiment e = others_go_on(sets);
+    e.duration = 40.0;
+    test::Rows rows;
+    auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows}});
+    ASSERT_TRUE(session) << session.error();
+    (*session)->run();
+    EXPECT_EQ(rows.rows.size(), 1000u);
+    EXPECT_EQ(rows.count<events::Runaway>(), 0);
+  }
 }
 
 // --- A pose is older than the bridge time: within a tick. The camera is lost: within a tick of it

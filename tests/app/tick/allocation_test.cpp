@@ -41,7 +41,8 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   change[core::GainName::k_xx] = core::PairTable(4, 0.002);
   change[core::GainName::l_xx] = core::PairTable(4, 150.0);
   experiment.gain_changes = {change};
-  experiment.camera.source = "synthetic";  // which is bumped in the end
+  experiment.failure.runaway = FailureSpec::Runaway::ignored;  // these poses follow no commands
+  experiment.camera.source = "synthetic";                      // which is bumped in the end
   experiment.failure.camera_moved = FailureSpec::CameraMoved::go_on;
   ControlTick tick(experiment);
   RecordChannel channel(8, tick.record());

@@ -108,6 +108,7 @@ TEST_F(StudyText, SaysWhatIsWrongWithAPassageAHandAndWheels) {
   EXPECT_THAT(refusal(experiment + "[hand]\nedge = [0.0, 0.1]\ndistance = [0.1, 0.2]\n"),
               AllOf(HasSubstr("hand.edge"), HasSubstr("without distance")));
   EXPECT_THAT(refusal(experiment + "[crowd]\nwheels = 0.5\n"), HasSubstr("crowd.wheels"));
+  EXPECT_THAT(refusal(experiment + "[crowd]\nrobots = [2, 5]\nrunaways = 3\n"), HasSubstr("crowd.runaways"));
 }
 
 TEST_F(StudyText, AHandPutsRobotsBesideTheEdge) {
@@ -175,6 +176,23 @@ TEST(Sweep, ARobotHasArrivedWhereTheStudySaysItHas) {
   EXPECT_GT(*soon.recovery, *soon.straight) << "nobody is faster than the straight line at v_max";
   EXPECT_EQ(soon.straight, late.straight);
   EXPECT_FALSE(run_one(shipped("kicks.toml"), 1).straight) << "these drive on";
+}
+
+/// Of the others: they are on their places, and a runaway is nowhere expected.
+TEST(Sweep, NobodyCollidesWithARunawayThatIsKnown) {
+  Study study = shipped("runaways.toml");
+  study.control = {"failure.runaway=ignored"};
+  std::int64_t ignored = 0, run_into = 0;
+  for (const std::uint64_t seed : {3u, 13u, 19u, 23u}) {
+    const RunOutcome known = run_one(study, seed);
+    EXPECT_EQ(known.collisions, 0) << seed;
+    EXPECT_EQ(known.outside, 0.0) << seed;
+    EXPECT_TRUE(known.recovery) << seed;
+    run_into += known.run_into;
+    ignored += run_one(study, seed, true).collisions;
+  }
+  EXPECT_GT(ignored, 0) << "the control";
+  EXPECT_GT(run_into, 0) << "who stands cannot get out of its way, and that is no collision";
 }
 
 TEST(Sweep, ThreadsMakeNoDifference) {
