@@ -24,6 +24,12 @@ void SimulatedWorld::advance_locked(double now) {
     if (simulated_[i]) robots_[i].step(dt);
 }
 
+void SimulatedWorld::go_on_from(const SimulatedWorld& other) {
+  const std::scoped_lock lock(mutex_, other.mutex_);
+  robots_ = other.robots_;
+  now_ = other.now_;
+}
+
 void SimulatedWorld::advance(double now) {
   const std::lock_guard lock(mutex_);
   advance_locked(now);
