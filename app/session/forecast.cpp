@@ -13,12 +13,10 @@ bool same(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// The session's clock so many ticks later: on the virtual clock and in a paced run a multiple of the period, to the
-/// bit.
-double later(double now, std::size_t ticks, double rate) noexcept {
+/// The session's clock at the next tick: on the virtual clock a multiple of the period, in a paced run a period later.
+double next(double now, double period, double rate) noexcept {
   const double count = std::round(now * rate);
-  const bool on_grid = count / rate == now;
-  return on_grid ? (count + static_cast<double>(ticks)) / rate : now + static_cast<double>(ticks) / rate;
+  return count / rate == now ? (count + 1.0) / rate : now + period;
 }
 
 }  // namespace
@@ -135,7 +133,7 @@ std::vector<TickRecord> Forecast::ahead(std::size_t ticks, std::span<const Opera
   input.events.reserve(EventList::room_for(experiment_.robots.size()));
   for (std::size_t k = 1; k <= ticks; ++k) {
     if (keep_on && !keep_on()) return {};
-    input.now = later(last_.now, k, experiment_.rate);
+    input.now = next(k == 1 ? last_.now : input.now, experiment_.period(), experiment_.rate);
     input.events.clear();
     commands_.clear();
     perturb(ahead_.next_time(1), input);

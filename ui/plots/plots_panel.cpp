@@ -78,6 +78,7 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   const std::size_t curves = curve_count(rows_);
   history_ = PlotHistory(curves, most_samples(curves));
   others_.clear();
+  foreseen_.reset();
   playhead_.reset();
   mark_.reset();
   robots_.assign(experiment.robots.size(), true);
@@ -96,7 +97,7 @@ void PlotsPanel::rebuild() {
   shown_.assign(rows_.size(), false);
   for (std::size_t row = 0; row < rows_.size(); ++row)
     shown_[row] = wanted_.isEmpty() ? rows_[row].usual : wanted_.contains(rows_[row].name);
-  view_->set_rows(rows_, shown_, robots_.size(), others_.size());
+  view_->set_rows(rows_, shown_, robots_.size(), others_.size(), foreseen_.has_value());
   view_->show_robots(robots_);
   if (playhead_) view_->set_playhead(playhead_);
   if (mark_) view_->set_mark(mark_);
@@ -180,9 +181,22 @@ void PlotsPanel::compare(const std::vector<Compared>& runs) {
   refresh();
 }
 
+void PlotsPanel::foresee(const std::vector<app::TickRecord>& rows) {
+  if (rows.empty() && !foreseen_) return;
+  const bool first = !foreseen_;
+  foreseen_.emplace(history_.curves(), most_samples(history_.curves()));
+  for (const app::TickRecord& row : rows) {
+    sample(rows_, row, values_);
+    foreseen_->add(row.t, values_);
+  }
+  if (first) rebuild();
+  refresh();
+}
+
 std::vector<const PlotHistory*> PlotsPanel::drawn_others() const {
   std::vector<const PlotHistory*> drawn;
   for (const PlotHistory& other : others_) drawn.push_back(other.empty() ? nullptr : &other);
+  if (foreseen_) drawn.push_back(foreseen_->empty() ? nullptr : &*foreseen_);
   return drawn;
 }
 
@@ -226,11 +240,12 @@ void PlotsPanel::replot_now() {
 
 void PlotsPanel::follow_time() {
   const double begin = history_.empty() ? 0.0 : std::min(0.0, history_.first_time());
+  const double last = foreseen_ && !foreseen_->empty() ? foreseen_->last_time() : t_;
   if (span_ > 0.0) {
-    const double end = std::max(t_, begin + span_);
+    const double end = std::max(last, begin + span_);
     view_->set_time(end - span_, end);
   } else {
-    view_->set_time(history_.empty() ? 0.0 : history_.first_time(), std::max(t_, begin + 10.0));
+    view_->set_time(history_.empty() ? 0.0 : history_.first_time(), std::max(last, begin + 10.0));
   }
 }
 

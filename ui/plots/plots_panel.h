@@ -48,6 +48,9 @@ class PlotsPanel final : public QWidget {
   };
   /// Draws other runs paler behind this one, each with a line of its own; none: only this one.
   void compare(const std::vector<Compared>& runs);
+  /// Draws this run's next seconds paler; empty: none.
+  void foresee(const std::vector<app::TickRecord>& rows);
+  const std::optional<PlotHistory>& foreseen() const { return foreseen_; }
   /// From this time on, values at the mouse and the cursor are told with their difference as well; none: no longer.
   void set_mark(std::optional<double> t);
   std::optional<double> mark() const { return mark_; }
@@ -123,6 +126,7 @@ class PlotsPanel final : public QWidget {
   QStringList wanted_;  // chosen by the operator; empty: the usual ones
   PlotHistory history_;
   std::vector<PlotHistory> others_;  // of the compared runs, empty where one is switched off
+  std::optional<PlotHistory> foreseen_;  // empty in itself: its curves have their places, but nobody asks now
   std::vector<double> values_;
   QTimer timer_;
   QElapsedTimer since_replot_;
