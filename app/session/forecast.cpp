@@ -49,7 +49,7 @@ void Forecast::carry_out(const Event& event, SimulatedWorld& world) const {
 }
 
 void Forecast::follow(const TickRecord& record) {
-  if (simulation_ && complete_) {
+  if (exact()) {
     // The first record has no tick before it; of the others the period tells whether one is missing.
     if (begun_ ? !same(record.now - last_.now, record.period) : !std::isnan(record.period)) complete_ = false;
     for (const Event& event : record.events) carry_out(event, world_);
@@ -61,7 +61,8 @@ void Forecast::follow(const TickRecord& record) {
     }
   }
   tick_.step(recorded_.of(record));
-  for (std::size_t i = 0; i < record.robots.size(); ++i) world_.command(i, record.robots[i].wheels);
+  if (exact())
+    for (std::size_t i = 0; i < record.robots.size(); ++i) world_.command(i, record.robots[i].wheels);
   last_ = record;
   begun_ = true;
 }
