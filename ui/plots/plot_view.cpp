@@ -445,8 +445,13 @@ void PlotView::style_curves() {
       s.graphs[i]->setLayer(selected_ >= 0 && has_robots && belongs ? QStringLiteral("axes") : QStringLiteral("main"));
       for (std::size_t k = 0; k < s.others.size(); ++k) {
         s.others[k][i]->setAntialiased(!crowd);
-        const bool foreseen = foresees_ && k + 1 == s.others.size();
-        s.others[k][i]->setPen(QPen(pale, 1.6, foreseen ? Qt::SolidLine : compared_style(k)));
+        if (foresees_ && k + 1 == s.others.size()) {  // what has not happened yet: paler than anything else
+          QColor faint = pale;
+          faint.setAlphaF(0.35F);
+          s.others[k][i]->setPen(QPen(faint, 1.6));
+        } else {
+          s.others[k][i]->setPen(QPen(pale, 1.6, compared_style(k)));
+        }
       }
     }
   }
