@@ -1,41 +1,16 @@
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "app/cli/command_runs.h"
-#include "app/experiment/text_file.h"
-#include "app/page/report_page.h"
 #include "app/record/disk_writer.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "app/runs/kept_run.h"
 #include "app/runs/run_folder.h"
+#include "app/runs/run_page.h"
 
 namespace skein::app {
-namespace {
-
 namespace fs = std::filesystem;
-
-/// What the story of a kept run says beside its record.
-PageOrigin origin_of(const nlohmann::ordered_json& story) {
-  PageOrigin origin;
-  const auto text = [&](const char* table, const char* key) {
-    return story.contains(table) && story[table].is_object() ? story[table].value(key, std::string()) : std::string();
-  };
-  const std::string commit = text("program", "commit");
-  origin.sentence = fmt::format("Run {} of {}, on {} ({}), by skein {}{}.", story.value("id", std::string()),
-                                story.value("began", std::string()), text("machine", "host"), text("machine", "cpu"),
-                                text("program", "version"), commit.empty() ? "" : ", commit " + commit);
-  if (story.contains("problems") && story["problems"].is_array())
-    for (const auto& problem : story["problems"])
-      if (problem.is_string()) origin.problems.push_back(problem.get<std::string>());
-  return origin;
-}
-
-}  // namespace
 
 int write_page(const PageRequest& request) {
   const auto refused = [](const std::string& sentence) {
@@ -44,12 +19,7 @@ int write_page(const PageRequest& request) {
   };
   const auto record = record_of(request.run, request.directory);
   if (!record) return refused(record.error());
-  std::ifstream csv(record->csv, std::ios::binary);
-  if (!csv) return refused(fmt::format("{}: cannot be opened: {}", record->csv, std::strerror(errno)));
-  PageOrigin origin;
-  if (!record->folder.empty())
-    if (const auto story = read_story(record->folder)) origin = origin_of(*story);
-  const auto page = report_page(csv, record->csv, origin);
+  const auto page = page_of_run(record->csv, record->folder);
   if (!page) return refused(page.error());
   for (const std::string& warning : page->warnings) complain(warning);
 

@@ -17,20 +17,12 @@
 #include "app/record/csv_reader.h"
 #include "app/record/disk_writer.h"
 #include "app/replay/replay_film.h"
-#include "app/run/operator_command.h"
 #include "app/tick/control_tick.h"
+#include "app/tick/recorded_input.h"
 #include "core/geometry/pose.h"
 
 namespace skein::app {
 namespace {
-
-/// What the operator did at a recorded tick.
-std::vector<OperatorCommand> commands_of(const TickRecord& row) {
-  std::vector<OperatorCommand> commands;
-  for (const Event& event : row.events)
-    if (const auto command = command_of(event)) commands.push_back(*command);
-  return commands;
-}
 
 bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -172,10 +164,10 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     result.lossless = frames->lossless();
   }
 
-  const bool own = experiment->controller.law.own();
   std::unique_ptr<OwnController> asked;
   if (controller) {
-    if (!own) return tl::unexpected(file + ": --controller: the run had no controller of its own");
+    if (!experiment->controller.law.own())
+      return tl::unexpected(file + ": --controller: the run had no controller of its own");
     Experiment here = *experiment;
     here.directory.clear();
     auto started = OwnController::start(here, /*waits=*/true);
@@ -183,51 +175,21 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     asked = std::move(*started);
     result.asked = true;
   }
-  std::vector<core::Twist> laws(own ? experiment->robots.size() : 0);
-
   ControlTick tick(*experiment);
   FilmLoss loss;
-  std::vector<core::Measurement> from_film(frames ? experiment->robots.size() : 0);
-  std::vector<core::Measurement> measurements(experiment->cameras() * experiment->robots.size());
-  std::vector<double> delays(experiment->robots.size());
-  std::vector<LinkInput> links(experiment->robots.size());
+  RecordedInput recorded(*experiment);
+  std::vector<core::Measurement> filmed(frames ? experiment->robots.size() : 0);
   TickRecord row;
-  std::int64_t last_tick = 0;
   while (true) {
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
+    TickInput input = recorded.of(row);
     if (frames) {
-      if (const auto seen = frames->advance(newest_capture(row), from_film); !seen) return tl::unexpected(seen.error());
-      result.lossless ? compare_poses(row, from_film, result) : loss.add(row, from_film, result);
+      if (const auto seen = frames->advance(newest_capture(row), filmed); !seen) return tl::unexpected(seen.error());
+      result.lossless ? compare_poses(row, filmed, result) : loss.add(row, filmed, result);
+      if (result.lossless) input.measurements = filmed;
     }
-    if (frames && result.lossless) {
-      measurements = from_film;
-    } else if (experiment->cameras() > 1) {
-      measurements = row.by_camera;
-    } else {
-      for (std::size_t i = 0; i < measurements.size(); ++i) measurements[i] = row.robots[i].measurement;
-    }
-    const std::vector<OperatorCommand> commands = commands_of(row);
-    for (std::size_t i = 0; i < delays.size(); ++i)
-      delays[i] = std::isnan(row.robots[i].actuation_delay) ? 0.0 : row.robots[i].actuation_delay;
-    TickInput input;
-    input.now = row.now;
-    input.elapsed = static_cast<int>(std::max<std::int64_t>(1, row.tick - last_tick));
-    input.stop = row.events.contains<events::Stop>();
-    input.measurements = measurements;
-    input.delays = delays;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      links[i] = row.robots[i].link.input;
-      links[i].linked = !std::isnan(links[i].blind_way);
-    }
-    input.links = links;
-    input.commands = commands;
-    input.recorded = true;
-    for (const Event& event : row.events)
-      if (is<events::Perturb, events::Move, events::Kick>(event)) input.events.add(event);
-    for (std::size_t i = 0; i < laws.size(); ++i) laws[i] = row.robots[i].law;
-    input.law = laws;
     tick.see(input);
     if (const core::ControllerInput* const question = tick.ask(); asked && question) {
       asked->ask(*question);
@@ -239,7 +201,6 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
       run->rows.push_back(row);
       complete(run->rows.back(), again);
     }
-    last_tick = row.tick;
     ++result.ticks;
   }
   if (reader->torn()) result.warnings.push_back(*reader->torn());

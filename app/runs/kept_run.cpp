@@ -94,6 +94,14 @@ Json summary_object(const Statistics::Summary& summary) {
   return result;
 }
 
+/// The file's size and hash, into run.json's `files`.
+Done note_file(Json& files, const fs::path& folder, const std::string& name) {
+  const auto hash = sha256_of_file((folder / name).string());
+  if (!hash) return tl::unexpected(hash.error());
+  files[name] = {{"bytes", fs::file_size(folder / name)}, {"sha256", *hash}};
+  return {};
+}
+
 /// A folder that nobody else has.
 tl::expected<std::string, std::string> new_folder(const std::string& directory, const std::string& name) {
   std::error_code error;
@@ -218,18 +226,22 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   story["problems"] = how.problems;
   story["summary"] = summary_object(summary);
   Json files = Json::object();
-  for (const std::string& name : files_of_run(folder_)) {
-    if (name == run_files::story) continue;
-    const auto hash = sha256_of_file((folder / name).string());
-    if (!hash) {
-      note(tl::unexpected(hash.error()));
-      continue;
-    }
-    files[name] = {{"bytes", fs::file_size(folder / name)}, {"sha256", *hash}};
-  }
+  for (const std::string& name : files_of_run(folder_))
+    if (name != run_files::story) note(note_file(files, folder, name));
   story["files"] = files;
   note(write_file(folder / run_files::story, story.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'));
   return complete;
+}
+
+Done add_to_kept_run(const std::string& folder, const std::vector<std::string>& files) {
+  auto story = read_story(folder);
+  if (!story) return tl::unexpected(story.error());
+  if (!story->contains("files") || !(*story)["files"].is_object())
+    return tl::unexpected(fmt::format("{}: its run did not end, allowed: the folder of a run that did", folder));
+  for (const std::string& name : files)
+    if (Done noted = note_file((*story)["files"], folder, name); !noted) return noted;
+  return write_file(fs::path(folder) / run_files::story,
+                    story->dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace skein::app

@@ -48,6 +48,10 @@ class KeptRun {
   std::string head_;  // run.json as it was written at the beginning
 };
 
+/// Makes files in the folder of a run that has ended part of it: their hashes go into its run.json. The error names
+/// what cannot be read or written; a run that did not end takes nothing.
+tl::expected<void, std::string> add_to_kept_run(const std::string& folder, const std::vector<std::string>& files);
+
 /// The experiment's keys as `skein runs find` knows them: "controller.v_max" and the like with the value of this
 /// experiment, the coupling gains (the largest of all pairs), the number of robots. Values are as in a file; keys at
 /// the top of the file are below "experiment.".

@@ -38,6 +38,13 @@ void SimulatedWorld::run_away(double now) {
   });
 }
 
+void SimulatedWorld::go_on_from(const SimulatedWorld& other) {
+  const std::scoped_lock lock(mutex_, other.mutex_);
+  robots_ = other.robots_;
+  runaways_ = other.runaways_;
+  now_ = other.now_;
+}
+
 void SimulatedWorld::advance(double now) {
   const std::lock_guard lock(mutex_);
   advance_locked(now);

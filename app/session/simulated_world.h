@@ -15,6 +15,9 @@ class SimulatedWorld {
  public:
   explicit SimulatedWorld(const Experiment& experiment);
 
+  /// Everything as it is on `other`, the floor of the same experiment, at this moment.
+  void go_on_from(const SimulatedWorld& other);
+
   /// Advances all robots to `now` [s]. Times in the past change nothing.
   void advance(double now);
   /// Wheel speeds as commanded [steps/s], from now on.

@@ -70,41 +70,40 @@ double rise_tolerance(const Experiment& e) {
 
 }  // namespace
 
-TickState::TickState(const Experiment& e)
+TickSetup::TickSetup(const Experiment& e)
     : experiment(e),
       reference(make_reference_of_tick(e, clock)),
       demand(reference->demand(e.controller.k_y)),
       shield_parameters(shield_of(e)),
       has_camera(e.camera.kind() != CameraKind::absent),
       cameras(e.cameras()),
-      beyond(sizes_beyond(e)),
-      gains(make_gains(e)),
+      beyond(sizes_beyond(e)) {
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    limits.push_back(make_limits(e, i));
+    fields.push_back(make_avoidance(e, i));
+  }
+}
+
+TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core::ReferenceDemand& demand)
+    : gains(first),
       couplings(e, gains, demand),
       obstacles(e.obstacles),
       avoidance(e.robots.size(), obstacles.all().size()),
-      planner(make_planner(e, *reference, clock, obstacles.all().size())),
       shield(e.robots.size(), obstacles.all().size()),
       near(e.robots.size()),
       staging_law(e.robots.size()),
-      controller(core::controller_type(e.controller.law.kind).make(e.robots.size())),
       no_number(e.robots.size()),
       watch(e.robots.size(), rise_tolerance(e)),
       progress(e.robots.size()),
       outside(e.robots.size()),
       had_no_way(e.robots.size()),
-      camera_watch(e.cameras(), core::CameraWatch(e.robots.size())),
-      adrift(new bool[e.robots.size()]()),
-      shield_touched(new bool[e.robots.size()]()) {
+      camera_watch(e.cameras(), core::CameraWatch(e.robots.size())) {
   const std::size_t n = e.robots.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    limits.push_back(make_limits(e, i));
-    fields.push_back(make_avoidance(e, i));
-  }
   filters.resize(n);
-  seen_by.resize(cameras * n);
+  seen_by.resize(e.cameras() * n);
   believed.resize(n);
-  in_order.reserve(cameras);
-  record.by_camera.resize(cameras > 1 ? cameras * n : 0);
+  in_order.reserve(e.cameras());
+  record.by_camera.resize(e.cameras() > 1 ? e.cameras() * n : 0);
   seen_before.resize(n);
   held.resize(n);
   disobeys.resize(n);
@@ -128,6 +127,20 @@ TickState::TickState(const Experiment& e)
   out.resize(n);
   covariance.resize(n);
   spare_log.resize(n * core::controller_type(e.controller.law.kind).logs.size());
+  record.robots.resize(n);
+  record.logged.resize(n * log_names(e.controller.law).size(), none);
+  record.events.reserve(EventList::room_for(n));
+  record.delta.resize(n > 0 ? n - 1 : 0);
+  record.pair_gains = {gains.k_xx, gains.k_tt, gains.k_yy};
+}
+
+TickState::TickState(const Experiment& e)
+    : TickSetup(e),
+      TickMemory(e, make_gains(e), demand),
+      planner(make_planner(e, *reference, clock, obstacles.all().size())),
+      controller(core::controller_type(e.controller.law.kind).make(e.robots.size())),
+      adrift(new bool[e.robots.size()]()),
+      shield_touched(new bool[e.robots.size()]()) {
   question.poses = poses;
   question.covariance = covariance;
   question.twists = driving;
@@ -138,11 +151,15 @@ TickState::TickState(const Experiment& e)
   question.out = out;
   question.gains = &gains;
   question.parameters = experiment.controller.law.parameters;
-  record.robots.resize(n);
-  record.logged.resize(n * log_names(e.controller.law).size(), none);
-  record.events.reserve(EventList::room_for(n));
-  record.delta.resize(n > 0 ? n - 1 : 0);
-  record.pair_gains = {gains.k_xx, gains.k_tt, gains.k_yy};
+}
+
+void ControlTick::go_on_from(const ControlTick& other) {
+  TickState& tick = *state_;
+  const TickState& from = *other.state_;
+  tick.clock = from.clock;
+  static_cast<TickMemory&>(tick) = from;
+  std::copy_n(from.adrift.get(), from.robots(), tick.adrift.get());
+  std::copy_n(from.shield_touched.get(), from.robots(), tick.shield_touched.get());
 }
 
 void ControlTick::see(const TickInput& input) noexcept {

@@ -18,6 +18,10 @@ class ControlTick {
   explicit ControlTick(const Experiment& experiment);
   ~ControlTick();
 
+  /// Forgets what it has seen, and goes on from where `other` is, a tick of the same experiment: the same inputs give
+  /// the same bits. Not for planned routes (`avoidance.kind = "plan"`), whose search has no copy. Not part of a tick.
+  void go_on_from(const ControlTick& other);
+
   /// One tick. The record is valid until the next call.
   const TickRecord& step(const TickInput& input) noexcept {
     see(input);

@@ -45,10 +45,12 @@ class Couplings {
   void hold_file(const GainChange& change, EventList& events) noexcept;
   double base(core::GainName name, std::size_t i, std::size_t j) const noexcept;
 
-  const std::vector<GainChange> changes_;
-  const core::CouplingGains file_;
-  const core::Gains limits_;  // v_max, omega_max and the reserve for tracking
-  const core::ReferenceDemand demand_;
+  // Of the experiment.
+  std::vector<GainChange> changes_;
+  core::CouplingGains file_;
+  core::Gains limits_;  // v_max, omega_max and the reserve for tracking
+  core::ReferenceDemand demand_;
+  // What lasts from tick to tick.
   std::size_t next_change_ = 0;
   core::GainSchedule schedule_;
   core::CouplingGains wanted_;  // the pairs' targets if none were switched off

@@ -21,8 +21,94 @@
 
 namespace skein::app {
 
-/// What a tick works on: the experiment's parts, what lasts from tick to tick, and what lasts for one.
-struct TickState {
+/// What the experiment says.
+struct TickSetup {
+  explicit TickSetup(const Experiment& e);
+
+  const Experiment experiment;
+  core::FormationClock clock;  // stands in what the experiment says, since the reference goes by it
+  const std::unique_ptr<const core::Reference> reference;
+  const core::ReferenceDemand demand;
+  const core::ShieldParameters shield_parameters;  // with the arena's edge
+  const bool has_camera;
+  const std::size_t cameras;  // whose measurements are fused: 1 without any
+  std::vector<core::CommandLimits> limits;
+  const std::vector<double> beyond;  // bodies, against standard ones [m]
+  const core::Sizes sizes{beyond};
+  std::vector<core::AvoidanceParameters> fields;  // (30) of each robot
+};
+
+/// What a tick remembers, all of it values: a copy goes on like the original.
+struct TickMemory {
+  TickMemory(const Experiment& e, const core::Gains& first, const core::ReferenceDemand& demand);
+
+  // What lasts from tick to tick.
+  double last_now = none;
+  double dt = 0.0;         // of the experiment, since the tick before; 0 unless running
+  double motion_dt = 0.0;  // the same of everything that drives: while staging as well
+  Phase after_staging = Phase::ready;
+  double staging_time = 0.0;  // that planned routes count from while staging [s]
+  double stood_for = 0.0;     // at the starts, while staging [s]
+  core::Gains gains;
+  Couplings couplings;
+  core::ObstacleField obstacles;
+  core::Avoidance avoidance;
+  core::Shield shield;
+  core::NearRobots near;
+  core::KosticController staging_law;                            // drives to the starts, whatever the run's law is
+  std::vector<double> spare_log;                                 // of that law where another one's values are recorded
+  std::vector<bool> no_number;                                   // what the law asked of it was none at the tick before
+  ControllerState controller_state = ControllerState::answered;  // of the run's own controller
+  core::DescentWatch watch;
+  core::ProgressWatch progress;
+  std::vector<bool> outside;  // over the edge of the arena
+  std::vector<bool> had_no_way;
+  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
+  std::vector<core::PoseFilter> filters;
+  std::vector<core::CameraWatch> camera_watch;  // of each camera
+  /// What a camera has measured of a robot.
+  struct Seen {
+    core::Measurement newest;
+    core::Pose shift;      // that makes its poses agree with those of the cameras that saw it before
+    double weight = 0.0;   // of the frames that it was learned from [1/m^2]
+    int learned = 0;       // so many
+    int contradicted = 0;  // measurements in a row, by other cameras
+  };
+  std::vector<Seen> seen_by;                // robot i by camera c at c * robots + i
+  std::vector<core::Measurement> believed;  // the newest of each robot that its filter has taken in
+  std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
+  std::vector<bool> seen_before;
+  std::vector<bool> held;               // made to stand by the operator
+  std::vector<bool> disobeys;           // drives otherwise than it was told, and has not stood since
+  std::vector<bool> off_nominal;        // follows a modified reference
+  std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
+  std::vector<double> acts_at;          // from when on the newest commands act [s]
+  struct Sight {
+    static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
+    std::array<core::Measurement, frames> seen{};
+    std::array<double, frames> blind{};  // how far it may have driven by then on commands that nobody had confirmed [m]
+    std::size_t count = 0;
+    int contradicted = 0;         // times in a row that it was seen not to do what is believed of it
+    double excused_until = none;  // a hand has moved it [s, session's clock]
+  };
+  std::vector<Sight> sights;
+
+  // What lasts for one tick.
+  std::vector<Eigen::Matrix3d> covariance;
+  std::vector<core::Pose> poses, midway, stands;
+  std::vector<core::ReferencePoint> nominal, followed;
+  std::vector<core::Twist> followed_twists, law, commands;
+  std::vector<core::TrackingError> errors;
+  std::vector<double> v_limits;
+  std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
+  std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
+  std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
+  std::vector<double> doubt;         // how far off each pose may be [m]
+  TickRecord record;
+};
+
+/// What a tick works on: the experiment's parts, and what it remembers.
+struct TickState : TickSetup, TickMemory {
   explicit TickState(const Experiment& e);
 
   // The stages of a tick, in their order.
@@ -82,88 +168,12 @@ struct TickState {
   std::size_t robots() const noexcept { return record.robots.size(); }
   void note(const Event& event) noexcept { record.events.add(event); }
 
-  // What the experiment says.
-  const Experiment experiment;
-  core::FormationClock clock;  // stands in what the experiment says, since the reference goes by it
-  const std::unique_ptr<const core::Reference> reference;
-  const core::ReferenceDemand demand;
-  const core::ShieldParameters shield_parameters;  // with the arena's edge
-  const bool has_camera;
-  const std::size_t cameras;  // whose measurements are fused: 1 without any
-  std::vector<core::CommandLimits> limits;
-  const std::vector<double> beyond;  // bodies, against standard ones [m]
-  const core::Sizes sizes{beyond};
-  std::vector<core::AvoidanceParameters> fields;  // (30) of each robot
-
-  // What lasts from tick to tick.
-  double last_now = none;
-  double dt = 0.0;         // of the experiment, since the tick before; 0 unless running
-  double motion_dt = 0.0;  // the same of everything that drives: while staging as well
-  Phase after_staging = Phase::ready;
-  double staging_time = 0.0;  // that planned routes count from while staging [s]
-  double stood_for = 0.0;     // at the starts, while staging [s]
-  core::Gains gains;
-  Couplings couplings;
-  core::ObstacleField obstacles;
-  core::Avoidance avoidance;
-  const std::unique_ptr<core::Planner> planner;  // where the file asks for planned routes
-  core::Shield shield;
-  core::NearRobots near;
-  core::KosticController staging_law;                            // drives to the starts, whatever the run's law is
-  const std::unique_ptr<core::Controller> controller;            // the law that is built in
-  std::vector<double> spare_log;                                 // of that law where another one's values are recorded
-  std::vector<bool> no_number;                                   // what the law asked of it was none at the tick before
-  ControllerState controller_state = ControllerState::answered;  // of the run's own controller
-  core::DescentWatch watch;
-  core::ProgressWatch progress;
-  std::vector<bool> outside;  // over the edge of the arena
-  std::vector<bool> had_no_way;
-  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
-  std::vector<core::PoseFilter> filters;
-  std::vector<core::CameraWatch> camera_watch;  // of each camera
-  /// What a camera has measured of a robot.
-  struct Seen {
-    core::Measurement newest;
-    core::Pose shift;      // that makes its poses agree with those of the cameras that saw it before
-    double weight = 0.0;   // of the frames that it was learned from [1/m^2]
-    int learned = 0;       // so many
-    int contradicted = 0;  // measurements in a row, by other cameras
-  };
-  std::vector<Seen> seen_by;                // robot i by camera c at c * robots + i
-  std::vector<core::Measurement> believed;  // the newest of each robot that its filter has taken in
-  std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
-  std::vector<bool> seen_before;
-  std::vector<bool> held;               // made to stand by the operator
-  std::vector<bool> disobeys;           // drives otherwise than it was told, and has not stood since
-  std::vector<bool> off_nominal;        // follows a modified reference
-  std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
-  std::vector<double> acts_at;          // from when on the newest commands act [s]
-  struct Sight {
-    static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
-    std::array<core::Measurement, frames> seen{};
-    std::array<double, frames> blind{};  // how far it may have driven by then on commands that nobody had confirmed [m]
-    std::size_t count = 0;
-    int contradicted = 0;         // times in a row that it was seen not to do what is believed of it
-    double excused_until = none;  // a hand has moved it [s, session's clock]
-  };
-  std::vector<Sight> sights;
-
-  // What lasts for one tick.
-  bool asked = false;              // ask_law is done
-  core::ControllerInput question;  // into what follows
-  std::vector<Eigen::Matrix3d> covariance;
-  std::vector<core::Pose> poses, midway, stands;
-  std::vector<core::ReferencePoint> nominal, followed;
-  std::vector<core::Twist> followed_twists, law, commands;
-  std::vector<core::TrackingError> errors;
-  std::vector<double> v_limits;
-  std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
-  std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
-  std::unique_ptr<bool[]> adrift;    // it is out, has a link or disobeys, and rolls
-  std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
-  std::vector<double> doubt;         // how far off each pose may be [m]
+  const std::unique_ptr<core::Planner> planner;        // where the file asks for planned routes
+  const std::unique_ptr<core::Controller> controller;  // the law that is built in
+  bool asked = false;                                  // ask_law is done
+  core::ControllerInput question;                      // into what is remembered
+  std::unique_ptr<bool[]> adrift;                      // it is out, has a link or disobeys, and rolls
   std::unique_ptr<bool[]> shield_touched;
-  TickRecord record;
 };
 
 }  // namespace skein::app

@@ -13,6 +13,7 @@
 #include "ui/robots/robots_model.h"
 #include "ui/run/run_history.h"
 #include "ui/status/alert_strip.h"
+#include "ui/status/event_log.h"
 
 namespace skein::ui::test {
 namespace {
@@ -39,6 +40,30 @@ TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
   r.mode = app::stopped | app::lost;
   r.pose_age = 0.45;
   EXPECT_TRUE(why(record, 0).contains(QStringLiteral("not seen"))) << why(record, 0).toStdString();
+}
+
+TEST(EventLog, CutsNoSentenceOff) {
+  EventLog log;
+  log.resize(280, 400);
+  log.show();
+  const QString sentence = QStringLiteral(
+      "STOPPED: robot 3: the link is stale, its battery is low, and it has not acknowledged its stop since 18.04 s");
+  log.note(1.0, QStringLiteral("start"), Severity::note);
+  log.note(2.0, sentence, Severity::alarm);
+  const auto needed = [&](const QString& text) {
+    const int width = log.columnWidth(EventModel::event) - 8;  // the cell's own margins
+    return log.fontMetrics().boundingRect(QRect(0, 0, width, 10000), Qt::TextWordWrap, text).height();
+  };
+  EXPECT_GE(log.rowHeight(1), needed(sentence));
+  EXPECT_GT(log.rowHeight(1), 2 * log.rowHeight(0)) << "the control: it needs several lines";
+  log.resize(1400, 400);
+  EXPECT_TRUE(QTest::qWaitFor([&] { return log.rowHeight(1) == log.rowHeight(0); })) << "one line is enough now";
+  log.resize(280, 400);
+  EXPECT_TRUE(QTest::qWaitFor([&] { return log.rowHeight(1) >= needed(sentence); }));
+  log.filter().set_words(QStringLiteral("start"));
+  log.filter().set_words({});
+  EXPECT_GE(log.rowHeight(1), needed(sentence)) << "after it was filtered away and came back";
+  EXPECT_TRUE(log.model()->index(1, EventModel::event).data(Qt::ToolTipRole).toString().startsWith(sentence));
 }
 
 TEST(ArenaMap, GoesThereAndBack) {

@@ -11,6 +11,7 @@
 #include "ui/plots/plot_history.h"
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
+#include "ui/plots/xy_plot.h"
 
 namespace skein::ui::test {
 namespace {
@@ -307,6 +308,60 @@ TEST_F(Plots, LeaveOutTheWayToTheStarts) {
   EXPECT_EQ(plots().history().size(), 100u);
   EXPECT_LT(std::abs(plots().history().value(1, 0.0)), 0.02) << "e_x of robot 2 at its start";
   plots().compare({PlotsPanel::Compared{&run.rows}});
+}
+
+TEST_F(Plots, AreDrawnOverEachOther) {
+  start();
+  ASSERT_TRUE(eventually([&] { return record().t > 1.0; }));
+  EXPECT_FALSE(plots().over().isVisible());
+  EXPECT_FALSE(plots().show_over(QStringLiteral("V"), QStringLiteral("e_x"))) << "one curve, and four";
+  EXPECT_FALSE(plots().show_over(QStringLiteral("e_y"), QStringLiteral("nothing")));
+  ASSERT_TRUE(plots().show_over(QStringLiteral("e_y"), QStringLiteral("e_x")));
+  drag(robot(1), robot(1) + QPoint(30, 20));
+  moved(1);
+  const auto curve = [&](int robot) { return qobject_cast<QCPCurve*>(plots().over().plottable(2 * robot)); };
+  ASSERT_TRUE(eventually([&] {
+    bool found = false;
+    return curve(1) && curve(1)->data()->size() > 20 && curve(1)->getKeyRange(found).size() > 0.02;
+  }));
+  EXPECT_TRUE(plots().over().isVisible());
+  const auto& rows = plots().rows();
+  const auto first = [&](const char* name) {
+    return std::find_if(rows.begin(), rows.end(), [&](const PlotRow& r) { return r.name == QLatin1String(name); })
+        ->first;
+  };
+  for (auto point = curve(1)->data()->constBegin(); point != curve(1)->data()->constEnd(); ++point) {
+    EXPECT_EQ(point->key, plots().history().value(first("e_x") + 1, point->t));
+    EXPECT_EQ(point->value, plots().history().value(first("e_y") + 1, point->t));
+  }
+  EXPECT_TRUE(plots().show_over(QStringLiteral("omega"), QStringLiteral("v")));
+  plots().show_over({}, {});
+  EXPECT_FALSE(plots().over().isVisible());
+}
+
+TEST_F(Plots, AreKeptAsLayouts) {
+  start();
+  plots().show_plots({QStringLiteral("V"), QStringLiteral("e_x"), QStringLiteral("e_y")});
+  plots().set_span(300.0);
+  plots().show_over(QStringLiteral("e_y"), QStringLiteral("e_x"));
+  keep_plot_layout(plots().layout_now(QStringLiteral("errors / 1")));
+  plots().show_plots({QStringLiteral("v")});
+  plots().set_span(10.0);
+  plots().show_over({}, {});
+
+  QMenu* menu = find<QToolButton>("choose_plots")->menu();
+  emit menu->aboutToShow();
+  QAction* found = nullptr;
+  for (QAction* action : menu->findChildren<QAction*>())
+    if (action->text() == QStringLiteral("errors - 1")) found = found ? found : action;
+  ASSERT_NE(found, nullptr);
+  found->trigger();
+  EXPECT_EQ(plots().shown(), (QStringList{QStringLiteral("e_x"), QStringLiteral("e_y"), QStringLiteral("V")}));
+  EXPECT_EQ(plots().span(), 300.0);
+  EXPECT_TRUE(plots().over().isVisible());
+  forget_plot_layout(QStringLiteral("errors - 1"));
+  EXPECT_TRUE(plot_layouts().empty());
+  plots().show_plots({});
 }
 
 }  // namespace

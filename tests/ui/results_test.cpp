@@ -6,8 +6,13 @@
 #include <QLabel>
 #include <QTableWidget>
 
+#include "app/record/csv_file.h"
 #include "app/record/statistics.h"
+#include "app/runs/kept_run.h"
+#include "app/runs/verify.h"
 #include "operator.h"
+#include "ui/base/settings.h"
+#include "ui/main/result_controller.h"
 #include "ui/results/result_panel.h"
 
 namespace skein::ui::test {
@@ -49,6 +54,72 @@ TEST_F(Results, AreThoseOfTheCommandLine) {
   bool all_ticks = true;
   for (const RunResults::Expectation& expected : results.expectations()) all_ticks = all_ticks && expected.holds();
   EXPECT_EQ(all_ticks, all_hold);
+}
+
+/// A report is saved, and gnuplot or not: what is missing is said.
+class Report : public Results {
+ protected:
+  /// Presses the button; the folder that it was saved in.
+  QString save() {
+    QString folder;
+    const auto connection = QObject::connect(window.findChild<ResultController*>(), &ResultController::saved, &window,
+                                             [&](const QString& in, const QStringList& missing) {
+                                               folder = in;
+                                               problems = missing.join(QLatin1Char('|'));
+                                             });
+    find<QPushButton>("save_results")->click();
+    EXPECT_TRUE(eventually([&] { return !folder.isEmpty(); }));
+    QObject::disconnect(connection);
+    return folder;
+  }
+  static QString text_of(const QString& file) {
+    QFile in(file);
+    EXPECT_TRUE(in.open(QIODevice::ReadOnly)) << file.toStdString();
+    return QString::fromUtf8(in.readAll());
+  }
+  QString problems;
+};
+
+TEST_F(Report, IsSavedFromTheCardByOneButton) {
+  const QTemporaryDir dir;
+  settings().setValue(QStringLiteral("recordings"), dir.path());
+  start();
+  const QString folder = save();
+  settings().remove(QStringLiteral("recordings"));
+  EXPECT_EQ(problems.toStdString(), "");
+  EXPECT_TRUE(folder.startsWith(dir.path())) << folder.toStdString();
+  EXPECT_TRUE(text_of(folder + QStringLiteral("/results.txt")).contains(QStringLiteral("platoon")));
+  EXPECT_TRUE(text_of(folder + QStringLiteral("/results.tex")).contains(QStringLiteral("tabular")));
+  EXPECT_TRUE(text_of(folder + QStringLiteral("/report.html")).contains(QStringLiteral("<html")));
+  for (const char* file : {"figure3.pdf", "figure4.svg", "summary.json"})
+    EXPECT_TRUE(QFile::exists(folder + QLatin1Char('/') + QLatin1String(file))) << file;
+  const auto recorded = app::load_run((folder + QStringLiteral("/run.csv")).toStdString());
+  ASSERT_TRUE(recorded) << recorded.error();
+  EXPECT_EQ(recorded->check.different, 0);
+}
+
+TEST_F(Report, OfAKeptRunGoesIntoItsFolder) {
+  const QTemporaryDir dir;
+  const app::Experiment experiment = *app::parse_experiment(app::paper_experiment().source, "short", {"duration=2"});
+  auto kept = app::KeptRun::begin({dir.path().toStdString(), {}, {"duration=2"}, {"run"}, false}, experiment);
+  ASSERT_TRUE(kept) << kept.error();
+  app::Statistics statistics(experiment);
+  app::CsvFile csv(kept->csv(), experiment);
+  auto session = app::Session::open(experiment, app::Session::Clock::virtual_, {.sinks = {&statistics, &csv}});
+  (*session)->run();
+  csv.finish();
+  ASSERT_TRUE(kept->end(statistics.summary(), {}));
+
+  window.resize(1280, 800);
+  window.show();
+  window.open_recording(QString::fromStdString(kept->csv()));
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
+  EXPECT_EQ(save().toStdString(), kept->folder());
+  EXPECT_EQ(problems.toStdString(), "");
+  EXPECT_TRUE(QFile::exists(QString::fromStdString(kept->folder() + "/report.html")));
+  const auto found = app::verify_run(kept->folder());
+  ASSERT_TRUE(found);
+  for (const auto& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
 }
 
 TEST_F(Results, TakeNoMoreMemoryTheLongerARunLasts) {

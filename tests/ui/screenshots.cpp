@@ -4,6 +4,7 @@
 #include <QApplication>
 #include <QDir>
 #include <QSettings>
+#include <QSlider>
 #include <QTemporaryDir>
 #include <QTest>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include "app/experiment/experiment_file.h"
 #include "ui/arena/arena_view.h"
 #include "ui/main/main_window.h"
+#include "ui/main/preview_controller.h"
 #include "ui/window.h"
 
 namespace {
@@ -52,6 +54,21 @@ bool gestures(skein::ui::MainWindow& window, const QDir& dir) {
   QTest::mouseRelease(&arena, Qt::LeftButton, {}, at(arena, two.x, two.y - 0.18));
   use("tool_hand");
   return measured && kicked;
+}
+
+/// While a gain's slider is held: what the next seconds would be.
+bool preview(skein::ui::MainWindow& window, const QDir& dir) {
+  auto* slider = window.findChild<QSlider*>(QStringLiteral("slider_k_xx"));
+  const auto place = [&](double share) {
+    return QPoint(static_cast<int>(8 + share * (slider->width() - 16)), slider->height() / 2);
+  };
+  QTest::mousePress(slider, Qt::LeftButton, {}, place(static_cast<double>(slider->value()) / slider->maximum()));
+  QTest::mouseMove(slider, place(0.6));
+  const auto* controller = window.findChild<skein::ui::PreviewController*>();
+  const bool shown = QTest::qWaitFor([&] { return controller->shown() != nullptr; }, 5000);
+  const bool saved = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("preview.png")));
+  QTest::mouseRelease(slider, Qt::LeftButton, {}, place(0.6));
+  return shown && saved;
 }
 
 /// Before a start, with a robot that is not where it should be.
@@ -101,7 +118,7 @@ int main(int argc, char** argv) {
   const QDir dir(words[1]);
   const bool done = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("window.png"))) &&
                     save(window, skein::ui::Theme::dark, dir.filePath(QStringLiteral("window-dark.png"))) &&
-                    gestures(window, dir) && checks(window, dir);
+                    preview(window, dir) && gestures(window, dir) && checks(window, dir);
   if (!done) std::fprintf(stderr, "could not write to %s\n", argv[1]);
   window.close();
   static_cast<void>(QTest::qWaitFor([&] { return !window.isVisible(); }, 3000));

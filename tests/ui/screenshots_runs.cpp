@@ -70,6 +70,10 @@ int take(const QDir& dir) {
   plots->compare(std::vector<PlotsPanel::Compared>());
   plots->show_plots({"e_x", "V", "V_dot", "v", "omega", "min_distance", "period"});
   done = save(*plots, dir, QStringLiteral("plots")) && done;
+  plots->show_plots({"e_x", "e_y", "V"});
+  done = plots->show_over(QStringLiteral("e_y"), QStringLiteral("e_x")) && done;
+  done = save(*plots, dir, QStringLiteral("plots-over")) && done;
+  plots->show_over({}, {});
   plots->show_plots({});
 
   window.findChild<QAction*>(QStringLiteral("edit_experiment"))->trigger();

@@ -12,4 +12,7 @@ namespace skein::ui {
 void paint_other(QPainter& painter, const OtherRun& other, const ArenaScene& scene, const ArenaMap& map,
                  const Colours& colours);
 
+/// Where the robots would go from now on: the same, without letters.
+void paint_foreseen(QPainter& painter, const ArenaScene& scene, const ArenaMap& map, const Colours& colours);
+
 }  // namespace skein::ui

@@ -43,6 +43,7 @@ struct ArenaScene {
   std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
 
   std::vector<OtherRun> compared;
+  std::vector<std::vector<core::Pose>> foreseen;  ///< of every robot, the next seconds; empty: nobody asks
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;

@@ -76,6 +76,12 @@ void ArenaView::set_others(std::vector<OtherRun> others) {
   update();
 }
 
+void ArenaView::set_foreseen(std::vector<std::vector<core::Pose>> ways) {
+  if (ways.empty() && scene_.foreseen.empty()) return;
+  scene_.foreseen = std::move(ways);
+  update();
+}
+
 void ArenaView::set_may_be_driving(std::vector<std::size_t> robots) {
   if (scene_.may_be_driving == robots) return;
   scene_.may_be_driving = std::move(robots);

@@ -28,6 +28,8 @@ class ArenaView final : public QWidget {
   void set_picture(const app::Picture& picture);
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
   void set_others(std::vector<OtherRun> others);             ///< drawn pale
+  /// Where every robot would go from now on, drawn pale; empty: nobody asks.
+  void set_foreseen(std::vector<std::vector<core::Pose>> ways);
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
   void set_hint(const QString& text);

@@ -16,6 +16,7 @@ namespace skein::ui {
 namespace {
 
 constexpr int settle_ms = 120;
+constexpr int held_ms = 1000;   // after a key
 constexpr int taken_ms = 1000;  // the session has taken a wish by then, and says where the gain goes
 constexpr double room_beyond_limit = 1.25;
 
@@ -172,9 +173,21 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
     asked_.start();
     emit wanted(gain_, spin_->value());
   });
-  connect(slider_, &QSlider::valueChanged, this, [this](int step) { choose(top_ * step / LimitSlider::steps); });
+  last_key_.setSingleShot(true);
+  last_key_.setInterval(held_ms);
+  connect(&last_key_, &QTimer::timeout, this, [this] {
+    if (!slider_->isSliderDown()) emit let_go();
+  });
+  connect(slider_, &QSlider::valueChanged, this, [this](int step) {
+    choose(top_ * step / LimitSlider::steps);
+    if (!slider_->isSliderDown()) last_key_.start();
+    emit held(gain_, spin_->value());
+  });
+  connect(slider_, &QSlider::sliderPressed, this, [this] { emit held(gain_, spin_->value()); });
   connect(slider_, &QSlider::sliderReleased, this, [this] {
     if (rest_.isActive()) rest_.start(0);
+    last_key_.stop();
+    emit let_go();
   });
   connect(spin_, &QDoubleSpinBox::valueChanged, this, [this](double value) { choose(value); });
 }

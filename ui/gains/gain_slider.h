@@ -52,6 +52,9 @@ class GainSlider final : public QWidget {
  signals:
   void wanted(skein::core::GainName gain, double value);
   void refused(const QString& why);
+  /// The knob is being moved: by the mouse until it is let go, by keys until a second after the last.
+  void held(skein::core::GainName gain, double value);
+  void let_go();
 
  private:
   void choose(double value);
@@ -64,6 +67,7 @@ class GainSlider final : public QWidget {
   NumberField* spin_;
   QLabel *now_text_, *limit_text_;
   QTimer rest_;          // a drag along the slider is one wish, made when the hand rests
+  QTimer last_key_;      // that moved the knob
   QElapsedTimer asked_;  // since the last wish; invalid: the session has had time to take it
   double top_ = 1.0, limit_ = 0.0, limit_now_ = 0.0, now_ = 0.0;
 };

@@ -55,6 +55,8 @@ GainsPanel::GainsPanel(QWidget* parent)
     sliders_[static_cast<std::size_t>(gain)] = slider;
     connect(slider, &GainSlider::wanted, this, &GainsPanel::change);
     connect(slider, &GainSlider::refused, this, &GainsPanel::refused);
+    connect(slider, &GainSlider::held, this, &GainsPanel::held);
+    connect(slider, &GainSlider::let_go, this, &GainsPanel::let_go);
     controls_.push_back(slider);
     layout->addWidget(slider);
   }

@@ -52,6 +52,9 @@ class GainsPanel final : public QWidget {
  signals:
   void wanted(skein::core::GainName gain, double value);
   void refused(const QString& why);
+  /// A gain's knob is being moved, and is no longer; see GainSlider.
+  void held(skein::core::GainName gain, double value);
+  void let_go();
   void pair_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
   /// "key=value" of the experiment file, to be set up again with.

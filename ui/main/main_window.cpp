@@ -35,8 +35,10 @@
 #include "ui/main/help.h"
 #include "ui/main/left_behind_bar.h"
 #include "ui/main/pair_controller.h"
+#include "ui/main/preview_controller.h"
 #include "ui/main/recording_controller.h"
 #include "ui/main/replay_controller.h"
+#include "ui/main/result_controller.h"
 #include "ui/main/robot_controller.h"
 #include "ui/plots/plots_panel.h"
 #include "ui/results/result_panel.h"
@@ -138,6 +140,8 @@ void MainWindow::build_controllers() {
   replay_ = new ReplayController(runs_, *files_, *messages_, this);
   comparison_ = new ComparisonController(runs_, *messages_, arena_, plots_, this);
   pairs_ = new PairController(runs_, *messages_, gains_, arena_, this);
+  preview_ = new PreviewController(runs_, gains_, arena_, plots_, this);
+  result_ = new ResultController(runs_, *messages_, results_, this);
   robot_ = new RobotController(runs_, *messages_, robot_buttons_, this);
   calibration_ = new CalibrationController(live, *messages_, this);
 }
@@ -555,6 +559,8 @@ void MainWindow::on_frame() {
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
   replay_->refresh();
   comparison_->refresh();
+  preview_->refresh();
+  result_->refresh();
   recording_->refresh();
   // A question to the display, which waits for the answer: one that has stalled holds this thread up as well, and who
   // cannot see the robots cannot stop them. The session takes care of that (3 s).
@@ -576,7 +582,9 @@ void MainWindow::show_state() {
   arena_->set_banner(banner.text, banner.severity == Severity::alarm);
   if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
-  arena_->set_hint(run.is_open() && teaches_ && !over
+  const QString preview = preview_->hint();
+  arena_->set_hint(!preview.isEmpty() ? preview
+                   : run.is_open() && teaches_ && !over
                        ? tr("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it")
                        : QString());
 

@@ -30,8 +30,10 @@ class FileController;
 class GainsPanel;
 class PairController;
 class PlotsPanel;
+class PreviewController;
 class RecordingController;
 class ReplayController;
+class ResultController;
 class ResultPanel;
 class RobotButtons;
 class RobotController;
@@ -152,6 +154,8 @@ class MainWindow final : public QMainWindow {
   ReplayController* replay_;
   ComparisonController* comparison_;
   PairController* pairs_;
+  PreviewController* preview_;
+  ResultController* result_;
   RobotController* robot_;
   CalibrationController* calibration_;
 

@@ -44,8 +44,8 @@ void RecordingController::record(bool on) {
   if (on && runs) record_if_wanted();
 }
 
-/// Every run has a file of its own, named after the experiment and the moment; empty: there is no place for it.
-QString RecordingController::path(const app::Experiment& experiment, const QString& ending) const {
+/// Named after the experiment and the moment.
+QString RecordingController::path(const app::Experiment& experiment, const QString& ending) {
   const QDir folder(directory());
   if (!folder.mkpath(QStringLiteral("."))) return {};
   QString name = QString::fromStdString(experiment.name);

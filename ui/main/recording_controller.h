@@ -22,6 +22,8 @@ class RecordingController final : public QObject {
   /// Where the film of a run of this experiment goes, if runs are recorded; empty: there is none.
   QString film_path(const app::Experiment& experiment) const;
   static QString directory();
+  /// A free name there for a file or a folder of this experiment's; empty: there is no place for it.
+  static QString path(const app::Experiment& experiment, const QString& ending);
 
   void ask_save();
   void save(const QString& file);  ///< `saved` follows
@@ -33,7 +35,6 @@ class RecordingController final : public QObject {
 
  private:
   void record_if_wanted();
-  QString path(const app::Experiment& experiment, const QString& ending) const;
 
   LiveRun& live_;
   const Messages& messages_;

@@ -67,8 +67,9 @@ PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
 }
 
 void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots,
-                        std::size_t others) {
-  others_ = others;
+                        std::size_t others, bool foresees) {
+  others_ = others + (foresees ? 1 : 0);
+  foresees_ = foresees;
   const QCPRange before = shown_.empty() ? QCPRange(0, 1) : time();
   markers_.drop_lines();
   shown_.clear();
@@ -444,7 +445,13 @@ void PlotView::style_curves() {
       s.graphs[i]->setLayer(selected_ >= 0 && has_robots && belongs ? QStringLiteral("axes") : QStringLiteral("main"));
       for (std::size_t k = 0; k < s.others.size(); ++k) {
         s.others[k][i]->setAntialiased(!crowd);
-        s.others[k][i]->setPen(QPen(pale, 1.6, compared_style(k)));
+        if (foresees_ && k + 1 == s.others.size()) {  // what has not happened yet: paler than anything else
+          QColor faint = pale;
+          faint.setAlphaF(0.35F);
+          s.others[k][i]->setPen(QPen(faint, 1.6));
+        } else {
+          s.others[k][i]->setPen(QPen(pale, 1.6, compared_style(k)));
+        }
       }
     }
   }

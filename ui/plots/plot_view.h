@@ -23,9 +23,10 @@ class PlotView final : public QCustomPlot {
  public:
   explicit PlotView(QWidget* parent = nullptr);
 
-  /// `others`: how many runs this one is compared with.
+  /// `others`: how many runs this one is compared with; `foresees`: behind the last of them come this run's next
+  /// seconds.
   void set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots,
-                std::size_t others = 0);
+                std::size_t others = 0, bool foresees = false);
   void show_robots(const std::vector<bool>& robots);  ///< of each, whether its curves are drawn
   void select(int robot);                             ///< from 0, drawn bold; -1: all alike
   void set_colours(const Colours& colours);
@@ -88,7 +89,8 @@ class PlotView final : public QCustomPlot {
   std::vector<PlotHistory::Point> points_;
   EventMarkers markers_;
   Colours colours_;
-  std::size_t others_ = 0;
+  std::size_t others_ = 0;  // the foreseen one included
+  bool foresees_ = false;
   int selected_ = -1;
   QCPMarginGroup* sides_ = nullptr;
 };

@@ -1,9 +1,11 @@
 // The buttons above the plots, and their menus.
 #include <QComboBox>
 #include <QHBoxLayout>
+#include <QInputDialog>
 #include <QMenu>
 #include <QToolButton>
 
+#include "ui/base/dialogs.h"
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
 
@@ -60,6 +62,7 @@ void PlotsPanel::build_tools(QHBoxLayout* tools) {
 }
 
 void PlotsPanel::fill_plots_menu() {
+  qDeleteAll(plots_menu_->findChildren<QMenu*>(Qt::FindDirectChildrenOnly));
   plots_menu_->clear();
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].title(), rows_[row].what));
@@ -74,6 +77,37 @@ void PlotsPanel::fill_plots_menu() {
   plots_menu_->addSeparator();
   plots_menu_->addAction(tr("All"), this, &PlotsPanel::show_all_plots);
   plots_menu_->addAction(tr("The usual ones"), this, [this] { show_plots({}); });
+  plots_menu_->addSeparator();
+  auto* over = plots_menu_->addMenu(tr("One &over another"));
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    if (shown_[row]) fill_over_menu(over, row);
+  fill_layouts_menu(plots_menu_->addMenu(tr("&Layouts")));
+}
+
+void PlotsPanel::fill_layouts_menu(QMenu* menu) {
+  const std::vector<PlotLayout> kept = plot_layouts();
+  for (const PlotLayout& layout : kept) menu->addAction(layout.name, this, [this, layout] { use(layout); });
+  menu->addSeparator();
+  menu->addAction(tr("&Save this one …"), this, &PlotsPanel::ask_layout_name)
+      ->setObjectName(QStringLiteral("keep_layout"));
+  if (kept.empty()) return;
+  auto* forget = menu->addMenu(tr("&Forget"));
+  for (const PlotLayout& layout : kept)
+    forget->addAction(layout.name, this, [name = layout.name] { forget_plot_layout(name); });
+}
+
+void PlotsPanel::ask_layout_name() {
+  auto* dialog = new QInputDialog(this);
+  dialog->setObjectName(QStringLiteral("layout_dialog"));
+  dialog->setWindowTitle(tr("Save the layout of the plots"));
+  dialog->setLabelText(tr("Under the name"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setModal(false);  // STOP can be clicked beside it
+  close_by_key(dialog);
+  connect(dialog, &QInputDialog::textValueSelected, this, [this](const QString& name) {
+    if (!name.trimmed().isEmpty()) keep_plot_layout(layout_now(name));
+  });
+  dialog->show();
 }
 
 void PlotsPanel::fill_robots_menu() {
@@ -105,6 +139,21 @@ void PlotsPanel::fill_robots_menu() {
       ->setEnabled(selected_ >= 0);
 }
 
+/// What this plot can be drawn over.
+void PlotsPanel::fill_over_menu(QMenu* menu, std::size_t y) {
+  auto* over = menu->addMenu(tr("Draw %1 o&ver").arg(rows_[y].title()));
+  over->setObjectName(QStringLiteral("draw_over"));
+  for (const PlotRow& x : rows_) {
+    if (x.name == rows_[y].name || x.of != rows_[y].of || x.curves.size() != rows_[y].curves.size()) continue;
+    QAction* action = over->addAction(QStringLiteral("%1: %2").arg(x.title(), x.what), this,
+                                      [this, from = rows_[y].name, to = x.name] { show_over(from, to); });
+    action->setCheckable(true);
+    action->setChecked(over_y_ == rows_[y].name && over_x_ == x.name);
+  }
+  over->addSeparator();
+  over->addAction(tr("Nothing: only over time"), this, [this] { show_over({}, {}); })->setEnabled(!over_y_.isEmpty());
+}
+
 void PlotsPanel::context_menu(const QPoint& where) {
   auto* menu = new QMenu(this);
   menu->setAttribute(Qt::WA_DeleteOnClose);
@@ -114,6 +163,7 @@ void PlotsPanel::context_menu(const QPoint& where) {
   menu->addSeparator();
   menu->addAction(tr("Measure from here"), this, [this, t = view_->time_at(where)] { set_mark(t); });
   menu->addAction(tr("Remove the mark"), this, [this] { set_mark({}); })->setEnabled(mark_.has_value());
+  if (const int row = view_->row_at(where); row >= 0) fill_over_menu(menu, static_cast<std::size_t>(row));
   menu->addAction(tr("Fit all heights"), this, &PlotsPanel::fit_heights)->setEnabled(view_->holds_heights());
   menu->popup(view_->mapToGlobal(where));
 }

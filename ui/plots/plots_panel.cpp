@@ -14,6 +14,7 @@
 #include "ui/base/sentence.h"
 #include "ui/plots/comparison_bar.h"
 #include "ui/plots/plot_view.h"
+#include "ui/plots/xy_plot.h"
 
 namespace skein::ui {
 namespace {
@@ -35,6 +36,7 @@ PlotsPanel::PlotsPanel(QWidget* parent)
       view_(new PlotView),
       comparison_bar_(new ComparisonBar(this)),
       scroll_(new QScrollArea(this)),
+      over_(new XyPlot(this)),
       live_button_(new QPushButton(tr("Back to live"), this)),
       span_box_(new QComboBox(this)),
       plots_menu_(new QMenu(this)),
@@ -59,6 +61,8 @@ PlotsPanel::PlotsPanel(QWidget* parent)
   layout->addLayout(tools);
   layout->addWidget(comparison_bar_);
   layout->addWidget(scroll_, 1);
+  layout->addWidget(over_);
+  over_->hide();
 
   view_->set_colours(colours(palette()));
   view_->setContextMenuPolicy(Qt::CustomContextMenu);
@@ -78,6 +82,7 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   const std::size_t curves = curve_count(rows_);
   history_ = PlotHistory(curves, most_samples(curves));
   others_.clear();
+  foreseen_.reset();
   playhead_.reset();
   mark_.reset();
   robots_.assign(experiment.robots.size(), true);
@@ -96,10 +101,11 @@ void PlotsPanel::rebuild() {
   shown_.assign(rows_.size(), false);
   for (std::size_t row = 0; row < rows_.size(); ++row)
     shown_[row] = wanted_.isEmpty() ? rows_[row].usual : wanted_.contains(rows_[row].name);
-  view_->set_rows(rows_, shown_, robots_.size(), others_.size());
+  view_->set_rows(rows_, shown_, robots_.size(), others_.size(), foreseen_.has_value());
   view_->show_robots(robots_);
   if (playhead_) view_->set_playhead(playhead_);
   if (mark_) view_->set_mark(mark_);
+  show_over(over_y_, over_x_);
   refresh();
 }
 
@@ -180,10 +186,58 @@ void PlotsPanel::compare(const std::vector<Compared>& runs) {
   refresh();
 }
 
+void PlotsPanel::foresee(const std::vector<app::TickRecord>& rows) {
+  if (rows.empty() && !foreseen_) return;
+  const bool first = !foreseen_;
+  foreseen_.emplace(history_.curves(), most_samples(history_.curves()));
+  for (const app::TickRecord& row : rows) {
+    sample(rows_, row, values_);
+    foreseen_->add(row.t, values_);
+  }
+  if (first) rebuild();
+  refresh();
+}
+
 std::vector<const PlotHistory*> PlotsPanel::drawn_others() const {
   std::vector<const PlotHistory*> drawn;
   for (const PlotHistory& other : others_) drawn.push_back(other.empty() ? nullptr : &other);
+  if (foreseen_) drawn.push_back(foreseen_->empty() ? nullptr : &*foreseen_);
   return drawn;
+}
+
+PlotLayout PlotsPanel::layout_now(const QString& name) const {
+  return {name, shown(), span_, over_y_, over_x_};
+}
+
+void PlotsPanel::use(const PlotLayout& layout) {
+  show_plots(layout.plots);
+  set_span(layout.span);
+  show_over(layout.over_y, layout.over_x);
+}
+
+bool PlotsPanel::show_over(const QString& y, const QString& x) {
+  const auto row = [this](const QString& name) {
+    return std::find_if(rows_.begin(), rows_.end(), [&](const PlotRow& r) { return r.name == name; });
+  };
+  const auto of_y = row(y), of_x = row(x);
+  const bool both = of_y != rows_.end() && of_x != rows_.end();
+  const bool fit = both && of_y->of == of_x->of && of_y->curves.size() == of_x->curves.size();
+  over_->setVisible(fit);
+  over_y_ = fit ? y : QString();
+  over_x_ = fit ? x : QString();
+  if (fit) over_->set_rows(*of_x, *of_y, colours(palette()));
+  refresh();
+  return fit;
+}
+
+void PlotsPanel::draw_over() {
+  if (!over_->isVisible()) return;
+  const QCPRange time = view_->time();
+  const auto y = std::find_if(rows_.begin(), rows_.end(), [&](const PlotRow& r) { return r.name == over_y_; });
+  std::vector<bool> drawn(y->curves.size(), true);
+  for (std::size_t c = 0; c < drawn.size(); ++c)
+    if (const auto of = robots_of(y->of, c, robots_.size())) drawn[c] = robots_[of->first] && robots_[of->second];
+  over_->draw(history_, time.lower, time.upper, drawn);
 }
 
 void PlotsPanel::select(int robot) {
@@ -220,17 +274,19 @@ void PlotsPanel::replot_now() {
   if (live_) follow_time();
   const QRect seen(view_->mapFrom(scroll_->viewport(), QPoint()), scroll_->viewport()->size());
   view_->draw_history(history_, drawn_others(), seen);
+  draw_over();
   view_->replot(QCustomPlot::rpQueuedRefresh);
   cost_ms_ = 1e-6 * static_cast<double>(since_replot_.nsecsElapsed());
 }
 
 void PlotsPanel::follow_time() {
   const double begin = history_.empty() ? 0.0 : std::min(0.0, history_.first_time());
+  const double last = foreseen_ && !foreseen_->empty() ? foreseen_->last_time() : t_;
   if (span_ > 0.0) {
-    const double end = std::max(t_, begin + span_);
+    const double end = std::max(last, begin + span_);
     view_->set_time(end - span_, end);
   } else {
-    view_->set_time(history_.empty() ? 0.0 : history_.first_time(), std::max(t_, begin + 10.0));
+    view_->set_time(history_.empty() ? 0.0 : history_.first_time(), std::max(last, begin + 10.0));
   }
 }
 
@@ -325,7 +381,7 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
 void PlotsPanel::changeEvent(QEvent* event) {
   if (event->type() == QEvent::PaletteChange) {
     view_->set_colours(colours(palette()));
-    refresh();
+    show_over(over_y_, over_x_);
   }
   QWidget::changeEvent(event);
 }

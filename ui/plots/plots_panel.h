@@ -12,6 +12,7 @@
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
 #include "ui/plots/plot_history.h"
+#include "ui/plots/plot_layouts.h"
 #include "ui/plots/plot_rows.h"
 
 class QComboBox;
@@ -24,6 +25,7 @@ namespace skein::ui {
 
 class ComparisonBar;
 class PlotView;
+class XyPlot;
 
 /// A run's numbers as they come, along one time: errors, V, commands with their limits, period and what a tick costs.
 /// The operator chooses plots, robots and how much time is seen, stops the picture, reads values at the mouse, and
@@ -48,12 +50,20 @@ class PlotsPanel final : public QWidget {
   };
   /// Draws other runs paler behind this one, each with a line of its own; none: only this one.
   void compare(const std::vector<Compared>& runs);
+  /// Draws this run's next seconds paler; empty: none.
+  void foresee(const std::vector<app::TickRecord>& rows);
+  const std::optional<PlotHistory>& foreseen() const { return foreseen_; }
   /// From this time on, values at the mouse and the cursor are told with their difference as well; none: no longer.
   void set_mark(std::optional<double> t);
   std::optional<double> mark() const { return mark_; }
   /// All plots follow their curves again, in height.
   void fit_heights();
   ComparisonBar& comparison_bar() { return *comparison_bar_; }
+
+  /// Draws one plot's curves over another's below the others; false: there are no such two with as many curves. No
+  /// names: none.
+  bool show_over(const QString& y, const QString& x);
+  XyPlot& over() { return *over_; }
 
   void select(int robot);  ///< from 0, drawn bold; -1: all alike
   void go_live();
@@ -66,6 +76,10 @@ class PlotsPanel final : public QWidget {
   QStringList shown() const;  ///< names of the plots that are drawn
   void show_plots(const QStringList& names);
   void show_all_plots();
+
+  /// What is drawn and how, for another time.
+  PlotLayout layout_now(const QString& name) const;
+  void use(const PlotLayout& layout);
 
   /// As .pdf or .png, dark on white whatever the screen looks like; as .csv what is seen, or everything. The answer
   /// says what went wrong; empty: nothing.
@@ -101,7 +115,11 @@ class PlotsPanel final : public QWidget {
   void place_button();
   void fill_plots_menu();
   void fill_robots_menu();
+  void fill_layouts_menu(QMenu* menu);
+  void ask_layout_name();
   void context_menu(const QPoint& where);
+  void fill_over_menu(QMenu* menu, std::size_t y);
+  void draw_over();
   QString values_at(const QPoint& where) const;
   QString values_of(std::size_t row, double t, const QString& events) const;
   bool take_key(int key, bool fine);
@@ -115,6 +133,8 @@ class PlotsPanel final : public QWidget {
   PlotView* view_;
   ComparisonBar* comparison_bar_;
   QScrollArea* scroll_;
+  XyPlot* over_;
+  QString over_y_, over_x_;  // names of the rows that it shows; empty: none
   QPushButton* live_button_;
   QComboBox* span_box_;
   QMenu *plots_menu_, *robots_menu_;
@@ -122,7 +142,8 @@ class PlotsPanel final : public QWidget {
   std::vector<bool> shown_, robots_;
   QStringList wanted_;  // chosen by the operator; empty: the usual ones
   PlotHistory history_;
-  std::vector<PlotHistory> others_;  // of the compared runs, empty where one is switched off
+  std::vector<PlotHistory> others_;      // of the compared runs, empty where one is switched off
+  std::optional<PlotHistory> foreseen_;  // empty in itself: its curves have their places, but nobody asks now
   std::vector<double> values_;
   QTimer timer_;
   QElapsedTimer since_replot_;

@@ -29,7 +29,8 @@ ResultPanel::ResultPanel(QWidget* parent)
       table_(new QTableWidget(this)),
       rest_(new QLabel(this)),
       copy_text_(new QPushButton(tr("Copy"), this)),
-      copy_latex_(new QPushButton(tr("Copy as LaTeX"), this)) {
+      copy_latex_(new QPushButton(tr("Copy as LaTeX"), this)),
+      save_(new QPushButton(tr("Save report"), this)) {
   setObjectName(QStringLiteral("results"));
   table_->setObjectName(QStringLiteral("result_table"));
   table_->setAccessibleName(tr("Results of every kick"));
@@ -65,6 +66,9 @@ ResultPanel::ResultPanel(QWidget* parent)
   };
   button(copy_text_, "copy_results", tr("The results as text, to the clipboard"));
   button(copy_latex_, "copy_results_latex", tr("The table of kicks as LaTeX, to the clipboard"));
+  button(save_, "save_results",
+         tr("Saves the results as text and LaTeX, the run as CSV, its figures and a page for a browser, in a folder"));
+  connect(save_, &QPushButton::clicked, this, &ResultPanel::save_wanted);
   connect(copy_text_, &QPushButton::clicked, this, [this] {
     if (results_) copy(as_text(name_, *results_));
   });
@@ -81,6 +85,7 @@ ResultPanel::ResultPanel(QWidget* parent)
   row->setContentsMargins(6, 0, 6, 2);
   row->addWidget(copy_text_);
   row->addWidget(copy_latex_);
+  row->addWidget(save_);
   row->addStretch();
   content->addLayout(row);
   auto* scroll = new QScrollArea(this);

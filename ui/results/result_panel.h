@@ -31,6 +31,9 @@ class ResultPanel final : public QWidget {
   QSize sizeHint() const override { return {300, 140}; }
   QSize minimumSizeHint() const override { return {120, 60}; }
 
+ signals:
+  void save_wanted();
+
  protected:
   void showEvent(QShowEvent*) override;
 
@@ -45,7 +48,7 @@ class ResultPanel final : public QWidget {
   std::vector<Beside> others_;
   QTableWidget* table_;
   QLabel* rest_;
-  QPushButton *copy_text_, *copy_latex_;
+  QPushButton *copy_text_, *copy_latex_, *save_;
   bool dirty_ = false;
 };
 

@@ -16,6 +16,8 @@
 namespace skein::ui {
 namespace {
 
+constexpr int settles_ms = 50;  // while a panel is being drawn wider, sentences need not be laid out at every step
+
 /// Numbers as people read them: the CSV has all their digits, and so has the tool tip.
 QString shortened(QString text) {
   static const QRegularExpression long_number(QStringLiteral("-?\\d+\\.\\d{5,}"));
@@ -108,7 +110,7 @@ EventLog::EventLog(QWidget* parent) : QTableView(parent) {
   setSelectionBehavior(SelectRows);
   setFrameShape(NoFrame);
   setShowGrid(false);
-  setWordWrap(false);
+  setWordWrap(true);
   setTabKeyNavigation(false);
   verticalHeader()->hide();
   verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 5);
@@ -117,8 +119,22 @@ EventLog::EventLog(QWidget* parent) : QTableView(parent) {
   setColumnWidth(EventModel::level, fontMetrics().height() + 6);
   horizontalHeader()->setMinimumSectionSize(10);
   horizontalHeader()->setSectionResizeMode(EventModel::event, QHeaderView::Stretch);
+  connect(&filter_, &QAbstractItemModel::rowsInserted, this,
+          [this](const QModelIndex&, int first, int last) { fit_rows(first, last); });
+  narrowed_.setSingleShot(true);
+  narrowed_.setInterval(settles_ms);
+  connect(&narrowed_, &QTimer::timeout, this, [this] { fit_rows(0, filter_.rowCount() - 1); });
+  connect(horizontalHeader(), &QHeaderView::sectionResized, this, [this](int section, int before, int now) {
+    if (section == EventModel::event && before != now) narrowed_.start();
+  });
   connect(this, &QTableView::activated, this,
           [this](const QModelIndex& index) { emit time_picked(index.data(EventModel::time_role).toDouble()); });
+}
+
+void EventLog::fit_rows(int first, int last) {
+  const bool at_end = verticalScrollBar()->value() >= verticalScrollBar()->maximum();
+  for (int row = first; row <= last; ++row) resizeRowToContents(row);
+  if (at_end) scrollToBottom();
 }
 
 void EventLog::note(double t, const QString& text, Severity severity, const QString& word) {

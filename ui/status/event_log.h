@@ -6,6 +6,7 @@
 #include <QLineEdit>
 #include <QSortFilterProxyModel>
 #include <QTableView>
+#include <QTimer>
 #include <deque>
 
 #include "app/run/tick_record.h"
@@ -61,7 +62,8 @@ class EventFilter final : public QSortFilterProxyModel {
   QString words_;
 };
 
-/// The log as a list that follows its end, unless the operator has scrolled up to read.
+/// The log as a list that follows its end, unless the operator has scrolled up to read. A long sentence takes several
+/// lines: none is cut off.
 class EventLog final : public QTableView {
   Q_OBJECT
 
@@ -82,8 +84,11 @@ class EventLog final : public QTableView {
   void keyPressEvent(QKeyEvent*) override;
 
  private:
+  void fit_rows(int first, int last);  // their heights to their sentences
+
   EventModel model_;
   EventFilter filter_;
+  QTimer narrowed_;  // or widened, a moment ago
 };
 
 /// The log with its filter above it.

@@ -57,6 +57,21 @@ bool holds(const Verification& found, const std::string& what) {
   return false;
 }
 
+TEST(KeptRun, TakesMoreFilesAndStillVerifies) {
+  const Folder place;
+  const std::string folder = keep(place, place / "runs", text);
+  std::ofstream(folder + "/results.txt") << "settled";
+  auto found = verify_run(folder);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(holds(*found, "files")) << "the control: a file that nobody has named";
+  ASSERT_TRUE(add_to_kept_run(folder, {"results.txt"}));
+  found = verify_run(folder);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(holds(*found, "files"));
+  EXPECT_FALSE(add_to_kept_run(folder, {"nothing.txt"}));
+  EXPECT_FALSE(add_to_kept_run(place / "runs", {"results.txt"})) << "not the folder of a run";
+}
+
 TEST(KeptRun, HasAllThatItCameFromAndAllThatItGave) {
   const Folder folder;
   const std::string run = keep(folder, folder / "runs", text, {"controller.gains.k_xx=0.003"});

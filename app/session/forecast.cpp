@@ -1,0 +1,163 @@
+#include "app/session/forecast.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace skein::app {
+namespace {
+
+constexpr double same_time = 0.5e-9;  // t is a quotient, and the file's number a decimal [s]
+
+bool same(double a, double b) noexcept {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+/// The session's clock at the next tick: on the virtual clock a multiple of the period, in a paced run a period later.
+double next(double now, double period, double rate) noexcept {
+  const double count = std::round(now * rate);
+  return count / rate == now ? (count + 1.0) / rate : now + period;
+}
+
+}  // namespace
+
+std::optional<std::string> Forecast::impossible(const Experiment& experiment) {
+  if (experiment.controller.law.own()) return "the run has a controller of its own, which is asked in its turn only";
+  if (experiment.avoidance.enabled && experiment.avoidance.kind == core::AvoidanceKind::plan)
+    return "routes are planned, and a search under way has no copy";
+  return {};
+}
+
+Forecast::Forecast(const Experiment& experiment)
+    : experiment_(experiment),
+      simulation_(!real_time_reason(experiment)),
+      recorded_(experiment_),
+      tick_(experiment_),
+      ahead_(experiment_),
+      world_(experiment_),
+      floor_ahead_(experiment_),
+      measurements_(experiment_.cameras() * experiment_.robots.size()),
+      truth_(experiment_.robots.size()) {}
+
+void Forecast::carry_out(const Event& event, SimulatedWorld& world) const {
+  if (const auto* const move = std::get_if<events::Move>(&event)) world.place(move->robot, move->pose);
+  if (const auto* const kick = std::get_if<events::Kick>(&event)) world.kick(kick->robot, kick->vx, kick->vy);
+  if (const auto* const p = std::get_if<events::Perturb>(&event)) {
+    const core::Pose pose = world.pose(p->robot);
+    world.place(p->robot, {pose.x + p->dx, pose.y + p->dy, core::wrap_angle(pose.theta + p->dtheta)});
+  }
+}
+
+void Forecast::follow(const TickRecord& record) {
+  if (exact()) {
+    // The first record has no tick before it; of the others the period tells whether one is missing.
+    if (begun_ ? !same(record.now - last_.now, record.period) : !std::isnan(record.period)) complete_ = false;
+    for (const Event& event : record.events) carry_out(event, world_);
+    world_.advance(record.now);
+    for (std::size_t i = 0; i < record.robots.size(); ++i) {
+      world_.measure(i, record.now);  // draws the same noise
+      const core::Pose here = world_.pose(i), there = record.robots[i].truth;
+      complete_ = complete_ && same(here.x, there.x) && same(here.y, there.y) && same(here.theta, there.theta);
+    }
+  }
+  tick_.step(recorded_.of(record));
+  if (exact())
+    for (std::size_t i = 0; i < record.robots.size(); ++i) world_.command(i, record.robots[i].wheels);
+  last_ = record;
+  begun_ = true;
+}
+
+/// What happens by the file before the tick of time t, as ControlLoop does it.
+void Forecast::perturb(double t, TickInput& input) {
+  const bool running = ahead_.record().phase == Phase::running;
+  for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
+    const Perturbation& p = experiment_.perturbations[next_perturbation_];
+    if (t < p.t - same_time) break;
+    if (!exact()) continue;  // by then somebody else's hand, at another place
+    input.events.add(events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
+    carry_out(events::Perturb{p.robot, p.dx, p.dy, p.dtheta}, floor_ahead_);
+  }
+  for (; running && next_action_ < experiment_.actions.size(); ++next_action_) {
+    const OperatorAction& action = experiment_.actions[next_action_];
+    if (t < action.t - same_time) break;
+    if (const auto command = command_of(action.event)) {
+      commands_.push_back(*command);
+    } else if (exact()) {
+      input.events.add(action.event);
+      carry_out(action.event, floor_ahead_);
+    }
+  }
+}
+
+void Forecast::measure(double now) {
+  if (exact()) {
+    floor_ahead_.advance(now);
+    for (std::size_t i = 0; i < truth_.size(); ++i) measurements_[i] = floor_ahead_.measure(i, now);
+    floor_ahead_.poses(truth_);
+    return;
+  }
+  std::fill(measurements_.begin(), measurements_.end(), core::Measurement{});
+  for (std::size_t i = 0; i < truth_.size(); ++i) {
+    models_[i].step(experiment_.period());
+    truth_[i] = models_[i].pose();
+    if (std::isnan(truth_[i].x)) continue;
+    measurements_[i] = models_[i].measure(now);
+  }
+}
+
+std::vector<TickRecord> Forecast::ahead(std::size_t ticks, std::span<const OperatorCommand> commands,
+                                        const std::function<bool()>& keep_on) {
+  const bool begins = last_.phase == Phase::ready, resumes = last_.phase == Phase::paused;
+  if (!begun_ || !(begins || resumes || last_.phase == Phase::running)) return {};
+  ahead_.go_on_from(tick_);
+  if (exact()) {
+    floor_ahead_.go_on_from(world_);
+  } else {
+    models_.clear();
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      const RobotSpec& spec = experiment_.robots[i];
+      models_.emplace_back(spec.drive, spec.motor, core::Imperfection{}, experiment_.seed, i);
+      models_.back().place(last_.robots[i].is(lost) ? core::Pose{none, none, none} : last_.robots[i].pose);
+      models_.back().command(last_.robots[i].wheels);
+    }
+  }
+  const auto done = [&](double t) { return last_.tick > 0 && t <= last_.t + same_time; };
+  next_perturbation_ =
+      static_cast<std::size_t>(std::count_if(experiment_.perturbations.begin(), experiment_.perturbations.end(),
+                                             [&](const Perturbation& p) { return done(p.t); }));
+  next_action_ = static_cast<std::size_t>(
+      std::count_if(experiment_.actions.begin(), experiment_.actions.end(),
+                    [&](const OperatorAction& action) { return action.t <= 0.0 || done(action.t); }));
+
+  std::vector<TickRecord> rows;
+  TickInput input;
+  input.events.reserve(EventList::room_for(experiment_.robots.size()));
+  for (std::size_t k = 1; k <= ticks; ++k) {
+    if (keep_on && !keep_on()) return {};
+    input.now = next(k == 1 ? last_.now : input.now, experiment_.period(), experiment_.rate);
+    input.events.clear();
+    commands_.clear();
+    perturb(ahead_.next_time(1), input);
+    if (k == 1) {
+      commands_.insert(commands_.end(), commands.begin(), commands.end());
+      if (begins) commands_.emplace_back(commands::Start{});
+      if (resumes) commands_.emplace_back(commands::Resume{});
+    }
+    measure(input.now);
+    input.measurements = measurements_;
+    input.truth = truth_;
+    input.commands = commands_;
+    const TickRecord& row = ahead_.step(input);
+    if (row.phase != Phase::running) break;
+    rows.push_back(row);
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      if (exact())
+        floor_ahead_.command(i, row.robots[i].wheels);
+      else
+        models_[i].command(row.robots[i].wheels);
+    }
+  }
+  return rows;
+}
+
+}  // namespace skein::app

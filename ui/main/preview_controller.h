@@ -1,0 +1,46 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <optional>
+
+#include "ui/run/look_ahead.h"
+#include "ui/run/runs.h"
+
+namespace skein::ui {
+
+class ArenaView;
+class GainsPanel;
+class PlotsPanel;
+
+/// While a gain's slider is held, what the next seconds would be with its value: pale, in arena and plots.
+class PreviewController final : public QObject {
+  Q_OBJECT
+
+ public:
+  PreviewController(const Runs& runs, GainsPanel* gains, ArenaView* arena, PlotsPanel* plots,
+                    QObject* parent = nullptr);
+  void refresh();  ///< thirty times a second
+  /// What the pale lines are, or why there are none; empty: no slider is held.
+  QString hint() const { return hint_; }
+  /// What is shown; null: nothing.
+  const LookAhead::Rows& shown() const { return shown_; }
+
+ private:
+  void hold(core::GainName gain, double value);
+  void let_go();
+  void show(const LookAhead::Rows& rows, bool exact);
+  void ask();
+
+  const Runs& runs_;
+  GainsPanel* gains_;
+  ArenaView* arena_;
+  PlotsPanel* plots_;
+  LookAhead look_ahead_;
+  std::optional<app::commands::SetGain> held_;
+  QElapsedTimer since_asked_;
+  LookAhead::Rows shown_;
+  QString hint_;
+};
+
+}  // namespace skein::ui

@@ -1,0 +1,91 @@
+#include "ui/run/look_ahead.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace skein::ui {
+namespace {
+
+constexpr std::size_t most_waiting = 500;  // records: what more come are left out, and the forecast knows it
+constexpr int niceness = 10;               // of the thread: whatever drives robots or draws goes first
+
+}  // namespace
+
+LookAhead::LookAhead(QObject* parent) : QObject(parent), thread_([this](const std::stop_token& stop) { work(stop); }) {}
+
+LookAhead::~LookAhead() {
+  cancel();
+  thread_.request_stop();
+}
+
+void LookAhead::begin(const app::Experiment& experiment) {
+  cancel();
+  const std::lock_guard lock(mutex_);
+  inbox_.clear();
+  inbox_.emplace_back(experiment);
+  something_new_.notify_one();
+}
+
+void LookAhead::follow(const app::TickRecord& record) {
+  const std::lock_guard lock(mutex_);
+  if (inbox_.size() < most_waiting) inbox_.emplace_back(record);
+  something_new_.notify_one();
+}
+
+void LookAhead::ask(const app::OperatorCommand& command) {
+  cancel();
+  const std::lock_guard lock(mutex_);
+  asked_ = command;
+  something_new_.notify_one();
+}
+
+void LookAhead::cancel() {
+  const std::lock_guard lock(mutex_);
+  ++question_;
+  asked_.reset();
+}
+
+void LookAhead::work(const std::stop_token& stop) {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness);  // of this thread alone
+  while (!stop.stop_requested()) {
+    decltype(inbox_) records;
+    std::optional<app::OperatorCommand> command;
+    std::uint64_t question = 0;
+    {
+      std::unique_lock lock(mutex_);
+      something_new_.wait(lock, stop, [this] { return !inbox_.empty() || asked_; });
+      records.swap(inbox_);
+      command.swap(asked_);
+      question = question_;
+    }
+    for (const auto& entry : records) {
+      if (stop.stop_requested()) return;
+      if (const auto* const experiment = std::get_if<app::Experiment>(&entry)) {
+        forecast_.reset();
+        rate_ = experiment->rate;
+        if (!app::Forecast::impossible(*experiment)) forecast_ = std::make_unique<app::Forecast>(*experiment);
+      } else if (forecast_) {
+        forecast_->follow(std::get<app::TickRecord>(entry));
+      }
+    }
+    if (command && forecast_) answer(*command, question, stop);
+  }
+}
+
+void LookAhead::answer(const app::OperatorCommand& command, std::uint64_t question, const std::stop_token& stop) {
+  const auto wanted = [&] { return !stop.stop_requested() && question_ == question; };
+  const auto ticks = std::min(most_ticks, static_cast<std::size_t>(std::ceil(seconds * rate_)));
+  auto rows = std::make_shared<const std::vector<app::TickRecord>>(forecast_->ahead(ticks, {&command, 1}, wanted));
+  if (rows->empty() || !wanted()) return;
+  QMetaObject::invokeMethod(
+      this,
+      [this, question, rows = Rows(std::move(rows)), exact = forecast_->exact()] {
+        if (question_ == question) emit seen(rows, exact);
+      },
+      Qt::QueuedConnection);
+}
+
+}  // namespace skein::ui
