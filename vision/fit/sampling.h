@@ -44,8 +44,8 @@ struct FloatMap {
 
 /// What one look at the picture comes down to: sums over the points of grey level times column.
 struct Sums {
-  enum Sum { gx, gy, x_gy, y_gx, x_gx, y_gy, paper, constant, square };
-  static constexpr std::size_t count = 9;
+  enum Sum { gx, gy, x_gy, y_gx, x_gx, y_gy, paper, constant, light_x, light_y, blur_x, blur_y, square };
+  static constexpr std::size_t count = 13;
   std::array<double, count> sum{};
 };
 
@@ -61,5 +61,12 @@ struct Patch {
 void place_points(Instructions instructions, const FloatMap& map, const Turn& turn, Places& places);
 void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
                     Values& values, Sums& sums);
+
+/// The variance of the noise as the pose feels it, from what a solution of all columns leaves of the values: the sums
+/// of residual times column over each of the template's blocks are taken to be independent. Noise that neighbouring
+/// points share, the edges of shadows and specks count as much as they move the tag; what changes all points alike
+/// does not.
+float felt_noise(Instructions instructions, const TagTemplate& tag, const Values& values,
+                 const std::array<float, TagTemplate::columns>& solution);
 
 }  // namespace skein::vision::detail
