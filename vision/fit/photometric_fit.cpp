@@ -130,7 +130,7 @@ bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, const core
 
   const auto& sum = look.sums.sum;
   Eigen::Matrix<double, TagTemplate::rigid_columns, 1> seen;
-  seen << sum[Sums::gx], sum[Sums::gy], sum[Sums::x_gy] - sum[Sums::y_gx], sum[Sums::paper], sum[Sums::constant],
+  seen << sum[Sums::along_x], sum[Sums::along_y], sum[Sums::turn], sum[Sums::paper], sum[Sums::constant],
       sum[Sums::light_x], sum[Sums::light_y];
   look.solution = tag.rigid_inverse * seen;
   const double residual = std::max(0.0, sum[Sums::square] - look.solution.dot(seen));
@@ -141,11 +141,14 @@ bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, const core
 }
 
 PhotometricFit::Free PhotometricFit::explain(const TagTemplate& tag, const Look& look) const {
+  FreeSums free_sums;
+  sum_free_columns(options_.instructions, tag, values_, free_sums);
   const auto& sum = look.sums.sum;
+  const auto& more = free_sums.sum;
   Eigen::Matrix<double, TagTemplate::columns, 1> seen;
-  seen << sum[Sums::gx], sum[Sums::gy], sum[Sums::x_gy] - sum[Sums::y_gx], sum[Sums::paper], sum[Sums::constant],
-      sum[Sums::light_x], sum[Sums::light_y], sum[Sums::x_gx], sum[Sums::y_gy], sum[Sums::x_gy] + sum[Sums::y_gx],
-      sum[Sums::blur_x], sum[Sums::blur_y];
+  seen << sum[Sums::along_x], sum[Sums::along_y], sum[Sums::turn], sum[Sums::paper], sum[Sums::constant],
+      sum[Sums::light_x], sum[Sums::light_y], more[FreeSums::stretch_x], more[FreeSums::stretch_y],
+      more[FreeSums::shear], more[FreeSums::blur_x], more[FreeSums::blur_y];
   Free free;
   free.solution = tag.full_inverse * seen;
   free.residual = std::max(0.0, sum[Sums::square] - free.solution.dot(seen));

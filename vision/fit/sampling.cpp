@@ -11,11 +11,10 @@ namespace skein::vision::detail {
 namespace {
 
 constexpr std::size_t lanes = 8;
+using Lanes = float[lanes];
 
 // ---------------------------------------------------------------------------------------------------------- baseline
 // Blocks of eight in plain loops of fixed length, which the compiler turns into pairs of SSE instructions.
-
-using Lanes = float[lanes];
 
 using Tag = TagTemplate;
 using Blocks = TagTemplate::Blocks;
@@ -40,8 +39,14 @@ Line line_of(const Solution& s, float y) {
           .turned = s[Tag::turn] + s[Tag::shear]};
 }
 
+double total_of(const Lanes& sum) {
+  double total = 0.0;
+  for (const float one : sum) total += static_cast<double>(one);
+  return total;
+}
+
 /// Each block's square is there four times.
-float sum_of_blocks(const float (&total)[lanes]) {
+float sum_of_blocks(const Lanes& total) {
   float sum = 0.0F;
   for (const float one : total) sum += one;
   return 0.25F * sum;
@@ -97,28 +102,36 @@ void look_baseline(const Patch& patch, const Places& places, const TagTemplate& 
       const float gx = tag.t_x[i] * grey;
       const float gy = tag.t_y[i] * grey;
       values[i] = grey;
-      sum[Sums::gx][k] += gx;
-      sum[Sums::gy][k] += gy;
-      sum[Sums::x_gy][k] += sample_grid.x[i] * gy;
-      sum[Sums::y_gx][k] += sample_grid.y[i] * gx;
-      sum[Sums::x_gx][k] += sample_grid.x[i] * gx;
-      sum[Sums::y_gy][k] += sample_grid.y[i] * gy;
       const float paper = tag.t[i] * grey;
       const float lit = paper + TagTemplate::ink * grey;
+      sum[Sums::along_x][k] += gx;
+      sum[Sums::along_y][k] += gy;
+      sum[Sums::turn][k] += sample_grid.x[i] * gy - sample_grid.y[i] * gx;
       sum[Sums::paper][k] += paper;
+      sum[Sums::constant][k] += grey;
       sum[Sums::light_x][k] += sample_grid.x[i] * lit;
       sum[Sums::light_y][k] += sample_grid.y[i] * lit;
-      sum[Sums::blur_x][k] += tag.t_xx[i] * grey;
-      sum[Sums::blur_y][k] += tag.t_yy[i] * grey;
-      sum[Sums::constant][k] += grey;
       sum[Sums::square][k] += grey * grey;
     }
   }
-  for (std::size_t i = 0; i < Sums::count; ++i) {
-    double total = 0.0;
-    for (std::size_t k = 0; k < lanes; ++k) total += static_cast<double>(sum[i][k]);
-    sums.sum[i] = total;
+  for (std::size_t i = 0; i < Sums::count; ++i) sums.sum[i] = total_of(sum[i]);
+}
+
+void free_baseline(const TagTemplate& tag, const Values& values, FreeSums& sums) {
+  alignas(32) float sum[FreeSums::count][lanes] = {};
+  for (std::size_t block = 0; block < SampleGrid::count; block += lanes) {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const std::size_t i = block + k;
+      const float gx = tag.t_x[i] * values[i];
+      const float gy = tag.t_y[i] * values[i];
+      sum[FreeSums::stretch_x][k] += sample_grid.x[i] * gx;
+      sum[FreeSums::stretch_y][k] += sample_grid.y[i] * gy;
+      sum[FreeSums::shear][k] += sample_grid.x[i] * gy + sample_grid.y[i] * gx;
+      sum[FreeSums::blur_x][k] += tag.t_xx[i] * values[i];
+      sum[FreeSums::blur_y][k] += tag.t_yy[i] * values[i];
+    }
   }
+  for (std::size_t i = 0; i < FreeSums::count; ++i) sums.sum[i] = total_of(sum[i]);
 }
 
 float felt_baseline(const TagTemplate& tag, const Values& values, const Solution& s) {
@@ -219,6 +232,12 @@ SKEIN_AVX2 void place_avx2(const FloatMap& map, const Turn& turn, Places& places
   }
 }
 
+SKEIN_AVX2 double total_of_vector(__m256 sum) {
+  alignas(32) float lane[lanes];
+  _mm256_store_ps(lane, sum);
+  return total_of(lane);
+}
+
 SKEIN_AVX2 void look_avx2(const Patch& patch, const Places& places, const TagTemplate& tag, Values& values,
                           Sums& sums) {
   __m256 sum[Sums::count];
@@ -252,29 +271,36 @@ SKEIN_AVX2 void look_avx2(const Patch& patch, const Places& places, const TagTem
     const __m256 gx = mul(_mm256_load_ps(&tag.t_x[i]), grey);
     const __m256 gy = mul(_mm256_load_ps(&tag.t_y[i]), grey);
     _mm256_storeu_ps(&values[i], grey);
-    sum[Sums::gx] = add(sum[Sums::gx], gx);
-    sum[Sums::gy] = add(sum[Sums::gy], gy);
-    sum[Sums::x_gy] = add(sum[Sums::x_gy], mul(x, gy));
-    sum[Sums::y_gx] = add(sum[Sums::y_gx], mul(y, gx));
-    sum[Sums::x_gx] = add(sum[Sums::x_gx], mul(x, gx));
-    sum[Sums::y_gy] = add(sum[Sums::y_gy], mul(y, gy));
     const __m256 paper = mul(_mm256_load_ps(&tag.t[i]), grey);
     const __m256 lit = add(paper, mul(ink, grey));
+    sum[Sums::along_x] = add(sum[Sums::along_x], gx);
+    sum[Sums::along_y] = add(sum[Sums::along_y], gy);
+    sum[Sums::turn] = add(sum[Sums::turn], sub(mul(x, gy), mul(y, gx)));
     sum[Sums::paper] = add(sum[Sums::paper], paper);
+    sum[Sums::constant] = add(sum[Sums::constant], grey);
     sum[Sums::light_x] = add(sum[Sums::light_x], mul(x, lit));
     sum[Sums::light_y] = add(sum[Sums::light_y], mul(y, lit));
-    sum[Sums::blur_x] = add(sum[Sums::blur_x], mul(_mm256_load_ps(&tag.t_xx[i]), grey));
-    sum[Sums::blur_y] = add(sum[Sums::blur_y], mul(_mm256_load_ps(&tag.t_yy[i]), grey));
-    sum[Sums::constant] = add(sum[Sums::constant], grey);
     sum[Sums::square] = add(sum[Sums::square], mul(grey, grey));
   }
-  for (std::size_t i = 0; i < Sums::count; ++i) {
-    alignas(32) float lane[lanes];
-    _mm256_store_ps(lane, sum[i]);
-    double total = 0.0;
-    for (const float one : lane) total += static_cast<double>(one);
-    sums.sum[i] = total;
+  for (std::size_t i = 0; i < Sums::count; ++i) sums.sum[i] = total_of_vector(sum[i]);
+}
+
+SKEIN_AVX2 void free_avx2(const TagTemplate& tag, const Values& values, FreeSums& sums) {
+  __m256 sum[FreeSums::count];
+  for (__m256& s : sum) s = _mm256_setzero_ps();
+  for (std::size_t i = 0; i < SampleGrid::count; i += lanes) {
+    const __m256 grey = _mm256_loadu_ps(&values[i]);
+    const __m256 x = _mm256_load_ps(&sample_grid.x[i]);
+    const __m256 y = _mm256_load_ps(&sample_grid.y[i]);
+    const __m256 gx = mul(_mm256_load_ps(&tag.t_x[i]), grey);
+    const __m256 gy = mul(_mm256_load_ps(&tag.t_y[i]), grey);
+    sum[FreeSums::stretch_x] = add(sum[FreeSums::stretch_x], mul(x, gx));
+    sum[FreeSums::stretch_y] = add(sum[FreeSums::stretch_y], mul(y, gy));
+    sum[FreeSums::shear] = add(sum[FreeSums::shear], add(mul(x, gy), mul(y, gx)));
+    sum[FreeSums::blur_x] = add(sum[FreeSums::blur_x], mul(_mm256_load_ps(&tag.t_xx[i]), grey));
+    sum[FreeSums::blur_y] = add(sum[FreeSums::blur_y], mul(_mm256_load_ps(&tag.t_yy[i]), grey));
   }
+  for (std::size_t i = 0; i < FreeSums::count; ++i) sums.sum[i] = total_of_vector(sum[i]);
 }
 
 SKEIN_AVX2 float felt_avx2(const TagTemplate& tag, const Values& values, const Solution& s) {
@@ -362,6 +388,13 @@ void look_at_points(Instructions instructions, const Patch& patch, const Places&
   if (instructions == Instructions::avx2) return look_avx2(patch, places, tag, values, sums);
 #endif
   look_baseline(patch, places, tag, values, sums);
+}
+
+void sum_free_columns(Instructions instructions, const TagTemplate& tag, const Values& values, FreeSums& sums) {
+#if defined(__x86_64__)
+  if (instructions == Instructions::avx2) return free_avx2(tag, values, sums);
+#endif
+  free_baseline(tag, values, sums);
 }
 
 float felt_noise(Instructions instructions, const TagTemplate& tag, const Values& values,

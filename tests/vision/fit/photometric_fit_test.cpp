@@ -139,7 +139,8 @@ TEST(PhotometricFit, FeltNoiseIsTheVarianceOfWhiteNoise) {
 }
 
 TEST(PhotometricFit, LightThatFallsAcrossATagDoesNotMoveIt) {
-  // A soft shadow's edge across each tag: unmended, the tags are shifted by 0.1 to 0.3 mm, and some are refused.
+  // A soft shadow's edge across each tag: by a fit without the light's gradient
+  // they are 0.4 to 0.5 mm off.
   Scene scene;
   std::vector<SyntheticDisc> shadows;
   for (const SyntheticTag& tag : scene.tags)
