@@ -115,7 +115,7 @@ Scores measure(const BenchScene& scene) {
     for (int k = 0; k < detail::bench_frames && (round == 0 || !scene.periodic); ++k) {
       const auto place = static_cast<std::size_t>(k);
       moments[place] = moment_of(round * detail::bench_frames + k);
-      camera.render(moments[place].tags, moments[place].discs, 0.0, film[place]);
+      camera.render(moments[place].tags, moments[place].discs, detail::bench_period * k, film[place]);
     }
     for (int k = 0; k < detail::bench_frames; k += scene.first_only ? 5 : 1) {
       const auto place = static_cast<std::size_t>(k);
