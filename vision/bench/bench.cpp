@@ -2,6 +2,7 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
 #include <time.h>
 
@@ -26,6 +27,10 @@ using detail::BenchScene;
 constexpr double wrong_xy = 2e-3;
 constexpr double wrong_theta = 2.0 * core::pi / 180.0;
 
+// Of the claimed covariance: what the squared error is in its units, for each of x, y and theta, and may be.
+constexpr double least_nees = 0.7;
+constexpr double most_nees = 1.5;
+
 // The slow methods take so many frames of a scene, all of them in its first round; the tracker takes all frames.
 constexpr int frames_of_slow_ones = 50;
 
@@ -34,6 +39,8 @@ struct Score {
   std::vector<double> ms;
   double xy2 = 0.0;
   double theta2 = 0.0;
+  double nees = 0.0;  // sum over the poses that come with a covariance
+  std::int64_t with_covariance = 0;
   std::int64_t right = 0;
   std::int64_t in_sight = 0;
   std::int64_t seen_in_sight = 0;
@@ -50,6 +57,11 @@ struct Score {
       const auto i = static_cast<std::size_t>(pose.tag);
       const double xy = core::distance(pose.pose, truth.tags[i].pose);
       const double theta = core::wrap_angle(pose.pose.theta - truth.tags[i].pose.theta);
+      if (pose.covariance(0, 0) > 0.0) {
+        const Eigen::Vector3d error(pose.pose.x - truth.tags[i].pose.x, pose.pose.y - truth.tags[i].pose.y, theta);
+        nees += error.dot(pose.covariance.ldlt().solve(error)) / 3.0;
+        ++with_covariance;
+      }
       if (xy > wrong_xy || std::abs(theta) > wrong_theta) {
         ++wrong_poses;
         continue;
@@ -65,6 +77,13 @@ struct Score {
       seen_in_sight += truth.in_sight[i] && seen[i] ? 1 : 0;
     }
   }
+
+  double recall() const {
+    return 100.0 * static_cast<double>(seen_in_sight) / static_cast<double>(std::max<std::int64_t>(1, in_sight));
+  }
+
+  /// Normalised estimation error squared, per degree of freedom: 1 where the claimed deviations are true.
+  double mean_nees() const { return nees / static_cast<double>(std::max<std::int64_t>(1, with_covariance)); }
 
   double percentile(double share) const {
     if (ms.empty()) return 0.0;
@@ -96,7 +115,7 @@ Scores measure(const BenchScene& scene) {
     for (int k = 0; k < detail::bench_frames && (round == 0 || !scene.periodic); ++k) {
       const auto place = static_cast<std::size_t>(k);
       moments[place] = moment_of(round * detail::bench_frames + k);
-      camera.render(moments[place].tags, moments[place].discs, 0.0, film[place]);
+      camera.render(moments[place].tags, moments[place].discs, detail::bench_period * k, film[place]);
     }
     for (int k = 0; k < detail::bench_frames; k += scene.first_only ? 5 : 1) {
       const auto place = static_cast<std::size_t>(k);
@@ -147,8 +166,8 @@ void report(benchmark::State& state, const BenchScene& scene, const std::string&
   state.counters["x_AprilTag"] = scores.at("AprilTag").percentile(0.5) / score.percentile(0.5);
   state.counters["xy_mm"] = 1e3 * std::sqrt(score.xy2 / right);
   state.counters["deg"] = 180.0 / core::pi * std::sqrt(score.theta2 / right);
-  state.counters["recall_%"] =
-      100.0 * static_cast<double>(score.seen_in_sight) / static_cast<double>(std::max<std::int64_t>(1, score.in_sight));
+  if (score.with_covariance > 0) state.counters["nees"] = score.mean_nees();
+  state.counters["recall_%"] = score.recall();
   state.counters["wrong_poses"] = static_cast<double>(score.wrong_poses);
   state.counters["wrong_ids"] = static_cast<double>(score.wrong_ids);
 }
@@ -175,7 +194,7 @@ bool print_vision_targets() {
     if (found == known_scores().end()) continue;
     const Score& s = found->second.at("Skein");
     const auto right = static_cast<double>(std::max<std::int64_t>(1, s.right));
-    const auto in_sight = static_cast<double>(std::max<std::int64_t>(1, s.in_sight));
+    const Score& apriltag = found->second.at("AprilTag");
     const detail::BenchTargets& wanted = scene.targets;
     std::string line;
     const auto row = [&](const char* what, double measured, double target, bool at_most) {
@@ -187,10 +206,13 @@ bool print_vision_targets() {
     };
     row("median ms", s.percentile(0.5), wanted.median_ms, true);
     row("p99 ms", s.percentile(0.99), wanted.p99_ms, true);
-    row("times AprilTag", found->second.at("AprilTag").percentile(0.5) / s.percentile(0.5), wanted.times_faster, false);
+    row("times AprilTag", apriltag.percentile(0.5) / s.percentile(0.5), wanted.times_faster, false);
     row("rms mm", 1e3 * std::sqrt(s.xy2 / right), wanted.xy_mm, true);
     row("rms deg", 180.0 / core::pi * std::sqrt(s.theta2 / right), wanted.deg, true);
-    row("recall %", 100.0 * static_cast<double>(s.seen_in_sight) / in_sight, wanted.recall, false);
+    row("NEES", s.mean_nees(), least_nees, false);
+    row("NEES", s.mean_nees(), most_nees, true);
+    row("recall %", s.recall(), wanted.recall, false);
+    row("recall % beside AprilTag's", s.recall(), apriltag.recall(), false);
     row("wrong poses and ids", static_cast<double>(s.wrong_poses + s.wrong_ids), 0.0, true);
     fmt::print("target, {}: {}\n", scene.name, line.substr(2));
   }

@@ -4,7 +4,8 @@ namespace skein::vision {
 
 /// Registers with Google Benchmark: the tracker, AprilTag as it comes and tuned, and OpenCV's ArUco, on the same
 /// synthetic frames. A benchmark's time is the median of a frame; its counters are p99 and the worst, how many times
-/// faster than AprilTag as it comes, position and heading rms, recall of the tags in sight, and wrong poses and ids.
+/// faster than AprilTag as it comes, position and heading rms, the tracker's squared errors in units of its covariance
+/// per degree of freedom (NEES), recall of the tags in sight, and wrong poses and ids.
 void register_vision_benchmarks();
 
 /// After they have run: what the tracker had to reach in the scenes that were measured, one line each. false: it has

@@ -25,7 +25,7 @@ struct BenchTargets {
   double times_faster = nothing;  // than AprilTag as it comes
   double xy_mm = nothing;         // rms
   double deg = nothing;           // rms
-  double recall = nothing;        // of the tags in sight [%]
+  double recall = nothing;        // of the tags in sight [%]; nowhere less than AprilTag's as it comes
 };
 
 struct BenchScene {

@@ -40,6 +40,9 @@ double shared_noise(double pitch_px) {
   return sum * sum;
 }
 
+// Of a pixel's noise, so much is left where a grey level is read between pixels, on average.
+constexpr double between_pixels = 2.0 / 3.0;
+
 double tukey(double residual, double scale) {
   const double z = residual / (4.685 * scale);
   return std::abs(z) < 1.0 ? (1.0 - z * z) * (1.0 - z * z) : 0.0;
@@ -64,12 +67,19 @@ const TagTemplate& TagModel::smooth() {
 /// What a look at the picture says.
 struct PhotometricFit::Look {
   Sums sums;
-  Eigen::Matrix<double, TagTemplate::rigid_columns, 1> solution;  // gain * (-dx, -dy, -dtheta), gain, offset
+  Eigen::Matrix<double, TagTemplate::rigid_columns, 1> solution;  // gain * (-dx, -dy, -dtheta), gain, offset, light
   double correlation = 0.0;
-  double residual = 0.0;  // sum of squares that the solution leaves
-  bool outside = false;   // not all of the tag is in the picture
+  double scatter = 0.0;  // sum of squares around the mean
+  bool outside = false;  // not all of the tag is in the picture
   double gain() const { return solution[TagTemplate::paper]; }
   Eigen::Vector3d change() const { return -solution.head<3>() / gain(); }  // (dx, dy) in modules, dtheta
+};
+
+/// The same look, with the tag free to stretch, shear and blur.
+struct PhotometricFit::Free {
+  Eigen::Matrix<double, TagTemplate::columns, 1> solution;
+  double residual = 0.0;   // sum of squares that it leaves
+  double explained = 0.0;  // multiple correlation of grey levels and columns
 };
 
 PhotometricFit::PhotometricFit(const PlaneMap& map, double module, bool exact, const FitOptions& options)
@@ -120,13 +130,30 @@ bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, const core
 
   const auto& sum = look.sums.sum;
   Eigen::Matrix<double, TagTemplate::rigid_columns, 1> seen;
-  seen << sum[Sums::gx], sum[Sums::gy], sum[Sums::x_gy] - sum[Sums::y_gx], sum[Sums::paper], sum[Sums::constant];
+  seen << sum[Sums::along_x], sum[Sums::along_y], sum[Sums::turn], sum[Sums::paper], sum[Sums::constant],
+      sum[Sums::light_x], sum[Sums::light_y];
   look.solution = tag.rigid_inverse * seen;
-  look.residual = std::max(0.0, sum[Sums::square] - look.solution.dot(seen));
-  const double scatter =
+  const double residual = std::max(0.0, sum[Sums::square] - look.solution.dot(seen));
+  look.scatter =
       sum[Sums::square] - sum[Sums::constant] * sum[Sums::constant] / static_cast<double>(SampleGrid::points);
-  look.correlation = (sum[Sums::paper] - tag.mean * sum[Sums::constant]) / std::sqrt(tag.scatter * scatter + 1e-9);
+  look.correlation = std::sqrt(std::max(0.0, 1.0 - residual / (look.scatter + 1e-9)));
   return look.gain() >= options_.least_contrast;
+}
+
+PhotometricFit::Free PhotometricFit::explain(const TagTemplate& tag, const Look& look) const {
+  FreeSums free_sums;
+  sum_free_columns(options_.instructions, tag, values_, free_sums);
+  const auto& sum = look.sums.sum;
+  const auto& more = free_sums.sum;
+  Eigen::Matrix<double, TagTemplate::columns, 1> seen;
+  seen << sum[Sums::along_x], sum[Sums::along_y], sum[Sums::turn], sum[Sums::paper], sum[Sums::constant],
+      sum[Sums::light_x], sum[Sums::light_y], more[FreeSums::stretch_x], more[FreeSums::stretch_y],
+      more[FreeSums::shear], more[FreeSums::blur_x], more[FreeSums::blur_y];
+  Free free;
+  free.solution = tag.full_inverse * seen;
+  free.residual = std::max(0.0, sum[Sums::square] - free.solution.dot(seen));
+  free.explained = std::sqrt(std::max(0.0, 1.0 - free.residual / (look.scatter + 1e-9)));
+  return free;
 }
 
 void PhotometricFit::step(const Eigen::Vector3d& change, core::Pose& pose) const {
@@ -207,7 +234,7 @@ Eigen::Matrix3d PhotometricFit::in_world(const Eigen::Matrix3d& of_step, const c
   turned.topLeftCorner<2, 2>() << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta),
       std::cos(pose.theta);
   turned.topLeftCorner<2, 2>() *= module_;
-  return shared_noise(static_cast<double>(SampleGrid::pitch) * px_per_module_) * turned * of_step * turned.transpose();
+  return turned * of_step * turned.transpose();
 }
 
 double PhotometricFit::least_likeness(double px_per_module) const {
@@ -238,25 +265,29 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   if (seen.outside) result.verdict = FitVerdict::outside;
   if (!arrived || strayed || seen.correlation < least) return result;
 
-  Eigen::Matrix3d of_step = tag.rigid_inverse.topLeftCorner<3, 3>() *
-                            (seen.residual / (static_cast<double>(SampleGrid::points) - TagTemplate::rigid_columns)) /
-                            (seen.gain() * seen.gain());
-  if (seen.correlation < clean_correlation) {
+  Free free = explain(tag, seen);
+  if (free.explained < clean_correlation) {
+    Eigen::Matrix3d of_step;
     if (!trim(frame, tag, result.pose, seen, of_step, result.looks)) return result;
     if (seen.correlation < least) return result;
+    free = explain(tag, seen);
+    const double shared = shared_noise(static_cast<double>(SampleGrid::pitch) * px_per_module_);
+    result.covariance = in_world(shared * of_step, result.pose);
+  } else {
+    std::array<float, TagTemplate::columns> solution{};
+    for (int i = 0; i < TagTemplate::columns; ++i)
+      solution[static_cast<std::size_t>(i)] = static_cast<float>(free.solution[i]);
+    const auto noise = static_cast<double>(felt_noise(options_.instructions, tag, values_, solution));
+    result.covariance =
+        in_world(noise / (seen.gain() * seen.gain()) * tag.rigid_inverse.topLeftCorner<3, 3>(), result.pose);
   }
-  result.covariance = in_world(of_step, result.pose);
   result.correlation = seen.correlation;
   result.contrast = seen.gain();
+  result.noise = std::sqrt(free.residual / static_cast<double>(SampleGrid::points)) / between_pixels;
   result.edge_px = 8.0 * px_per_module_;
 
-  const auto& sum = seen.sums.sum;
-  Eigen::Matrix<double, TagTemplate::columns, 1> columns;
-  columns << sum[Sums::gx], sum[Sums::gy], sum[Sums::x_gy] - sum[Sums::y_gx], sum[Sums::paper], sum[Sums::constant],
-      sum[Sums::x_gx], sum[Sums::y_gy], sum[Sums::x_gy] + sum[Sums::y_gx];
-  const Eigen::Matrix<double, TagTemplate::columns, 1> free = tag.full_inverse * columns;
-  const double sigma2 = seen.residual / static_cast<double>(SampleGrid::points) / (seen.gain() * seen.gain());
-  const Eigen::Vector3d stretch = -free.tail<3>() / free[TagTemplate::paper];
+  const double sigma2 = free.residual / static_cast<double>(SampleGrid::points) / (seen.gain() * seen.gain());
+  const Eigen::Vector3d stretch = -free.solution.segment<3>(TagTemplate::stretch_x) / free.solution[TagTemplate::paper];
   const auto& f = tag.full_inverse;
   constexpr int in_x = TagTemplate::stretch_x;
   constexpr int in_y = TagTemplate::stretch_y;

@@ -43,6 +43,7 @@ struct Fit {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (x, y, theta) [m, rad], from the residual
   double correlation = 0.0;                              // normalised, with this tag's pattern
   double contrast = 0.0;                                 // between ink and paper [grey levels]
+  double noise = 0.0;                                    // of a pixel, from the residual [grey levels]
   double stretch = 0.0;  // how much larger than its size on the plane it seems to be, as a part of it
   double stretch_sigma = 0.0;
   double strain = 0.0;   // the largest stretch in any direction
@@ -75,11 +76,13 @@ class PhotometricFit {
 
  private:
   struct Look;
+  struct Free;
   bool look(const Frame& frame, const TagTemplate& tag, const core::Pose& pose, Look& look);
   bool descend(const Frame& frame, const TagTemplate& tag, int most_looks, core::Pose& pose, Look& look, int& looks);
   bool trim(const Frame& frame, const TagTemplate& tag, core::Pose& pose, Look& look, Eigen::Matrix3d& covariance,
             int& looks);
   void step(const Eigen::Vector3d& change, core::Pose& pose) const;
+  Free explain(const TagTemplate& tag, const Look& look) const;
   double in_pixels(const Eigen::Vector3d& change) const;
   Eigen::Matrix3d in_world(const Eigen::Matrix3d& of_step, const core::Pose& pose) const;
 

@@ -42,10 +42,18 @@ struct FloatMap {
   float most_v;
 };
 
-/// What one look at the picture comes down to: sums over the points of grey level times column.
+/// What one look at the picture comes down to: sums over the points of grey level times column, for the columns that a
+/// robot's tag may have.
 struct Sums {
-  enum Sum { gx, gy, x_gy, y_gx, x_gx, y_gy, paper, constant, square };
-  static constexpr std::size_t count = 9;
+  enum Sum { along_x, along_y, turn, paper, constant, light_x, light_y, square };
+  static constexpr std::size_t count = 8;
+  std::array<double, count> sum{};
+};
+
+/// The same for the other columns.
+struct FreeSums {
+  enum Sum { stretch_x, stretch_y, shear, blur_x, blur_y };
+  static constexpr std::size_t count = 5;
   std::array<double, count> sum{};
 };
 
@@ -61,5 +69,13 @@ struct Patch {
 void place_points(Instructions instructions, const FloatMap& map, const Turn& turn, Places& places);
 void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
                     Values& values, Sums& sums);
+void sum_free_columns(Instructions instructions, const TagTemplate& tag, const Values& values, FreeSums& sums);
+
+/// The variance of the noise as the pose feels it, from what a solution of all columns leaves of the values: the sums
+/// of residual times column over each of the template's blocks are taken to be independent. Noise that neighbouring
+/// points share, the edges of shadows and specks count as much as they move the tag; what changes all points alike
+/// does not.
+float felt_noise(Instructions instructions, const TagTemplate& tag, const Values& values,
+                 const std::array<float, TagTemplate::columns>& solution);
 
 }  // namespace skein::vision::detail

@@ -1,5 +1,6 @@
 #include "vision/synthetic/synthetic_camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -48,6 +49,7 @@ struct SyntheticCamera::Parts {
   Canvas sharp;                       // the floor but for the robots of the frame being drawn
   std::vector<std::uint8_t> blurred;  // the floor as the lens shows it; so, too, but for these robots
   std::vector<std::uint8_t> blurred_floor;
+  std::vector<std::uint8_t> lit;  // by lamps that flicker
   std::vector<Box> touched;
   std::int64_t frames = 0;
 
@@ -73,6 +75,7 @@ struct SyntheticCamera::Parts {
   void draw_smeared(const SyntheticTag& tag);
   void draw_tag(const SyntheticTag& tag);
   void paint_disc(const core::Pose& at, double radius, double height, double soft, Shade shade);
+  void flicker(double captured_at);
   void clean();
 };
 
@@ -101,12 +104,33 @@ void SyntheticCamera::render(std::span<const SyntheticTag> tags, std::span<const
     }
   }
   for (const SyntheticDisc& disc : discs) {
-    parts.paint_disc({disc.x, disc.y, 0.0}, disc.radius, disc.height, disc.soft, {static_cast<float>(disc.grey), 1.0F});
+    parts.paint_disc({disc.x, disc.y, 0.0}, disc.radius, disc.height, disc.soft,
+                     {static_cast<float>(disc.grey), static_cast<float>(disc.cover)});
   }
   // Only now, so that a robot's edge is blurred into the robot beside it and not into the floor.
   for (const Box& box : parts.touched) parts.blur.apply(parts.sharp, box, parts.blurred.data());
-  parts.noise.add(parts.blurred, out);
+  if (parts.options.flicker > 0.0) {
+    parts.flicker(captured_at);
+    parts.noise.add(parts.lit, out);
+  } else {
+    parts.noise.add(parts.blurred, out);
+  }
   parts.clean();
+}
+
+/// Each row in the light of its own time; the brightest is the steady lamps'.
+void SyntheticCamera::Parts::flicker(double captured_at) {
+  lit.resize(blurred.size());
+  const double turn = 2.0 * std::numbers::pi * options.flicker_hz;
+  const double half = 0.5 * turn * options.exposure;
+  const double depth = options.flicker * (half > 0.0 ? std::sin(half) / half : 1.0);
+  for (int v = 0; v < floor.height; ++v) {
+    const double middle = captured_at + calibration.row_time * v + 0.5 * options.exposure;
+    const auto light = static_cast<float>((1.0 + depth * std::sin(turn * middle)) / (1.0 + options.flicker));
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(v) * floor.width;
+    std::transform(blurred.begin() + row, blurred.begin() + row + floor.width, lit.begin() + row,
+                   [light](std::uint8_t grey) { return static_cast<std::uint8_t>(light * grey + 0.5F); });
+  }
 }
 
 void SyntheticCamera::Parts::draw_robot(const SyntheticTag& tag) {

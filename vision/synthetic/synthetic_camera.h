@@ -27,7 +27,8 @@ struct SyntheticDisc {
   double radius = 0.05;  // [m]
   double height = 0.15;  // above the floor [m]
   double grey = 110.0;   // in full light
-  double soft = 0.0;     // its edge goes over this length from opaque to nothing [m]
+  double soft = 0.0;     // its edge goes over this length from full cover to nothing [m]
+  double cover = 1.0;    // of what is below, so much is hidden (0..1): a shadow is 0 grey and hides a part
 };
 
 struct SceneOptions {
@@ -36,6 +37,9 @@ struct SceneOptions {
   double brightness = 1.0;       // of the light; 1: white paper is at 225 of 255 where the light is best
   double light_gradient = 0.25;  // part of the light lost from the best-lit corner of the picture to the opposite one
   double contrast = 1.0;         // of the print; 1: ink is at 30 where paper is at 225; 0: both at 225
+  double flicker = 0.0;          // of the lamps: (most - least) / (most + least) of their light, 0..1; a sine
+  double flicker_hz = 100.0;     // twice the mains'
+  double exposure = 0.001;       // a row collects light for so long, from the time on at which it is read [s]
   int clutter = 60;              // pieces of tape, marks and dirt on the floor
   double body_radius = 0.035;    // of the robot under the tag [m]; 0: none
 };

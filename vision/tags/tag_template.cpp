@@ -1,5 +1,6 @@
 #include "vision/tags/tag_template.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
@@ -7,10 +8,11 @@
 namespace skein::vision::detail {
 namespace {
 
-/// How much of each column of cells a blurred point sees, and how that changes along the axis.
+/// How much of each column of cells a blurred point sees, and its first and second derivative along the axis.
 struct Profile {
   std::array<double, pattern_cells> share{};
   std::array<double, pattern_cells> slope{};
+  std::array<double, pattern_cells> bend{};
 };
 
 Profile profile_at(double place, double sigma) {
@@ -21,6 +23,7 @@ Profile profile_at(double place, double sigma) {
     const double z = (place - edge) / sigma;
     return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2.0 * std::numbers::pi));
   };
+  const auto bend = [&](double edge) { return -(place - edge) / (sigma * sigma) * density(edge); };
   Profile profile;
   for (int i = 0; i < pattern_cells; ++i) {
     // The white border goes on outwards: the blur must not see an edge of the paper that the points keep away from.
@@ -30,6 +33,7 @@ Profile profile_at(double place, double sigma) {
     const auto k = static_cast<std::size_t>(i);
     profile.share[k] = (first ? 1.0 : below(from)) - (last ? 0.0 : below(from + 1.0));
     profile.slope[k] = (first ? 0.0 : density(from)) - (last ? 0.0 : density(from + 1.0));
+    profile.bend[k] = (first ? 0.0 : bend(from)) - (last ? 0.0 : bend(from + 1.0));
   }
   return profile;
 }
@@ -71,6 +75,8 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double sigma) {
     double value = 0.0;
     double value_x = 0.0;
     double value_y = 0.0;
+    double value_xx = 0.0;
+    double value_yy = 0.0;
     for (std::size_t row = 0; row < pattern_cells; ++row) {
       const std::size_t height = pattern_cells - 1 - row;  // rows are counted downwards, y upwards
       for (std::size_t column = 0; column < pattern_cells; ++column) {
@@ -78,19 +84,41 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double sigma) {
         value += up.share[height] * across.share[column];
         value_x += up.share[height] * across.slope[column];
         value_y += up.slope[height] * across.share[column];
+        value_xx += up.share[height] * across.bend[column];
+        value_yy += up.bend[height] * across.share[column];
       }
     }
     t[point] = static_cast<float>(value);
     t_x[point] = static_cast<float>(value_x);
     t_y[point] = static_cast<float>(value_y);
+    t_xx[point] = static_cast<float>(value_xx);
+    t_yy[point] = static_cast<float>(value_yy);
   }
 
   Full normal = Full::Zero();
   for (std::size_t point = 0; point < SampleGrid::points; ++point) normal += row(point) * row(point).transpose();
   rigid_inverse = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
   full_inverse = normal.inverse();
-  mean = normal(paper, constant) / static_cast<double>(SampleGrid::points);
-  scatter = normal(paper, paper) - mean * mean * static_cast<double>(SampleGrid::points);
+
+  // What a fit takes of the noise for changes of its columns is missing from the residual.
+  std::array<Eigen::Matrix<double, columns, 3>, static_cast<std::size_t>(Blocks::bands * Blocks::across)> blocks;
+  for (auto& block : blocks) block.setZero();
+  for (int band = 0; band < Blocks::bands; ++band) {
+    for (int line = Blocks::first_row(band); line < Blocks::first_row(band + 1); ++line) {
+      for (int column = 0; column < SampleGrid::side; ++column) {
+        const auto values = row(static_cast<std::size_t>(line * SampleGrid::side + column));
+        blocks[static_cast<std::size_t>(band * Blocks::across + Blocks::of_column(column))] +=
+            values * values.head<3>().transpose();
+      }
+    }
+  }
+  const Eigen::Matrix3d of_step = rigid_inverse.topLeftCorner<3, 3>();
+  double felt = 0.0;
+  for (const auto& block : blocks)
+    felt += (of_step * (block.topRows<3>() - block.transpose() * full_inverse * block)).trace();
+  const Eigen::Matrix3d root = of_step.llt().matrixU().toDenseMatrix() / std::sqrt(felt);
+  whitening = {static_cast<float>(root(0, 0)), static_cast<float>(root(0, 1)), static_cast<float>(root(0, 2)),
+               static_cast<float>(root(1, 1)), static_cast<float>(root(1, 2)), static_cast<float>(root(2, 2))};
 }
 
 Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t point) const {
@@ -99,7 +127,9 @@ Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t poin
   const auto tx = static_cast<double>(t_x[point]);
   const auto ty = static_cast<double>(t_y[point]);
   Eigen::Matrix<double, columns, 1> result;
-  result << tx, ty, x * ty - y * tx, static_cast<double>(t[point]), 1.0, x * tx, y * ty, x * ty + y * tx;
+  const double lit = static_cast<double>(t[point]) + static_cast<double>(ink);
+  result << tx, ty, x * ty - y * tx, static_cast<double>(t[point]), 1.0, x * lit, y * lit, x * tx, y * ty,
+      x * ty + y * tx, static_cast<double>(t_xx[point]), static_cast<double>(t_yy[point]);
   return result;
 }
 

@@ -50,28 +50,54 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
 /// What a tag looks like at the points of the grid, blurred, and all that can be computed of a fit before a picture is
 /// there. The picture is taken for
 ///
-///     I = gain (T - grad T . (dx, dy) - (x T_y - y T_x) dtheta) + offset,
+///     I = gain (T - grad T . (dx, dy) - (x T_y - y T_x) dtheta) + offset + (a x + b y) (T + ink),
 ///
-/// which is linear in (gain dx, gain dy, gain dtheta, gain, offset): one step of Gauss and Newton is one product with a
-/// matrix that is known beforehand (inverse compositional). Three more columns let the tag stretch and shear, too: no
-/// robot's tag does, one that is held up or tilted does.
+/// which is linear in (gain dx, gain dy, gain dtheta, gain, offset, a, b): one step of Gauss and Newton is one product
+/// with a matrix that is known beforehand (inverse compositional). a and b are the light's gradient, without which
+/// a tag half in a lamp's cone, or in one row's light and the next's, is shifted. Three more columns let the tag
+/// stretch and shear, too: no robot's tag does, one that is held up or tilted does. The last two blur it along its
+/// axes: focus and motion differ from what the template was made for, but move no edge.
 struct TagTemplate {
   /// sigma: of the blur, in modules.
   TagTemplate(const TagPattern& pattern, double sigma);
 
-  enum Column { along_x, along_y, turn, paper, constant, stretch_x, stretch_y, shear };
-  static constexpr int rigid_columns = 5;
-  static constexpr int columns = 8;
+  enum Column {
+    along_x,
+    along_y,
+    turn,
+    paper,
+    constant,
+    light_x,
+    light_y,
+    stretch_x,
+    stretch_y,
+    shear,
+    blur_x,
+    blur_y
+  };
+  static constexpr int rigid_columns = 7;
+  static constexpr int columns = 12;
+  static constexpr float ink = 0.15F;  // what ink reflects, as a part of the difference between paper and ink
   using Rigid = Eigen::Matrix<double, rigid_columns, rigid_columns>;
   using Full = Eigen::Matrix<double, columns, columns>;
 
   alignas(32) std::array<float, SampleGrid::count> t{};    // 0 ink, 1 paper
   alignas(32) std::array<float, SampleGrid::count> t_x{};  // per module
   alignas(32) std::array<float, SampleGrid::count> t_y{};
-  Rigid rigid_inverse;   // of the normal matrix of the first five columns
-  Full full_inverse;     // of all of them
-  double mean = 0.0;     // of t
-  double scatter = 0.0;  // sum (t - mean)^2
+  alignas(32) std::array<float, SampleGrid::count> t_xx{};
+  alignas(32) std::array<float, SampleGrid::count> t_yy{};
+  Rigid rigid_inverse;  // of the normal matrix of the first seven columns
+  Full full_inverse;    // of all of them
+
+  /// Blocks of the grid: three rows high, four points wide. The pose feels the sums over a block of residual times
+  /// column: multiplied by this, their squares add up to the noise's variance (see felt_noise).
+  struct Blocks {
+    static constexpr int bands = 7;
+    static constexpr int first_row(int band) { return band * SampleGrid::side / bands; }
+    static constexpr int across = 6;
+    static constexpr int of_column(int column) { return column < 16 ? column / 4 : column < 18 ? 4 : 5; }
+  };
+  std::array<float, 6> whitening{};  // an upper triangle, row by row
 
   /// The value of every column at a point.
   Eigen::Matrix<double, columns, 1> row(std::size_t point) const;

@@ -21,6 +21,10 @@ constexpr double degree = core::pi / 180.0;
 // Faster turning is no robot's, but a fit that has gone wrong or a tag in somebody's hand. [rad/s]
 constexpr double fastest_turn = 720.0 * degree;
 
+// Below this part of the best-lit tag's contrast a tag is in the dark: a search for its like would take the texture of
+// the best-lit floor for tags, at many times the cost.
+constexpr double in_the_dark = 1.0 / 3.0;
+
 // The cubic map is good enough below this. [px]
 constexpr double map_tolerance = 0.01;
 
@@ -184,6 +188,7 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
   tag.stretch_sigma = fit.stretch_sigma;
   tag.edge_px = fit.edge_px;
   tag.contrast = fit.contrast;
+  tag.noise = fit.noise;
   tag.pose.tag = tag.tag;
   tag.pose.pose = fit.pose;
   tag.pose.captured_at = seen_at(frame, fit.corners);
@@ -229,6 +234,8 @@ void TrackerParts::compare_shapes() {
 
 void TrackerParts::conclude(const Frame& frame) {
   std::optional<double> least_contrast;
+  double most_contrast = 0.0;
+  double least_noise = 255.0;
   for (WantedTag& tag : wanted) {
     if (tag.ghost) {
       // Which of the two is the robot? Nobody knows: none is reported, and only a full search that finds one ends it.
@@ -258,13 +265,17 @@ void TrackerParts::conclude(const Frame& frame) {
     poses.push_back(tag.pose);
     ++counters.poses;
     least_contrast = std::min(tag.contrast, least_contrast.value_or(255.0));
+    most_contrast = std::max(tag.contrast, most_contrast);
+    least_noise = std::min(tag.noise, least_noise);
     tag.missed = 0;
     tag.last = pose;
     tag.last_seen_at = frame.captured_at;
     tag.ever_seen = tag.following = true;
     tag.ambiguous = false;
   }
-  if (least_contrast) contrast = least_contrast;
+  if (!least_contrast) return;
+  contrast = std::max(*least_contrast, in_the_dark * most_contrast);
+  noise = least_noise;
 }
 
 }  // namespace skein::vision

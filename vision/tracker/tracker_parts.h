@@ -28,6 +28,7 @@ struct WantedTag {
   core::Pose velocity;  // per second, from the last two poses; zero where there are no two
   double edge_px = 0.0;
   double contrast = 0.0;       // between its ink and its paper [grey levels]
+  double noise = 0.0;          // of a pixel on it [grey levels]
   double usual_stretch = 0.0;  // of its fits, a moving mean
   int stretches = 0;           // that went into it, as far as they matter
   int off_stretch = 0;         // frames for which it was not as usual
@@ -60,7 +61,9 @@ struct TrackerParts {
   TrackerCounters counters;
   std::int64_t last_search = 0;  // number of the frame last searched as a whole
   std::vector<Window> search_parts;
-  std::optional<double> contrast;  // between ink and paper: the least of the tags last seen [grey levels]
+  std::optional<double> contrast;  // between ink and paper: the least of the tags last seen, but those in the dark
+                                   // [grey levels]
+  double noise = 0.0;              // of a pixel: the least of these tags, too [grey levels]
 
   /// A place that the gate thinks much of and AprilTag does not.
   struct Refuted {

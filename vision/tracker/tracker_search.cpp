@@ -14,6 +14,9 @@ using detail::Gate;
 constexpr double well_lit = 40.0;
 constexpr double dim = 5.0;
 
+// Of noise, below which neither the gate nor AprilTag need look.
+constexpr double above_noise = 2.5;
+
 // Windows that AprilTag may search in one frame for the sake of missing tags (60 us each), and for the audit.
 constexpr int most_windows = 32;
 constexpr int most_old_windows = 2;
@@ -59,14 +62,17 @@ bool TrackerParts::missing() const {
   return std::any_of(wanted.begin(), wanted.end(), [](const WantedTag& tag) { return tag.missing(); });
 }
 
-/// Both thresholds follow the light: they are parts of the contrast that tags had when they were last seen.
+/// Both thresholds follow the light: they are parts of the contrast that tags had when they were last seen, but not so
+/// low that noise would pass them everywhere.
 int TrackerParts::gate_threshold() const {
-  constexpr double most = 60.0;
-  return static_cast<int>(contrast ? std::clamp(0.35 * *contrast, 4.0, most) : most);
+  constexpr double least = 4.0, most = 60.0;
+  return static_cast<int>(contrast ? std::clamp(0.35 * *contrast, std::clamp(above_noise * noise, least, most), most)
+                                   : most);
 }
 
 int TrackerParts::detector_threshold() const {
-  return contrast ? static_cast<int>(std::clamp(0.4 * *contrast, dim, well_lit)) : static_cast<int>(well_lit);
+  if (!contrast) return static_cast<int>(well_lit);
+  return static_cast<int>(std::clamp(0.4 * *contrast, std::clamp(above_noise * noise, dim, well_lit), well_lit));
 }
 
 void TrackerParts::list_known() {

@@ -1,6 +1,8 @@
 #include "vision/synthetic/synthetic_camera.h"
 
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "tests/vision/support.h"
 
@@ -124,6 +126,27 @@ TEST(SyntheticCamera, WantsToKnowWhereItHangs) {
   Calibration calibration = overhead_calibration(2.0, 1.5);
   calibration.world_from_camera.reset();
   EXPECT_THROW(SyntheticCamera{calibration}, std::invalid_argument);
+}
+
+TEST(SyntheticCamera, LampsFlickerAndARollingShutterMakesBandsOfIt) {
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  calibration.row_time = 25e-6;
+  SceneOptions options{.noise_sigma = 0.0};
+  Frame steady, bands;
+  SyntheticCamera(calibration, options, 1).render({}, 0.0, steady);
+  options.flicker = 0.5;
+  options.exposure = 0.0;
+  SyntheticCamera(calibration, options, 1).render({}, 0.0, bands);
+  const auto mean = [](const Frame& frame, int row) {
+    return std::accumulate(frame.row(row), frame.row(row) + frame.width, 0.0) / frame.width;
+  };
+  // A period of 10 ms is 400 rows; the light is (1 + 0.5 sin) / 1.5.
+  for (const auto& [row, light] : {std::pair{100, 1.0}, {200, 2.0 / 3.0}, {300, 1.0 / 3.0}, {500, 1.0}})
+    EXPECT_NEAR(mean(bands, row) / mean(steady, row), light, 0.01) << row;
+  // An exposure of a whole period sees none of it.
+  options.exposure = 0.01;
+  SyntheticCamera(calibration, options, 1).render({}, 0.0, bands);
+  for (const int row : {100, 200, 300}) EXPECT_NEAR(mean(bands, row) / mean(steady, row), 2.0 / 3.0, 0.01) << row;
 }
 
 }  // namespace
