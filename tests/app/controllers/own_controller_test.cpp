@@ -210,7 +210,7 @@ TEST(OwnController, ARunIsRepeatedToTheBitWithoutIt) {
 TEST(OwnController, ARunWithGapsIsRepeatedToTheBitAsWell) {
   for (const char* const failure : {"hold", "built_in"}) {
     const Outcome first = outcome_of(experiment_of(
-        {host("--adversary 6"), "controller.deadline=0.02", fmt::format("controller.failure={}", failure)}));
+        {host("--adversary 6"), "controller.deadline=0.004", fmt::format("controller.failure={}", failure)}));
     ASSERT_EQ(first.error, "");
     EXPECT_GT(first.report.late, 0);
     EXPECT_LT(first.report.late, first.report.asked);
