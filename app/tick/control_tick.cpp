@@ -24,7 +24,10 @@ constexpr double staging_horizon = 3.0;
 constexpr double settles = 0.5;
 
 /// A measured speed below this is noise [m/s].
-constexpr double standing = 0.02;
+constexpr double too_slow = 0.02;
+
+/// So many sights in a row convince.
+constexpr int convincing = 3;
 
 /// How many standard deviations a pose is trusted to be off at most.
 constexpr double trusted_deviations = 3.0;
@@ -89,7 +92,7 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
       couplings(e, gains, demand),
       obstacles(e.obstacles),
       avoidance(e.robots.size(), obstacles.all().size()),
-      shield(e.robots.size(), obstacles.all().size()),
+      shield(e.robots.size(), obstacles.all().size() + e.robots.size()),
       near(e.robots.size()),
       staging_law(e.robots.size()),
       no_number(e.robots.size()),
@@ -107,6 +110,8 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
   seen_before.resize(n);
   held.resize(n);
   disobeys.resize(n);
+  stuck.resize(n);
+  standing.reserve(obstacles.all().size() + n);
   off_nominal.resize(n);
   owed.resize(n);
   acts_at.resize(n, none);
@@ -315,16 +320,24 @@ void TickState::hear_links(const TickInput& input) noexcept {
 }
 
 /// Whether a robot does as it is told, by its first and its newest sight: one that drives otherwise, three times in a
-/// row, is told to stand, until it does. One that does not drive is stuck, or has been switched off: no danger.
+/// row, is told to stand, until it does. One that stands although it is told to drive is stuck, or was switched off: it
+/// is told to drive all the same, or nobody would learn when it can, and the others take it for an obstacle.
 void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
   constexpr double contrary = 0.04;  // what lies between expected and measured velocity [m/s]
-  constexpr int convincing = 3;
   const core::Measurement& newest = record.robots[i].measurement;
   const double noise = trusted_deviations * (first.sigma_xy + newest.sigma_xy);
   const double blind = *std::max_element(sights[i].blind.begin(), sights[i].blind.end());
   const double off = core::distance(filters[i].predict(first, newest.captured_at), newest.pose);
-  const bool drives = std::abs(v) >= standing;
-  const bool otherwise = drives && off > noise + blind + contrary * (newest.captured_at - first.captured_at);
+  const double seconds = newest.captured_at - first.captured_at;
+  const bool drives = std::abs(v) >= too_slow;
+  const bool otherwise = drives && off > noise + blind + contrary * seconds;
+  const bool stands = !drives && off > noise + blind + too_slow * seconds;
+  // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive.
+  int& stood = sights[i].stood;
+  if (stands)
+    ++stood;
+  else if (drives || stood < convincing)
+    stood = 0;
   int& times = sights[i].contradicted;
   times = (disobeys[i] ? !drives : otherwise) ? times + 1 : 0;
   if (times < convincing || experiment.failure.runaway == FailureSpec::Runaway::ignored) return;
@@ -351,7 +364,7 @@ void TickState::measure_twist(std::size_t i) noexcept {
     sight.blind[sight.count % Sight::frames] = link.linked ? link.blind_way : 0.0;
     sight.seen[sight.count++ % Sight::frames] = newest;
   }
-  adrift[i] = false;
+  adrift[i] = stuck[i] = false;
   if (record.robots[i].is(lost) || sight.count < Sight::frames) return;
   const core::Measurement& first = sight.seen[sight.count % Sight::frames];
   const double seconds = newest.captured_at - first.captured_at;
@@ -363,7 +376,9 @@ void TickState::measure_twist(std::size_t i) noexcept {
       seconds;
   if (seen_anew && moving() && !(record.now < sight.excused_until)) watch_obedience(i, first, v);
   const bool by_itself = disobeys[i] || (record.robots[i].link.input.linked && is_out(i));
-  if (!by_itself || std::abs(v) < standing) return;
+  stuck[i] = sight.stood >= convincing && experiment.failure.runaway != FailureSpec::Runaway::ignored;
+  if (stuck[i]) driving[i] = {};
+  if (!by_itself || std::abs(v) < too_slow) return;
   adrift[i] = true;
   driving[i] = {v, turned / seconds};
 }
@@ -566,8 +581,12 @@ void TickState::limit_and_shield() noexcept {
     midway[i] = poses[i];
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
-  shield.apply(shield_parameters, midway, obstacles.standing(), v_limits, commands, {shield_touched.get(), robots()},
-               doubt, {adrift.get(), robots()}, sizes);
+  // Whoever is stuck is an obstacle to all but itself, whose distance from it is 0.
+  standing.assign(obstacles.standing().begin(), obstacles.standing().end());
+  for (std::size_t i = 0; i < robots(); ++i)
+    if (stuck[i]) standing.push_back({midway[i].x, midway[i].y, experiment.robots[i].radius + doubt[i]});
+  shield.apply(shield_parameters, midway, standing, v_limits, commands, {shield_touched.get(), robots()}, doubt,
+               {adrift.get(), robots()}, sizes);
   for (std::size_t i = 0; i < robots(); ++i) {
     if (shield_touched[i]) record.robots[i].mode |= shielded;
     if (adrift[i]) commands[i] = {};

@@ -210,6 +210,32 @@ TEST(FailureTable, ARobotThatDisobeysIsToldToStandAndLeavesTheGroup) {
     }
 }
 
+// Its battery is empty, a wheel hangs: nobody may count on the speed that it is told to have.
+TEST(FailureTable, NobodyDrivesIntoARobotThatStandsThoughItIsToldToDrive) {
+  double nearest_if_ignored = 1.0;
+  for (const bool ignored : {false, true})
+    for (const std::size_t stuck : {0u, 1u, 2u, 3u})
+      for (int seed = 0; seed < 6; ++seed) {
+        Group group(others_go_on({ignored ? "failure.runaway=ignored" : "failure.runaway=others_go_on"}));
+        group.start();
+        group.steps(100 + 150 * seed);
+        group.adrift = stuck;
+        group.robots[stuck].command({});
+        double nearest = 1.0;
+        for (int k = 0; k < 500; ++k) {
+          group.step();
+          for (std::size_t i = 0; i < group.robots.size(); ++i)
+            if (i != stuck)
+              nearest = std::min(nearest, core::distance(group.robots[i].pose(), group.robots[stuck].pose()));
+        }
+        if (ignored)
+          nearest_if_ignored = std::min(nearest_if_ignored, nearest);
+        else
+          EXPECT_GT(nearest, 0.07) << "robot " << stuck << ", seed " << seed;
+      }
+  EXPECT_LT(nearest_if_ignored, 0.07) << "the control: these would have met";
+}
+
 TEST(FailureTable, ARobotThatObeysAgainDrivesAgain) {
   Group group(others_go_on());
   group.start();

@@ -195,6 +195,18 @@ TEST(Sweep, NobodyCollidesWithARunawayThatIsKnown) {
   EXPECT_GT(run_into, 0) << "who stands cannot get out of its way, and that is no collision";
 }
 
+/// Its motors stuck while it stood or crept: the speed that it is told to have is not believed.
+TEST(Sweep, NobodyCollidesWithARobotThatStandsThoughItIsToldToDrive) {
+  Study study = shipped("runaways.toml");
+  study.control = {"failure.runaway=ignored"};
+  std::int64_t ignored = 0;
+  for (const std::uint64_t seed : {109u, 223u, 269u}) {
+    EXPECT_EQ(run_one(study, seed).collisions, 0) << seed;
+    ignored += run_one(study, seed, true).collisions;
+  }
+  EXPECT_GT(ignored, 0) << "the control";
+}
+
 TEST(Sweep, ThreadsMakeNoDifference) {
   Study study = shipped("perturbations.toml");
   study.runs = 4;
