@@ -162,10 +162,11 @@ CameraRig::~CameraRig() {
 }
 
 tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
-  auto recorder = vision::Recorder::open(path, {{"PROGRAM", "skein " SKEIN_VERSION},
-                                                {"SOURCE", spec_.source},
-                                                {"EXPERIMENT", experiment_.source},
-                                                {"CALIBRATION", format_calibration(calibration_)}},
+  auto recorder = vision::Recorder::open(path,
+                                         {{"PROGRAM", "skein " SKEIN_VERSION},
+                                          {"SOURCE", spec_.source},
+                                          {"EXPERIMENT", experiment_.source},
+                                          {"CALIBRATION", format_calibration(calibration_)}},
                                          spec_.film);
   if (!recorder) return tl::unexpected(recorder.error());
   recorder_ = std::move(*recorder);
