@@ -26,6 +26,7 @@ class Rows final : public app::RecordSink {
   }
   std::vector<const app::TickRecord*> all() const {
     std::vector<const app::TickRecord*> result;
+    result.reserve(rows.size());
     for (const app::TickRecord& row : rows) result.push_back(&row);
     return result;
   }

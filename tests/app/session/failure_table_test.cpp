@@ -51,6 +51,7 @@ struct Group {
     input.commands = commands;
     input.links = links;
     std::vector<core::Pose> truth;
+    truth.reserve(robots.size());
     for (const core::SimulatedRobot& robot : robots) truth.push_back(robot.pose());
     input.truth = truth;
     const TickRecord& record = tick.step(input);

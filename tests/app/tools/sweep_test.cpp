@@ -33,9 +33,11 @@ Study shipped(const std::string& name) {
 
 /// The study of a text, in a folder of its own beside a copy of the paper's experiment.
 class StudyText : public ::testing::Test {
+ public:
+  ~StudyText() override { std::filesystem::remove_all(folder_); }
+
  protected:
   StudyText() { std::filesystem::create_directories(folder_); }
-  ~StudyText() override { std::filesystem::remove_all(folder_); }
   tl::expected<Study, std::vector<Problem>> load(const std::string& text) const {
     std::ofstream(folder_ / "study.toml") << text;
     std::ofstream(folder_ / "e.toml") << paper_experiment().source;
