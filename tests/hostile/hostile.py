@@ -36,6 +36,15 @@ def kill(process, what=signal.SIGKILL):
     return since
 
 
+def signalled(lab, what, setup=None):
+    robots = lab.emulate()
+    run = lab.run(robots, setup=setup)
+    since = kill(run, what)
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
 def state_of(pid):
     with open(f"/proc/{pid}/stat", encoding="ascii") as file:
         return file.read().rsplit(")", 1)[1].split()[0]
@@ -180,21 +189,12 @@ def sigkill(lab):
 
 @case("SIGSEGV")
 def sigsegv(lab):
-    robots = lab.emulate()
-    run = lab.run(robots, setup=lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)))
-    since = kill(run, signal.SIGSEGV)
-    stands(robots)
-    return robots.blind(since)
+    return signalled(lab, signal.SIGSEGV, lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)))
 
 
 @case("SIGINT")
 def sigint(lab):
-    robots = lab.emulate()
-    run = lab.run(robots)
-    since = kill(run, signal.SIGINT)
-    stands(robots)
-    ends(run)
-    return robots.blind(since)
+    return signalled(lab, signal.SIGINT)
 
 
 @case("SIGINT, and four more in the next milliseconds")
@@ -256,11 +256,7 @@ def processor_limit(lab):
 
 @case("it is warned that its processor time is over (`ulimit -S -t`: SIGXCPU)")
 def processor_warning(lab):
-    robots = lab.emulate()
-    run = lab.run(robots)
-    since = kill(run, signal.SIGXCPU)
-    stands(robots)
-    return robots.blind(since)
+    return signalled(lab, signal.SIGXCPU)
 
 
 @case("the program is replaced (an upgrade), the guard killed, 1 s later the run")
@@ -382,36 +378,22 @@ def sleep_inhibited_longer(lab):
 
 @case("started with every signal blocked, then SIGTERM")
 def blocked_signals(lab):
-    robots = lab.emulate()
-    run = lab.run(robots, setup=lambda: signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals()))
-    since = kill(run, signal.SIGTERM)
-    stands(robots)
-    ends(run)
-    return robots.blind(since)
+    return signalled(lab, signal.SIGTERM,
+                     lambda: signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals()))
 
 
 @case("started with SIGINT and SIGTERM ignored (`trap '' INT TERM`), then SIGTERM")
 def ignored_signals(lab):
-    robots = lab.emulate()
-
     def ignore():
         for what in (signal.SIGINT, signal.SIGTERM, signal.SIGCHLD, signal.SIGPIPE):
             signal.signal(what, signal.SIG_IGN)
 
-    run = lab.run(robots, setup=ignore)
-    since = kill(run, signal.SIGTERM)
-    stands(robots)
-    ends(run)
-    return robots.blind(since)
+    return signalled(lab, signal.SIGTERM, ignore)
 
 
 @case("a signal that nobody expects (SIGUSR1)")
 def unexpected_signal(lab):
-    robots = lab.emulate()
-    run = lab.run(robots)
-    since = kill(run, signal.SIGUSR1)
-    stands(robots)
-    return robots.blind(since)
+    return signalled(lab, signal.SIGUSR1)
 
 
 # --- The guard --------------------------------------------------------------------------------------------------
