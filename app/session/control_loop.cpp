@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/experiment/at_start.h"
+#include "app/session/due.h"
 #include "comms/watchdog.h"
 
 namespace skein::app {
@@ -171,11 +172,9 @@ void ControlLoop::perturb(int elapsed, EventList& events) {
   const bool running = phase() == Phase::running;
   for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
     const Perturbation& p = experiment_.perturbations[next_perturbation_];
-    // Half a nanosecond: t is a quotient, and the file's number a decimal.
-    if (t < p.t - 0.5e-9) break;
+    if (!is_due(p.t, t)) break;
     if (!plant_.simulated(p.robot)) continue;
-    const core::Pose pose = plant_.pose(p.robot);
-    plant_.move(p.robot, {pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
+    plant_.move(p.robot, perturbed(plant_.pose(p.robot), p));
     events.add(events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
   }
   do_actions(t, running, events);
@@ -204,7 +203,7 @@ void ControlLoop::do_actions(double t, bool running, EventList& events) {
   const std::vector<OperatorAction>& actions = experiment_.actions;
   for (; next_action_ < actions.size() && room_for_events(events) > 0; ++next_action_) {
     const auto& [when, event] = actions[next_action_];
-    if (when > 0.0 && (!running || t < when - 0.5e-9)) return;
+    if (when > 0.0 && (!running || !is_due(when, t))) return;
     if (const auto command = command_of(event))
       obeyed_.push_back(*command);
     else if (const auto* const move = std::get_if<events::Move>(&event))

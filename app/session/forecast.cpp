@@ -4,10 +4,10 @@
 #include <bit>
 #include <cmath>
 
+#include "app/session/due.h"
+
 namespace skein::app {
 namespace {
-
-constexpr double same_time = 0.5e-9;  // t is a quotient, and the file's number a decimal [s]
 
 bool same(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -42,10 +42,8 @@ Forecast::Forecast(const Experiment& experiment)
 void Forecast::carry_out(const Event& event, SimulatedWorld& world) const {
   if (const auto* const move = std::get_if<events::Move>(&event)) world.place(move->robot, move->pose);
   if (const auto* const kick = std::get_if<events::Kick>(&event)) world.kick(kick->robot, kick->vx, kick->vy);
-  if (const auto* const p = std::get_if<events::Perturb>(&event)) {
-    const core::Pose pose = world.pose(p->robot);
-    world.place(p->robot, {pose.x + p->dx, pose.y + p->dy, core::wrap_angle(pose.theta + p->dtheta)});
-  }
+  if (const auto* const p = std::get_if<events::Perturb>(&event))
+    world.place(p->robot, perturbed(world.pose(p->robot), *p));
 }
 
 void Forecast::follow(const TickRecord& record) {
@@ -72,14 +70,14 @@ void Forecast::perturb(double t, TickInput& input) {
   const bool running = ahead_.record().phase == Phase::running;
   for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
     const Perturbation& p = experiment_.perturbations[next_perturbation_];
-    if (t < p.t - same_time) break;
+    if (!is_due(p.t, t)) break;
     if (!exact()) continue;  // by then somebody else's hand, at another place
     input.events.add(events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
     carry_out(events::Perturb{p.robot, p.dx, p.dy, p.dtheta}, floor_ahead_);
   }
   for (; running && next_action_ < experiment_.actions.size(); ++next_action_) {
     const OperatorAction& action = experiment_.actions[next_action_];
-    if (t < action.t - same_time) break;
+    if (!is_due(action.t, t)) break;
     if (const auto command = command_of(action.event)) {
       commands_.push_back(*command);
     } else if (exact()) {
@@ -121,7 +119,7 @@ std::vector<TickRecord> Forecast::ahead(std::size_t ticks, std::span<const Opera
       models_.back().command(last_.robots[i].wheels);
     }
   }
-  const auto done = [&](double t) { return last_.tick > 0 && t <= last_.t + same_time; };
+  const auto done = [&](double t) { return last_.tick > 0 && is_due(t, last_.t); };
   next_perturbation_ =
       static_cast<std::size_t>(std::count_if(experiment_.perturbations.begin(), experiment_.perturbations.end(),
                                              [&](const Perturbation& p) { return done(p.t); }));
