@@ -340,7 +340,7 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
     stood = 0;
   int& times = sights[i].contradicted;
   times = (disobeys[i] ? !drives : otherwise) ? times + 1 : 0;
-  if (times < convincing || experiment.failure.runaway == FailureSpec::Runaway::ignored) return;
+  if (times < convincing) return;
   times = 0;
   disobeys[i] = !disobeys[i];
   note(disobeys[i] ? Event(events::Runaway{i, v}) : Event(events::Obeys{i}));
@@ -374,9 +374,10 @@ void TickState::measure_twist(std::size_t i) noexcept {
   const double v =
       ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
       seconds;
-  if (seen_anew && moving() && !(record.now < sight.excused_until)) watch_obedience(i, first, v);
+  const bool watched = experiment.failure.runaway != FailureSpec::Runaway::ignored;
+  if (watched && seen_anew && moving() && !(record.now < sight.excused_until)) watch_obedience(i, first, v);
   const bool by_itself = disobeys[i] || (record.robots[i].link.input.linked && is_out(i));
-  stuck[i] = sight.stood >= convincing && experiment.failure.runaway != FailureSpec::Runaway::ignored;
+  stuck[i] = sight.stood >= convincing;
   if (stuck[i]) driving[i] = {};
   if (!by_itself || std::abs(v) < too_slow) return;
   adrift[i] = true;

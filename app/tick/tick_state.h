@@ -80,7 +80,6 @@ struct TickMemory {
   std::vector<bool> seen_before;
   std::vector<bool> held;               // made to stand by the operator
   std::vector<bool> disobeys;           // drives otherwise than it was told, and has not stood since
-  std::vector<bool> stuck;              // stands though it is told to drive
   std::vector<bool> off_nominal;        // follows a modified reference
   std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
   std::vector<double> acts_at;          // from when on the newest commands act [s]
@@ -105,6 +104,7 @@ struct TickMemory {
   std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
   std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
   std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
+  std::vector<bool> stuck;           // stands though it is told to drive
   std::vector<core::Obstacle> standing;  // what the shield keeps clear of: obstacles, and robots that are stuck
   std::vector<double> doubt;             // how far off each pose may be [m]
   TickRecord record;
