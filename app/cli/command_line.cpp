@@ -126,7 +126,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   run_command.add_option("--csv", run_request.csv, "write every tick to this file")->type_name("FILE");
   run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json to this folder")
       ->type_name("DIR");
-  run_command.add_option("--video", run_request.video, "record the camera's frames to this film, lossless (Matroska)")
+  run_command
+      .add_option("--video", run_request.video,
+                  "record the camera's frames to this film (Matroska), lossless unless camera.film is small")
       ->type_name("FILE.MKV");
   run_command.add_flag("--keep", run_request.keep,
                        "keep the run with all its inputs in a folder of its own (docs/runs.md)");
