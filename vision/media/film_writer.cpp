@@ -49,8 +49,8 @@ class MatroskaFilm final : public FilmWriter {
     picture_->pts = last_pts_;
     int result = avcodec_send_frame(codec_.get(), picture_.get());
     if (result >= 0) result = avcodec_receive_packet(codec_.get(), packet_.get());
-    if (result >= 0) result = read_back(frame);
-    if (result >= 0) result = attach(to_text(stamp_of(*seen_)));
+    if (result >= 0 && decoder_) result = read_back(frame);
+    if (result >= 0) result = attach(to_text(stamp_of(decoder_ ? read_ : frame)));
     if (result >= 0) {
       packet_->duration = 1;
       result = av_write_frame(file_, packet_.get());
@@ -154,17 +154,13 @@ class MatroskaFilm final : public FilmWriter {
     return result;
   }
 
-  /// What the film's reader will see of the frame, whose checksum shows it later that nothing is damaged, goes to
-  /// seen_.
+  /// The frame as the film's reader will see it goes to read_: its checksum shows later that nothing is damaged.
   int read_back(const Frame& frame) {
-    seen_ = &frame;
-    if (!decoder_) return 0;
     int result = avcodec_send_packet(decoder_.get(), packet_.get());
     if (result >= 0) result = avcodec_receive_frame(decoder_.get(), decoded_.get());
     if (result < 0) return result;
     read_.index = frame.index;
     read_.captured_at = frame.captured_at;
-    seen_ = &read_;
     return to_grey(*decoded_, scaler_, read_) ? 0 : AVERROR_INVALIDDATA;
   }
 
@@ -186,7 +182,6 @@ class MatroskaFilm final : public FilmWriter {
   Packet packet_;
   Scaler scaler_;
   Frame read_;
-  const Frame* seen_ = nullptr;
   bool begun_ = false;
   double first_at_ = 0.0;
   std::int64_t last_pts_ = -1;
