@@ -29,6 +29,21 @@ Experiment short_film_run(const std::vector<std::string>& more = {}) {
   return *experiment;
 }
 
+/// The run's CSV; with a film beside it.
+std::string csv_of(const Experiment& experiment, const std::string& film = {}) {
+  std::ostringstream csv;
+  {
+    CsvWriter file(csv, experiment);
+    SessionOptions options;
+    options.sinks = {&file};
+    options.video = film;
+    auto session = Session::open(experiment, Session::Clock::virtual_, options);
+    EXPECT_TRUE(session) << session.error();
+    EXPECT_EQ(session ? (*session)->run() : Phase::ready, Phase::finished);
+  }
+  return csv.str();
+}
+
 TEST(Video, GivesTheSamePosesAgain) {
   const auto path = std::filesystem::temp_directory_path() / ("skein_video_" + std::to_string(::getpid()) + ".mkv");
   const Experiment experiment = short_film_run();
@@ -77,17 +92,8 @@ TEST(Video, GivesTheSamePosesAgain) {
 TEST(Video, ReplaysWithItsLogBitForBit) {
   const auto path = std::filesystem::temp_directory_path() / ("skein_replay_" + std::to_string(::getpid()) + ".mkv");
   const Experiment experiment = short_film_run({"robot_defaults.model=epuck1"});
-  std::ostringstream csv;
-  {
-    CsvWriter file(csv, experiment);
-    SessionOptions options;
-    options.sinks = {&file};
-    options.video = path.string();
-    auto session = Session::open(experiment, Session::Clock::virtual_, options);
-    ASSERT_TRUE(session) << session.error();
-    EXPECT_EQ((*session)->run(), Phase::finished);
-  }
-  std::istringstream in(csv.str());
+  const std::string csv = csv_of(experiment, path.string());
+  std::istringstream in(csv);
   const auto result = replay(in, "run.csv", path.string());
   ASSERT_TRUE(result) << result.error();
   EXPECT_TRUE(result->filmed);
@@ -98,23 +104,15 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
 
   // Another run's film: the robots' starts are the same, what happens then is not.
   const Experiment other = short_film_run({"robot_defaults.model=epuck1", "seed=2"});
-  std::ostringstream other_csv;
-  {
-    CsvWriter file(other_csv, other);
-    SessionOptions options;
-    options.sinks = {&file};
-    auto session = Session::open(other, Session::Clock::virtual_, options);
-    ASSERT_TRUE(session) << session.error();
-    EXPECT_EQ((*session)->run(), Phase::finished);
-  }
-  std::istringstream other_in(other_csv.str());
+  const std::string other_csv = csv_of(other);
+  std::istringstream other_in(other_csv);
   const auto wrong = replay(other_in, "other.csv", path.string());
   ASSERT_TRUE(wrong) << wrong.error();
   EXPECT_GT(wrong->poses_different, 0);
   EXPECT_NE(wrong->first.find("tick 0"), std::string::npos) << wrong->first;
   std::filesystem::remove(path);
 
-  std::istringstream again(csv.str());
+  std::istringstream again(csv);
   const auto none = replay(again, "run.csv", path.string());
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().find(path.string()), std::string::npos) << none.error();
@@ -127,18 +125,9 @@ TEST(Video, ASmallFilmSaysWhatItLoses) {
   for (const std::string film : {"lossless", "small"}) {
     const auto path = folder / ("skein_" + film + "_" + std::to_string(::getpid()) + ".mkv");
     const Experiment experiment = short_film_run({"camera.film=" + film});
-    std::ostringstream csv;
-    {
-      CsvWriter file(csv, experiment);
-      SessionOptions options;
-      options.sinks = {&file};
-      options.video = path.string();
-      auto session = Session::open(experiment, Session::Clock::virtual_, options);
-      ASSERT_TRUE(session) << session.error();
-      EXPECT_EQ((*session)->run(), Phase::finished);
-    }
+    const std::string csv = csv_of(experiment, path.string());
     const std::uintmax_t size = std::filesystem::file_size(path);
-    std::istringstream in(csv.str());
+    std::istringstream in(csv);
     const auto result = replay(in, "run.csv", path.string());
     std::filesystem::remove(path);
     ASSERT_TRUE(result) << result.error();
