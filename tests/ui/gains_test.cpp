@@ -89,6 +89,9 @@ TEST_F(Gains, KeepThePresetsOfTheirOwn) {
   keep_gain_preset({QStringLiteral("Mine / 1"), {0.001, 0.002, 0.003}, true});
   start();
   use_preset(QStringLiteral("Mine - 1"));
+  QMenu* menu = find<QToolButton>("gain_presets")->menu();
+  for (int k = 0; k < 3; ++k) emit menu->aboutToShow();
+  EXPECT_EQ(menu->findChildren<QMenu*>().size(), 1) << "the submenus of earlier openings are left";
   EXPECT_EQ(spin("spin_k_tt"), 0.002);
   forget_gain_preset(QStringLiteral("Mine - 1"));
   for (const GainPreset& preset : gain_presets(live().experiment())) EXPECT_FALSE(preset.own);

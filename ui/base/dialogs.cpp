@@ -3,6 +3,7 @@
 #include <QDialogButtonBox>
 #include <QFileInfo>
 #include <QGuiApplication>
+#include <QInputDialog>
 #include <QPushButton>
 #include <QScreen>
 #include <QShortcut>
@@ -33,6 +34,18 @@ QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question) {
     dialog->selectFile(question.save_as);
   }
   return dialog;
+}
+
+void ask_name(QWidget* parent, const QString& name, const QString& title,
+              const std::function<void(const QString&)>& named) {
+  auto* dialog = new QInputDialog(parent);
+  dialog->setObjectName(name);
+  dialog->setWindowTitle(title);
+  dialog->setLabelText(QObject::tr("Under the name"));
+  QObject::connect(dialog, &QInputDialog::textValueSelected, parent, [named](const QString& text) {
+    if (!text.trimmed().isEmpty()) named(text);
+  });
+  show_beside(dialog);
 }
 
 QSize fitting(const QSize& wanted, const QWidget* parent) {

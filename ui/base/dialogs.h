@@ -3,6 +3,7 @@
 #include <QDialog>
 #include <QFileDialog>
 #include <QTextBrowser>
+#include <functional>
 
 namespace skein::ui {
 
@@ -29,6 +30,10 @@ void show_beside(Dialog* dialog) {
   dialog->setWindowModality(Qt::NonModal);
   dialog->show();
 }
+
+/// Asks for a name, beside the window: `named` gets one that is not blank. `name`: of the dialog as an object.
+void ask_name(QWidget* parent, const QString& name, const QString& title,
+              const std::function<void(const QString&)>& named);
 
 /// No larger than the screen that the parent is on: what is longer scrolls.
 QSize fitting(const QSize& wanted, const QWidget* parent);

@@ -1,7 +1,6 @@
 #include "ui/gains/gains_panel.h"
 
 #include <QHBoxLayout>
-#include <QInputDialog>
 #include <QLabel>
 #include <QMenu>
 #include <QScrollArea>
@@ -11,6 +10,7 @@
 #include <cmath>
 
 #include "ui/base/dialogs.h"
+#include "ui/base/menus.h"
 #include "ui/base/sentence.h"
 
 namespace skein::ui {
@@ -265,7 +265,7 @@ void GainsPanel::use(const GainPreset& preset) {
 
 void GainsPanel::fill_presets() {
   QMenu* menu = presets_->menu();
-  menu->clear();
+  clear_menu(menu);
   QMenu* forget = nullptr;
   for (const GainPreset& preset : gain_presets(experiment_)) {
     if (preset.own && !forget) {
@@ -284,17 +284,10 @@ void GainsPanel::fill_presets() {
 }
 
 void GainsPanel::keep_as_preset() {
-  auto* dialog = new QInputDialog(this);
-  dialog->setObjectName(QStringLiteral("preset_dialog"));
-  dialog->setWindowTitle(tr("Save the present gains"));
-  dialog->setLabelText(tr("Under the name"));
-  dialog->setAttribute(Qt::WA_DeleteOnClose);
-  dialog->setModal(false);  // STOP can be clicked beside it
-  close_by_key(dialog);
-  connect(dialog, &QInputDialog::textValueSelected, this, [values = targets_](const QString& name) {
-    if (!name.trimmed().isEmpty()) keep_gain_preset({name, values, true});
-  });
-  dialog->show();
+  ask_name(this, QStringLiteral("preset_dialog"), tr("Save the present gains"),
+           [values = targets_](const QString& name) {
+             keep_gain_preset({name, values, true});
+           });
 }
 
 }  // namespace skein::ui

@@ -1,11 +1,11 @@
 // The buttons above the plots, and their menus.
 #include <QComboBox>
 #include <QHBoxLayout>
-#include <QInputDialog>
 #include <QMenu>
 #include <QToolButton>
 
 #include "ui/base/dialogs.h"
+#include "ui/base/menus.h"
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
 
@@ -62,8 +62,7 @@ void PlotsPanel::build_tools(QHBoxLayout* tools) {
 }
 
 void PlotsPanel::fill_plots_menu() {
-  qDeleteAll(plots_menu_->findChildren<QMenu*>(Qt::FindDirectChildrenOnly));
-  plots_menu_->clear();
+  clear_menu(plots_menu_);
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     QAction* action = plots_menu_->addAction(QStringLiteral("%1: %2").arg(rows_[row].title(), rows_[row].what));
     action->setCheckable(true);
@@ -97,21 +96,12 @@ void PlotsPanel::fill_layouts_menu(QMenu* menu) {
 }
 
 void PlotsPanel::ask_layout_name() {
-  auto* dialog = new QInputDialog(this);
-  dialog->setObjectName(QStringLiteral("layout_dialog"));
-  dialog->setWindowTitle(tr("Save the layout of the plots"));
-  dialog->setLabelText(tr("Under the name"));
-  dialog->setAttribute(Qt::WA_DeleteOnClose);
-  dialog->setModal(false);  // STOP can be clicked beside it
-  close_by_key(dialog);
-  connect(dialog, &QInputDialog::textValueSelected, this, [this](const QString& name) {
-    if (!name.trimmed().isEmpty()) keep_plot_layout(layout_now(name));
-  });
-  dialog->show();
+  ask_name(this, QStringLiteral("layout_dialog"), tr("Save the layout of the plots"),
+           [this](const QString& name) { keep_plot_layout(layout_now(name)); });
 }
 
 void PlotsPanel::fill_robots_menu() {
-  robots_menu_->clear();
+  clear_menu(robots_menu_);
   const auto choose = [this](const std::vector<bool>& robots) {
     robots_ = robots;
     view_->show_robots(robots_);
