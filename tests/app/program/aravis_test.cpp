@@ -1,5 +1,6 @@
 // A GigE Vision camera in software, tracked and driven by, through the program itself; and lost in the middle of a run.
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
@@ -141,9 +142,9 @@ TEST_F(AravisRun, ACameraThatIsLostEndsTheRunAndTheOperatorIsToldWhy) {
   fake.kill();
   const test::PortLock nobody_comes_back;
   EXPECT_EQ(end(0), 3) << said();
-  EXPECT_NE(said().find("aravis:127.0.0.1: no frame for 0.25 s (unplugged, or the network is full?)"),
-            std::string::npos)
-      << said();
+  // A quarter of a second, or three frames of a camera that is slower, as this one is on a starved machine.
+  EXPECT_THAT(said(), testing::ContainsRegex(
+                          R"(aravis:127\.0\.0\.1: no frame for 0\.[0-9]+ s \(unplugged, or the network is full\?\))"));
   // From the bridge time on after the last pose everybody stands, long before the camera is given up.
   const auto rows = rows_of(text_of(file("run.csv")));
   ASSERT_GT(rows.size(), 250U);
