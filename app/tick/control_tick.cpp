@@ -364,7 +364,8 @@ void TickState::measure_twist(std::size_t i) noexcept {
     sight.blind[sight.count % Sight::frames] = link.linked ? link.blind_way : 0.0;
     sight.seen[sight.count++ % Sight::frames] = newest;
   }
-  adrift[i] = stuck[i] = false;
+  adrift[i] = false;
+  stuck[i] = 0;
   if (record.robots[i].is(lost) || sight.count < Sight::frames) return;
   const core::Measurement& first = sight.seen[sight.count % Sight::frames];
   const double seconds = newest.captured_at - first.captured_at;
@@ -490,6 +491,7 @@ void TickState::follow_plan() noexcept {
                                    poses,
                                    driving,
                                    out,
+                                   stuck,
                                    obstacles.standing(),
                                    *std::max_element(doubt.begin(), doubt.end())};
   planner->step(scene, gains, motion_dt, nominal, followed);

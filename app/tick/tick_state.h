@@ -104,7 +104,7 @@ struct TickMemory {
   std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
   std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
   std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
-  std::vector<bool> stuck;           // stands though it is told to drive
+  std::vector<std::uint8_t> stuck;   // stands though it is told to drive
   std::vector<core::Obstacle> standing;  // what the shield keeps clear of: obstacles, and robots that are stuck
   std::vector<double> doubt;             // how far off each pose may be [m]
   TickRecord record;

@@ -103,13 +103,13 @@ void Planner::watch(std::size_t i, const Scene& scene, std::span<const Reference
       meets = !lattice_.free(in.x, in.y) && lattice_.free(before.x, before.y);
     for (std::size_t j = 0; j < robots_.size() && !meets; ++j) {
       if (j == i) continue;
-      const bool stands = scene.out[j] || (robots_[j].state == State::waiting && robots_[j].no_way);
+      const bool stays = stands(j, scene) || (robots_[j].state == State::waiting && robots_[j].no_way);
       const bool drives_by =
-          follows && !stands && robots_[j].state == State::nominal && j < i && nominal[j].twist != Twist{};
-      if (!stands && !drives_by) continue;
-      const Pose other = stands ? scene.poses[j] : reference_->at(j, scene.t + ahead).pose;
+          follows && !stays && robots_[j].state == State::nominal && j < i && nominal[j].twist != Twist{};
+      if (!stays && !drives_by) continue;
+      const Pose other = stays ? scene.poses[j] : reference_->at(j, scene.t + ahead).pose;
       const double d = distance(there, other), keep = setup_.shield_distance + 0.008;
-      meets = d < keep && d < distance(before, stands ? other : scene.poses[j]) - 1e-3;
+      meets = d < keep && d < distance(before, stays ? other : scene.poses[j]) - 1e-3;
     }
     if (meets) {
       robot.needs_plan = true;
@@ -130,7 +130,7 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   constexpr double less = 0.004, step = 0.1;
   for (std::size_t j = 0; j < n; ++j) {
     const Robot& other = robots_[j];
-    if (j == i || other.state != State::driving) continue;
+    if (j == i || other.state != State::driving || other.was_stuck) continue;
     const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
     const double until = std::min(planned - theirs, other.route.duration());
     // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
@@ -176,7 +176,7 @@ void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcep
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Robot& robot = robots_[i];
     coupled = coupled && robot.share > 1.0 - 1e-6;
-    if (scene.out[i] || std::isnan(scene.poses[i].x) || rests(i, scene)) continue;
+    if (stands(i, scene) || std::isnan(scene.poses[i].x) || rests(i, scene)) continue;
     away = away || robot.needs_plan || robot.state != State::nominal;
   }
   if (coupled) hurry_ = FormationClock::hurry(gains, demand_);
@@ -232,6 +232,12 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       continue;
     }
     if (robot.was_out) robot.was_out = false, robot.needs_plan = true, robot.retry = 0.0;
+    if (scene.stuck[i]) {  // its reference goes on to tell it where to drive
+      robot.was_stuck = true;
+      robot.needs_plan = false;
+      continue;
+    }
+    if (robot.was_stuck) robot.was_stuck = false, robot.needs_plan = true, robot.retry = 0.0;
     const double away = distance(pose, robot.reference.pose);
     if (robot.state == State::nominal) {
       const bool at_rest = nominal[i].twist == Twist{};

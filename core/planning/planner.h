@@ -62,6 +62,8 @@ class Planner {
     std::span<const Pose> poses;
     std::span<const Twist> commands;    ///< the latest
     std::span<const std::uint8_t> out;  ///< lost or held: stands where it is
+    /// Stands though it is told to drive: the others go around it, and it is planned anew once it drives.
+    std::span<const std::uint8_t> stuck;
     std::span<const Obstacle> obstacles;
     double doubt = 0.0;  ///< uncertainty of the least certain pose [m]
   };
@@ -98,7 +100,7 @@ class Planner {
     ReferencePoint reference;
     Pose before;  // its pose at the previous step
     std::size_t waits_for = 0;
-    bool no_way = false, needs_plan = false, was_out = false;
+    bool no_way = false, needs_plan = false, was_out = false, was_stuck = false;
   };
 
   /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
@@ -141,6 +143,7 @@ class Planner {
   void run_clock(std::size_t i, const Scene& scene, double dt) noexcept;
   bool must_wait(std::size_t i, double ahead) noexcept;
   bool rests(std::size_t i, const Scene& scene) const noexcept;
+  static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
   double lag(std::size_t i) const noexcept { return now_ - robots_[i].due - robots_[i].clock; }
 

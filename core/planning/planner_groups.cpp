@@ -26,7 +26,7 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
   const Robot& robot = robots_[j];
   const Pose& pose = scene.poses[j];
   if (std::isnan(pose.x)) return traffic_.remove(j);
-  if (scene.out[j] || robot.state == State::waiting) return traffic_.stands(j, pose.x, pose.y);
+  if (stands(j, scene) || robot.state == State::waiting) return traffic_.stands(j, pose.x, pose.y);
   if (robot.state == State::driving && !rests(j, scene))
     return traffic_.joins(j, robot.route, robot.clock, robot.joins, *reference_, scene.t, horizon);
   if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
@@ -107,7 +107,7 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   std::fill(g.planned.begin(), g.planned.end(), std::uint8_t{0});
   std::fill(g.failed.begin(), g.failed.end(), std::uint8_t{0});
   for (std::size_t i = 0; i < n; ++i) {
-    const bool can = rests(i, scene) && !scene.out[i] && !std::isnan(scene.poses[i].x);
+    const bool can = rests(i, scene) && !stands(i, scene) && !std::isnan(scene.poses[i].x);
     g.member[i] = can && (robots_[i].needs_plan || everybody);
     if (g.member[i]) g.order.push_back(i);
   }
@@ -268,7 +268,7 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
   merging_.count = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
-    if (!robot.needs_plan || scene.out[i] || scene.t < robot.retry) continue;
+    if (!robot.needs_plan || stands(i, scene) || scene.t < robot.retry) continue;
     if (!rests(i, scene)) {
       if (merging_.count < Merging::most) merging_.robots[merging_.count++] = i;
     } else {

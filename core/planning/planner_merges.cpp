@@ -43,7 +43,7 @@ void Planner::who_yields(std::size_t first, const Scene& scene, const Delay& del
   for (bool more = true; more;) {
     more = false;
     for (std::size_t j = 0; j < n && !more; ++j) {
-      if (m.yields[j] || robots_[j].state != State::nominal || !expected_.present(j) || scene.out[j]) continue;
+      if (m.yields[j] || robots_[j].state != State::nominal || !expected_.present(j) || stands(j, scene)) continue;
       for (std::size_t i = 0; i < n && !more; ++i) {
         if (!m.yields[i]) continue;
         double was = std::numeric_limits<double>::infinity();
@@ -112,7 +112,7 @@ bool Planner::advance_trial(const Scene& scene, std::span<const ReferencePoint> 
     for (t.hold == 0 ? (t.hold = 1, t.first = 0) : ++t.first; t.hold <= stands_for.size(); ++t.hold, t.first = 0)
       for (; t.first < n; ++t.first) {
         const std::size_t j = t.first;
-        if (robots_[j].state != State::nominal || scene.out[j] || std::isnan(scene.poses[j].x) ||
+        if (robots_[j].state != State::nominal || stands(j, scene) || std::isnan(scene.poses[j].x) ||
             nominal[j].twist == Twist{})
           continue;
         for (std::size_t k = 0; k < m.count; ++k)

@@ -58,6 +58,7 @@ struct Scene {
   std::vector<Obstacle> obstacles;
   double duration = 90.0;
   std::vector<std::uint8_t> (*out)(std::size_t n, double t) = nullptr;
+  std::vector<std::uint8_t> (*stuck)(std::size_t n, double t) = nullptr;
 };
 
 struct Outcome {
@@ -67,6 +68,8 @@ struct Outcome {
   double fastest_change = 0.0;              // of a speed between two ticks [m/s]
   double most_v = 0.0, most_turning = 0.0;  // of references, against (18f, g)
   bool no_way = false;
+  // Of those that are stuck, at the end of that: whether they are told to drive, and the others are at their places.
+  bool told = false, others_there = false;
   std::vector<Pose> last;
 };
 
@@ -87,14 +90,15 @@ Outcome run(const Scene& scene) {
   std::vector<Twist> twists(n), commands(n), last(n);
   std::vector<core::TrackingError> errors(n);
   std::vector<double> v_limit(n);
-  std::vector<std::uint8_t> out(n);
+  std::vector<std::uint8_t> out(n), stuck(n);
   const std::unique_ptr<bool[]> touched(new bool[n]());
   Outcome o;
   for (int k = 0; k * dt < scene.duration; ++k) {
     const double t = k * dt;
     scene.lines.core::Reference::at(t, nominal);
     if (scene.out) out = scene.out(n, t);
-    planner.step({t, false, poses, commands, out, scene.obstacles, 0.0}, gains, dt, nominal, followed);
+    if (scene.stuck) stuck = scene.stuck(n, t);
+    planner.step({t, false, poses, commands, out, stuck, scene.obstacles, 0.0}, gains, dt, nominal, followed);
     for (std::size_t i = 0; i < n; ++i) {
       o.no_way = o.no_way || planner.no_way(i);
       twists[i] = followed[i].twist;
@@ -105,22 +109,28 @@ Outcome run(const Scene& scene) {
     core::use_policy(gains, twists);
     core::coordination_law(gains, errors, twists, commands, pairs);
     for (std::size_t i = 0; i < n; ++i) {
-      commands[i] = out[i] ? Twist{} : limits.limit(commands[i]);
+      if (stuck[i]) o.told = o.told || std::abs(commands[i].v) > 0.01;
+      commands[i] = out[i] || stuck[i] ? Twist{} : limits.limit(commands[i]);
       v_limit[i] = out[i] ? 0.0 : limits.v_limit(commands[i].omega);
       midway[i] = {poses[i].x, poses[i].y, poses[i].theta + 0.5 * commands[i].omega * dt};
     }
     shield.apply(parameters, midway, scene.obstacles, v_limit, commands, {touched.get(), n});
-    bool there = true;
+    bool there = true, others_there = true;
     for (std::size_t i = 0; i < n; ++i) {
       if (k > 0 && !out[i]) o.fastest_change = std::max(o.fastest_change, std::abs(commands[i].v - last[i].v));
       poses[i] = core::advance(poses[i], commands[i], dt);
       const ReferencePoint place = scene.lines.at(i, t + dt);
-      there = there && core::distance(poses[i], place.pose) < 0.01 && place.twist == Twist{};
+      const bool at_its_place = core::distance(poses[i], place.pose) < 0.01 && place.twist == Twist{};
+      there = there && at_its_place;
+      bool taken = stuck[i];  // its place, by one that is stuck
+      for (std::size_t j = 0; j < n; ++j) taken = taken || (stuck[j] && core::distance(poses[j], place.pose) < 0.12);
+      others_there = others_there && (at_its_place || taken);
       o.outside = std::max({o.outside, std::abs(poses[i].x) + core::standard_radius - arena.width,
                             std::abs(poses[i].y) + core::standard_radius - arena.height});
       for (std::size_t j = 0; j < i; ++j) o.least = std::min(o.least, core::distance(poses[i], poses[j]));
     }
     last = commands;
+    if (std::find(stuck.begin(), stuck.end(), 1) != stuck.end()) o.others_there = others_there;
     if (!there)
       o.arrived = -1.0;
     else if (o.arrived < 0.0)
@@ -274,6 +284,22 @@ TEST(Planner, GoesRoundWhoeverIsHeldAndFetchesItLater) {
   const Outcome o = run(scene);
   EXPECT_GT(o.arrived, 24.0);
   EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, GoesRoundWhoeverIsStuckAndFetchesItLater) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Scene scene = crowd(12, seed);
+    scene.stuck = [](std::size_t n, double t) {
+      std::vector<std::uint8_t> stuck(n);
+      stuck[5] = t >= 2.0 && t < 40.0;
+      return stuck;
+    };
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 40.0) << seed;
+    EXPECT_TRUE(o.others_there) << seed;
+    EXPECT_TRUE(o.told) << seed << ": nobody would learn when it can drive";
+    EXPECT_GE(o.least, 0.078 - 1e-6) << seed;
+  }
 }
 
 TEST(Planner, SaysThatThereIsNoWay) {
