@@ -323,20 +323,26 @@ void TickState::hear_links(const TickInput& input) noexcept {
 /// row, is told to stand, until it does. One that stands although it is told to drive is stuck, or was switched off: it
 /// is told to drive all the same, or nobody would learn when it can, and the others take it for an obstacle.
 void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
-  constexpr double contrary = 0.04;  // what lies between expected and measured velocity [m/s]
+  constexpr double contrary = 0.04;     // what lies between expected and measured velocity [m/s]
+  constexpr double turns_little = 0.3;  // [rad/s]
   const core::Measurement& newest = record.robots[i].measurement;
   const double noise = trusted_deviations * (first.sigma_xy + newest.sigma_xy);
   const double blind = *std::max_element(sights[i].blind.begin(), sights[i].blind.end());
-  const double off = core::distance(filters[i].predict(first, newest.captured_at), newest.pose);
+  const core::Pose expected = filters[i].predict(first, newest.captured_at);
+  const double off = core::distance(expected, newest.pose);
+  const double off_angle = std::abs(core::wrap_angle(expected.theta - newest.pose.theta));
+  const double turned = std::abs(core::wrap_angle(newest.pose.theta - first.pose.theta));
   const double seconds = newest.captured_at - first.captured_at;
-  const bool drives = std::abs(v) >= too_slow;
+  const double little = trusted_deviations * (first.sigma_theta + newest.sigma_theta) + turns_little * seconds;
+  const bool drives = std::abs(v) >= too_slow, turns = turned > little;
   const bool otherwise = drives && off > noise + blind + contrary * seconds;
-  const bool stands = !drives && off > noise + blind + too_slow * seconds;
+  const bool stands = !drives && (off > noise + blind + too_slow * seconds ||
+                                  (!turns && off_angle > little + blind / (0.5 * experiment.robots[i].drive.track)));
   // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive.
   int& stood = sights[i].stood;
   if (stands)
     ++stood;
-  else if (drives || stood < convincing)
+  else if (drives || turns || stood < convincing)
     stood = 0;
   int& times = sights[i].contradicted;
   times = (disobeys[i] ? !drives : otherwise) ? times + 1 : 0;

@@ -207,6 +207,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
   if (changed) {
     obstacles_.assign(scene.obstacles.begin(), scene.obstacles.end());
     lattice_.build(scene.obstacles);
+    for (Robot& robot : robots_) robot.retry = robot.patience = 0.0;
   }
   for (std::size_t i = 0; i < n; ++i)
     if (robots_[i].state == State::nominal) {
@@ -231,13 +232,13 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       robot.needs_plan = false;
       continue;
     }
-    if (robot.was_out) robot.was_out = false, robot.needs_plan = true, robot.retry = 0.0;
+    if (robot.was_out) robot.was_out = false, robot.needs_plan = true, robot.retry = robot.patience = 0.0;
     if (scene.stuck[i]) {  // its reference goes on to tell it where to drive
       robot.was_stuck = true;
       robot.needs_plan = false;
       continue;
     }
-    if (robot.was_stuck) robot.was_stuck = false, robot.needs_plan = true, robot.retry = 0.0;
+    if (robot.was_stuck) robot.was_stuck = false, robot.needs_plan = true, robot.retry = robot.patience = 0.0;
     const double away = distance(pose, robot.reference.pose);
     if (robot.state == State::nominal) {
       const bool at_rest = nominal[i].twist == Twist{};

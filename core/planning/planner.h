@@ -95,6 +95,7 @@ class Planner {
     double share = 1.0;
     double held_for = 0.0;  // how long its clock has hardly advanced [s]
     double retry = 0.0;     // no new plan before [s]
+    double patience = 0.0;  // the time to the next, where there was no way: the longer, the oftener there was none [s]
     double joins = 0.0;     // for a moving place: when its route meets it, on its clock [s]
     double keeps = 0.0;     // distance from others' routes used in planning [m]
     ReferencePoint reference;

@@ -8,7 +8,8 @@
 namespace skein::core {
 namespace {
 
-constexpr double try_again = 1.0;              // after there was no way [s]
+// After there was no way. Each time everybody is planned anew, and stops for it: it is tried ever less often. [s]
+constexpr double try_again = 1.0, try_again_at_last = 8.0;
 constexpr double lead_each = 0.016;            // planning a robot takes about so long [s]
 constexpr double longest_lead = 0.8;           // [s]
 constexpr double leaves_within = 4.0;          // so long whoever has no route yet is taken to stand where it is [s]
@@ -73,6 +74,7 @@ void Planner::set_off(std::size_t i, double due) noexcept {
   robot.held_for = 0.0;
   robot.no_way = false;
   robot.needs_plan = false;
+  robot.patience = 0.0;
   // Its plan took the others as they are; theirs knew nothing of it.
   for (std::size_t j = 0; j < robots_.size(); ++j) {
     if (j == i) continue;
@@ -203,7 +205,8 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       g.planned[i] = 0;
       g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
       robots_[i].no_way = true;
-      robots_[i].retry = scene.t + try_again;
+      robots_[i].patience = std::clamp(2.0 * robots_[i].patience, try_again, try_again_at_last);
+      robots_[i].retry = scene.t + robots_[i].patience;
       robots_[i].needs_plan = true;
       g.member[i] = 0;
     } else {
