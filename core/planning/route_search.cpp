@@ -254,6 +254,9 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     const bool straight = !begins && std::abs(turn) < 0.02;
     const double ready = n.g + (straight ? 0.0 : query_.pace.turn_time(turn));
     double duration = way / query_.pace.v + (straight ? 0.0 : query_.pace.start_time());
+    // Between two vertices that are far enough from another robot a line comes nearer to it. Of two that stand close
+    // together each would wait for the other to leave first.
+    if (begins && !clear_line(here, there, ready, ready + duration)) return;
     if (to == goal()) duration += query_.pace.start_time() * 0.5;
     reach(node, to, heading, ready, duration);
   };

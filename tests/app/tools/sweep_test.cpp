@@ -197,6 +197,20 @@ TEST(Sweep, NobodyCollidesWithARunawayThatIsKnown) {
   EXPECT_GT(run_into, 0) << "who stands cannot get out of its way, and that is no collision";
 }
 
+/// They waited for it to pass first (55, 56), though it was told to turn on the spot, and did not (87).
+TEST(Sweep, OthersArriveRoundARobotThatIsStuck) {
+  const Study study = shipped("runaways.toml");
+  for (const std::uint64_t seed : {55u, 56u, 87u}) EXPECT_TRUE(run_one(study, seed).recovery) << seed;
+}
+
+/// Two robots 9 cm apart that have to pass each other: each waited a minute for the other to leave first.
+TEST(Sweep, RobotsThatStandCloseTogetherPart) {
+  const RunOutcome together = run_one(shipped("noisy-crowds.toml"), 63);
+  EXPECT_EQ(together.collisions, 0);
+  ASSERT_TRUE(together.recovery);
+  EXPECT_LT(*together.recovery, 45.0);
+}
+
 /// Its motors stuck while it stood or crept: the speed that it is told to have is not believed.
 TEST(Sweep, NobodyCollidesWithARobotThatStandsThoughItIsToldToDrive) {
   Study study = shipped("runaways.toml");
