@@ -207,6 +207,14 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_option("--csv", track_request.csv, "one row per detection; default: stdout")->type_name("FILE");
   track_command.add_option("--record", track_request.record, "record the frames to this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
+  CLI::Option* const real_tracker = track_command.add_flag("--tracker", track_request.tracker,
+                                                           "with the tracker of a run instead of AprilTag; counts what "
+                                                           "it rejects, measures its stages, says why a tag is not "
+                                                           "taken");
+  track_command
+      .add_option("--tags", track_request.tags, "tags to follow, such as 1-4,7; default: those in the first frame")
+      ->type_name("IDS")
+      ->needs(real_tracker);
   track_command.add_flag("--list-controls", track_request.list_controls,
                          "only list the camera's formats, rates and controls");
   track_request.words.add_to(track_command, /*calibrated=*/false);

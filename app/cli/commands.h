@@ -49,6 +49,8 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
 struct TrackRequest {
   std::string source, camera, csv, record;
   CameraWords words;
+  bool tracker = false;  ///< with the tracker of a run instead of AprilTag
+  std::string tags;      ///< of the tracker: "1-4,7"; empty: those of the first frame that shows any
   bool list_controls = false;
   bool quiet = false;
 };

@@ -210,6 +210,10 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
   EXPECT_EQ(refusal({"track", "film.mkv"}),
             "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA (such as "
             "v4l2:/dev/video0)\n");
+  EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--tracker"}),
+            "skein: --tracker places tags on the floor: give the camera's calibration with --camera CAL.TOML\n");
+  EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--tracker", "--tags", "4-587"}),
+            "skein: --tags 4-587; allowed: tags of the family 36h11, 0 to 586, such as 1-4,7\n");
   EXPECT_EQ(refusal({"track", "images:.", "--set", "gain=3"}),
             "skein: --set: images:. is not a camera; allowed with --set: v4l2:DEVICE, aravis:CAMERA\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "images:.", "--out", "c.toml", "--size", "640x480"}),
