@@ -56,6 +56,15 @@ struct TrackRequest {
 };
 int track(const TrackRequest& request);
 
+struct CameraDoctorRequest {
+  std::string source;  ///< empty: the only camera there is
+  std::string camera;  ///< calibration file
+  CameraWords words;
+  double seconds = 10.0;
+};
+/// Examines a camera by its frames, see camera_doctor.h; `expectation_failed` if something is to be mended.
+int camera_doctor(const CameraDoctorRequest& request);
+
 /// Lists the modes and settings of a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME"); without one, all
 /// cameras.
 int list_cameras(const std::string& camera);
