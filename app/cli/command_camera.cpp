@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -6,10 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "app/calibration/calibration_file.h"
 #include "app/cli/commands.h"
+#include "app/doctor/camera_doctor.h"
 #include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "vision/sources/network_cameras.h"
+#include "vision/sources/open_source.h"
 #include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
@@ -49,6 +54,32 @@ tl::expected<int, std::string> list_aravis_cameras() {
   return static_cast<int>(cameras->size());
 }
 
+/// Those of the kernel, with what they are called.
+std::vector<std::pair<std::string, vision::CameraDescription>> kernel_cameras() {
+  std::vector<std::pair<std::string, vision::CameraDescription>> cameras;
+  std::vector<std::string> devices;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
+    if (entry.path().filename().string().starts_with("video")) devices.push_back(entry.path().string());
+  std::sort(devices.begin(), devices.end());
+  for (const std::string& name : devices)
+    if (auto found = vision::describe_camera(name))
+      cameras.emplace_back(std::string(of_v4l2) + name, std::move(*found));
+  return cameras;
+}
+
+/// The only camera there is; else complains.
+std::string only_camera() {
+  std::vector<std::string> all;
+  for (const auto& [address, camera] : kernel_cameras()) all.push_back(address);
+  if (const auto answering = vision::network_cameras())
+    for (const vision::NetworkCamera& camera : *answering) all.push_back(std::string(of_aravis) + camera.name);
+  if (all.size() == 1) return all.front();
+  complain(all.empty() ? "no camera at /dev/video*, and none of GigE or USB3 Vision that answers"
+                       : fmt::format("which camera? There are {}", fmt::join(all, ", ")));
+  return {};
+}
+
 int list_one(const std::string& device) {
   const auto camera = vision::describe_camera(device);
   if (!camera) {
@@ -73,22 +104,62 @@ int list_cameras(const std::string& camera) {
   if (camera.starts_with(of_aravis)) return list_aravis(camera.substr(of_aravis.size()));
   if (camera.starts_with(of_v4l2)) return list_one(camera.substr(of_v4l2.size()));
   if (!camera.empty()) return list_one(camera);
-  std::vector<std::string> devices;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
-    if (entry.path().filename().string().starts_with("video")) devices.push_back(entry.path().string());
-  std::sort(devices.begin(), devices.end());
   int cameras = 0;
-  for (const std::string& name : devices)
-    if (const auto found = vision::describe_camera(name)) {
-      fmt::print("v4l2:{}: {} ({})\n", name, found->card, found->driver);
-      ++cameras;
-    }
+  for (const auto& [address, found] : kernel_cameras()) {
+    fmt::print("{}: {} ({})\n", address, found.card, found.driver);
+    ++cameras;
+  }
   const auto in_the_network = list_aravis_cameras();
   if (!in_the_network) complain(in_the_network.error());
   if (cameras + in_the_network.value_or(0) > 0) return done;
   print_error("skein: no camera at /dev/video*, and none of GigE or USB3 Vision that answers\n");
   return device_failed;
+}
+
+int camera_doctor(const CameraDoctorRequest& request) {
+  CameraCase wanted{.source = request.source};
+  if (wanted.source.empty()) wanted.source = only_camera();
+  if (wanted.source.empty()) return device_failed;
+  const std::string wrong = wanted.source == "synthetic" ? std::string() : wrong_source(wanted.source);
+  const auto options = request.words.read(wanted.source);
+  if (!wrong.empty() || !options) {
+    complain(!wrong.empty() ? wrong + ", synthetic" : options.error());
+    return wrong_input;
+  }
+  wanted.options = *options;
+  wanted.seconds = request.seconds;
+  if (request.words.rate > 0.0) wanted.needed_rate = request.words.rate;
+  wanted.options.rate = wanted.needed_rate;  // as a run asks for its own
+  if (!request.camera.empty()) {
+    auto calibration = load_calibration(request.camera);
+    if (!calibration) {
+      print_error(fmt::format("{}\n", calibration.error()));
+      return wrong_input;
+    }
+    if (wanted.options.width == 0) {
+      wanted.options.width = calibration->width;
+      wanted.options.height = calibration->height;
+    }
+    wanted.calibration_file = request.camera;
+    wanted.calibration = std::move(*calibration);
+  }
+  wanted.keep_going = [] { return !interrupted(); };
+  const bool show_progress = isatty(STDERR_FILENO) != 0;
+  if (show_progress) print_error(fmt::format("looking at {} for {:g} s", wanted.source, wanted.seconds));
+  const auto report = examine_camera(wanted);
+  if (show_progress) print_error("\r\033[K");
+  if (!report) {
+    complain(report.error());
+    return device_failed;
+  }
+  bool ill = false;
+  print_out(report->camera + "\n");
+  for (const Finding& finding : report->findings) {
+    print_out(as_line(finding));
+    ill = ill || finding.state == Finding::State::ill;
+  }
+  print_out("\n" + report->table);
+  return ill ? expectation_failed : done;
 }
 
 }  // namespace skein::app

@@ -207,17 +207,41 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_option("--csv", track_request.csv, "one row per detection; default: stdout")->type_name("FILE");
   track_command.add_option("--record", track_request.record, "record the frames to this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
+  CLI::Option* const real_tracker = track_command.add_flag("--tracker", track_request.tracker,
+                                                           "with the tracker of a run instead of AprilTag; counts what "
+                                                           "it rejects, measures its stages, says why a tag is not "
+                                                           "taken");
+  track_command
+      .add_option("--tags", track_request.tags, "tags to follow, such as 1-4,7; default: those in the first frame")
+      ->type_name("IDS")
+      ->needs(real_tracker);
   track_command.add_flag("--list-controls", track_request.list_controls,
                          "only list the camera's formats, rates and controls");
   track_request.words.add_to(track_command, /*calibrated=*/false);
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
-  CLI::App& camera_command = *program.add_subcommand("camera", "Lists cameras and their controls");
+  CLI::App& camera_command = *program.add_subcommand("camera", "Lists and examines cameras");
   camera_command.require_subcommand(1);
   CLI::App& list_command =
       *camera_command.add_subcommand("list", "Lists the cameras, or the formats, rates and controls of one");
   std::string camera_device;
   list_command.add_option("camera", camera_device, "such as /dev/video0 or aravis:NAME");
+
+  CLI::App& camera_doctor_command =
+      *camera_command.add_subcommand("doctor",
+                                     "Examines a camera by its frames, at 25 frames/s without --rate: what to do, and "
+                                     "a [camera] table to paste; exit status 1 if something is ill");
+  CameraDoctorRequest camera_doctor_request;
+  camera_doctor_command.add_option(
+      "source", camera_doctor_request.source,
+      "v4l2:DEVICE, aravis:CAMERA, video:FILE, images:DIR or synthetic; default: the only camera there is");
+  camera_doctor_command.add_option("--camera", camera_doctor_request.camera, "its calibration file")
+      ->type_name("CAL.TOML");
+  camera_doctor_command.add_option("--seconds", camera_doctor_request.seconds, "how long to look [s]")
+      ->check(CLI::Range(1.0, 60.0))
+      ->capture_default_str();
+  camera_doctor_request.words.add_to(camera_doctor_command, /*calibrated=*/false);
+  camera_doctor_command.get_option("--rate")->description("asked of a camera [frames/s]; default: 25, as of a run");
 
   VisionCommands vision_commands;
   vision_commands.add_to(program);
@@ -330,6 +354,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (const auto status = robot_commands.run()) return *status;
   if (const auto status = run_commands.run()) return *status;
   if (list_command) return list_cameras(camera_device);
+  if (camera_doctor_command) return camera_doctor(camera_doctor_request);
   if (!show_window) {
     complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");
     return wrong_input;

@@ -49,10 +49,21 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
 struct TrackRequest {
   std::string source, camera, csv, record;
   CameraWords words;
+  bool tracker = false;  ///< with the tracker of a run instead of AprilTag
+  std::string tags;      ///< of the tracker: "1-4,7"; empty: those of the first frame that shows any
   bool list_controls = false;
   bool quiet = false;
 };
 int track(const TrackRequest& request);
+
+struct CameraDoctorRequest {
+  std::string source;  ///< empty: the only camera there is
+  std::string camera;  ///< calibration file
+  CameraWords words;
+  double seconds = 10.0;
+};
+/// Examines a camera by its frames, see camera_doctor.h; `expectation_failed` if something is to be mended.
+int camera_doctor(const CameraDoctorRequest& request);
 
 /// Lists the modes and settings of a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME"); without one, all
 /// cameras.

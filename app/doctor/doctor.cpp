@@ -328,7 +328,7 @@ Findings cameras(const Machine& machine, const Examination& examination) {
   if (devices.empty() && (wanted || (names.empty() && result.empty())))
     result.push_back({wanted ? State::ill : State::note, "camera", "none", "plug one in; skein camera list shows it"});
   else if (result.empty())
-    result.push_back(well("camera", fmt::format("{}", fmt::join(names, ", "))));
+    result.push_back(well("camera", fmt::format("{}; examined by: skein camera doctor", fmt::join(names, ", "))));
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <apriltag/tag36h11.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <tuple>
 
@@ -11,6 +12,12 @@
 
 namespace skein::vision {
 namespace {
+
+void sort_by_id(std::vector<Detection>& found) {
+  std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
+    return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
+  });
+}
 
 struct DestroyFamily {
   void operator()(apriltag_family_t* family) const { tag36h11_destroy(family); }
@@ -49,9 +56,7 @@ struct TagDetector::Parts {
       if (detection.likeness >= least_likeness) found.push_back(detection);
     }
     apriltag_detections_destroy(detections);
-    std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
-      return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
-    });
+    sort_by_id(found);
   }
 };
 
@@ -107,6 +112,25 @@ const std::vector<Detection>& TagDetector::detect(const Frame& frame, Window win
   }
   parts_->search(frame, {width, height, width, cut.data()}, left, top);
   return parts_->found;
+}
+
+std::vector<Detection> detect_at_both(TagDetector& detector, const Frame& frame) {
+  detector.set_decimate(1.0);
+  std::vector<Detection> found = detector.detect(frame);
+  const auto before = static_cast<std::ptrdiff_t>(found.size());
+  detector.set_decimate(2.0);
+  for (const Detection& detection : detector.detect(frame)) {
+    const bool known = std::any_of(found.begin(), found.begin() + before, [&](const auto& other) {
+      const double edge =
+          std::hypot(other.corners[1][0] - other.corners[0][0], other.corners[1][1] - other.corners[0][1]);
+      const double apart =
+          std::hypot(other.corners[0][0] - detection.corners[0][0], other.corners[0][1] - detection.corners[0][1]);
+      return other.tag == detection.tag && apart < 0.5 * edge;
+    });
+    if (!known) found.push_back(detection);
+  }
+  sort_by_id(found);
+  return found;
 }
 
 double decimate_for_edge(double edge_px) {

@@ -50,6 +50,11 @@ class TagDetector {
   std::unique_ptr<Parts> parts_;
 };
 
+/// The tags of both full and half resolution, each once, in TagDetector's order. At half the resolution AprilTag finds
+/// tags that it misses at full resolution (large ones on textured paper), and the other way round: for pictures, which
+/// have time. The detector is left at half resolution.
+std::vector<Detection> detect_at_both(TagDetector& detector, const Frame& frame);
+
 /// The least decimation error-free for this size: 2 where a tag's edge [px] leaves its modules (an eighth) 3.5 px,
 /// else 1.
 double decimate_for_edge(double edge_px);

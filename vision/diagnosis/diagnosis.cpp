@@ -13,11 +13,16 @@
 #include <memory>
 #include <string_view>
 
+#include "vision/diagnosis/light_limits.h"
 #include "vision/tags/detection.h"
 #include "vision/tags/tag_plane.h"
 
 namespace skein::vision {
 namespace {
+
+using detail::dark_grey;
+using detail::least_contrast;
+using detail::saturated_share;
 
 // The tracker's own tolerance for shapes (TrackerOptions::shape_tolerance).
 constexpr double size_tolerance = 0.06;
@@ -28,16 +33,8 @@ constexpr double lift_tolerance = 0.012;
 // Of a square's edge: how far its corners may be from a square's on the plane of the tags.
 constexpr double misfit_tolerance = 0.03;
 
-// Below this the photometric fit has too little to go by. [grey levels]
-constexpr double least_contrast = 12.0;
-
 // A tag of 8 modules needs so many pixels to be decoded.
 constexpr double least_edge_px = 10.0;
-
-// Share of a frame's pixels at 250 and more from which on it counts as too bright, and the grey level that 99 % of a
-// dark frame keep below.
-constexpr double saturated_share = 0.25;
-constexpr int dark_grey = 40;
 
 Eigen::Vector2d middle_of(const Corners& corners) {
   Eigen::Vector2d middle(0.0, 0.0);
@@ -222,8 +219,8 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   for (const MissingTag& tag : missing) answers.push_back({.tag = tag.tag});
   // Ink and paper may differ by as little as this. [grey levels]
   constexpr int faint = 2;
-  TagDetector detector({.decimate = 1.0, .min_white_black_diff = faint});
-  const std::vector<Detection> found = detector.detect(frame);
+  TagDetector detector({.min_white_black_diff = faint});
+  const std::vector<Detection> found = detect_at_both(detector, frame);
   const std::optional<double> usual = usual_edge(found, missing, calibration);
   for (TagDiagnosis& answer : answers) {
     const Detection* one = nullptr;
@@ -244,7 +241,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     if (times > 1) answer.why = NotSeen::doubled;
   }
   if (any_not_found(answers)) {
-    const std::vector<Detection> reversed = detector.detect(mirrored(frame));
+    const std::vector<Detection> reversed = detect_at_both(detector, mirrored(frame));
     for (TagDiagnosis& answer : answers)
       for (Detection seen : reversed) {
         if (seen.tag != answer.tag || answer.why != NotSeen::not_found) continue;

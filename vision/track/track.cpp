@@ -1,13 +1,8 @@
 #include "vision/track/track.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
-#include <ostream>
-#include <tuple>
 
 #include "vision/detector/detector.h"
 #include "vision/diagnosis/diagnosis.h"
@@ -16,43 +11,10 @@
 #include "vision/tags/detection.h"
 #include "vision/tags/tag_plane.h"
 #include "vision/tags/tag_pose.h"
+#include "vision/track/track_parts.h"
 
 namespace skein::vision {
 namespace {
-
-/// A row of the table, put together in one buffer that is used for all of them.
-class Row {
- public:
-  void text(std::string_view value) {
-    separate();
-    if (value.find_first_of(",\"\n\r") == std::string_view::npos) {
-      line_ += value;
-      return;
-    }
-    line_ += '"';
-    for (const char c : value) line_.append(c == '"' ? 2 : 1, c);
-    line_ += '"';
-  }
-  void empty() { separate(); }
-  template <typename Number>
-  void number(Number value) {
-    separate();
-    char digits[32];  // the shortest text that reads back to the same double has at most 24
-    const auto end = std::to_chars(std::begin(digits), std::end(digits), value).ptr;
-    line_.append(digits, end);
-  }
-  void end(std::ostream& out) {
-    line_ += '\n';
-    out << line_;
-    line_.clear();
-  }
-
- private:
-  void separate() {
-    if (!line_.empty()) line_ += ',';
-  }
-  std::string line_;
-};
 
 /// Detections have no memory; this says which of them go on from the frame before.
 class Memory {
@@ -94,70 +56,19 @@ class Memory {
 /// Searching at half resolution is 3 to 4 times faster and loses tags under 16 px. Pictures are few and often show
 /// small tags; of a film with many pixels the tags have many, too; a camera whose geometry is known says how large its
 /// tags are.
-double choose_decimate(const TrackOptions& options, const FrameSource& source, const Frame& frame) {
-  if (options.decimate > 0.0) return options.decimate;
-  if (source.stills()) return 1.0;
-  if (static_cast<double>(frame.width) * frame.height >= 1.5e6) return 2.0;
-  return is_camera(options.source) && options.calibration ? decimate_for_edge(tag_edge_px(*options.calibration)) : 1.0;
-}
-
-/// Pictures have time: at half the resolution AprilTag finds tags that it misses at full resolution (large ones on
-/// textured paper), and the other way round. Those of both, each once, in TagDetector's order.
-std::vector<Detection> with_large_tags(std::vector<Detection> found, const Frame& frame, TagDetector& detector) {
-  const std::size_t before = found.size();
-  detector.set_decimate(2.0);
-  for (const Detection& detection : detector.detect(frame)) {
-    const bool known =
-        std::any_of(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(before), [&](const auto& other) {
-          const double edge =
-              std::hypot(other.corners[1][0] - other.corners[0][0], other.corners[1][1] - other.corners[0][1]);
-          const double apart =
-              std::hypot(other.corners[0][0] - detection.corners[0][0], other.corners[0][1] - detection.corners[0][1]);
-          return other.tag == detection.tag && apart < 0.5 * edge;
-        });
-    if (!known) found.push_back(detection);
+std::vector<Detection> find_tags(TagDetector& detector, const TrackOptions& options, const FrameSource& source,
+                                 const Frame& frame) {
+  if (options.decimate == 0.0 && source.stills()) return detect_at_both(detector, frame);
+  double decimate = options.decimate;
+  if (decimate <= 0.0) {
+    if (static_cast<double>(frame.width) * frame.height >= 1.5e6)
+      decimate = 2.0;
+    else
+      decimate =
+          is_camera(options.source) && options.calibration ? decimate_for_edge(tag_edge_px(*options.calibration)) : 1.0;
   }
-  std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
-    return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
-  });
-  return found;
-}
-
-void write_header(std::ostream& csv, bool calibrated) {
-  csv << "frame,source,t,tag,u1,v1,u2,v2,u3,v3,u4,v4," << (calibrated ? "x,y,theta,sigma_xy,sigma_theta," : "")
-      << "how\n";
-}
-
-void write_row(std::ostream& csv, Row& row, const TrackOptions& options, const Frame& frame, const Detection& detection,
-               How how) {
-  row.number(frame.index);
-  row.text(frame.source);
-  double middle = 0.0;
-  for (const auto& corner : detection.corners) middle += 0.25 * corner[1];
-  row.number(frame.captured_at + (options.calibration ? options.calibration->row_time * middle : 0.0));
-  row.number(detection.tag);
-  for (const auto& corner : detection.corners) {
-    row.number(corner[0]);
-    row.number(corner[1]);
-  }
-  if (options.calibration) {
-    if (const auto place = place_on_plane(*options.calibration, detection.corners)) {
-      const PoseSigma sigma = pose_sigma(*place, corner_sigma_px);
-      for (const double value : {place->pose.x, place->pose.y, place->pose.theta, sigma.xy, sigma.theta})
-        row.number(value);
-    } else {
-      for (int i = 0; i < 5; ++i) row.empty();
-    }
-  }
-  row.text(word(how));
-  row.end(csv);
-}
-
-tl::expected<std::unique_ptr<Recorder>, std::string> open_recorder(const TrackOptions& options) {
-  if (options.record.empty()) return nullptr;
-  FilmNotes notes = options.notes;
-  notes["SOURCE"] = options.source;
-  return Recorder::open(options.record, notes);
+  detector.set_decimate(decimate);
+  return detector.detect(frame);
 }
 
 }  // namespace
@@ -171,7 +82,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
   }
   auto source = open_source(options.source, wanted);
   if (!source) return tl::unexpected(source.error());
-  auto recorder = open_recorder(options);
+  auto recorder = detail::open_recorder(options.record, options.notes, options.source);
   if (!recorder) return tl::unexpected(recorder.error());
   const bool live = is_camera(options.source);
 
@@ -179,26 +90,18 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
   summary.source = (*source)->describe();
   TagDetector detector;
   Frame frame;
-  Row row;
+  detail::Table table(options.csv, options.calibration);
   Memory memory;
-  if (options.csv != nullptr) write_header(*options.csv, options.calibration.has_value());
 
   while (options.max_frames == 0 || summary.frames < options.max_frames) {
     const auto more = (*source)->read(frame);
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
-    if (options.calibration &&
-        (frame.width != options.calibration->width || frame.height != options.calibration->height)) {
-      return tl::unexpected(fmt::format("frame {} ({}) of {} is {}x{} px, but the calibration holds for {}x{}",
-                                        frame.index, frame.source, summary.source, frame.width, frame.height,
-                                        options.calibration->width, options.calibration->height));
-    }
-    detector.set_decimate(choose_decimate(options, **source, frame));
-    const std::vector<Detection>& at_once = detector.detect(frame);
-    const bool again = options.decimate == 0.0 && (*source)->stills();
-    for (const Detection& detection : again ? with_large_tags(at_once, frame, detector) : at_once) {
+    if (const std::string wrong = detail::wrong_size(frame, summary.source, options.calibration); !wrong.empty())
+      return tl::unexpected(wrong);
+    for (const Detection& detection : find_tags(detector, options, **source, frame)) {
       const How how = memory.how(detection, frame.index);
-      if (options.csv != nullptr) write_row(*options.csv, row, options, frame, detection, how);
+      table.add(frame, detection, how);
       ++summary.detections;
       const auto place = std::lower_bound(summary.ids.begin(), summary.ids.end(), detection.tag);
       if (place == summary.ids.end() || *place != detection.tag) summary.ids.insert(place, detection.tag);
@@ -206,20 +109,17 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
     if (*recorder && live) (*recorder)->offer(frame);
     if (*recorder && !live) (*recorder)->add(frame);
     ++summary.frames;
-    if (options.csv != nullptr && !*options.csv) return tl::unexpected(std::string("the CSV cannot be written"));
+    if (!table.well()) return tl::unexpected(std::string("the CSV cannot be written"));
     if (options.keep_going && !options.keep_going(summary.frames)) break;
   }
 
   if (summary.frames > 0 && summary.detections == 0) summary.other_family = other_family(frame);
   if (*recorder) summary.recording = (*recorder)->finish();
-  if (options.csv != nullptr && !options.csv->flush()) return tl::unexpected(std::string("the CSV cannot be written"));
+  if (!table.finish()) return tl::unexpected(std::string("the CSV cannot be written"));
   summary.status = (*source)->status();
-  const auto skipped = (*source)->skipped();
-  summary.skipped.assign(skipped.begin(), skipped.end());
-  if (summary.frames == 0 && !summary.skipped.empty()) {
-    return tl::unexpected(
-        fmt::format("{}: none of its images can be read: {}", summary.source, fmt::join(summary.skipped, "; ")));
-  }
+  summary.skipped.assign((*source)->skipped().begin(), (*source)->skipped().end());
+  if (const std::string problem = detail::nothing_read(**source, summary.frames); !problem.empty())
+    return tl::unexpected(problem);
   return summary;
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/words.h"
 #include "vision/detector/detector.h"
 #include "vision/frames/frame.h"
 #include "vision/tags/detection.h"
@@ -86,7 +87,7 @@ TrackerParts::TrackerParts(Calibration c, TrackerOptions o)
       fitter(make_fitter(calibration, options)),
       detector(DetectorOptions{.threads = options.threads}),
       edge_px(tag_edge_px(calibration)),
-      decimate(decimate_for_edge(edge_px)),
+      decimate(options.decimate > 0.0 ? options.decimate : decimate_for_edge(edge_px)),
       gate(calibration.width, calibration.height, std::max(8.0, edge_px)),
       wanted(make_wanted(options.tags)),
       search_parts(overlapping_parts(calibration.width, calibration.height, std::max(1, options.search_parts),
@@ -110,22 +111,55 @@ const TrackerCounters& TagTracker::counters() const {
   return parts_->counters;
 }
 
+const StageTimes& TagTracker::stage_times() const {
+  return parts_->times;
+}
+
 const std::vector<TagPose>& TagTracker::process(const Frame& frame, std::span<const SeenElsewhere> elsewhere) {
   TrackerParts& parts = *parts_;
   parts.begin(elsewhere);
+  parts.times = {};
   if (frame.width != parts.calibration.width || frame.height != parts.calibration.height) {
     ++parts.counters.wrong_frames;
     return parts.poses;
   }
-  parts.follow(frame);
-  parts.enter(frame);
-  parts.look_nearby(frame);
-  parts.look_at_gate(frame);
-  parts.search(frame);
-  parts.audit(frame);
-  parts.compare_shapes();
-  parts.conclude(frame);
+  const std::function<double()>& clock = parts.options.clock;
+  double since = clock ? clock() : 0.0;
+  for (const TrackerStage stage : core::all_of<TrackerStage>()) {
+    parts.pass(stage, frame);
+    if (!clock) continue;
+    const double now = clock();
+    parts.times[static_cast<std::size_t>(stage)] = now - since;
+    since = now;
+  }
   return parts.poses;
+}
+
+void TrackerParts::pass(TrackerStage stage, const Frame& frame) {
+  switch (stage) {
+    case TrackerStage::follow:
+      follow(frame);
+      break;
+    case TrackerStage::enter:
+      enter(frame);
+      break;
+    case TrackerStage::nearby:
+      look_nearby(frame);
+      break;
+    case TrackerStage::gate:
+      look_at_gate(frame);
+      break;
+    case TrackerStage::search:
+      search(frame);
+      break;
+    case TrackerStage::audit:
+      audit(frame);
+      break;
+    case TrackerStage::conclude:
+      compare_shapes();
+      conclude(frame);
+      break;
+  }
 }
 
 void TrackerParts::begin(std::span<const SeenElsewhere> elsewhere) {
@@ -212,6 +246,12 @@ bool WantedTag::lifted(double tolerance) noexcept {
   return false;
 }
 
+/// A wanted tag was seen and is not taken, for the reason that this counts.
+void TrackerParts::reject(std::int64_t& reason) {
+  ++reason;
+  ++counters.rejected;
+}
+
 /// A tag that seems larger than all the others is nearer to the camera than they are: somebody holds it.
 void TrackerParts::compare_shapes() {
   stretches.clear();
@@ -220,15 +260,14 @@ void TrackerParts::compare_shapes() {
     stretches.push_back(*tag.stretch);
     if (!tag.lifted(options.lift_tolerance)) continue;
     tag.found = false;
-    ++counters.rejected;
-    ++counters.lifted;
+    reject(counters.lifted);
   }
   if (stretches.size() < 3) return;
   const double usual = median(stretches);
   for (WantedTag& tag : wanted) {
     if (!tag.found || !tag.stretch || std::abs(*tag.stretch - usual) <= options.group_tolerance) continue;
     tag.found = false;
-    ++counters.rejected;
+    reject(counters.odd);
   }
 }
 

@@ -30,6 +30,9 @@ class TagTracker {
 
   const TrackerCounters& counters() const;
 
+  /// Of the last frame; zeros without TrackerOptions::clock.
+  const StageTimes& stage_times() const;
+
  private:
   std::unique_ptr<TrackerParts> parts_;
 };

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -27,7 +31,9 @@ struct TrackerOptions {
                                    // was lifted, by 22 mm under a camera at 1.8 m. The picture has tilt and lens errors
                                    // of its own, but they change slowly while a robot drives
   int threads = 1;                 // of a full search
+  double decimate = 0.0;           // of AprilTag's searches, as for DetectorOptions; 0: as the tags' size allows
   bool baseline = false;           // only the instructions that every x86-64 has, as where there is no AVX2
+  std::function<double()> clock{};  // [s]; measures the stages of each frame; none: they are not measured
 };
 
 /// A tag that another camera sees, and its pose on the floor at the time of the frame, as far as that camera knows it.
@@ -36,6 +42,35 @@ struct SeenElsewhere {
   core::Pose pose;
 };
 
+/// What the tracker does with a frame, in this order; each searches only for tags that the previous ones have not
+/// found.
+enum class TrackerStage : std::uint8_t { follow, enter, nearby, gate, search, audit, conclude };
+inline constexpr std::size_t tracker_stages = 7;
+
+/// As a word for people (core/words.h).
+constexpr std::string_view word(TrackerStage stage) noexcept {
+  switch (stage) {
+    case TrackerStage::follow:
+      return "follow";
+    case TrackerStage::enter:
+      return "enter";
+    case TrackerStage::nearby:
+      return "nearby";
+    case TrackerStage::gate:
+      return "gate";
+    case TrackerStage::search:
+      return "search";
+    case TrackerStage::audit:
+      return "audit";
+    case TrackerStage::conclude:
+      return "conclude";
+  }
+  return {};
+}
+
+/// How long each stage took [s], in the order of TrackerStage.
+using StageTimes = std::array<double, tracker_stages>;
+
 /// What the tracker has done since it was made.
 struct TrackerCounters {
   std::int64_t frames = 0;
@@ -43,13 +78,37 @@ struct TrackerCounters {
   std::int64_t part_searches = 0;  // and those of which a part was
   std::int64_t poses = 0;          // reported
   std::int64_t ghosts = 0;         // times that a wanted id was seen twice in a frame and therefore not reported
-  std::int64_t rejected = 0;       // wanted tags not lying flat at tag_height, or not of tag_size
-  std::int64_t lifted = 0;         // of these, the ones that looked as usual until they came nearer to the camera
+  std::int64_t decoded = 0;        // times that AprilTag has read a wanted tag's id
+  std::int64_t rejected = 0;       // wanted tags that were seen and not taken: the sum of the next four
+  std::int64_t misshapen = 0;      // not lying flat at tag_height, or not of tag_size
+  std::int64_t unlike = 0;         // not like that tag's image: covered, blurred, or none at all
+  std::int64_t odd = 0;            // larger or smaller than the other tags in the frame
+  std::int64_t lifted = 0;         // they looked as usual until they came nearer to the camera
   std::int64_t wrong_frames = 0;   // frames whose size is not the calibration's: nothing is looked for in them
   std::int64_t fits = 0;           // photometric fits that found their tag
   std::int64_t failed_fits = 0;    // and that did not
   std::int64_t gates = 0;          // frames in which the gate looked over the whole picture
   std::int64_t windows = 0;        // small parts of a frame that AprilTag has searched
+
+  TrackerCounters& operator+=(const TrackerCounters& more) {
+    frames += more.frames;
+    full_searches += more.full_searches;
+    part_searches += more.part_searches;
+    poses += more.poses;
+    ghosts += more.ghosts;
+    decoded += more.decoded;
+    rejected += more.rejected;
+    misshapen += more.misshapen;
+    unlike += more.unlike;
+    odd += more.odd;
+    lifted += more.lifted;
+    wrong_frames += more.wrong_frames;
+    fits += more.fits;
+    failed_fits += more.failed_fits;
+    gates += more.gates;
+    windows += more.windows;
+    return *this;
+  }
 };
 
 }  // namespace skein::vision

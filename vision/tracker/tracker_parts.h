@@ -59,6 +59,7 @@ struct TrackerParts {
   std::vector<WantedTag> wanted;
   std::vector<TagPose> poses;
   TrackerCounters counters;
+  StageTimes times{};
   std::int64_t last_search = 0;  // number of the frame last searched as a whole
   std::vector<Window> search_parts;
   std::optional<double> contrast;  // between ink and paper: the least of the tags last seen, but those in the dark
@@ -76,14 +77,16 @@ struct TrackerParts {
 
   TrackerParts(Calibration c, TrackerOptions o);
 
-  // The stages, in this order; each searches only for tags that the previous ones have not found.
+  // The stages, as TrackerStage has them.
   void begin(std::span<const SeenElsewhere> elsewhere);
+  void pass(TrackerStage stage, const Frame& frame);
   void follow(const Frame& frame);        // fits from the predicted poses
   void enter(const Frame& frame);         // fits, or AprilTag, where another camera sees them
   void look_nearby(const Frame& frame);   // AprilTag in windows around them
   void look_at_gate(const Frame& frame);  // the gate, and AprilTag where it points to
   void search(const Frame& frame);        // AprilTag over the full frame or a part of it, where it is due
   void audit(const Frame& frame);         // a strip of the gate, for second copies
+  void reject(std::int64_t& reason);
   void compare_shapes();
   void conclude(const Frame& frame);
 

@@ -136,9 +136,10 @@ void TrackerParts::look_nearby(const Frame& frame) {
 
 /// One sighting of a wanted tag by AprilTag: the first is kept, a second one elsewhere makes it a ghost.
 void TrackerParts::consider(WantedTag& tag, const Frame& frame, const Detection& detection, bool predicted) {
+  ++counters.decoded;
   const std::optional<TagOnPlane> place = place_on_plane(calibration, detection.corners);
   if (!place) {
-    ++counters.rejected;
+    reject(counters.misshapen);
     return;
   }
   const double seen_edge_px = place->edge / place->metres_per_px;
@@ -148,14 +149,14 @@ void TrackerParts::consider(WantedTag& tag, const Frame& frame, const Detection&
   }
   const double off = std::abs(place->edge / calibration.tag_size - 1.0);
   if (off > detector_tolerance || place->misfit > 0.5 * detector_tolerance * place->edge) {
-    ++counters.rejected;
+    reject(counters.misshapen);
     return;
   }
   const detail::Fit fit = fitter.fit(frame, tag.model, place->pose);
   bool cut_off = false;
   switch (fit.verdict) {
     case detail::FitVerdict::misshapen:
-      ++counters.rejected;
+      reject(counters.misshapen);
       return;
     case detail::FitVerdict::good:
       ++counters.fits;
@@ -177,7 +178,7 @@ void TrackerParts::consider(WantedTag& tag, const Frame& frame, const Detection&
   const bool clear = detection.likeness >= (tiny ? least_of_tiny : needed) && off <= options.shape_tolerance &&
                      place->misfit <= 0.5 * options.shape_tolerance * place->edge;
   if (!clear || (!cut_off && !tiny)) {
-    ++counters.rejected;
+    reject(counters.unlike);
     return;
   }
   const PoseSigma sigma = pose_sigma(*place, options.corner_sigma);

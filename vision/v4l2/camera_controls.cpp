@@ -17,6 +17,8 @@ namespace {
 
 using detail::V4l2Device;
 
+constexpr double exposure_unit = 1e-4;  // of V4L2_CID_EXPOSURE_ABSOLUTE [s]
+
 std::string plain(const std::uint8_t* letters, std::size_t size) {
   const char* begin = reinterpret_cast<const char*>(letters);
   std::string name;
@@ -166,11 +168,30 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
   return CameraDescription{device.card(), device.driver(), formats_of(device), controls_of(device)};
 }
 
+std::vector<std::string> automatics_on(const CameraDescription& camera) {
+  std::vector<std::string> names;
+  for (const CameraControl& control : camera.controls) {
+    if (control.id == V4L2_CID_EXPOSURE_AUTO && control.value != V4L2_EXPOSURE_MANUAL &&
+        control.value != V4L2_EXPOSURE_SHUTTER_PRIORITY)
+      names.emplace_back("exposure");
+    if (control.id == V4L2_CID_AUTOGAIN && control.value != 0) names.emplace_back("gain");
+    if (control.id == V4L2_CID_FOCUS_AUTO && control.value != 0) names.emplace_back("focus");
+  }
+  return names;
+}
+
+std::optional<double> present_setting(const CameraDescription& camera, const std::string& name) {
+  const std::uint32_t id = id_of(camera.controls, name);
+  const auto control =
+      std::find_if(camera.controls.begin(), camera.controls.end(), [&](const auto& c) { return c.id == id; });
+  if (control == camera.controls.end()) return {};
+  return (id == V4L2_CID_EXPOSURE_ABSOLUTE ? exposure_unit : 1.0) * static_cast<double>(control->value);
+}
+
 tl::expected<std::vector<std::string>, std::string> set_controls(const V4l2Device& device,
                                                                  const ControlSettings& settings) {
   std::vector<std::string> differing;
   if (settings.empty()) return differing;
-  constexpr double exposure_unit = 1e-4;  // of V4L2_CID_EXPOSURE_ABSOLUTE [s]
   for (const auto& [name, wanted] : settings) {
     // Asked again for each: one control opens and closes the way for others.
     const std::vector<CameraControl> before = controls_of(device);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -53,6 +54,12 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
 /// that took another value than it was asked to.
 tl::expected<std::vector<std::string>, std::string> set_controls(const detail::V4l2Device& device,
                                                                  const ControlSettings& settings);
+
+/// Which of "exposure", "gain" and "focus" the camera sets by itself at present.
+std::vector<std::string> automatics_on(const CameraDescription& camera);
+
+/// The present value of one of these three, in the units of set_controls; none: the camera has no such control.
+std::optional<double> present_setting(const CameraDescription& camera, const std::string& name);
 
 /// "exposure=0.005" as a setting; none where it is something else.
 tl::expected<std::pair<std::string, double>, std::string> parse_setting(std::string_view text);

@@ -201,6 +201,48 @@ TEST(CommandLine, BadInputIsRefusedWithItsPlace) {
   EXPECT_EQ(skein({"track", "images:/nowhere"}).status, 3);
 }
 
+TEST(CommandLine, ACameraIsExaminedAndItsTableCanBePasted) {
+  Folder folder;
+  const Result well = skein({"camera", "doctor", "synthetic", "--seconds", "1"});
+  EXPECT_EQ(well.status, 0) << well.out << well.err;
+  EXPECT_TRUE(has(well.out, "\nwell  frame rate: 25.00 frames/s of 25 frames, 25 wanted\n")) << well.out;
+  EXPECT_FALSE(has(well.out, "ILL")) << well.out;
+  const std::size_t table = well.out.find("\n[camera]\n");
+  ASSERT_NE(table, std::string::npos) << well.out;
+  std::ofstream(folder / "pasted.toml") << well.out.substr(table) << "\n[[robot]]\ntag = 1\n";
+  const Result checked = skein({"check", folder / "pasted.toml"});
+  EXPECT_FALSE(has(checked.err, "camera")) << checked.err;
+
+  // A film of 10 frames/s is too slow for a run of 25.
+  ASSERT_EQ(skein({"run", experiments + "platoon-loopback.toml", "--set", "duration=1", "--set", "perturb=[]", "--set",
+                   "expect={}", "--set", "rate=10", "--quiet", "--video", folder / "run.mkv"})
+                .status,
+            0);
+  const Result slow = skein({"camera", "doctor", "video:" + (folder / "run.mkv")});
+  EXPECT_EQ(slow.status, 1) << slow.out << slow.err;
+  EXPECT_TRUE(has(slow.out, "ILL   frame rate: 10.00 frames/s")) << slow.out;
+  EXPECT_EQ(skein({"camera", "doctor", "film.mkv"}).status, 2);
+}
+
+TEST(CommandLine, TheTrackerOfARunFollowsItsFilm) {
+  Folder folder;
+  ASSERT_EQ(skein({"run", experiments + "platoon-loopback.toml", "--set", "duration=1", "--set", "perturb=[]", "--set",
+                   "expect={}", "--quiet", "--video", folder / "run.mkv"})
+                .status,
+            0);
+  const Result r = skein({"track", "video:" + (folder / "run.mkv"), "--tracker", "--csv", folder / "tags.csv"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.out, "\nfollowed: 1 2 3 4\n")) << r.out;
+  EXPECT_EQ(value(r.out, "poses"), 4 * 26) << r.out;
+  EXPECT_EQ(value(r.out, "rejected"), 0) << r.out;
+  EXPECT_TRUE(has(r.out, "\n  grey to poses ")) << r.out;
+  EXPECT_EQ(r.err, "");
+  const Result other =
+      skein({"track", "video:" + (folder / "run.mkv"), "--tracker", "--tags", "1,9", "--csv", folder / "tags.csv"});
+  EXPECT_EQ(other.err, "skein: no tag 9 is in the picture\n");
+  EXPECT_EQ(value(other.out, "poses"), 26) << other.out;
+}
+
 TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
   const auto refusal = [](const std::vector<std::string>& words) {
     const Result r = skein(words);
@@ -210,6 +252,10 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
   EXPECT_EQ(refusal({"track", "film.mkv"}),
             "skein: source \"film.mkv\"; allowed: images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA (such as "
             "v4l2:/dev/video0)\n");
+  EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--tracker"}),
+            "skein: --tracker places tags on the floor: give the camera's calibration with --camera CAL.TOML\n");
+  EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--tracker", "--tags", "4-587"}),
+            "skein: --tags 4-587; allowed: tags of the family 36h11, 0 to 586, such as 1-4,7\n");
   EXPECT_EQ(refusal({"track", "images:.", "--set", "gain=3"}),
             "skein: --set: images:. is not a camera; allowed with --set: v4l2:DEVICE, aravis:CAMERA\n");
   EXPECT_EQ(refusal({"calibrate", "intrinsics", "images:.", "--out", "c.toml", "--size", "640x480"}),

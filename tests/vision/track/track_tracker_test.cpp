@@ -1,0 +1,162 @@
+#include "vision/track/track_tracker.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+#include "tests/vision/support.h"
+#include "vision/recording/recorder.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+namespace skein::vision {
+namespace {
+
+/// A film of 25 frames a second, and what the tracker says of it.
+struct FilmLab {
+  test::Folder folder;
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  std::ostringstream csv;
+  std::vector<std::string> told;
+  std::vector<FrameLatency> latencies;
+
+  std::string film(const std::function<std::vector<SyntheticTag>(int frame)>& scene, int frames) {
+    const std::string path = folder.file("film.mkv");
+    auto recorder = Recorder::open(path, {});
+    EXPECT_TRUE(recorder) << recorder.error();
+    SyntheticCamera camera(calibration, {}, 3);
+    Frame frame;
+    for (int k = 0; k < frames; ++k) {
+      camera.render(scene(k), 0.04 * k, frame);
+      frame.captured_at = 0.04 * k;
+      frame.index = k;
+      (*recorder)->add(frame);
+    }
+    EXPECT_EQ((*recorder)->finish().problem, "");
+    return "video:" + path;
+  }
+
+  TrackTrackerOptions options(const std::string& source, std::vector<int> tags = {}) {
+    return {.track = {.source = source, .calibration = calibration, .csv = &csv},
+            .tags = std::move(tags),
+            .latency = [this](const FrameLatency& frame) { latencies.push_back(frame); },
+            .tell = [this](const std::string& sentence) { told.push_back(sentence); }};
+  }
+};
+
+TEST(TrackTracker, FollowsTheTagsOfTheFirstFrameAndCounts) {
+  FilmLab lab;
+  const auto at = [](int k) { return core::Pose{0.2 + 0.004 * k, 0.1, 0.5}; };
+  const std::string film = lab.film(
+      [&](int k) {
+        std::vector<SyntheticTag> tags{{2, {-0.7, -0.4, -2.5}}};
+        if (k != 6) tags.push_back({1, at(k)});  // hidden for a frame
+        if (k == 11) tags.push_back({9, {-0.5, 0.4, 1.0}});
+        return tags;
+      },
+      12);
+  TrackTrackerOptions options = lab.options(film);
+  double time = 0.0;
+  options.clock = [&] { return time += 0.001; };  // a millisecond between any two looks at it
+  const auto summary = track_with_tracker(options);
+  ASSERT_TRUE(summary) << summary.error();
+  EXPECT_EQ(summary->track.frames, 12);
+  EXPECT_EQ(summary->followed, (std::vector{1, 2}));
+  EXPECT_EQ(summary->track.ids, (std::vector{1, 2}));
+  EXPECT_EQ(summary->track.detections, 23);
+  EXPECT_EQ(summary->detected, 2);
+  EXPECT_EQ(summary->detected + summary->tracked + summary->recovered, 23);
+  EXPECT_EQ(summary->lost, 1);
+  EXPECT_EQ(summary->counters.frames, 12);
+  EXPECT_EQ(summary->counters.poses, 23);
+  EXPECT_EQ(summary->counters.rejected, 0);
+  EXPECT_GE(summary->counters.decoded, 2);
+  EXPECT_EQ(lab.told, std::vector<std::string>{"tag 9 came later and was not followed: name it with --tags"});
+
+  const auto rows = test::read_csv(lab.csv.str());
+  ASSERT_EQ(rows.size(), 23U);
+  for (const auto& row : rows) {
+    const int k = std::stoi(row.at("frame"));
+    EXPECT_NEAR(std::stod(row.at("t")), 0.04 * k, 1e-9);
+    if (row.at("tag") == "1") {
+      EXPECT_NEAR(std::stod(row.at("x")), at(k).x, 1e-3);
+    }
+  }
+
+  ASSERT_EQ(lab.latencies.size(), 12U);
+  for (const FrameLatency& frame : lab.latencies) {
+    EXPECT_TRUE(std::isnan(frame.arrival)) << "a film has no arrivals";
+    EXPECT_NEAR(frame.grey, 0.001, 1e-9);
+    for (const double stage : frame.stages) EXPECT_NEAR(stage, 0.001, 1e-9);
+    EXPECT_GE(frame.tracker, std::accumulate(frame.stages.begin(), frame.stages.end(), 0.0));
+  }
+}
+
+TEST(TrackTracker, SaysOnceWhyATagIsNotTaken) {
+  FilmLab lab;
+  const std::string film = lab.film(
+      [](int) {
+        return std::vector<SyntheticTag>{
+            {1, {0.2, 0.1, 0.5}, 0.06}, {2, {-0.7, -0.4, -2.5}}, {3, {0.5, 0.5, 0.0}}, {3, {-0.5, 0.5, 0.0}}};
+      },
+      20);
+  const auto summary = track_with_tracker(lab.options(film, {1, 2, 3, 4}));
+  ASSERT_TRUE(summary) << summary.error();
+  EXPECT_EQ(summary->followed, (std::vector{1, 2, 3, 4}));
+  EXPECT_EQ(summary->track.ids, std::vector{2});
+  EXPECT_GT(summary->counters.misshapen, 0) << "tag 1, of another size";
+  EXPECT_GT(summary->counters.ghosts, 0) << "tag 3, twice";
+  EXPECT_EQ(summary->counters.rejected,
+            summary->counters.misshapen + summary->counters.unlike + summary->counters.odd + summary->counters.lifted);
+  ASSERT_EQ(lab.told.size(), 3U) << fmt::format("{}", fmt::join(lab.told, "\n"));
+  EXPECT_TRUE(lab.told[0].starts_with("tag 1 is there, but its edge is 60 mm, 50 % larger")) << lab.told[0];
+  EXPECT_TRUE(lab.told[1].starts_with("tag 3 is there twice")) << lab.told[1];
+  EXPECT_EQ(lab.told[2], "no tag 4 is in the picture");
+}
+
+TEST(TrackTracker, AGoodFilmHasNothingToSay) {
+  FilmLab lab;
+  const std::string film = lab.film(
+      [](int) {
+        return std::vector<SyntheticTag>{{1, {0.2, 0.1, 0.5}}, {2, {-0.7, -0.4, -2.5}}};
+      },
+      20);
+  const auto summary = track_with_tracker(lab.options(film, {1, 2}));
+  ASSERT_TRUE(summary) << summary.error();
+  EXPECT_EQ(lab.told, std::vector<std::string>{});
+  EXPECT_EQ(summary->lost + summary->counters.rejected, 0);
+  EXPECT_EQ(summary->track.other_family, "");
+}
+
+TEST(TrackTracker, PicturesAreSearchedEachByItself) {
+  FilmLab lab;
+  SyntheticCamera camera(lab.calibration, {}, 2);
+  Frame frame;
+  camera.render(std::vector<SyntheticTag>{{1, {0.2, 0.1, 0.5}}, {2, {-0.7, -0.4, -2.5}}}, 0.0, frame);
+  test::write_pgm(lab.folder.file("a.pgm"), frame);
+  camera.render(std::vector<SyntheticTag>{{5, {0.6, 0.1, 0.5}}, {6, {-0.6, -0.4, -2.5}, 0.06}}, 0.0, frame);
+  test::write_pgm(lab.folder.file("b.pgm"), frame);
+  const auto summary = track_with_tracker(lab.options("images:" + lab.folder.path()));
+  ASSERT_TRUE(summary) << summary.error();
+  EXPECT_EQ(summary->track.frames, 2);
+  EXPECT_EQ(summary->followed, (std::vector{1, 2, 5, 6}));
+  EXPECT_EQ(summary->track.ids, (std::vector{1, 2, 5}));
+  EXPECT_EQ(summary->detected, 3);
+  EXPECT_EQ(summary->lost, 0);
+  EXPECT_EQ(summary->counters.full_searches, 2) << "b.pgm, at both resolutions; of a.pgm the gate finds all";
+  ASSERT_EQ(lab.told.size(), 1U);
+  EXPECT_TRUE(lab.told[0].starts_with("b.pgm: tag 6 is there, but its edge is 60 mm")) << lab.told[0];
+}
+
+TEST(TrackTracker, NeedsAWorldFrame) {
+  FilmLab lab;
+  lab.calibration.world_from_camera.reset();
+  const auto summary = track_with_tracker(lab.options("images:" + lab.folder.path()));
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error(),
+            "the tracker needs a calibration with a world frame (skein calibrate floor): it places tags on the floor");
+}
+
+}  // namespace
+}  // namespace skein::vision

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace skein::vision::detail {
+
+/// Below this the photometric fit has too little to go by. [grey levels]
+inline constexpr double least_contrast = 12.0;
+
+/// Share of a frame's pixels at 250 and more from which on it counts as too bright, and the grey level that 99 % of a
+/// dark frame keep below.
+inline constexpr double saturated_share = 0.25;
+inline constexpr int dark_grey = 40;
+
+}  // namespace skein::vision::detail

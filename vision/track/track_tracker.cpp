@@ -1,0 +1,303 @@
+#include "vision/track/track_tracker.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "vision/detector/detector.h"
+#include "vision/diagnosis/diagnosis.h"
+#include "vision/frames/frame.h"
+#include "vision/sources/open_source.h"
+#include "vision/track/track_parts.h"
+#include "vision/tracker/tracker.h"
+
+namespace skein::vision {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+void insert(std::vector<int>& ascending, int id) {
+  const auto place = std::lower_bound(ascending.begin(), ascending.end(), id);
+  if (place == ascending.end() || *place != id) ascending.insert(place, id);
+}
+
+std::vector<int> ids_of(const std::vector<Detection>& found) {
+  std::vector<int> ids;
+  for (const Detection& detection : found) insert(ids, detection.tag);
+  return ids;
+}
+
+/// Asks why tags have no pose, and says it once for each tag and reason.
+class Explainer {
+ public:
+  Explainer(const TrackTrackerOptions& options, bool apart) : options_(options), apart_(apart) {}
+
+  bool busy() {
+    take(std::chrono::seconds(0));
+    return answer_.valid();
+  }
+
+  /// Not while it is busy. `where`: stands before the sentences.
+  void ask(const Frame& frame, const std::vector<MissingTag>& missing, std::string where) {
+    where_ = std::move(where);
+    if (!apart_) {
+      tell(diagnose(frame, *options_.track.calibration, missing));
+      return;
+    }
+    answer_ = std::async(std::launch::async, [frame, missing, calibration = *options_.track.calibration] {
+      constexpr int lowest_priority = 19;
+      ::setpriority(PRIO_PROCESS, 0, lowest_priority);  // of this thread: nobody waits for it
+      return diagnose(frame, calibration, missing);
+    });
+  }
+
+  void wait() {
+    if (answer_.valid()) tell(answer_.get());
+  }
+
+  bool other_family() const { return other_family_; }
+
+ private:
+  void take(std::chrono::seconds patience) {
+    if (answer_.valid() && answer_.wait_for(patience) == std::future_status::ready) tell(answer_.get());
+  }
+
+  void tell(const std::vector<TagDiagnosis>& answers) {
+    for (const TagDiagnosis& tag : answers) {
+      other_family_ = other_family_ || tag.why == NotSeen::other_family;
+      // Of many pictures, each shows some of the tags.
+      if (!where_.empty() && tag.why == NotSeen::not_found) continue;
+      if (told_.insert({where_, {tag.tag, tag.why}}).second && options_.tell)
+        options_.tell(where_ + sentence(tag, *options_.track.calibration));
+    }
+  }
+
+  const TrackTrackerOptions& options_;
+  bool apart_;  // on a thread of its own
+  std::string where_;
+  std::future<std::vector<TagDiagnosis>> answer_;
+  std::set<std::pair<std::string, std::pair<int, NotSeen>>> told_;
+  bool other_family_ = false;
+};
+
+/// The work of one call.
+class Body {
+ public:
+  Body(const TrackTrackerOptions& options, bool live)
+      : options_(options),
+        calibration_(*options.track.calibration),
+        table_(options.track.csv, options.track.calibration),
+        explainer_(options, live) {}
+
+  double now() const { return options_.clock ? options_.clock() : nan; }
+  bool well() const { return table_.well(); }
+
+  /// A frame of a stream.
+  void follow(const Frame& frame, FrameLatency& latency) {
+    if (!tracker_) {
+      std::vector<int> tags = options_.tags;
+      if (tags.empty()) tags = ids_of(detect(frame));
+      if (tags.empty()) return;
+      begin(tags, frame.captured_at);
+    }
+    const double since = now();
+    const std::vector<TagPose>& poses = tracker_->process(frame);
+    latency.tracker = now() - since;
+    latency.stages = tracker_->stage_times();
+    for (const TagPose& pose : poses) take(frame, pose);
+    for (Followed& tag : followed_) {
+      const auto pose =
+          std::find_if(poses.begin(), poses.end(), [&](const TagPose& one) { return one.tag == tag.tag; });
+      const bool seen = pose != poses.end();
+      summary_.lost += tag.seen && !seen ? 1 : 0;
+      tag.seen = seen;
+      if (seen) {
+        tag.asked = false;
+        tag.last_at = frame.captured_at;
+        tag.last = pose->pose;
+      }
+    }
+    constexpr double absent_for = 0.5;  // [s]
+    explain(frame, [&](const Followed& tag) { return !tag.asked && frame.captured_at - tag.last_at > absent_for; });
+  }
+
+  /// A picture by itself.
+  void search(const Frame& frame, FrameLatency& latency) {
+    const std::vector<int> read = ids_of(detect_at_both(detector_, frame));
+    const std::vector<int> tags = options_.tags.empty() ? read : options_.tags;
+    for (const int tag : tags) insert(summary_.followed, tag);
+    if (tags.empty()) return;
+    TagTracker tracker(calibration_, {.tags = tags, .clock = options_.clock});
+    const double since = now();
+    std::vector<TagPose> poses = tracker.process(frame);
+    latency.tracker = now() - since;
+    latency.stages = tracker.stage_times();
+    summary_.counters += tracker.counters();
+    const auto has = [&](int tag) {
+      return std::any_of(poses.begin(), poses.end(), [&](const TagPose& pose) { return pose.tag == tag; });
+    };
+    const auto lacks = [&](int tag) { return std::find(tags.begin(), tags.end(), tag) != tags.end() && !has(tag); };
+    if (std::any_of(read.begin(), read.end(), lacks)) {
+      const double other = decimate_for_edge(tag_edge_px(calibration_)) > 1.5 ? 1.0 : 2.0;
+      TagTracker again(calibration_, {.tags = tags, .decimate = other});
+      for (const TagPose& pose : again.process(frame))
+        if (!has(pose.tag)) poses.push_back(pose);
+      summary_.counters += again.counters();
+    }
+    for (const TagPose& pose : poses) take(frame, pose);
+    summary_.counters.poses = summary_.track.detections;
+    summary_.counters.frames = summary_.track.frames + 1;
+    std::vector<MissingTag> missing;
+    for (const int tag : tags)
+      if (!has(tag)) missing.push_back({tag, {}});
+    if (!missing.empty()) explainer_.ask(frame, missing, frame.source + ": ");
+  }
+
+  TrackTrackerSummary conclude(const Frame& last, bool stills) {
+    explainer_.wait();
+    if (tracker_) {
+      explain(last, [](const Followed& tag) { return !tag.asked && !tag.seen; });
+      explainer_.wait();
+      summary_.counters = tracker_->counters();
+      if (options_.tags.empty() && options_.tell)
+        for (const int tag : ids_of(detect(last)))
+          if (!std::binary_search(summary_.followed.begin(), summary_.followed.end(), tag))
+            options_.tell(fmt::format("tag {} came later and was not followed: name it with --tags", tag));
+    }
+    const bool none = summary_.track.frames > 0 && summary_.track.detections == 0;
+    if (none && !explainer_.other_family() && (!stills || options_.tags.empty()))
+      summary_.track.other_family = other_family(last);
+    return std::move(summary_);
+  }
+
+  bool finish() { return table_.finish(); }
+  TrackTrackerSummary& summary() { return summary_; }
+
+ private:
+  struct Followed {
+    int tag = 0;
+    double last_at = 0.0;
+    std::optional<core::Pose> last{};  // none: it was never seen
+    bool seen = false;                 // in the last frame
+    bool asked = false;                // why it is not, since it was seen
+  };
+
+  const std::vector<Detection>& detect(const Frame& frame) {
+    detector_.set_decimate(1.0);
+    return detector_.detect(frame);
+  }
+
+  void begin(const std::vector<int>& tags, double at) {
+    tracker_.emplace(calibration_, TrackerOptions{.tags = tags, .clock = options_.clock});
+    for (const int tag : tags) {
+      insert(summary_.followed, tag);
+      followed_.push_back({.tag = tag, .last_at = at});
+    }
+  }
+
+  void take(const Frame& frame, const TagPose& pose) {
+    table_.add(frame, pose);
+    ++summary_.track.detections;
+    insert(summary_.track.ids, pose.tag);
+    switch (pose.how) {
+      case How::none:
+      case How::detected:
+        ++summary_.detected;
+        break;
+      case How::tracked:
+        ++summary_.tracked;
+        break;
+      case How::recovered:
+        ++summary_.recovered;
+        break;
+    }
+  }
+
+  template <typename Wanted>
+  void explain(const Frame& frame, const Wanted& wanted) {
+    if (explainer_.busy() || std::none_of(followed_.begin(), followed_.end(), wanted)) return;
+    std::vector<MissingTag> missing;
+    for (Followed& tag : followed_)
+      if (wanted(tag)) {
+        missing.push_back({tag.tag, tag.last});
+        tag.asked = true;
+      }
+    explainer_.ask(frame, missing, {});
+  }
+
+  const TrackTrackerOptions& options_;
+  const Calibration& calibration_;
+  detail::Table table_;
+  Explainer explainer_;
+  TagDetector detector_;
+  std::optional<TagTracker> tracker_;
+  std::vector<Followed> followed_;
+  TrackTrackerSummary summary_;
+};
+
+}  // namespace
+
+tl::expected<TrackTrackerSummary, std::string> track_with_tracker(const TrackTrackerOptions& options) {
+  const TrackOptions& track = options.track;
+  if (!track.calibration || !track.calibration->world_from_camera)
+    return tl::unexpected(
+        std::string("the tracker needs a calibration with a world frame (skein calibrate floor): it places tags on the "
+                    "floor"));
+  SourceOptions wanted = track.camera;
+  if (track.keep_going) wanted.keep_waiting = [&] { return track.keep_going(-1); };
+  wanted.width = track.calibration->width;
+  wanted.height = track.calibration->height;
+  auto source = open_source(track.source, wanted);
+  if (!source) return tl::unexpected(source.error());
+  auto recorder = detail::open_recorder(track.record, track.notes, track.source);
+  if (!recorder) return tl::unexpected(recorder.error());
+  const bool live = is_camera(track.source);
+  const bool stills = (*source)->stills();
+
+  Body body(options, live);
+  TrackSummary& summary = body.summary().track;
+  summary.source = (*source)->describe();
+  Frame frame;
+  while (track.max_frames == 0 || summary.frames < track.max_frames) {
+    const double since = body.now();
+    const auto more = (*source)->read(frame);
+    if (!more) return tl::unexpected(more.error());
+    if (!*more) break;
+    if (const std::string wrong = detail::wrong_size(frame, summary.source, track.calibration); !wrong.empty())
+      return tl::unexpected(wrong);
+    const bool stamped = live && frame.arrived_at > 0.0;
+    FrameLatency latency{.arrival = stamped ? frame.arrived_at - frame.captured_at : nan,
+                         .grey = stamped ? body.now() - frame.arrived_at
+                                 : live  ? nan
+                                         : body.now() - since,
+                         .tracker = nan};
+    if (stills)
+      body.search(frame, latency);
+    else
+      body.follow(frame, latency);
+    if (options.latency) options.latency(latency);
+    if (*recorder && live) (*recorder)->offer(frame);
+    if (*recorder && !live) (*recorder)->add(frame);
+    ++summary.frames;
+    if (!body.well()) return tl::unexpected(std::string("the CSV cannot be written"));
+    if (track.keep_going && !track.keep_going(summary.frames)) break;
+  }
+  if (*recorder) summary.recording = (*recorder)->finish();
+  if (!body.finish()) return tl::unexpected(std::string("the CSV cannot be written"));
+  summary.status = (*source)->status();
+  summary.skipped.assign((*source)->skipped().begin(), (*source)->skipped().end());
+  if (const std::string problem = detail::nothing_read(**source, summary.frames); !problem.empty())
+    return tl::unexpected(problem);
+  return body.conclude(frame, stills);
+}
+
+}  // namespace skein::vision
