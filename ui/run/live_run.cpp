@@ -46,6 +46,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   latest_.reset();
   robots_.clear();
   held_.clear();
+  parameters_ = app::declared_parameters(experiment.controller.law);
   failure_.reset();
   film_is_broken_ = false;
   camera_down_.clear();
@@ -122,6 +123,7 @@ void LiveRun::settle() {
     return;
   }
   session_ = std::move(result->value());
+  parameters_ = session_->law_parameters();
   if (close_asked_) {
     close();
     return;
@@ -146,6 +148,7 @@ void LiveRun::poll() {
     session_->drain([this](const app::TickRecord& record) {
       latest_ = record;
       note_holds(record, held_);
+      note_parameters(record, parameters_);
       history_.add(record);
       emit row_added(record);
       emit record_shown(record);
@@ -272,6 +275,10 @@ RunSource::Done LiveRun::set_gain(core::GainName name, double value, double seco
 
 RunSource::Done LiveRun::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
   return post([&](app::Session& session) { return session.set_gain(name, i, j, value, seconds); });
+}
+
+RunSource::Done LiveRun::set_parameter(const std::string& name, double value) {
+  return post([&](app::Session& session) { return session.set_parameter(name, value); });
 }
 
 RunSource::Done LiveRun::couple(std::size_t i, std::size_t j, bool on) {

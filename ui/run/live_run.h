@@ -90,6 +90,8 @@ class LiveRun final : public RunSource {
 
   Done set_gain(core::GainName name, double value, double seconds = 0.0) override;
   Done set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0) override;
+  const std::vector<app::LawParameter>& parameters() const override { return parameters_; }
+  Done set_parameter(const std::string& name, double value) override;
   Done couple(std::size_t i, std::size_t j, bool on) override;
   bool coupled(std::size_t i, std::size_t j) const override { return !session_ || session_->coupled(i, j); }
   double gain(core::GainName name, std::size_t i, std::size_t j) const override;
@@ -153,6 +155,7 @@ class LiveRun final : public RunSource {
   std::optional<app::TickRecord> latest_;
   std::vector<app::RobotStatus> robots_;
   std::set<int> held_;
+  std::vector<app::LawParameter> parameters_;
   std::string camera_down_;
   std::optional<QString> failure_;
   RunHistory history_;
