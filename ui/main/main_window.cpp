@@ -323,6 +323,12 @@ void MainWindow::build_run_menu(QMenu* run) {
   run->addSeparator();
   add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
       [this] { record(!recording_->records()); });
+  QAction* keep =
+      add_toggle(run, tr("&Keep runs"), QStringLiteral("keep_runs"), [this](bool on) { recording_->keep(on); });
+  keep->setChecked(recording_->keeps());
+  keep->setToolTip(
+      tr("Every run that begins from now on has a folder of its own, with everything that it needs to be "
+         "repeated: `skein runs list` finds it"));
   run->addSeparator();
   // The keys stand in the text only: StopGuard takes them before any shortcut could.
   add(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
@@ -426,6 +432,7 @@ void MainWindow::connect_panels() {
     open(experiment, true);
   });
   connect(recording_, &RecordingController::saved, this, &MainWindow::saved);
+  connect(recording_, &RecordingController::keeping, results_, &ResultPanel::show_kept);
   connect(calibration_, &CalibrationController::session_ends, this, &MainWindow::let_go_of_session);
 }
 
