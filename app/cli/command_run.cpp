@@ -17,6 +17,7 @@
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/runs/kept_run.h"
+#include "app/runs/run_end.h"
 #include "app/runs/run_folder.h"
 #include "app/session/session.h"
 
@@ -168,24 +169,14 @@ int run(const RunRequest& request) {
   tell_alarms();
 
   Statistics::Summary summary = statistics.summary();
-  summary.stopped = end != Phase::finished;
-  if (experiment->controller.law.of_the_paper()) summary.delay_margin = smallest_delay_margin(*experiment).margin.delay;
-  summary.timing = (*session)->timing();
-  summary.failure = (*session)->failure().value_or("");
+  complete(summary, facts_of(**session, end), *experiment);
   const vision::SourceStatus camera = (*session)->camera();
   for (const std::string& notice : camera.notices) complain(notice);
   if (camera.outages > 0) complain(fmt::format("the camera failed {} times: {}", camera.outages, camera.reason));
-  summary.camera_outages = camera.outages;
-  summary.camera_damaged = camera.damaged;
-  const VideoStatus video = (*session)->video();
-  summary.video_frames = video.frames;
-  summary.video_dropped = video.dropped;
-  summary.video_problem = video.problem;
   if (publisher) {
     const Publisher::Counts counts = publisher->finish();
     summary.published = {counts.sent, counts.dropped};
   }
-  summary.dropped_rows = static_cast<std::int64_t>((*session)->dropped_rows());
   for (const auto& file : files) {
     try {
       file->finish();
@@ -193,11 +184,6 @@ int run(const RunRequest& request) {
       if (summary.failure.empty()) summary.failure = error.what();
     }
   }
-  const std::vector<RobotStatus> robots = (*session)->robots();
-  for (std::size_t i = 0; i < robots.size(); ++i)
-    if (experiment->robots[i].has_link()) summary.links.emplace_back(static_cast<int>(i), robots[i]);
-  for (std::size_t i = 0; i < robots.size(); ++i)
-    if (!robots[i].stop_acknowledged) summary.not_stopped.push_back(static_cast<int>(i));
 
   if (!request.report.empty())
     if (auto written = write_report(request.report, *experiment, summary); !written) {
@@ -208,30 +194,11 @@ int run(const RunRequest& request) {
   constexpr double reader_patience = 60.0;  // the robots stand: whoever reads may take its time [s]
   if (!request.quiet) print_out(request.json ? as_json(summary) + "\n" : as_lines(summary), reader_patience);
 
-  std::vector<std::string> problems;
-  const auto tell = [&](std::string sentence) {
-    complain(sentence);
-    problems.push_back(std::move(sentence));
-  };
-  for (const int robot : summary.not_stopped)
-    tell(fmt::format("robot {} has NOT acknowledged its stop and may still be driving: switch it off by hand",
-                     robot + 1));
-  if (!summary.failure.empty()) tell(summary.failure);
-  if (summary.dropped_rows > 0)
-    tell(fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
-  if (!video.problem.empty()) tell("the film of the run is not complete: " + video.problem);
-  int status = done;
-  if (!summary.failure.empty() || !video.problem.empty() || !summary.not_stopped.empty()) {
-    status = device_failed;
-  } else {
-    std::vector<std::string> failed = failed_expectations(experiment->expect, summary);
-    if (summary.stopped)
-      failed.insert(failed.begin(), fmt::format("stopped at {:g} s of {:g} s", summary.duration, experiment->duration));
-    if (!failed.empty()) status = expectation_failed;
-    for (std::string& sentence : failed) tell(std::move(sentence));
-  }
-  if (kept) keep(summary, status, std::move(problems), request.video);  // last: everybody knows how the run went
-  return status;
+  const RunVerdict verdict = verdict_of(summary, *experiment);
+  for (const std::string& sentence : verdict.problems) complain(sentence);
+  // Last: everybody knows how the run went.
+  if (kept) keep(summary, verdict.exit_status, verdict.problems, request.video);
+  return verdict.exit_status;
 }
 
 }  // namespace skein::app

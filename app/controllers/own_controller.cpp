@@ -174,11 +174,11 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
   if (!process) return tl::unexpected(process.error());
   own->process_ = std::move(*process);
   own->pipes_->keep_ours();
-  if (auto ready = own->become_ready(law); !ready) return tl::unexpected(ready.error());
+  if (auto ready = own->become_ready(experiment); !ready) return tl::unexpected(ready.error());
   return own;
 }
 
-tl::expected<void, std::string> OwnController::become_ready(const LawSpec& law) {
+tl::expected<void, std::string> OwnController::become_ready(const Experiment& experiment) {
   const double until = seconds_now() + start_patience;
   char byte = 0;
   while (true) {
@@ -201,33 +201,50 @@ tl::expected<void, std::string> OwnController::become_ready(const LawSpec& law) 
   }
   if (const std::string refusal = text_of(memory_->at->refusal); !refusal.empty())
     return tl::unexpected("the controller refuses: " + refusal);
-  return take_declarations(law);
+  return take_declarations(experiment);
 }
 
-/// What it takes and what it logs, on a copy: it may go on writing.
-tl::expected<void, std::string> OwnController::take_declarations(const LawSpec& law) {
+/// What it takes, on a copy: it may go on writing. The file's values and the file's changes have to be among it.
+tl::expected<void, std::string> OwnController::take_parameters(const Experiment& experiment) {
   skein_memory& memory = *memory_->at;
   const auto count = std::min<std::size_t>(memory.parameters, SKEIN_PARAMETERS);
-  const bool declared = memory.declared != 0;
-  std::vector<skein_parameter> all(memory.parameter, memory.parameter + count);
-  std::string names;
-  for (const skein_parameter& p : all) names += (names.empty() ? "" : ", ") + text_of(p.name);
-  for (const auto& [name, value] : law.own_parameters) {
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [&name = name](const skein_parameter& p) { return text_of(p.name) == name; });
-    if (found == all.end())
-      return tl::unexpected(fmt::format("controller.parameters.{}: the controller knows no such parameter, allowed: {}",
-                                        name, names.empty() ? "none" : names));
-    if (declared && !(value >= found->low && value <= found->high))
-      return tl::unexpected(fmt::format("controller.parameters.{}: found {}, allowed: {} to {} {}", name, value,
-                                        found->low, found->high, text_of(found->unit)));
+  const bool ranges = memory.declared != 0;
+  constexpr double any = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < count; ++k) {
+    skein_parameter p;
+    std::memcpy(&p, &memory.parameter[k], sizeof p);
+    declared_.push_back(
+        {text_of(p.name), text_of(p.unit), text_of(p.help), ranges ? p.low : -any, ranges ? p.high : any, p.value});
+  }
+  for (const auto& [name, value] : experiment.controller.law.own_parameters) {
+    const auto found = std::find_if(declared_.begin(), declared_.end(),
+                                    [&name = name](const LawParameter& p) { return p.name == name; });
+    if (const std::string allowed = wrong_parameter(declared_, name, value); !allowed.empty())
+      return tl::unexpected(
+          found == declared_.end()
+              ? fmt::format("controller.parameters.{}: the controller knows no such parameter, allowed: {}", name,
+                            declared_.empty() ? "none" : allowed)
+              : fmt::format("controller.parameters.{}: found {}, allowed: {}", name, value, allowed));
     found->value = value;
   }
-  std::copy(all.begin(), all.end(), memory.parameter);
-  parameters_ = std::move(all);
+  for (std::size_t k = 0; k < experiment.actions.size(); ++k)
+    if (const auto* const change = std::get_if<events::Parameter>(&experiment.actions[k].event))
+      if (const std::string allowed = wrong_parameter(declared_, change->name.text(), change->to); !allowed.empty())
+        return tl::unexpected(
+            fmt::format("operator.{}.does: found \"{}\", allowed: {}", k + 1, describe(*change), allowed));
+  for (std::size_t k = 0; k < count; ++k) {
+    values_.push_back({ParameterName(declared_[k].name), declared_[k].value});
+    memory.parameter[k].value = declared_[k].value;
+  }
+  return {};
+}
 
+tl::expected<void, std::string> OwnController::take_declarations(const Experiment& experiment) {
+  if (auto taken = take_parameters(experiment); !taken) return taken;
+  const LawSpec& law = experiment.controller.law;
+  const skein_memory& memory = *memory_->at;
   const auto logs = std::min<std::size_t>(memory.logs, SKEIN_LOGS);
-  names.clear();
+  std::string names;
   for (std::size_t k = 0; k < logs; ++k) names += (k ? ", " : "") + text_of(memory.log_name[k]);
   for (const std::string& name : law.log) {
     std::size_t place = 0;
@@ -240,8 +257,11 @@ tl::expected<void, std::string> OwnController::take_declarations(const LawSpec& 
   return {};
 }
 
-std::vector<skein_parameter> OwnController::parameters() const {
-  return parameters_;
+void OwnController::heed(const EventList& events) noexcept {
+  for (const Event& event : events)
+    if (const auto* const change = std::get_if<events::Parameter>(&event))
+      for (Value& value : values_)
+        if (value.name == change->name) value.now = change->to;
 }
 
 void OwnController::write_question(const core::ControllerInput& input) noexcept {
@@ -262,6 +282,7 @@ void OwnController::write_question(const core::ControllerInput& input) noexcept 
   for (std::size_t k = 0; k < obstacles; ++k)
     memory.obstacle[k] = {input.obstacles[k].x, input.obstacles[k].y, input.obstacles[k].radius};
   memory.obstacles = static_cast<std::uint32_t>(obstacles);
+  for (std::size_t k = 0; k < values_.size(); ++k) memory.parameter[k].value = values_[k].now;
   memory.tick = input.tick;
   memory.t = input.t;
   memory.dt = input.dt;

@@ -40,6 +40,8 @@ class OwnController {
   /// Asks, and waits for the answer at most until the deadline. After 25 late answers in a row it is killed. Control
   /// thread only: no allocation, no lock; its only system calls are on its own pipes.
   void ask(const core::ControllerInput& input) noexcept;
+  /// Takes the new values of parameters among a tick's events, for the next question. Control thread only.
+  void heed(const EventList& events) noexcept;
   /// The answer to the last question: unchecked numbers, none if there is no answer.
   std::span<const core::Twist> law() const noexcept { return law_; }
   std::span<const double> logged() const noexcept { return logged_; }
@@ -49,8 +51,8 @@ class OwnController {
   void close() noexcept;
   /// A sentence once it has ended. Not for the control thread; waits for the process's end, up to a second.
   std::string why_it_ended();
-  /// Its parameters, with the values in force.
-  std::vector<skein_parameter> parameters() const;
+  /// Its parameters as it declared them, with the file's values.
+  const std::vector<LawParameter>& parameters() const noexcept { return declared_; }
   /// Between two questions, or after the last.
   const ControllerReport& report() const noexcept { return report_; }
 
@@ -58,8 +60,9 @@ class OwnController {
   struct Memory;
   struct Pipes;
   OwnController(const Experiment& experiment, bool waits);
-  tl::expected<void, std::string> become_ready(const LawSpec& law);
-  tl::expected<void, std::string> take_declarations(const LawSpec& law);
+  tl::expected<void, std::string> become_ready(const Experiment& experiment);
+  tl::expected<void, std::string> take_declarations(const Experiment& experiment);
+  tl::expected<void, std::string> take_parameters(const Experiment& experiment);
   bool wait_for(std::uint64_t answer, double seconds) noexcept;
   void write_question(const core::ControllerInput& input) noexcept;
   void end() noexcept;
@@ -70,7 +73,12 @@ class OwnController {
   std::vector<core::Twist> law_;
   std::vector<double> logged_;
   std::vector<std::size_t> log_places_;  // in the memory, of each name that the file wants
-  std::vector<skein_parameter> parameters_;
+  std::vector<LawParameter> declared_;
+  struct Value {
+    ParameterName name;
+    double now;
+  };
+  std::vector<Value> values_;  // of `declared_`, written with every question
   std::uint64_t question_ = 0;
   int late_in_a_row_ = 0;
   std::atomic<ControllerState> state_{ControllerState::answered};

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,6 +22,10 @@ struct LawSpec {
   std::string command;  ///< split into words as by a shell, without other shell features
   std::string library;  ///< path, relative to the experiment file
   bool own() const noexcept { return !command.empty() || !library.empty(); }
+  /// Whether the gains of [controller] have any effect: their law drives, or stands in for a controller that fails.
+  bool uses_gains() const noexcept {
+    return kind == core::ControllerKind::kostic && (!own() || failure == Failure::built_in);
+  }
   /// Whether it is the law of the gains of [controller], for which (18) to (20) hold.
   bool of_the_paper() const noexcept { return !own() && kind == core::ControllerKind::kostic; }
   std::vector<std::pair<std::string, double>> own_parameters;  ///< as the file has them
@@ -51,6 +56,22 @@ constexpr std::string_view word(LawSpec::Failure failure) noexcept {
   }
   return {};
 }
+
+/// A parameter of a law, as the law declares it.
+struct LawParameter {
+  std::string name, unit, help;
+  double low = 0.0, high = 0.0;  ///< both allowed; infinite where the law declares no range
+  double value = 0.0;
+
+  friend bool operator==(const LawParameter&, const LawParameter&) = default;
+};
+
+/// What the law declares, with the file's values. A controller of the user's own declares its parameters when it is
+/// started: of such a law these are the parameters that the file sets, without a range.
+std::vector<LawParameter> declared_parameters(const LawSpec& law);
+
+/// What is allowed for this parameter during a run; empty: the value is.
+std::string wrong_parameter(std::span<const LawParameter> declared, std::string_view name, double value);
 
 /// The values that the law in force logs for every robot, in the order of TickRecord::logged.
 std::vector<std::string> log_names(const LawSpec& law);

@@ -44,7 +44,8 @@ void read_actions(TomlTable& document, Experiment& e) {
       t.refuse("does", *found,
                "\"move r1 x=0 y=0 theta=0\", \"kick r1 vx=0.3 vy=0\", \"hold r1\", \"release r1\", "
                "\"obstacle o1 x=0 y=0 radius=0.05\", \"gain k_xx 0.008 -> 0.01\", "
-               "\"pair_gain r1 r2 k_xx 0.008 -> 0.01\", \"uncouple r1 r2\" or \"couple r1 r2\"");
+               "\"pair_gain r1 r2 k_xx 0.008 -> 0.01\", \"parameter alpha_l 0.8 -> 1.5\", \"uncouple r1 r2\" or "
+               "\"couple r1 r2\"");
     t.finish();
     e.actions.push_back(action);
   }
@@ -64,6 +65,7 @@ void check_perturbations(const Experiment& e, Problems& problems) {
 /// the action is.
 std::string wrong_with(const Event& action, const Experiment& e) {
   const std::size_t robots = e.robots.size();
+  const LawSpec& law = e.controller.law;
   const std::size_t most_obstacles = e.obstacles.size() + core::ObstacleField::room_for_more;
   const auto robot = [&](std::size_t i) { return i < robots ? "" : fmt::format("a robot, r1 to r{}", robots); };
   const auto simulated = [&](std::size_t i) {
@@ -88,6 +90,10 @@ std::string wrong_with(const Event& action, const Experiment& e) {
           [&](const PairGain& a) -> std::string {
             const std::string wrong = pair(a.i, a.j);
             return wrong.empty() ? gain(a.gain, a.to) : wrong;
+          },
+          [&](const Parameter& a) -> std::string {
+            // What a controller of the user's own allows is known when it is started.
+            return law.own() ? "" : wrong_parameter(declared_parameters(law), a.name.text(), a.to);
           },
           [&](const PutObstacle& a) -> std::string {
             const auto& [x, y, radius] = a.obstacle;

@@ -101,15 +101,7 @@ void read_policy(TomlTable& t, ControllerSpec& c) {
   }
 }
 
-constexpr std::size_t most_parameters = 64, most_logs = 16, longest_word = 31;  // as in the memory that is shared
-
-/// A name that can stand in a CSV's header and in any language: letters, digits, underscores.
-bool is_word(std::string_view text) {
-  const auto good = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  };
-  return !text.empty() && text.size() <= longest_word && std::all_of(text.begin(), text.end(), good);
-}
+constexpr std::size_t most_logs = 16;  // as in the memory that is shared
 
 /// [controller.parameters]: what the kind declares, or anything for a controller of the user's own, which says itself
 /// what it takes when it is started.
@@ -132,10 +124,10 @@ void read_parameters(TomlTable& t, LawSpec& law, Problems& problems) {
   for (const auto& [key, value] : *table) {
     const std::string name = "parameters." + std::string(key.str());
     const auto number = value.is_number() ? value.value<double>() : std::nullopt;
-    if (!number || !std::isfinite(*number) || !is_word(key.str()) || law.own_parameters.size() >= most_parameters)
+    if (!number || !std::isfinite(*number) || !is_plain_name(key.str()) || law.own_parameters.size() >= most_parameters)
       problems.add(value.source(), fmt::format("{}: found {}, allowed: up to {} finite numbers with names of letters, "
                                                "digits and underscores, {} at most",
-                                               t.full(name), shown(value), most_parameters, longest_word));
+                                               t.full(name), shown(value), most_parameters, longest_name));
     else
       law.own_parameters.emplace_back(key.str(), *number);
   }
@@ -148,7 +140,7 @@ void read_log(TomlTable& t, LawSpec& law) {
   bool good = law.own() && names && names->size() <= most_logs;
   for (std::size_t k = 0; good && k < names->size(); ++k) {
     const std::string name = (*names)[k].value_exact<std::string>().value_or("");
-    good = is_word(name) && std::find(law.log.begin(), law.log.end(), name) == law.log.end();
+    good = is_plain_name(name) && std::find(law.log.begin(), law.log.end(), name) == law.log.end();
     law.log.push_back(name);
   }
   if (good) return;
@@ -156,7 +148,7 @@ void read_log(TomlTable& t, LawSpec& law) {
   t.refuse("log", *found,
            fmt::format("with controller.command or controller.library, up to {} different names of what it logs, in "
                        "letters, digits and underscores, {} at most",
-                       most_logs, longest_word));
+                       most_logs, longest_name));
 }
 
 void read_law(TomlTable& t, LawSpec& law, Problems& problems) {

@@ -10,8 +10,8 @@
 namespace skein::app {
 namespace {
 
-/// Whether `happened` is what the action `asked` for does: it says the same, but for what a gain comes from and how far
-/// (18) lets it go.
+/// Whether `happened` is what the action `asked` for does: it says the same, but for what a gain or parameter comes
+/// from and how far (18) lets a gain go.
 bool does(const Event& asked, const Event& happened) {
   if (const auto* const gain = std::get_if<events::Gain>(&asked)) {
     const auto* const other = std::get_if<events::Gain>(&happened);
@@ -20,6 +20,10 @@ bool does(const Event& asked, const Event& happened) {
   if (const auto* const gain = std::get_if<events::PairGain>(&asked)) {
     const auto* const other = std::get_if<events::PairGain>(&happened);
     return other && other->gain == gain->gain && other->i == gain->i && other->j == gain->j;
+  }
+  if (const auto* const parameter = std::get_if<events::Parameter>(&asked)) {
+    const auto* const other = std::get_if<events::Parameter>(&happened);
+    return other && other->name == parameter->name && other->to == parameter->to;
   }
   return describe(asked) == describe(happened);
 }

@@ -191,6 +191,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
       if (result.lossless) input.measurements = filmed;
     }
     tick.see(input);
+    if (asked) asked->heed(tick.record().events);
     if (const core::ControllerInput* const question = tick.ask(); asked && question) {
       asked->ask(*question);
       compare_answers(row, *asked, result);

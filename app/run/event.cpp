@@ -72,6 +72,11 @@ void fields(auto& io, one_of<PairGainHeld> auto& e) {
   io.change(e.asked, e.held);
 }
 
+void fields(auto& io, one_of<Parameter> auto& e) {
+  io.text(e.name);
+  io.change(e.from, e.to);
+}
+
 void fields(auto& io, one_of<Couple, Uncouple> auto& e) {
   io.number_of('r', e.i), io.number_of('r', e.j);
 }
@@ -144,6 +149,7 @@ class Printer {
   }
   void change(double from, double to) { append(" {} -> {}", from, to); }
   void bare(auto value) { append(" {}", value); }
+  void text(const ParameterName& name) { append(" {}", name.text()); }
   void word_of(auto value) { append(" {}", word(value)); }
 
  private:
@@ -190,6 +196,11 @@ class Reader {
     bare(to);
   }
   void bare(auto& value) { ok_ = ok_ && read(next(), value); }
+  void text(ParameterName& name) {
+    const std::string_view part = next();
+    ok_ = ok_ && is_plain_name(part);
+    name = ParameterName(part);
+  }
   template <typename Enum>
   void word_of(Enum& value) {
     const auto found = core::from_word<Enum>(next());
@@ -235,6 +246,7 @@ struct Finite {
   void change(double from, double to) { all = all && std::isfinite(from) && std::isfinite(to); }
   void bare(double value) { all = all && std::isfinite(value); }
   void word_of(auto) {}
+  void text(const ParameterName&) {}
 };
 
 }  // namespace
@@ -264,7 +276,7 @@ std::optional<Event> parse_event(std::string_view text) {
 bool is_action(const Event& event) noexcept {
   return std::visit(
       Overloaded{
-          [](const one_of<Move, Hold, Release, Kick, PutObstacle, Gain, PairGain, Couple, Uncouple> auto&) {
+          [](const one_of<Move, Hold, Release, Kick, PutObstacle, Gain, PairGain, Parameter, Couple, Uncouple> auto&) {
             return true;
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/run/link_state.h"
+#include "app/run/parameter_name.h"
 #include "core/avoidance/obstacle.h"
 #include "core/control/gain_schedule.h"
 #include "core/estimation/not_seen.h"
@@ -158,6 +159,11 @@ struct PairGainHeld {
   core::GainName gain = core::GainName::k_xx;
   double asked = 0.0, held = 0.0;
 };
+struct Parameter {  ///< the operator's new value of a parameter that the law declares
+  static constexpr std::string_view word = "parameter";
+  ParameterName name;
+  double from = 0.0, to = 0.0;
+};
 struct Couple {  ///< two robots are coupled again
   static constexpr std::string_view word = "couple";
   std::size_t i = 0, j = 0;
@@ -281,7 +287,7 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
                            events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
                            events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree,
-                           events::CameraLost, events::CameraFound, events::Runaway, events::Obeys>;
+                           events::CameraLost, events::CameraFound, events::Runaway, events::Obeys, events::Parameter>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.
@@ -318,7 +324,8 @@ class EventList {
  public:
   /// The largest number of events in one tick: all changes before a start are reported at the start.
   static constexpr std::size_t room_for(std::size_t robots) noexcept {
-    constexpr std::size_t others = 96, of_a_robot = 4, of_a_pair = 4;  // a pair: three gains, and whether it is coupled
+    constexpr std::size_t others = 96 + most_parameters, of_a_robot = 4,
+                          of_a_pair = 4;  // a pair: three gains, and whether it is coupled
     return others + of_a_robot * robots + of_a_pair * (robots * (robots - 1) / 2);
   }
 

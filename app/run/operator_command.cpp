@@ -17,6 +17,9 @@ std::optional<OperatorCommand> command_of(const Event& event) noexcept {
           [](const PairGain& e) -> Command {
             return commands::SetPairGain{e.i, e.j, e.gain, e.to, e.ramp};
           },
+          [](const Parameter& e) -> Command {
+            return commands::SetParameter{e.name, e.from, e.to};
+          },
           [](const Couple& e) -> Command {
             return commands::Couple{e.i, e.j, true};
           },

@@ -30,6 +30,11 @@ struct SetPairGain {  ///< for robots i and j only
   double value = 0.0;
   double seconds = 0.0;  ///< as of SetGain [s]
 };
+struct SetParameter {  ///< of the law, at once
+  ParameterName name;
+  double from = 0.0;  ///< its value until now, for the tick that has not heard of it
+  double value = 0.0;
+};
 struct Couple {  ///< switches the coupling of robots i and j on, with the gains that they have, or off
   std::size_t i = 0, j = 0;
   bool on = true;
@@ -45,9 +50,9 @@ struct Hold {  ///< the robot is held, out of the group, or released
 
 }  // namespace commands
 
-using OperatorCommand =
-    std::variant<commands::Start, commands::Pause, commands::Resume, commands::Stage, commands::SetGain,
-                 commands::SetPairGain, commands::Couple, commands::PutObstacle, commands::Hold>;
+using OperatorCommand = std::variant<commands::Start, commands::Pause, commands::Resume, commands::Stage,
+                                     commands::SetGain, commands::SetPairGain, commands::SetParameter, commands::Couple,
+                                     commands::PutObstacle, commands::Hold>;
 static_assert(std::is_trivially_copyable_v<OperatorCommand>, "queues copy commands without allocating");
 
 /// The command that caused an event of a run, to repeat it in another tick; none: no command caused it.

@@ -161,7 +161,7 @@ std::map<std::string, std::string> experiment_facts(const Experiment& experiment
 
 tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, const Experiment& experiment) {
   const auto now = std::chrono::system_clock::now();
-  std::string text(embedded::platoon_toml);
+  std::string text = request.text.empty() ? std::string(embedded::platoon_toml) : request.text;
   if (!request.experiment.empty()) {
     auto read = read_text(request.experiment);
     if (!read) return tl::unexpected(read.error().front().message());

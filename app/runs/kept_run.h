@@ -15,10 +15,11 @@ namespace skein::app {
 /// The inputs of a run.
 struct KeepRequest {
   std::string directory;           ///< of all runs
-  std::string experiment;          ///< the file; empty: the paper's experiment, which is built in
+  std::string experiment;          ///< the file; empty: none has it
   std::vector<std::string> sets;   ///< --set
   std::vector<std::string> words;  ///< the command line
   bool real_time = false;
+  std::string text{};  ///< as it was written, where no file has it; empty: the paper's experiment, which is built in
 };
 
 /// The folder of a kept run, with all its inputs and outputs (docs/runs.md lists the files). Its run.json is written at

@@ -122,7 +122,9 @@ void ControlLoop::cycle(double now, int elapsed) {
 void ControlLoop::ask_controller() noexcept {
   input_.law = {};
   input_.logged = {};
-  const core::ControllerInput* const question = controller_ ? tick_.ask() : nullptr;
+  if (!controller_) return;
+  controller_->heed(tick_.record().events);
+  const core::ControllerInput* const question = tick_.ask();
   if (!question) return;
   controller_->ask(*question);
   input_.law = controller_->law();
@@ -219,10 +221,11 @@ std::size_t ControlLoop::most_events(const OperatorCommand& command) const noexc
       Overloaded{
           [&](const commands::Start&) {  // tells of everything that was changed before
             const std::size_t robots = experiment_.robots.size(), pairs = robots * (robots - 1) / 2;
-            return 4 * pairs + robots + experiment_.obstacles.size() + core::ObstacleField::room_for_more + 4;
+            return 4 * pairs + robots + most_parameters + experiment_.obstacles.size() +
+                   core::ObstacleField::room_for_more + 4;
           },
-          [](const one_of<commands::Pause, commands::Resume, commands::Stage, commands::PutObstacle,
-                          commands::Hold> auto&) { return std::size_t{1}; },
+          [](const one_of<commands::Pause, commands::Resume, commands::Stage, commands::PutObstacle, commands::Hold,
+                          commands::SetParameter> auto&) { return std::size_t{1}; },
           [](const one_of<commands::SetGain, commands::SetPairGain> auto&) { return std::size_t{2}; },
           [](const commands::Couple& couple) { return couple.on ? 2 * core::gain_names.size() + 1 : std::size_t{1}; },
       },

@@ -34,6 +34,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     if (!controller) return tl::unexpected(controller.error());
     i.controller = std::move(*controller);
   }
+  i.law_parameters = i.controller ? i.controller->parameters() : declared_parameters(experiment.controller.law);
   if (i.options.guard && i.clock.wall()) {
     const auto robots = real_robots(i.experiment);
     if (!robots) return tl::unexpected(robots.error());

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -68,6 +69,12 @@ class Session {
   /// Switches the coupling of two robots off or on: their gains go to zero and come back at the same rate, clamped at
   /// the limit of (18f, g) at that time.
   [[nodiscard]] Answer couple(std::size_t i, std::size_t j, bool on);
+
+  /// What the law declares, with the file's values and what it allows.
+  const std::vector<LawParameter>& law_parameters() const noexcept;
+  /// A new value of one of them, in force from the next tick on: a controller of the user's own gets it with its next
+  /// question. Refused with what is allowed.
+  [[nodiscard]] Answer set_parameter(std::string_view name, double value);
 
   /// The largest value that (18f, g) allow for this gain over the whole reference, with the others unchanged: for all
   /// pairs, or for one.

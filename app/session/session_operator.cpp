@@ -58,6 +58,22 @@ Session::Answer Session::couple(std::size_t i, std::size_t j, bool on) {
   return wiring_->ask(commands::Couple{i, j, on});
 }
 
+const std::vector<LawParameter>& Session::law_parameters() const noexcept {
+  return wiring_->law_parameters;
+}
+
+Session::Answer Session::set_parameter(std::string_view name, double value) {
+  const auto& declared = wiring_->law_parameters;
+  if (const std::string allowed = wrong_parameter(declared, name, value); !allowed.empty())
+    return tl::unexpected(fmt::format("parameter {}: found {}, allowed: {}", name, value, allowed));
+  if (!is_plain_name(name))
+    return tl::unexpected(
+        fmt::format("parameter {}: cannot be recorded, allowed: names of letters, digits and underscores", name));
+  const auto found =
+      std::find_if(declared.begin(), declared.end(), [&](const LawParameter& p) { return p.name == name; });
+  return wiring_->ask(commands::SetParameter{ParameterName(name), found->value, value});
+}
+
 double Session::gain(core::GainName name, std::size_t i, std::size_t j) const {
   return wiring_->loop->gain(name, i, j);
 }

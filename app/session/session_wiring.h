@@ -202,6 +202,7 @@ struct SessionWiring {
   std::vector<std::string> alarms;  // guarded by failure_mutex: what no net can tell
   std::unique_ptr<Plant> plant;
   std::unique_ptr<OwnController> controller;  // of a run that has one
+  std::vector<LawParameter> law_parameters;   // as the law declares them, with the file's values
   std::unique_ptr<ControlLoop> loop;
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
   std::jthread recorder_thread, supervisor_thread;

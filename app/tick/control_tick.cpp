@@ -90,6 +90,7 @@ TickSetup::TickSetup(const Experiment& e)
 TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core::ReferenceDemand& demand)
     : gains(first),
       couplings(e, gains, demand),
+      law_parameters(e.controller.law),
       obstacles(e.obstacles),
       avoidance(e.robots.size(), obstacles.all().size()),
       shield(e.robots.size(), obstacles.all().size() + e.robots.size()),
@@ -155,7 +156,7 @@ TickState::TickState(const Experiment& e)
   question.errors = errors;
   question.out = out;
   question.gains = &gains;
-  question.parameters = experiment.controller.law.parameters;
+  question.parameters = law_parameters.of_kind();
 }
 
 void ControlTick::go_on_from(const ControlTick& other) {
@@ -638,9 +639,11 @@ bool may_raise_v(const Event& event) noexcept {
             return true;
           },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
-                          Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound,
-                          events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) { return false; },
+                          Parameter, Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress,
+                          Outside, DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost,
+                          CameraFound, events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) {
+            return false;
+          },
       },
       event);
 }

@@ -66,6 +66,7 @@ void TickState::obey(const OperatorCommand& command, bool recorded) noexcept {
                  },
                  [&](const commands::SetGain& set) { couplings.set(set, ready, recorded, record.events); },
                  [&](const commands::SetPairGain& set) { couplings.set(set, ready, recorded, record.events); },
+                 [&](const commands::SetParameter& set) { law_parameters.set(set, record.events); },
                  [&](const commands::Couple& couple) { couplings.couple(couple, ready, recorded, record.events); },
              },
              command);
@@ -76,6 +77,7 @@ void TickState::start() noexcept {
   record.phase = Phase::running;
   forget_ways();
   couplings.note_changes_before_start(record.events);
+  law_parameters.note_changes_before_start(record.events);
   for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
     const core::Obstacle first = k < experiment.obstacles.size() ? experiment.obstacles[k] : core::Obstacle{};
     const bool told = record.events.contains<events::PutObstacle>(k);

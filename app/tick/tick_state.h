@@ -7,6 +7,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/tick/couplings.h"
+#include "app/tick/law_parameters.h"
 #include "app/tick/tick_input.h"
 #include "core/avoidance/avoidance.h"
 #include "core/avoidance/near_robots.h"
@@ -51,6 +52,7 @@ struct TickMemory {
   double stood_for = 0.0;     // at the starts, while staging [s]
   core::Gains gains;
   Couplings couplings;
+  LawParameters law_parameters;
   core::ObstacleField obstacles;
   core::Avoidance avoidance;
   core::Shield shield;

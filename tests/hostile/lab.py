@@ -161,7 +161,8 @@ class Lab:
         self.case = self.folder / f"case{self.cases}"
         (self.case / "state").mkdir(parents=True, mode=0o700)
         self.environment = {k: v for k, v in os.environ.items() if not k.startswith("XDG_")}
-        self.environment.update(XDG_STATE_HOME=str(self.case / "state"), XDG_CONFIG_HOME=str(self.case / "config"))
+        self.environment.update(XDG_STATE_HOME=str(self.case / "state"), XDG_CONFIG_HOME=str(self.case / "config"),
+                                XDG_DATA_HOME=str(self.case / "data"))
 
     def emulate(self, **words):
         robots = Robots(self.skein, self.case, **words)

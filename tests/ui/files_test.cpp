@@ -138,6 +138,7 @@ class Program : public Files {
     QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
     environment.insert(QStringLiteral("QT_QPA_PLATFORM"), QStringLiteral("offscreen"));
     environment.insert(QStringLiteral("XDG_CONFIG_HOME"), dir.path());
+    environment.insert(QStringLiteral("XDG_DATA_HOME"), dir.path());
     environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));  // Qt's are not ours
     process.setProcessEnvironment(environment);
     process.start(QString::fromStdString(skein::test::program()), words);

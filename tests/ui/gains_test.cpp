@@ -6,9 +6,11 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMenu>
+#include <QSlider>
 #include <QTabWidget>
 #include <QToolButton>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
 
 #include "operator.h"
@@ -138,6 +140,67 @@ TEST_F(Gains, FollowAScheduleThatWasMadeInTheWindow) {
   EXPECT_NEAR(record().k_xx, 0.002, 1e-12);
   EXPECT_NEAR(record().k_tt, 0.025, 1e-12);
   EXPECT_EQ(count(saved_events(), "schedule k_xx 0.008 -> 0.002"), 1);
+}
+
+TEST_F(Gains, OfAnotherLawAreTheParametersThatItDeclares) {
+  const auto experiment = app::parse_experiment(app::paper_experiment().source, "leader.toml",
+                                                {"controller.kind=\"leader_follower\"", "duration=60"});
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  start(*experiment);
+  EXPECT_FALSE(find("slider_k_xx")->isVisible()) << "it would change nothing";
+  ASSERT_TRUE(eventually([&] { return window.findChild<QSlider*>(QStringLiteral("slider_alpha_l")) != nullptr; }));
+  EXPECT_EQ(spin("spin_alpha_l"), 0.8);
+  set("spin_alpha_l", 1.5);
+  ASSERT_TRUE(eventually([&] { return live().parameters()[0].value == 1.5; }));
+
+  // Out of its range: refused in words, and the value in force is shown again.
+  find<QDoubleSpinBox>("spin_ahead")->setValue(7.0);
+  EXPECT_EQ(spin("spin_ahead"), 0.03);
+  EXPECT_TRUE(eventually([&] {
+    return find<QLabel>("alert")->text().contains(QStringLiteral("ahead: found 7, allowed: 0.005 to 0.5 m"));
+  }));
+
+  // By the keyboard, along the slider: to its end.
+  auto* slider = find<QSlider>("slider_ahead");
+  slider->setFocus();
+  QTest::keyClick(slider, Qt::Key_End);
+  ASSERT_TRUE(eventually([&] { return live().parameters()[2].value == 0.5; }));
+  EXPECT_EQ(spin("spin_ahead"), 0.5);
+  QTest::mouseClick(find<QToolButton>("undo_gain"), Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return live().parameters()[2].value == 0.03; }));
+  EXPECT_EQ(spin("spin_ahead"), 0.03);
+  const QStringList events = saved_events();
+  EXPECT_EQ(count(events, "parameter alpha_l 0.8 -> 1.5"), 1) << events.join(QLatin1Char('|')).toStdString();
+  EXPECT_EQ(count(events, "parameter ahead 0.03 -> 0.5"), 1);
+  EXPECT_EQ(count(events, "parameter ahead 0.5 -> 0.03"), 1);
+}
+
+TEST_F(Gains, OfAProcessAreTheParametersThatItDeclares) {
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
+    GTEST_SKIP() << "no python3";
+  const QTemporaryDir dir;
+  QFile law(dir.filePath(QStringLiteral("law.py")));
+  ASSERT_TRUE(law.open(QIODevice::WriteOnly));
+  law.write(
+      "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
+      "@skein.controller.law(speed=(0.0, 'm/s', 0.0, 0.1, 'forward speed'), anything=1.0)\n"
+      "def step(tick):\n"
+      "    for i in range(tick.robots):\n"
+      "        tick.v[i], tick.omega[i] = tick.parameters['speed'], 0.0\n"
+      "skein.controller.run(step)\n");
+  law.close();
+  const auto experiment = app::parse_experiment(
+      app::paper_experiment().source, "own.toml",
+      {"controller.command=\"python3 '" + law.fileName().toStdString() + "'\"", "controller.deadline=0.02"});
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  start(*experiment);
+  ASSERT_TRUE(eventually([&] { return window.findChild<QSlider*>(QStringLiteral("slider_speed")) != nullptr; }));
+  EXPECT_EQ(window.findChild<QSlider*>(QStringLiteral("slider_anything")), nullptr) << "it has no range";
+  EXPECT_EQ(spin("spin_anything"), 1.0);
+  ASSERT_TRUE(eventually([&] { return record().robots[0].law.v == 0.0; }));
+  set("spin_speed", 0.05);
+  ASSERT_TRUE(eventually([&] { return record().robots[0].law.v == 0.05; }));
+  EXPECT_EQ(live().parameters()[0].value, 0.05);
 }
 
 TEST_F(Gains, AreSetPairByPairAndHeldAtTheLimit) {

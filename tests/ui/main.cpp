@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "tests/places.h"
+#include "ui/base/settings.h"
 #include "ui/window.h"
 
 int main(int argc, char** argv) {
@@ -22,7 +23,9 @@ int main(int argc, char** argv) {
   QApplication application(argc, argv);
   const QTemporaryDir settings;
   qputenv("XDG_STATE_HOME", settings.path().toUtf8());  // markers of runs
+  qputenv("XDG_DATA_HOME", settings.path().toUtf8());   // kept runs
   QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
+  skein::ui::settings().setValue(QStringLiteral("keep_runs"), false);  // but where a test asks for it
   skein::ui::prepare(application);
   return RUN_ALL_TESTS();
 }

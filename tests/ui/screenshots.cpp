@@ -11,6 +11,7 @@
 
 #include "app/experiment/experiment_file.h"
 #include "ui/arena/arena_view.h"
+#include "ui/base/settings.h"
 #include "ui/main/main_window.h"
 #include "ui/main/preview_controller.h"
 #include "ui/window.h"
@@ -89,6 +90,7 @@ int main(int argc, char** argv) {
   QApplication application(argc, argv);
   const QTemporaryDir settings;  // the user's own are none of this program's business
   QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
+  skein::ui::settings().setValue(QStringLiteral("keep_runs"), false);
   skein::ui::prepare(application);
   const QStringList words = QApplication::arguments();
   if (words.size() < 2) {

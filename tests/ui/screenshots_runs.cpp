@@ -19,6 +19,7 @@
 #include "app/session/session.h"
 #include "shown_board.h"
 #include "ui/arena/arena_view.h"
+#include "ui/base/settings.h"
 #include "ui/calibration/calibration_dialog.h"
 #include "ui/editor/experiment_editor.h"
 #include "ui/main/main_window.h"
@@ -114,6 +115,7 @@ int main(int argc, char** argv) {
   QApplication application(argc, argv);
   const QTemporaryDir settings;  // the user's own are none of this program's business
   QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
+  skein::ui::settings().setValue(QStringLiteral("keep_runs"), false);
   skein::ui::prepare(application);
   const QStringList words = QApplication::arguments();
   if (words.size() == 2) return skein::ui::take(QDir(words[1]));

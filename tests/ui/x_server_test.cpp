@@ -39,6 +39,7 @@ class XServer : public ::testing::Test {
     environment.insert(QStringLiteral("DISPLAY"), display);
     environment.insert(QStringLiteral("QT_QPA_PLATFORM"), QStringLiteral("xcb"));
     environment.insert(QStringLiteral("XDG_CONFIG_HOME"), directory.path());
+    environment.insert(QStringLiteral("XDG_DATA_HOME"), directory.path());
     environment.remove(QStringLiteral("WAYLAND_DISPLAY"));
     // Under the AddressSanitizer: what libdbus and Qt's X11 plugin keep to the end is not what is tested here.
     environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));

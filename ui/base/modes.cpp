@@ -82,8 +82,8 @@ Severity severity(const app::Event& event) {
             return Severity::warning;
           },
           [](const one_of<Found, Obeys, CameraFound> auto&) { return Severity::good; },
-          [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Couple, Uncouple, Schedule,
-                          Pause, Resume> auto&) { return Severity::notice; },
+          [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Parameter, Couple, Uncouple,
+                          Schedule, Pause, Resume> auto&) { return Severity::notice; },
           [](const one_of<app::events::Stage, Staged, Deadlock, Avoid, Clear> auto&) { return Severity::note; },
       },
       event);

@@ -112,6 +112,10 @@ QString sentence(const app::Event& event) {
                         : tr("The link of robot %1 is lost: it was told to stop"))
                 .arg(e.robot + 1);
           },
+          [&](const Parameter& e) {
+            return tr("%1 of the law goes from %2 to %3")
+                .arg(QString::fromUtf8(e.name.text().data()), number(e.from), number(e.to));
+          },
           [&](const Perturb& e) { return tr("Robot %1 was moved by the experiment").arg(e.robot + 1); },
           [&](const Move& e) { return tr("Robot %1 was moved by hand").arg(e.robot + 1); },
           [&](const Kidnap& e) {

@@ -21,6 +21,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/session/session.h"
 #include "ui/arena/arena_view.h"
+#include "ui/base/settings.h"
 #include "ui/bench/bench_display.h"
 #include "ui/main/main_window.h"
 #include "ui/plots/plots_panel.h"
@@ -301,9 +302,10 @@ int measure_memory(double hours) {
 int bench_window(int& argc, char** argv, double how_long, double hours) {
   const BenchDisplay display;
   TimedApplication application(argc, argv);
-  const QTemporaryDir settings;  // the user's own stay as they are
-  if (!settings.isValid()) return status_device_failed;
-  QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
+  const QTemporaryDir own;  // the user's settings stay as they are
+  if (!own.isValid()) return status_device_failed;
+  QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, own.path());
+  settings().setValue(QStringLiteral("keep_runs"), false);
   prepare(application);
   if (hours > 0.0) return measure_memory(hours);
 

@@ -48,6 +48,7 @@ class GainSlider final : public QWidget {
   void follow_target(double value);
   void set_target(double value);  ///< the same, at once
   double target() const { return spin_->value(); }
+  QWidget* first_control() const { return slider_; }
 
  signals:
   void wanted(skein::core::GainName gain, double value);

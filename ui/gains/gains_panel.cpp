@@ -41,6 +41,7 @@ GainsPanel::GainsPanel(QWidget* parent)
       reset_(new QPushButton(tr("File's values"), this)),
       coupling_(new QComboBox(this)),
       ramp_(new QDoubleSpinBox(this)),
+      parameters_(new ParameterPanel(this)),
       tabs_(new QTabWidget(this)),
       margins_(new MarginBars),
       delay_(new QLabel),
@@ -60,6 +61,11 @@ GainsPanel::GainsPanel(QWidget* parent)
     controls_.push_back(slider);
     layout->addWidget(slider);
   }
+
+  of_gains_.assign(sliders_.begin(), sliders_.end());
+  layout->addWidget(parameters_);
+  connect(parameters_, &ParameterPanel::wanted, this, &GainsPanel::change_parameter);
+  connect(parameters_, &ParameterPanel::refused, this, &GainsPanel::refused);
 
   auto* row = new QHBoxLayout;
   row->setSpacing(4);
@@ -98,7 +104,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   ramp_->setToolTip(
       tr("During a run a gain goes to its new value along a ramp of this length. Never faster than from zero to full "
          "authority in 5 s: Theorem 1 requires continuous gains. Before a start it changes at once."));
-  over->addWidget(new QLabel(tr("Change within"), this));
+  of_gains_.push_back(new QLabel(tr("Change within"), this));
+  over->addWidget(of_gains_.back());
   over->addWidget(ramp_, 1);
   layout->addLayout(over);
 
@@ -117,7 +124,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   form->addWidget(label);
   form->addWidget(coupling_, 1);
   layout->addLayout(form);
-  controls_.insert(controls_.end(), {presets_, reset_, ramp_});
+  controls_.insert(controls_.end(), {presets_, reset_, ramp_, parameters_});
+  of_gains_.insert(of_gains_.end(), {presets_, reset_, ramp_, label, coupling_, tabs_});
 
   auto* scroll = new QScrollArea(this);  // for groups of many robots
   scroll->setFrameShape(QFrame::NoFrame);
@@ -148,6 +156,7 @@ GainsPanel::GainsPanel(QWidget* parent)
   tabs_->setTabToolTip(1, tr("The gains of every pair of robots; couplings that are switched off"));
   tabs_->setTabToolTip(2, tr("Gains that change by themselves during the run"));
   layout->addWidget(tabs_, 1);
+  layout->addStretch();
   connect(pairs_, &PairTable::gain_wanted, this, &GainsPanel::change_pair);
   connect(pairs_, &PairTable::couple_wanted, this, &GainsPanel::couple_pair);
   connect(schedule_, &ScheduleEditor::wanted, this,
@@ -162,7 +171,13 @@ void GainsPanel::show_experiment(const app::Experiment& experiment, const GainVa
     slider(gain)->reset(value, limit(gain));
     targets_[static_cast<std::size_t>(gain)] = value;
   }
-  setEnabled(experiment.robots.size() > 1);  // one robot alone has nobody to couple to
+  const app::LawSpec& law = experiment.controller.law;
+  for (QWidget* part : of_gains_) part->setVisible(law.uses_gains());
+  parameters_->setVisible(!law.of_the_paper());
+  parameters_->clear(law.own()
+                         ? tr("The experiment's controller has declared no parameters.")
+                         : tr("The law %1 has no parameters to change.").arg(QString::fromUtf8(word(law.kind).data())));
+  setEnabled(experiment.robots.size() > 1 || !law.uses_gains());  // one robot alone has nobody to couple to
   coupling_->setCurrentIndex(experiment.controller.coupling == core::Coupling::paper ? 0 : 1);
   margins_->show_experiment(experiment);
   pairs_->show_robots(experiment.robots.size());
@@ -241,6 +256,18 @@ void GainsPanel::change_pair(core::GainName gain, int i, int j, double value) {
 void GainsPanel::couple_pair(int i, int j, bool on) {
   const QString what = tr("coupling of %1 and %2").arg(i + 1).arg(j + 1);
   undo_.push(new Changed<bool>(what, !on, on, [this, i, j](bool to) { emit couple_wanted(i, j, to); }));
+}
+
+void GainsPanel::change_parameter(const QString& name, double from, double to) {
+  undo_.push(new Changed<double>(tr("%1 to %2").arg(name).arg(to, 0, 'g', 4), from, to, [this, name](double value) {
+    parameters_->set(name, value);
+    emit parameter_wanted(name, value);
+  }));
+}
+
+QWidget* GainsPanel::first_control() const {
+  if (experiment_.controller.law.uses_gains()) return slider(core::GainName::k_xx)->first_control();
+  return parameters_->first_control();
 }
 
 void GainsPanel::switch_pair(int i, int j) {

@@ -17,11 +17,13 @@
 #include "ui/gains/gain_slider.h"
 #include "ui/gains/margin_bars.h"
 #include "ui/gains/pair_table.h"
+#include "ui/gains/parameter_panel.h"
 #include "ui/gains/schedule_editor.h"
 
 namespace skein::ui {
 
-/// The three coupling gains, their schedule, and the margins for tracking. Every change can be undone.
+/// The three coupling gains, their schedule, and the margins for tracking; of another law, the parameters that it
+/// declares. Every change can be undone.
 class GainsPanel final : public QWidget {
   Q_OBJECT
 
@@ -39,6 +41,10 @@ class GainsPanel final : public QWidget {
   /// How the pairs are asked for: now and whenever one of them is changed.
   void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
   void refresh_pairs();
+  /// What the law declares, with the values in force.
+  void follow_parameters(const std::vector<app::LawParameter>& all) { parameters_->show_parameters(all); }
+  /// To go to: the first slider of those that have an effect; null: there is none.
+  QWidget* first_control() const;
   /// Toggles the coupling of two robots.
   void switch_pair(int i, int j);
   /// Disables changes, with the reason; the values remain readable; empty: enables them.
@@ -57,6 +63,7 @@ class GainsPanel final : public QWidget {
   void let_go();
   void pair_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
+  void parameter_wanted(const QString& name, double value);
   /// "key=value" of the experiment file, to be set up again with.
   void experiment_wanted(const QString& set);
 
@@ -65,6 +72,7 @@ class GainsPanel final : public QWidget {
   void change(core::GainName gain, double value);
   void change_pair(core::GainName gain, int i, int j, double value);
   void couple_pair(int i, int j, bool on);
+  void change_parameter(const QString& name, double from, double to);
   void use(const GainPreset& preset);
   void fill_presets();
   void keep_as_preset();
@@ -78,6 +86,8 @@ class GainsPanel final : public QWidget {
   QComboBox* coupling_;
   QDoubleSpinBox* ramp_;
   std::vector<QWidget*> controls_;  // what changes something
+  std::vector<QWidget*> of_gains_;  // what is of no use where the gains have no effect
+  ParameterPanel* parameters_;
   QTabWidget* tabs_;
   MarginBars* margins_;
   QLabel* delay_;

@@ -323,6 +323,12 @@ void MainWindow::build_run_menu(QMenu* run) {
   run->addSeparator();
   add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
       [this] { record(!recording_->records()); });
+  QAction* keep =
+      add_toggle(run, tr("&Keep runs"), QStringLiteral("keep_runs"), [this](bool on) { recording_->keep(on); });
+  keep->setChecked(recording_->keeps());
+  keep->setToolTip(
+      tr("Every run that begins from now on has a folder of its own, with everything that it needs to be "
+         "repeated: `skein runs list` finds it"));
   run->addSeparator();
   // The keys stand in the text only: StopGuard takes them before any shortcut could.
   add(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
@@ -362,8 +368,7 @@ void MainWindow::build_view_menu(QMenu* view) {
     add(go, text, QLatin1String(name), QKeySequence(QStringLiteral("Ctrl+%1").arg(number)), slot);
   };
   place(tr("&Arena"), "go_to_arena", 1, [this] { arena_->setFocus(Qt::ShortcutFocusReason); });
-  place(tr("&Gains"), "go_to_gains", 2,
-        [this] { go_to(gains_dock_, gains_->findChild<QWidget*>(QStringLiteral("slider_k_xx"))); });
+  place(tr("&Gains"), "go_to_gains", 2, [this] { go_to(gains_dock_, gains_->first_control()); });
   place(tr("&Plots"), "go_to_plots", 3,
         [this] { go_to(plots_dock_, plots_->findChild<QWidget*>(QStringLiteral("plot"))); });
   place(tr("&Robots"), "go_to_robots", 4, [this] { go_to(robots_dock_, robots_); });
@@ -427,6 +432,7 @@ void MainWindow::connect_panels() {
     open(experiment, true);
   });
   connect(recording_, &RecordingController::saved, this, &MainWindow::saved);
+  connect(recording_, &RecordingController::keeping, results_, &ResultPanel::show_kept);
   connect(calibration_, &CalibrationController::session_ends, this, &MainWindow::let_go_of_session);
 }
 
@@ -508,6 +514,8 @@ void MainWindow::show_run() {
   run_bar_->time_line()->set_scrubbable(run.is_complete(), run.rows());
   arena_->show_experiment(experiment);
   gains_->show_experiment(experiment, [&run](core::GainName gain) { return run.gain_limit(gain); });
+  gains_dock_->setWindowTitle(experiment.controller.law.uses_gains() ? tr("Coupling gains")
+                                                                     : tr("Parameters of the law"));
   plots_->show_experiment(experiment);
   if (run.is_complete()) plots_->set_span(0.0);
   results_->show_experiment(experiment);
@@ -590,7 +598,8 @@ void MainWindow::show_state() {
 
   const QString fixed = run.why_fixed();
   const bool there = run.is_open() || run.is_busy();
-  gains_->setEnabled((there || run.is_complete()) && run.experiment().robots.size() > 1);
+  gains_->setEnabled((there || run.is_complete()) &&
+                     (run.experiment().robots.size() > 1 || !run.experiment().controller.law.uses_gains()));
   gains_->set_fixed(fixed);
   gains_->set_before_start(run.is_open() && phase == app::Phase::ready);
   robot_buttons_->setEnabled(fixed.isEmpty());

@@ -36,6 +36,9 @@ PairController::PairController(Runs& runs, const Messages& messages, GainsPanel*
   connect(gains_, &GainsPanel::couple_wanted, this, [this, &messages](int i, int j, bool on) {
     messages.tell(runs_.shown().couple(static_cast<std::size_t>(i), static_cast<std::size_t>(j), on));
   });
+  connect(gains_, &GainsPanel::parameter_wanted, this, [this, &messages](const QString& name, double value) {
+    messages.tell(runs_.shown().set_parameter(name.toStdString(), value));
+  });
   connect(gains_, &GainsPanel::refused, this,
           [&messages](const QString& why) { messages.say(why, Severity::warning); });
   connect(arena_, &ArenaView::coupling_clicked, gains_, &GainsPanel::switch_pair);
@@ -46,6 +49,7 @@ void PairController::refresh() {
   gains_->set_limits([&run](core::GainName gain) { return run.gain_limit(gain); },
                      [&run](core::GainName gain) { return run.gain_limit_now(gain); });
   gains_->follow_targets([&run](core::GainName gain) { return largest_target(run, gain); });
+  gains_->follow_parameters(run.parameters());
   gains_->refresh_pairs();
   show_couplings();
 }

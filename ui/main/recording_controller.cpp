@@ -1,5 +1,6 @@
 #include "ui/main/recording_controller.h"
 
+#include <QCoreApplication>
 #include <QDateTime>
 #include <QDir>
 #include <QFile>
@@ -7,14 +8,30 @@
 #include <QStandardPaths>
 #include <chrono>
 
+#include "app/runs/run_folder.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
 
 namespace skein::ui {
+namespace {
+
+const QString keep_key = QStringLiteral("keep_runs");
+
+}  // namespace
 
 RecordingController::RecordingController(LiveRun& live, const Messages& messages, QObject* parent)
-    : QObject(parent), live_(live), messages_(messages) {
+    : QObject(parent), live_(live), messages_(messages), keeps_(settings().value(keep_key, true).toBool()) {
   connect(&live_, &LiveRun::starting, this, &RecordingController::record_if_wanted);
+  connect(&live_, &LiveRun::starting, this, &RecordingController::keep_if_wanted);
+  connect(&live_, &LiveRun::kept, this, [this](const QString& folder, const QString& problem) {
+    if (problem.isEmpty())
+      messages_.note(tr("kept in %1").arg(folder), Severity::good);
+    else
+      messages_.note(tr("kept in %1, but incomplete: %2").arg(folder, problem), Severity::warning);
+  });
+  connect(&live_, &LiveRun::keeping_failed, this, [this](const QString& problem) {
+    messages_.note(tr("the kept record of this run ends here, the run goes on: %1").arg(problem), Severity::alarm);
+  });
   connect(&live_, &LiveRun::recorded, this, [this](const QString& file, const QString& problem) {
     if (problem.isEmpty())
       messages_.note(tr("recorded %1").arg(file), Severity::good);
@@ -24,6 +41,26 @@ RecordingController::RecordingController(LiveRun& live, const Messages& messages
   connect(&live_, &LiveRun::film_failed, this, [this](const QString& problem) {
     messages_.note(tr("the film of this run ends here, the run goes on: %1").arg(problem), Severity::alarm);
   });
+}
+
+void RecordingController::keep(bool on) {
+  keeps_ = on;
+  settings().setValue(keep_key, on);
+}
+
+void RecordingController::keep_if_wanted() {
+  if (!keeps_ || live_.keeps()) return;
+  const app::Experiment& experiment = live_.experiment();
+  app::KeepRequest request;
+  request.directory = app::runs_directory({});
+  if (QFile::exists(live_.file())) request.experiment = live_.file().toStdString();
+  request.text = experiment.source;
+  for (const QString& word : QCoreApplication::arguments()) request.words.push_back(word.toStdString());
+  request.real_time = true;
+  const QString problem = live_.keep(request);
+  if (!problem.isEmpty()) return messages_.note(tr("this run is not kept: %1").arg(problem), Severity::alarm);
+  messages_.note(tr("this run is kept in %1").arg(live_.kept_folder()), Severity::note);
+  emit keeping(live_.kept_folder());
 }
 
 QString RecordingController::directory() {

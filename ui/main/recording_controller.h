@@ -17,6 +17,8 @@ class RecordingController final : public QObject {
 
   bool records() const { return records_; }  ///< this run and those that follow
   void record(bool on);
+  bool keeps() const { return keeps_; }  ///< every run from the next on, in a folder of its own, where it is not off
+  void keep(bool on);                    ///< remembered
   /// Records this run to the file live, including its beginning, and later runs to files beside it.
   void record_to(const QString& file);
   /// Where the film of a run of this experiment goes, if runs are recorded; empty: there is none.
@@ -32,9 +34,11 @@ class RecordingController final : public QObject {
 
  signals:
   void saved(const QString& file, const QString& problem);  ///< no problem: empty
+  void keeping(const QString& folder);                      ///< this run
 
  private:
   void record_if_wanted();
+  void keep_if_wanted();
 
   LiveRun& live_;
   const Messages& messages_;
@@ -44,6 +48,7 @@ class RecordingController final : public QObject {
   };
   std::optional<Saving> saving_;
   bool records_ = false;
+  bool keeps_;
 };
 
 }  // namespace skein::ui

@@ -102,6 +102,7 @@ ResultPanel::ResultPanel(QWidget* parent)
 void ResultPanel::show_experiment(const app::Experiment& experiment) {
   name_ = QString::fromStdString(experiment.name);
   results_ = std::make_unique<RunResults>(experiment);
+  kept_.clear();
   dirty_ = true;
   refresh();
 }
@@ -123,6 +124,11 @@ void ResultPanel::refresh() {
   dirty_ = false;
   show_kicks();
   show_rest();
+}
+
+void ResultPanel::show_kept(const QString& folder) {
+  kept_ = folder;
+  dirty_ = true;
 }
 
 void ResultPanel::show_kicks() {
@@ -161,6 +167,7 @@ void ResultPanel::show_rest() {
   else
     lines << tr("Whole run: closest pair %1, largest error %2")
                  .arg(centimetres(results_->closest()), centimetres(results_->largest()));
+  if (!kept_.isEmpty()) lines << tr("Kept in %1").arg(kept_.toHtmlEscaped());
   for (const Beside& other : others_) lines << tr("Beside %1: %2").arg(other.letter, other.name.toHtmlEscaped());
   for (const RunResults::Expectation& expected : results_->expectations()) {
     if (!results_->is_over()) {

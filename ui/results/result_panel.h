@@ -26,6 +26,7 @@ class ResultPanel final : public QWidget {
     std::shared_ptr<const RunResults> results;
   };
   void compare(std::vector<Beside> others);  ///< none: the comparison is over
+  void show_kept(const QString& folder);     ///< where this run is kept
   void refresh();                            ///< at intervals; costs nothing while hidden
   const RunResults* results() const { return results_ ? &*results_ : nullptr; }
   QSize sizeHint() const override { return {300, 140}; }
@@ -44,6 +45,7 @@ class ResultPanel final : public QWidget {
   void copy(const QString& text);
 
   QString name_;
+  QString kept_;  // empty: nowhere
   std::unique_ptr<RunResults> results_;
   std::vector<Beside> others_;
   QTableWidget* table_;

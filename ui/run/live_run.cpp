@@ -13,6 +13,7 @@ namespace {
 constexpr int frame_ms = 32;         // the screen's pace: faster than the eye minds, far slower than the machine can
 constexpr int polls_per_status = 8;  // links change slowly, and asking for them makes strings
 constexpr int rest_ms = 500;         // after the end of a run its last row has reached the recorder
+constexpr int stand_ms = 3000;       // by then its robots have had a fair chance to acknowledge their stop
 
 /// A recording whose session is gone. There is nobody left to tell but the terminal.
 void complete(app::CsvRecorder* recorder) {
@@ -39,6 +40,7 @@ LiveRun::~LiveRun() {
 void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const QString& video) {
   if (is_busy()) return;
   stop();
+  const app::Phase end = how_it_ends();
   experiment_ = experiment;
   start_at_once_ = start_at_once;
   stop_asked_ = false;
@@ -46,6 +48,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   latest_.reset();
   robots_.clear();
   held_.clear();
+  parameters_ = app::declared_parameters(experiment.controller.law);
   failure_.reset();
   film_is_broken_ = false;
   camera_down_.clear();
@@ -56,22 +59,30 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   options.pictures = experiment.camera.kind() != app::CameraKind::absent;
   options.guard = true;
   options.await_camera = true;
+  std::promise<app::SessionFacts> facts;
+  if (session_ && keeps()) finish_keeping(facts.get_future());
   const auto last_recorder = std::exchange(recorder_, std::make_shared<app::CsvRecorder>());
+  const auto last_keeper = std::exchange(keeper_, std::make_shared<app::RunKeeper>());
+  keeper_ends_ = told_of_keeper_ = false;
   record_file_.clear();
-  options.sinks = {recorder_.get()};
+  options.sinks = {recorder_.get(), keeper_.get()};
   options.video = video.toStdString();
-  changing_ = std::async(std::launch::async,
-                         [old = std::move(session_), last_recorder, experiment, options,
-                          recorder = recorder_]() mutable -> std::optional<Opened> {
-                           if (old) old->close();
-                           complete(last_recorder.get());
-                           old.reset();  // before the new one: both want the same camera and robots
-                           try {
-                             return app::Session::open(experiment, app::Session::Clock::wall, options);
-                           } catch (const std::exception& error) {
-                             return tl::unexpected(std::string(error.what()));
-                           }
-                         });
+  changing_ =
+      std::async(std::launch::async,
+                 [old = std::move(session_), last_recorder, last_keeper, facts = std::move(facts), end, experiment,
+                  options, recorder = recorder_, keeper = keeper_]() mutable -> std::optional<Opened> {
+                   if (old) {
+                     old->close();
+                     facts.set_value(app::facts_of(*old, end));
+                   }
+                   complete(last_recorder.get());
+                   old.reset();  // before the new one: both want the same camera and robots
+                   try {
+                     return app::Session::open(experiment, app::Session::Clock::wall, options);
+                   } catch (const std::exception& error) {
+                     return tl::unexpected(std::string(error.what()));
+                   }
+                 });
 }
 
 void LiveRun::close() {
@@ -82,14 +93,21 @@ void LiveRun::close() {
 void LiveRun::end() {
   stop();
   if (is_busy()) return;  // `settle` goes on from there
+  std::promise<app::SessionFacts> facts;
+  if (session_ && keeps()) finish_keeping(facts.get_future());
+  const app::Phase end = how_it_ends();
   latest_.reset();
   robots_.clear();
   held_.clear();
   record_file_.clear();
   history_.clear();
   changing_ = std::async(std::launch::async,
-                         [old = std::move(session_), recorder = recorder_]() mutable -> std::optional<Opened> {
-                           if (old) old->close();
+                         [old = std::move(session_), facts = std::move(facts), end, recorder = recorder_,
+                          keeper = keeper_]() mutable -> std::optional<Opened> {
+                           if (old) {
+                             old->close();
+                             facts.set_value(app::facts_of(*old, end));
+                           }
                            complete(recorder.get());
                            old.reset();
                            return std::nullopt;
@@ -103,6 +121,14 @@ QString LiveRun::close_now() {
   if (!session_) return {};
   session_->close();
   take_robots();
+  if (keeps()) {
+    std::promise<app::SessionFacts> facts;
+    facts.set_value(app::facts_of(*session_, how_it_ends()));
+    finish_keeping(facts.get_future());
+  }
+  for (Keeping& one : keepings_)
+    if (const QString problem = one.problem.get(); !problem.isEmpty()) app::complain(problem.toStdString());
+  keepings_.clear();
   return record_file_.isEmpty() ? QString() : record_to({});
 }
 
@@ -122,6 +148,7 @@ void LiveRun::settle() {
     return;
   }
   session_ = std::move(result->value());
+  parameters_ = session_->law_parameters();
   if (close_asked_) {
     close();
     return;
@@ -146,6 +173,7 @@ void LiveRun::poll() {
     session_->drain([this](const app::TickRecord& record) {
       latest_ = record;
       note_holds(record, held_);
+      note_parameters(record, parameters_);
       history_.add(record);
       emit row_added(record);
       emit record_shown(record);
@@ -162,18 +190,48 @@ void LiveRun::poll() {
       emit rows_missed(static_cast<int>(missed - rows_missed_));
       rows_missed_ = missed;
     }
-    finish_recording();
+    finish_files();
   }
+  tell_of_kept();
   emit frame();
 }
 
-void LiveRun::finish_recording() {
-  const bool over = phase() == app::Phase::stopped || phase() == app::Phase::finished;
-  if (!over || record_file_.isEmpty()) return since_over_.invalidate();
+void LiveRun::finish_files() {
+  if (const std::string why = keeper_->problem(); !why.empty() && !std::exchange(told_of_keeper_, true))
+    emit keeping_failed(QString::fromStdString(why));
+  if (!is_over()) return since_over_.invalidate();
   if (!since_over_.isValid()) since_over_.start();
   if (!since_over_.hasExpired(rest_ms)) return;
+  if (keeps() && (may_be_driving().empty() || since_over_.hasExpired(stand_ms))) {
+    std::promise<app::SessionFacts> facts;
+    facts.set_value(app::facts_of(*session_, phase()));
+    finish_keeping(facts.get_future());
+  }
+  if (record_file_.isEmpty()) return;
   const QString file = record_file_;
   emit recorded(file, record_to({}));
+}
+
+/// Aside: figures and hashes take seconds. The facts come when the session knows them.
+void LiveRun::finish_keeping(std::future<app::SessionFacts> facts) {
+  keeper_ends_ = true;
+  const QString folder = kept_folder();
+  keepings_.push_back({folder, std::async(std::launch::async, [keeper = keeper_, facts = std::move(facts)]() mutable {
+                         try {
+                           const auto ended = keeper->end(facts.get());
+                           return ended ? QString() : QString::fromStdString(ended.error());
+                         } catch (const std::exception& error) {
+                           return QString::fromStdString(error.what());
+                         }
+                       })});
+}
+
+void LiveRun::tell_of_kept() {
+  std::erase_if(keepings_, [&](Keeping& one) {
+    if (one.problem.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+    emit kept(one.folder, one.problem.get());
+    return true;
+  });
 }
 
 void LiveRun::take_robots() {
@@ -192,6 +250,7 @@ RunSource::Done LiveRun::start() {
 }
 
 RunSource::Done LiveRun::stage() {
+  if (session_ && phase() == app::Phase::ready) emit starting();  // the way to the starts belongs to the run
   return post([](app::Session& session) { return session.stage(); });
 }
 
@@ -266,12 +325,23 @@ QString LiveRun::record_to(const QString& file) {
   }
 }
 
+QString LiveRun::keep(const app::KeepRequest& request) {
+  if (!keeper_) return tr("No session is open.");
+  if (keeps()) return {};
+  const auto begun = keeper_->begin(request, experiment_);
+  return begun ? QString() : QString::fromStdString(begun.error());
+}
+
 RunSource::Done LiveRun::set_gain(core::GainName name, double value, double seconds) {
   return post([&](app::Session& session) { return session.set_gain(name, value, seconds); });
 }
 
 RunSource::Done LiveRun::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
   return post([&](app::Session& session) { return session.set_gain(name, i, j, value, seconds); });
+}
+
+RunSource::Done LiveRun::set_parameter(const std::string& name, double value) {
+  return post([&](app::Session& session) { return session.set_parameter(name, value); });
 }
 
 RunSource::Done LiveRun::couple(std::size_t i, std::size_t j, bool on) {

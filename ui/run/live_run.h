@@ -9,6 +9,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/record/csv_file.h"
+#include "app/runs/run_keeper.h"
 #include "app/session/session.h"
 #include "ui/run/run_source.h"
 
@@ -84,12 +85,19 @@ class LiveRun final : public RunSource {
   /// Writes this run, what was before included, to a CSV as it goes; no file: ends that. The answer says what went
   /// wrong; empty: nothing.
   QString record_to(const QString& file);
+  /// Keeps the run that is about to start in a folder of its own; `kept` follows when it is over. The answer as of
+  /// record_to.
+  QString keep(const app::KeepRequest& request);
+  bool keeps() const { return keeper_ && keeper_->keeps() && !keeper_ends_; }
+  QString kept_folder() const { return keeper_ ? QString::fromStdString(keeper_->folder()) : QString(); }
   QString record_file() const { return record_file_; }  ///< empty: nothing is recorded
   /// The next run will be recorded; for what `state` says of it.
   void set_records_next(bool on) { records_next_ = on; }
 
   Done set_gain(core::GainName name, double value, double seconds = 0.0) override;
   Done set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds = 0.0) override;
+  const std::vector<app::LawParameter>& parameters() const override { return parameters_; }
+  Done set_parameter(const std::string& name, double value) override;
   Done couple(std::size_t i, std::size_t j, bool on) override;
   bool coupled(std::size_t i, std::size_t j) const override { return !session_ || session_->coupled(i, j); }
   double gain(core::GainName name, std::size_t i, std::size_t j) const override;
@@ -125,6 +133,8 @@ class LiveRun final : public RunSource {
   void starting();                   ///< the first row of a run is about to come
   void rows_missed(int rows);        ///< by this thread, which was away for too long; the record has them
   void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
+  void kept(const QString& folder, const QString& problem);    ///< the same of a run's folder
+  void keeping_failed(const QString& problem);  ///< nothing more of this run reaches its folder; the run goes on
 
  private:
   using Opened = tl::expected<std::unique_ptr<app::Session>, std::string>;
@@ -132,7 +142,10 @@ class LiveRun final : public RunSource {
   void poll();
   void settle();  // takes what the thread aside has brought
   void take_robots();
-  void finish_recording();
+  void finish_files();
+  void finish_keeping(std::future<app::SessionFacts> facts);
+  void tell_of_kept();
+  app::Phase how_it_ends() const { return is_over() ? phase() : app::Phase::stopped; }
   bool is_opening() const { return session_ ? !latest_ : is_busy(); }
   bool has_failed() const { return !session_ && !is_busy(); }
   bool is_over() const { return phase() == app::Phase::stopped || phase() == app::Phase::finished; }
@@ -143,6 +156,7 @@ class LiveRun final : public RunSource {
   app::Experiment experiment_;
   QString file_;
   std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: it goes after it
+  std::shared_ptr<app::RunKeeper> keeper_;      // the same
   std::unique_ptr<app::Session> session_;
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
   bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false, film_is_broken_ = false;
@@ -153,9 +167,16 @@ class LiveRun final : public RunSource {
   std::optional<app::TickRecord> latest_;
   std::vector<app::RobotStatus> robots_;
   std::set<int> held_;
+  std::vector<app::LawParameter> parameters_;
   std::string camera_down_;
   std::optional<QString> failure_;
   RunHistory history_;
+  struct Keeping {
+    QString folder;
+    std::future<QString> problem;
+  };
+  std::vector<Keeping> keepings_;  // that are being completed
+  bool keeper_ends_ = false, told_of_keeper_ = false;
   bool records_next_ = false;
   std::uint64_t rows_missed_ = 0;  // of this session
   QTimer timer_;

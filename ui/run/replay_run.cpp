@@ -30,6 +30,7 @@ void ReplayRun::load(Recording run) {
   links_.clear();
   t_ = run_ ? first_time() : 0.0;
   if (!run_) return;
+  parameters_ = app::declared_parameters(experiment().controller.law);
   demand_ = app::make_reference(experiment())->demand(experiment().controller.k_y);
   links_.resize(experiment().robots.size());
   for (app::RobotStatus& link : links_) {
@@ -162,6 +163,7 @@ void ReplayRun::advance() {
 
 void ReplayRun::note_changes(const app::TickRecord& of) {
   note_holds(of, held_);
+  note_parameters(of, parameters_);
   for (const app::Event& event : of.events) {
     if (const auto* const off = std::get_if<app::events::Uncouple>(&event))
       uncoupled_.insert({std::min(off->i, off->j), std::max(off->i, off->j)});
@@ -192,6 +194,7 @@ bool ReplayRun::seek(double t) {
   next_ = std::min(end - 1, rows_until(*run_, t_ - memory));
   uncoupled_.clear();
   held_.clear();
+  parameters_ = app::declared_parameters(experiment().controller.law);
   for (std::size_t k = 0; k < next_; ++k) note_changes(run_->rows[k]);
   show_until(end);
   emit changed();

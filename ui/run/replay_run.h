@@ -73,6 +73,8 @@ class ReplayRun final : public RunSource {
   bool seek(double t) override;
   Done set_gain(core::GainName, double, double) override { return refusal(); }
   Done set_gain(core::GainName, std::size_t, std::size_t, double, double) override { return refusal(); }
+  const std::vector<app::LawParameter>& parameters() const override { return parameters_; }
+  Done set_parameter(const std::string&, double) override { return refusal(); }
   Done couple(std::size_t, std::size_t, bool) override { return refusal(); }
   Done move_robot(std::size_t, const core::Pose&) override { return refusal(); }
   Done kick_robot(std::size_t, double, double) override { return refusal(); }
@@ -93,6 +95,7 @@ class ReplayRun final : public RunSource {
   // At the present moment, by the events until then:
   std::set<std::array<std::size_t, 2>> uncoupled_;  // i < j
   std::set<int> held_;
+  std::vector<app::LawParameter> parameters_;
   std::size_t next_ = 0;  // the first row that was not shown
   double t_ = 0.0, speed_ = 1.0;
   bool playing_ = false;

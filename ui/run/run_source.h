@@ -17,6 +17,10 @@ namespace skein::ui {
 /// Adds the robots that are held by this record's events, and removes those that are let go.
 void note_holds(const app::TickRecord& record, std::set<int>& held);
 
+/// Puts the values of the law's parameters by this record's events; a recording may know of more than its file
+/// declares.
+void note_parameters(const app::TickRecord& record, std::vector<app::LawParameter>& parameters);
+
 /// A run as the window shows it, live or recorded: the experiment, its rows, where its gains are, and what the operator
 /// can do with it. Whoever shows a run knows only this.
 class RunSource : public QObject {
@@ -72,6 +76,9 @@ class RunSource : public QObject {
   virtual double gain_limit(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual double gain_limit_now(core::GainName name) const = 0;
 
+  /// What the law declares, with the values at the present moment.
+  virtual const std::vector<app::LawParameter>& parameters() const = 0;
+
   virtual Done go() = 0;  ///< starts, pauses, resumes, plays: what `state().go` says
   virtual Done step() = 0;
   virtual Done set_speed(double speed) = 0;
@@ -80,6 +87,7 @@ class RunSource : public QObject {
   /// `seconds`: of the ramp; 0: as fast as it may.
   virtual Done set_gain(core::GainName name, double value, double seconds) = 0;
   virtual Done set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) = 0;
+  virtual Done set_parameter(const std::string& name, double value) = 0;
   virtual Done couple(std::size_t i, std::size_t j, bool on) = 0;
   virtual Done move_robot(std::size_t robot, const core::Pose& pose) = 0;
   virtual Done kick_robot(std::size_t robot, double vx, double vy) = 0;

@@ -57,7 +57,7 @@ class Tick:
     pose[n, 3]: x, y, theta · covariance[n, 9] · twist[n, 2]: v, omega as driven now ·
     nominal[n, 5], reference[n, 5]: x, y, theta, v, omega · error[n, 3]: ahead, left, heading · limits[n, 2] ·
     out[n]: 1: lost or held · obstacles[m, 3]: x, y, radius · t, dt [s], tick, period [s], half_width, half_height [m] ·
-    parameters: name -> number. To be written: v[n], omega[n], log[name][n].
+    parameters: name -> number, as the operator has set them by now. To be written: v[n], omega[n], log[name][n].
     """
 
     def __init__(self, memory):
@@ -124,14 +124,13 @@ def _declare(memory, step, tick):
     struct.pack_into("<I", memory, 92, len(logs))
 
 
-def _parameters(memory):
+def _parameter_places(memory):
     count, = struct.unpack_from("<I", memory, 88)
-    found = {}
+    places = {}
     for k in range(count):
         at = _PARAMETER + 184 * k
-        name = memory[at:at + 32].split(b"\0", 1)[0].decode("utf-8", "replace")
-        found[name], = struct.unpack_from("<d", memory, at + 176)
-    return found
+        places[memory[at:at + 32].split(b"\0", 1)[0].decode("utf-8", "replace")] = at + 176
+    return places
 
 
 def run(step):
@@ -152,7 +151,9 @@ def run(step):
         if question == answered:
             continue
         tick._read()
-        tick.parameters = _parameters(memory) if answered == 0 else tick.parameters
+        places = _parameter_places(memory) if answered == 0 else places
+        for name, at in places.items():  # the operator may have changed them
+            tick.parameters[name], = struct.unpack_from("<d", memory, at)
         step(tick)
         answered = question
         struct.pack_into("<Q", memory, 80, question)

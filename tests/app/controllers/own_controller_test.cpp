@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <future>
 #include <iterator>
 #include <sstream>
@@ -69,7 +70,9 @@ std::string host(const std::string& words) {
   return command(fmt::format("'{}' controller-host {}", test::program(), words));
 }
 
-Outcome outcome_of(const Experiment& experiment) {
+using Hand = std::function<void(Session&, const Rows&)>;  // asked every 16 ticks
+
+Outcome outcome_of(const Experiment& experiment, const Hand& hand = {}) {
   Outcome run;
   std::ostringstream csv;
   CsvWriter writer(csv, experiment);
@@ -82,7 +85,10 @@ Outcome outcome_of(const Experiment& experiment) {
     run.error = session.error();
     return run;
   }
-  run.end = (*session)->run();
+  run.end = (*session)->run([&] {
+    if (hand) hand(**session, run.rows);
+    return true;
+  });
   (*session)->close();
   run.failure = (*session)->failure().value_or("");
   run.summary = statistics.summary();
@@ -178,6 +184,93 @@ TEST(OwnController, PythonDrivesWithoutNumpy) {
                          "        tick.omega[i] = tick.reference[i][4] + 3.0 * theta + 8.0 * y\n"
                          "skein.controller.run(step)\n";
   expect_driven(outcome_of(experiment_of(with(kicked, {command("python3 '" + path + "'")}))));
+}
+
+/// The k_x by which law.c and its like in Python have computed a robot's speed.
+double gain_of(const RobotRecord& robot) {
+  return (robot.law.v - robot.reference.twist.v * std::cos(robot.error.theta)) / robot.error.x;
+}
+
+/// Changes k_x from 2 to 6 soon after the kick at 2 s, and looks at what the controller has made of it.
+void expect_heeded(const std::vector<std::string>& sets, const std::string& kind) {
+  std::string refusal;
+  const Outcome run = outcome_of(experiment_of(with(sets, {"duration=4", "avoidance.enabled=false"})),
+                                 [&, changed = false](Session& session, const Rows& rows) mutable {
+                                   if (changed || rows.rows.empty() || rows.rows.back().t < 2.0) return;
+                                   changed = true;
+                                   EXPECT_TRUE(session.set_parameter("k_x", 6.0));
+                                   const auto refused = session.set_parameter("k_x", 21.0);
+                                   refusal = refused ? "" : refused.error();
+                                 });
+  ASSERT_EQ(run.error, "") << kind;
+  EXPECT_EQ(run.failure, "") << kind;
+  EXPECT_EQ(refusal, "parameter k_x: found 21, allowed: 0 to 20 1/s") << kind;
+  const auto& rows = run.rows.rows;
+  const auto told = [](const TickRecord& row) { return row.events.contains<events::Parameter>(); };
+  const auto at = std::find_if(rows.begin(), rows.end(), told);
+  ASSERT_NE(at, rows.end()) << kind;
+  EXPECT_EQ(describe(at->events), "parameter k_x 2 -> 6") << kind;
+  EXPECT_EQ(std::count_if(rows.begin(), rows.end(), told), 1) << kind;
+  ASSERT_GT(std::abs(at->robots[1].error.x), 1e-3);
+  EXPECT_NEAR(gain_of(std::prev(at)->robots[1]), 2.0, 1e-6) << kind;
+  EXPECT_NEAR(gain_of(at->robots[1]), 6.0, 1e-6) << kind << ": the question of the same tick has it";
+  EXPECT_NEAR(gain_of(std::next(at)->robots[1]), 6.0, 1e-6) << kind;
+  for (const bool controller : {false, true}) {
+    std::istringstream csv(run.csv);
+    const auto again = replay(csv, "run.csv", {}, controller);
+    ASSERT_TRUE(again) << again.error();
+    EXPECT_EQ(again->different, 0) << kind << ": " << again->first;
+    EXPECT_EQ(again->commands, 4 * 100) << kind;
+    EXPECT_EQ(again->answers_different, 0) << kind << ": " << again->first_answer;
+    EXPECT_EQ(again->answers, controller ? 4 * 100 : 0) << kind;
+  }
+}
+
+TEST(OwnController, AParameterThatIsChangedComesWithTheNextQuestion) {
+  expect_heeded(with(kicked, {command("'" + law_program() + "'")}), "a program in C");
+  expect_heeded(with(kicked, {command("'" + law_program() + "'"), "controller.parameters.k_x=2"}), "set by the file");
+}
+
+TEST(OwnController, AParameterThatIsChangedReachesPython) {
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
+    GTEST_SKIP() << "no python3";
+  const std::string path = testing::TempDir() + "changed_law.py";
+  std::ofstream(path) << "import math\nimport sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
+                         "@skein.controller.law(k_x=(2.0, '1/s', 0.0, 20.0, 'how fast'))\n"
+                         "def step(tick):\n"
+                         "    for i in range(tick.robots):\n"
+                         "        x, y, theta = tick.error[i]\n"
+                         "        tick.v[i] = tick.reference[i][3] * math.cos(theta) + tick.parameters['k_x'] * x\n"
+                         "        tick.omega[i] = tick.reference[i][4] + 3.0 * theta + 8.0 * y\n"
+                         "skein.controller.run(step)\n";
+  expect_heeded(with(kicked, {command("python3 '" + path + "'")}), "Python");
+}
+
+TEST(OwnController, ALibraryDeclaresWhatTheOperatorMayChange) {
+  SessionOptions options;
+  options.program = test::program();
+  auto session = Session::open(
+      experiment_of({fmt::format("controller.library=\"{}.so\"", law_program()), "controller.parameters.k_y=7"}),
+      Session::Clock::virtual_, options);
+  ASSERT_TRUE(session) << session.error();
+  const std::vector<LawParameter> declared{{"k_x", "1/s", "how fast the error ahead is corrected", 0.0, 20.0, 2.0},
+                                           {"k_y", "rad/(m s)", "steering towards the reference", 0.0, 50.0, 7.0}};
+  EXPECT_EQ((*session)->law_parameters(), declared);
+  EXPECT_TRUE((*session)->set_parameter("k_y", 9.0));
+  EXPECT_FALSE((*session)->set_parameter("k_y", 51.0));
+}
+
+TEST(OwnController, AFileChangesItsParametersToo) {
+  const auto changed = [](const std::string& does) {
+    return experiment_of(
+        with(kicked, {command("'" + law_program() + "'"), "operator=[{t=2.04, does=\"" + does + "\"}]", "duration=4"}));
+  };
+  const Outcome run = outcome_of(changed("parameter k_x 2 -> 6"));
+  EXPECT_EQ(run.error, "");
+  EXPECT_NEAR(gain_of(run.rows.rows[52].robots[1]), 6.0, 1e-6);
+  EXPECT_THAT(outcome_of(changed("parameter k_x 2 -> 21")).error,
+              HasSubstr("operator.1.does: found \"parameter k_x 2 -> 21\", allowed: 0 to 20 1/s"));
+  EXPECT_THAT(outcome_of(changed("parameter k_z 2 -> 3")).error, HasSubstr("allowed: k_x, k_y"));
 }
 
 TEST(OwnController, ARunIsRepeatedToTheBitWithoutIt) {

@@ -30,6 +30,7 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::GainHeld{core::GainName::k_yy, 1.0, 0.1 / 3.0}, "gain_held k_yy 1 -> 0.03333333333333333"},
     {events::PairGain{1, 2, core::GainName::k_xx, 0.008, 0.01}, "pair_gain r2 r3 k_xx 0.008 -> 0.01"},
     {events::PairGainHeld{1, 2, core::GainName::k_xx, 1.0, 0.01}, "pair_gain_held r2 r3 k_xx 1 -> 0.01"},
+    {events::Parameter{ParameterName("alpha_l"), 0.8, 1.5}, "parameter alpha_l 0.8 -> 1.5"},
     {events::Couple{0, 3}, "couple r1 r4"},
     {events::Uncouple{0, 3}, "uncouple r1 r4"},
     {events::Lost{2}, "lost r3"},
@@ -71,15 +72,35 @@ TEST(Event, WordsOfEveryKindAreReadBack) {
 }
 
 TEST(Event, NonsenseIsNotRead) {
-  for (const char* nonsense : {"", "boo", "lost", "lost rx", "lost r0", "lost r1 r2", "lost o1", "perturb r1 dx=",
-                               "perturb r1 dx=1 dy=2", "perturb r1 dy=1 dx=2 dtheta=3", "gain 1 2 3 4", "gain k_xx 1 2",
-                               "gain k_zz 1 -> 2", "gain k_xx 1 -> 2 ramp", "start now", "link r1 open", "couple r1"})
+  for (const char* nonsense : {"",
+                               "boo",
+                               "lost",
+                               "lost rx",
+                               "lost r0",
+                               "lost r1 r2",
+                               "lost o1",
+                               "perturb r1 dx=",
+                               "perturb r1 dx=1 dy=2",
+                               "perturb r1 dy=1 dx=2 dtheta=3",
+                               "gain 1 2 3 4",
+                               "gain k_xx 1 2",
+                               "gain k_zz 1 -> 2",
+                               "gain k_xx 1 -> 2 ramp",
+                               "start now",
+                               "link r1 open",
+                               "couple r1",
+                               "parameter 0.8 -> 1",
+                               "parameter  0.8 -> 1",
+                               "parameter a-b 0.8 -> 1",
+                               "parameter a_name_of_more_than_thirty_one_letters 0.8 -> 1"})
     EXPECT_FALSE(parse_event(nonsense)) << nonsense;
 }
 
 TEST(Event, ActionsAreWhatAnOperatorDoes) {
   EXPECT_TRUE(parse_action("kick r2 vx=0.3 vy=0"));
   EXPECT_TRUE(parse_action("gain k_xx 0.008 -> 0.01 ramp=3"));
+  EXPECT_TRUE(parse_action("parameter alpha_l 0.8 -> 1.5"));
+  EXPECT_FALSE(parse_action("parameter alpha_l 0.8 -> inf"));
   EXPECT_FALSE(parse_action("start")) << "an experiment file does not start itself";
   EXPECT_FALSE(parse_action("lost r1"));
   EXPECT_FALSE(parse_action("kick r2 vx=nan vy=0"));

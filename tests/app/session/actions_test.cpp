@@ -180,5 +180,101 @@ TEST(RunText, WritesGainsAsOneNumberOrForEveryPair) {
   EXPECT_NE(text->find("[1, 3, 0]"), std::string::npos);
 }
 
+Experiment leader_follower(const std::string& more = {}) {
+  auto experiment = parse_experiment(paper_experiment().source + more, "leader.toml",
+                                     {"duration=30", "controller.kind=\"leader_follower\""});
+  EXPECT_TRUE(experiment) << experiment.error().front().message();
+  return experiment.value_or(Experiment{});
+}
+
+TEST(Actions, AParameterOfTheLawIsChangedRecordedAndReplayed) {
+  std::ostringstream csv;
+  const Experiment experiment = leader_follower();
+  const Rows changed = run(
+      experiment,
+      [done = 0](Session& session, double t) mutable {
+        if (t < 0.0) {
+          EXPECT_TRUE(session.set_parameter("ahead", 0.04)) << "before the start";
+        }
+        if (t >= 19.0 && done++ == 0) {
+          EXPECT_TRUE(session.set_parameter("alpha_l", 3.0));
+        }
+      },
+      &csv);
+  const auto actions = changed.actions();
+  ASSERT_EQ(actions.size(), 2u) << testing::PrintToString(actions);
+  EXPECT_EQ(actions[0], "0 parameter ahead 0.03 -> 0.04");
+  EXPECT_NE(actions[1].find("parameter alpha_l 0.8 -> 3"), std::string::npos) << actions[1];
+
+  // The control: the same run until the change, another one afterwards.
+  const Rows before = run(experiment, [](Session& session, double t) {
+    if (t < 0.0) {
+      EXPECT_TRUE(session.set_parameter("ahead", 0.04));
+    }
+  });
+  const auto apart = [&](std::size_t k) {
+    return core::distance(changed.rows[k].robots[1].truth, before.rows[k].robots[1].truth);
+  };
+  ASSERT_EQ(changed.rows.size(), before.rows.size());
+  EXPECT_EQ(apart(18 * 25), 0.0);
+  double most = 0.0;
+  for (std::size_t k = 0; k < changed.rows.size(); ++k) most = std::max(most, apart(k));
+  EXPECT_GT(most, 0.005) << "robot 2 closes up on its leader faster";
+
+  std::istringstream recorded(csv.str());
+  const auto again = replay(recorded, "run.csv");
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(again->commands, 4 * 30 * 25);
+  EXPECT_EQ(again->different, 0) << again->first;
+
+  const Rows repeated = run(parsed(text_as_done(experiment, changed.all())), {});
+  EXPECT_EQ(repeated.actions(), changed.actions());
+}
+
+TEST(Actions, AParameterOutOfItsRangeIsRefusedWithTheRange) {
+  auto session = Session::open(leader_follower(), Session::Clock::virtual_);
+  ASSERT_TRUE(session);
+  const auto refusal = [&](const char* name, double value) {
+    const auto answer = (*session)->set_parameter(name, value);
+    return answer ? std::string() : answer.error();
+  };
+  EXPECT_EQ(refusal("ahead", 0.6), "parameter ahead: found 0.6, allowed: 0.005 to 0.5 m");
+  EXPECT_EQ(refusal("alpha_l", -1.0), "parameter alpha_l: found -1, allowed: 0 to 100 1/s");
+  EXPECT_EQ(refusal("k_xx", 1.0), "parameter k_xx: found 1, allowed: alpha_l, alpha_phi, ahead");
+  EXPECT_EQ(refusal("ahead", 0.5), "");
+  auto paper = Session::open(twelve_seconds(), Session::Clock::virtual_);
+  ASSERT_TRUE(paper);
+  const auto none = (*paper)->set_parameter("ahead", 0.1);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error(), "parameter ahead: found 0.1, allowed: none: the law declares no parameters");
+}
+
+TEST(Actions, AParameterThatTheQueueHasNoRoomForIsRefused) {
+  auto session = Session::open(leader_follower(), Session::Clock::virtual_);
+  ASSERT_TRUE(session);
+  int taken = 0;
+  std::string refused;
+  for (int k = 0; k < 10'000 && refused.empty(); ++k) {
+    const auto answer = (*session)->set_parameter("alpha_l", 1.0 + 0.001 * (k % 1000));
+    answer ? void(++taken) : void(refused = answer.error());
+  }
+  EXPECT_GT(taken, 64);
+  EXPECT_EQ(refused, "too many commands at once: this one was not executed, repeat it");
+  (*session)->run();
+  EXPECT_TRUE((*session)->set_parameter("alpha_l", 2.0)) << "the ticks have made room";
+}
+
+TEST(Actions, AParameterThatTheLawDoesNotDeclareIsRefusedInAFile) {
+  const auto wrong = [](const std::string& does) {
+    const auto experiment =
+        parse_experiment(paper_experiment().source + "\n[[operator]]\nt = 1\ndoes = \"" + does + "\"\n", "leader.toml",
+                         {"controller.kind=\"leader_follower\""});
+    return experiment ? std::string() : experiment.error().front().message();
+  };
+  EXPECT_EQ(wrong("parameter alpha_l 0.8 -> 1.5"), "");
+  EXPECT_NE(wrong("parameter beta 0.8 -> 1.5").find("allowed: alpha_l, alpha_phi, ahead"), std::string::npos);
+  EXPECT_NE(wrong("parameter alpha_l 0.8 -> 500").find("allowed: 0 to 100 1/s"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace skein::app

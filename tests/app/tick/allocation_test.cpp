@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "app/experiment/experiment_file.h"
 #include "app/session/record_channel.h"
@@ -91,6 +93,27 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   EXPECT_GT(limited_ticks, 0);
   EXPECT_GT(lost_ticks, 0);
   EXPECT_EQ(bumps, 1);
+}
+
+/// Of parameters that the file names, of others that the controller has declared, and of one beyond those.
+TEST(Allocation, AChangeOfALawsParametersIsNone) {
+  Experiment experiment = paper_experiment();
+  experiment.controller.law.command = "mine";
+  experiment.controller.law.own_parameters = {{"k0", 1.0}};
+  ControlTick tick(experiment);
+  std::vector<OperatorCommand> commands;
+  for (std::size_t k = 0; k <= most_parameters; ++k)
+    commands.emplace_back(commands::SetParameter{ParameterName("k" + std::to_string(k)), 1.0, 2.0});
+  const std::vector<core::Measurement> measurements(4);
+  const std::vector<core::Pose> truth(4);
+  const long before = allocations.load();
+  TickInput input;
+  input.measurements = measurements;
+  input.truth = truth;
+  input.commands = commands;
+  const std::size_t changes = tick.step(input).events.size();
+  EXPECT_EQ(allocations.load() - before, 0);
+  EXPECT_EQ(changes, most_parameters);
 }
 
 /// Two cameras with frames out of step, one of which says at times what the other contradicts.

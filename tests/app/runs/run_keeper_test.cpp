@@ -1,0 +1,117 @@
+#include "app/runs/run_keeper.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "app/experiment/experiment_file.h"
+#include "app/runs/run_folder.h"
+#include "app/runs/verify.h"
+#include "app/session/session.h"
+#include "tests/app/folder.h"
+
+namespace skein::app {
+namespace {
+
+using test::Folder;
+
+Experiment seconds(int duration) {
+  auto experiment = parse_experiment(paper_experiment().source, "e.toml", {"duration=" + std::to_string(duration)});
+  EXPECT_TRUE(experiment) << experiment.error().front().message();
+  return experiment.value_or(Experiment{});
+}
+
+/// How a run ends whose session has this keeper.
+Phase run(const Experiment& experiment, RunKeeper& keeper, SessionFacts& facts) {
+  SessionOptions options;
+  options.sinks = {&keeper};
+  auto session = Session::open(experiment, Session::Clock::virtual_, options);
+  EXPECT_TRUE(session) << session.error();
+  const Phase end = (*session)->run();
+  (*session)->close();
+  facts = facts_of(**session, end);
+  return end;
+}
+
+/// No file of this program grows beyond a limit: what a full disk is to it.
+class SmallDisk {
+ public:
+  explicit SmallDisk(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~SmallDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+TEST(RunKeeper, KeepsARunAsTheCommandLineDoes) {
+  const Folder place;
+  const Experiment experiment = seconds(2);
+  RunKeeper keeper;
+  EXPECT_FALSE(keeper.keeps());
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {"window"}, true, experiment.source}, experiment));
+  EXPECT_TRUE(keeper.keeps());
+  SessionFacts facts;
+  EXPECT_EQ(run(experiment, keeper, facts), Phase::finished);
+  const auto ended = keeper.end(facts);
+  EXPECT_TRUE(ended) << ended.error();
+  EXPECT_FALSE(keeper.keeps());
+  EXPECT_EQ(keeper.problem(), "");
+  EXPECT_EQ(find_run("last", place / "runs").value_or(""), keeper.folder());
+  const auto found = verify_run(keeper.folder());
+  ASSERT_TRUE(found) << found.error();
+  for (const Verification::Step& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+  const auto story = read_story(keeper.folder()).value();
+  EXPECT_EQ(story["state"], "finished");
+  EXPECT_EQ(story["exit_status"], 0);
+  EXPECT_EQ(story["summary"]["ticks"], 50);
+}
+
+TEST(RunKeeper, WithoutABeginningTakesNothing) {
+  RunKeeper keeper;
+  SessionFacts facts;
+  EXPECT_EQ(run(seconds(1), keeper, facts), Phase::finished);
+  EXPECT_FALSE(keeper.keeps());
+  EXPECT_TRUE(keeper.end(facts));
+  EXPECT_EQ(keeper.folder(), "");
+}
+
+TEST(RunKeeper, AFullDiskEndsTheRecordAndNotTheRun) {
+  const Folder place;
+  const Experiment experiment = seconds(60);
+  RunKeeper keeper;
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {}, true, experiment.source}, experiment));
+  SessionFacts facts;
+  {
+    const SmallDisk disk(200'000);
+    EXPECT_EQ(run(experiment, keeper, facts), Phase::finished);
+  }
+  EXPECT_EQ(facts.failure, "");
+  (void)keeper.end(facts);
+  EXPECT_NE(keeper.problem().find("run.csv"), std::string::npos) << keeper.problem();
+  const auto story = read_story(keeper.folder()).value();
+  EXPECT_EQ(story["summary"]["ticks"], 1500) << "the results are those of the whole run";
+  const std::string problems = story["problems"].dump();
+  EXPECT_NE(problems.find("the record of the run is not complete: "), std::string::npos) << problems;
+}
+
+TEST(RunKeeper, APlaceThatCannotBeWrittenIsSaid) {
+  RunKeeper keeper;
+  const auto begun = keeper.begin({"/proc/none", {}, {}, {}, true}, paper_experiment());
+  ASSERT_FALSE(begun);
+  EXPECT_NE(begun.error().find("/proc/none"), std::string::npos);
+  EXPECT_FALSE(keeper.keeps());
+}
+
+}  // namespace
+}  // namespace skein::app

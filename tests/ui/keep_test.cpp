@@ -1,0 +1,107 @@
+// Runs of the window that are kept, each in a folder of its own.
+#include <QAbstractItemView>
+#include <QAction>
+#include <QDir>
+#include <QDockWidget>
+#include <QLabel>
+#include <QSignalSpy>
+#include <algorithm>
+
+#include "app/runs/run_folder.h"
+#include "app/runs/verify.h"
+#include "operator.h"
+#include "ui/base/settings.h"
+#include "ui/status/event_log.h"
+
+namespace skein::ui::test {
+namespace {
+
+class Keep : public Operator {
+ protected:
+  void SetUp() override {
+    qputenv("XDG_DATA_HOME", directory_.path().toUtf8());
+    find<QAction>("keep_runs")->setChecked(true);
+  }
+  void TearDown() override {
+    find<QAction>("keep_runs")->setChecked(false);  // the other tests' setting
+    Operator::TearDown();
+  }
+  static app::Experiment seconds(const char* duration) {
+    const auto experiment = app::parse_experiment(app::paper_experiment().source, "short.toml", {duration});
+    EXPECT_TRUE(experiment);
+    return experiment.value_or(app::Experiment{});
+  }
+  QStringList folders() const {
+    return QDir(QString::fromStdString(app::runs_directory({}))).entryList(QDir::Dirs | QDir::NoDotAndDotDot);
+  }
+  static std::string state_of(const QString& folder) {
+    const auto story = app::read_story(folder.toStdString());
+    return story ? (*story)["state"].get<std::string>() : story.error();
+  }
+  QString logged() {
+    auto* log = find<QAbstractItemView>("event_log");
+    QStringList lines;
+    for (int row = 0; row < log->model()->rowCount(); ++row)
+      lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
+    return lines.join(QLatin1Char('\n'));
+  }
+
+  QTemporaryDir directory_;
+};
+
+TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
+  QSignalSpy kept(&live(), &LiveRun::kept);
+  start(seconds("duration=2"));
+  ASSERT_EQ(folders().size(), 1);
+  EXPECT_TRUE(logged().contains(QStringLiteral("this run is kept in ") + directory_.path())) << logged().toStdString();
+  ASSERT_TRUE(eventually([&] { return kept.size() == 1; }));
+  const QString folder = kept[0][0].toString();
+  EXPECT_EQ(state_of(folder), "finished");
+  find<QDockWidget>("results_dock")->raise();
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("result_text")->text().contains(folder); }));
+  EXPECT_EQ(app::find_run("last", app::runs_directory({})).value_or(""), folder.toStdString());
+  const auto found = app::verify_run(folder.toStdString());
+  ASSERT_TRUE(found) << found.error();
+  for (const auto& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+  EXPECT_TRUE(logged().contains(QStringLiteral("kept in ") + folder)) << logged().toStdString();
+
+  // What is shown afterwards is a replay: no run of its own.
+  window.open_recording(folder + QStringLiteral("/run.csv"));
+  ASSERT_TRUE(eventually([&] { return window.windowTitle().contains(QStringLiteral("replay")); }));
+  EXPECT_EQ(folders().size(), 1);
+}
+
+TEST_F(Keep, ARunThatAnotherOneEndsIsCompletedToo) {
+  QSignalSpy kept(&live(), &LiveRun::kept);
+  start(seconds("duration=60"));
+  window.new_run();
+  ASSERT_TRUE(eventually([&] { return kept.size() == 1; }));
+  EXPECT_EQ(state_of(kept[0][0].toString()), "stopped");
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() && !live().is_busy(); }));
+  EXPECT_EQ(folders().size(), 1) << "the new one has not begun";
+}
+
+TEST_F(Keep, IsSwitchedOffAndThatIsRemembered) {
+  find<QAction>("keep_runs")->setChecked(false);
+  EXPECT_FALSE(MainWindow().findChild<QAction*>(QStringLiteral("keep_runs"))->isChecked());
+  start(seconds("duration=60"));
+  EXPECT_FALSE(live().keeps());
+  EXPECT_TRUE(folders().isEmpty());
+  find<QAction>("keep_runs")->setChecked(true);
+  EXPECT_TRUE(MainWindow().findChild<QAction*>(QStringLiteral("keep_runs"))->isChecked());
+  EXPECT_FALSE(live().keeps()) << "from the next run on";
+  settings().remove(QStringLiteral("keep_runs"));
+  EXPECT_TRUE(MainWindow().findChild<QAction*>(QStringLiteral("keep_runs"))->isChecked()) << "the default";
+}
+
+TEST_F(Keep, ThatIsNotPossibleIsAnAlarmAndTheRunGoesOn) {
+  qputenv("XDG_DATA_HOME", "/proc/none");
+  start(seconds("duration=60"));
+  EXPECT_FALSE(live().keeps());
+  EXPECT_TRUE(logged().contains(QStringLiteral("this run is not kept: /proc/none"))) << logged().toStdString();
+  const double t = record().t;
+  EXPECT_TRUE(eventually([&] { return running() && record().t > t; }));
+}
+
+}  // namespace
+}  // namespace skein::ui::test

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QTimer>
+#include <QWidget>
+#include <memory>
+#include <vector>
+
+#include "app/experiment/controller_spec.h"
+#include "ui/base/number_field.h"
+#include "ui/gains/gain_slider.h"
+
+class QGridLayout;
+
+namespace skein::ui {
+
+/// The parameters that the law of the experiment declares: for each a number, and a slider over what is allowed. The
+/// file's value stands near the middle of the slider where it can. A parameter without a range has no slider.
+class ParameterPanel final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit ParameterPanel(QWidget* parent = nullptr);
+  /// What is declared, with the values in force; what the operator is about to ask for is left alone.
+  void show_parameters(const std::vector<app::LawParameter>& all);
+  /// Forgets them, for a new experiment. `none`: what to say while there are none.
+  void clear(const QString& none);
+  /// At once, for undo.
+  void set(const QString& name, double value);
+  /// To go to; null: there is none.
+  QWidget* first_control() const;
+
+ signals:
+  void wanted(const QString& name, double from, double to);
+  void refused(const QString& why);
+
+ private:
+  struct Row {
+    app::LawParameter of;   // its value: in force, or asked for
+    double exponent = 1.0;  // of the slider's scale
+    std::unique_ptr<QLabel> label, range;
+    std::unique_ptr<NumberField> field;
+    std::unique_ptr<LimitSlider> slider;  // null: no range
+    std::unique_ptr<QTimer> rest;         // a drag along the slider is one wish
+    double wish = 0.0;
+    QElapsedTimer asked{};  // since the last wish: the session has had time to take it when it has expired
+  };
+  void add_row(const app::LawParameter& of);
+  void choose(Row& row, double value);
+  void show_value(Row& row, double value);
+
+  QGridLayout* layout_;
+  QLabel* none_;
+  std::vector<std::unique_ptr<Row>> rows_;
+};
+
+}  // namespace skein::ui
