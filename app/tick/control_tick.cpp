@@ -337,14 +337,17 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
   const double little = trusted_deviations * (first.sigma_theta + newest.sigma_theta) + turns_little * seconds;
   const bool drives = std::abs(v) >= too_slow, turns = turned > little;
   const bool otherwise = drives && off > noise + blind + contrary * seconds;
-  const bool stands = !drives && (off > noise + blind + too_slow * seconds ||
-                                  (!turns && off_angle > little + blind / (0.5 * experiment.robots[i].drive.track)));
-  // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive.
-  int& stood = sights[i].stood;
-  if (stands)
-    ++stood;
-  else if (drives || turns || stood < convincing)
-    stood = 0;
+  // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive, or to turn. One that
+  // turns by itself on the spot does not drive.
+  const auto count = [](int& times, bool stays, bool moves) {
+    if (stays)
+      ++times;
+    else if (moves || times < convincing)
+      times = 0;
+  };
+  count(sights[i].stood, !drives && off > noise + blind + too_slow * seconds, drives);
+  count(sights[i].still, !drives && !turns && off_angle > little + blind / (0.5 * experiment.robots[i].drive.track),
+        drives || turns);
   int& times = sights[i].contradicted;
   times = (disobeys[i] ? !drives : otherwise) ? times + 1 : 0;
   if (times < convincing) return;
@@ -385,7 +388,7 @@ void TickState::measure_twist(std::size_t i) noexcept {
   const bool watched = experiment.failure.runaway != FailureSpec::Runaway::ignored;
   if (watched && seen_anew && moving() && !(record.now < sight.excused_until)) watch_obedience(i, first, v);
   const bool by_itself = disobeys[i] || (record.robots[i].link.input.linked && is_out(i));
-  stuck[i] = sight.stood >= convincing;
+  stuck[i] = sight.stood >= convincing || sight.still >= convincing;
   if (stuck[i]) driving[i] = {};
   if (!by_itself || std::abs(v) < too_slow) return;
   adrift[i] = true;

@@ -91,6 +91,7 @@ struct TickMemory {
     std::array<double, frames> blind{};  // how far it may have driven by then on commands that nobody had confirmed [m]
     std::size_t count = 0;
     int stood = 0;                // times in a row that it was seen to stand though it was told to drive
+    int still = 0;                // and not to turn though it was told to
     int contradicted = 0;         // times in a row that it was seen not to do what is believed of it
     double excused_until = none;  // a hand has moved it [s, session's clock]
   };
