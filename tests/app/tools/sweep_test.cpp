@@ -14,6 +14,7 @@
 #include "app/experiment/ways.h"
 #include "app/record/report.h"
 #include "app/run/tick_record.h"
+#include "app/session/session.h"
 #include "app/tools/sweep_report.h"
 #include "tests/places.h"
 
@@ -201,6 +202,22 @@ TEST(Sweep, NobodyCollidesWithARunawayThatIsKnown) {
 TEST(Sweep, OthersArriveRoundARobotThatIsStuck) {
   const Study study = shipped("runaways.toml");
   for (const std::uint64_t seed : {55u, 56u, 87u}) EXPECT_TRUE(run_one(study, seed).recovery) << seed;
+}
+
+/// The robot on its place turns on the spot by itself, now and then as fast as it is told to: it is stuck all the same.
+TEST(Sweep, NoWayIsSaidOnceWhileARobotIsStuckOnThePlace) {
+  struct Count final : RecordSink {
+    void record(const TickRecord& row) override {
+      for (const Event& event : row.events) no_ways += is<events::NoWay>(event);
+    }
+    int no_ways = 0;
+  } count;
+  const auto experiment = experiment_of(shipped("runaways.toml"), 140);
+  ASSERT_TRUE(experiment) << experiment.error();
+  auto session = Session::open(*experiment, Session::Clock::virtual_, {false, {&count}});
+  ASSERT_TRUE(session) << session.error();
+  EXPECT_EQ((*session)->run(), Phase::finished);
+  EXPECT_EQ(count.no_ways, 1);
 }
 
 /// Two robots 9 cm apart that have to pass each other: each waited a minute for the other to leave first.
