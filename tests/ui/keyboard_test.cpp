@@ -11,6 +11,7 @@
 #include <QMenu>
 #include <QMessageBox>
 #include <QPlainTextEdit>
+#include <QPointer>
 #include <QSlider>
 #include <QTabBar>
 #include <QTabWidget>
@@ -52,6 +53,15 @@ class Keyboard : public Operator {
     })) << "a dialog is still there";
     below.activateWindow();
     ASSERT_TRUE(QTest::qWaitForWindowActive(&below));
+  }
+  /// By Ctrl+W. Without a window manager the window may come to the front once more after the dialog did.
+  void close(const QPointer<QDialog>& dialog) {
+    ASSERT_TRUE(eventually([&] {
+      if (!dialog || !dialog->isVisible()) return true;
+      dialog->activateWindow();
+      if (dialog->isActiveWindow()) press(Qt::Key_W, Qt::ControlModifier);
+      return !dialog || !dialog->isVisible();
+    }));
   }
   static bool has_focus(const QString& name) {
     const QWidget* focus = QApplication::focusWidget();
@@ -154,8 +164,9 @@ TEST_F(Keyboard, OpensChecksStartsPausesStepsAndStops) {
   press(Qt::Key_F5);
   ASSERT_TRUE(eventually([&] { return running(); }));
   press(Qt::Key_F1);
-  ASSERT_NE(comes_up<QDialog>(&window, "shortcuts_dialog"), nullptr);
-  press(Qt::Key_W, Qt::ControlModifier);  // Esc would stop
+  QPointer<QDialog> shortcuts = comes_up<QDialog>(&window, "shortcuts_dialog");
+  ASSERT_NE(shortcuts, nullptr);
+  close(shortcuts);  // Esc would stop
   expect_in_front(window);
   EXPECT_TRUE(running());
   press(Qt::Key_Space);
