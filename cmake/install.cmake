@@ -9,9 +9,10 @@ set(SKEIN_DOC share/doc)
 # --- skein: the program, its modules, what it comes with ---
 install(TARGETS skein RUNTIME DESTINATION bin COMPONENT skein)
 install(TARGETS skein_media skein_boards skein_aravis LIBRARY DESTINATION lib/skein/modules COMPONENT skein)
-install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures resources/slurm DESTINATION share/skein
+install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures DESTINATION share/skein
   COMPONENT skein PATTERN __pycache__ EXCLUDE)
 install(FILES resources/experiment.schema.json DESTINATION share/skein COMPONENT skein)
+install(PROGRAMS resources/slurm/sweep.sbatch DESTINATION share/skein/slurm COMPONENT skein)
 install(FILES README.md CHANGELOG.md CONVENTIONS.md DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
 install(DIRECTORY docs DESTINATION ${SKEIN_DOC}/skein COMPONENT skein PATTERN examples EXCLUDE)
 install(FILES resources/desktop/org.skein_lab.skein.desktop DESTINATION share/applications COMPONENT skein)
