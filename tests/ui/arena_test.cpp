@@ -116,6 +116,18 @@ TEST_F(Arena, IsWorkedWithTheKeyboardAlone) {
   EXPECT_EQ(arena().tool(), ArenaTool::hand);
 }
 
+TEST_F(Arena, HasNoCouplingsWhereTheLawHasNone) {
+  auto experiment =
+      app::parse_experiment(app::paper_experiment().source, "leader.toml", {"controller.kind=\"leader_follower\""});
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  start(*experiment);
+  bool clicked = false;
+  QObject::connect(&arena(), &ArenaView::coupling_clicked, &arena(), [&](int, int) { clicked = true; });
+  QTest::mouseClick(&arena(), Qt::LeftButton, Qt::NoModifier, (robot(0) + robot(1)) / 2);
+  EXPECT_FALSE(clicked);
+  EXPECT_FALSE(arena().scene().draws_couplings());
+}
+
 TEST_F(Arena, SwitchesACouplingWithAClickAndBackWithUndo) {
   start();
   const QPoint middle = (robot(0) + robot(1)) / 2;

@@ -26,7 +26,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   for (const OtherRun& other : scene_.compared) paint_other(p_, other, scene_, map_, c_);
   paint_foreseen(p_, scene_, map_, c_);
   if (scene_.record) {
-    if (scene_.show_couplings) couplings();
+    if (scene_.draws_couplings()) couplings();
     if (scene_.show_regions) regions();
     references();
     robots();

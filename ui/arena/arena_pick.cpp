@@ -33,7 +33,7 @@ int ArenaView::obstacle_under(QPointF screen) const {
 }
 
 std::optional<std::array<int, 2>> ArenaView::coupling_under(QPointF screen) const {
-  if (!scene_.show_couplings || !scene_.record) return std::nullopt;
+  if (!scene_.draws_couplings() || !scene_.record) return std::nullopt;
   constexpr double reach = 6.0;  // [px]
   std::optional<std::array<int, 2>> nearest;
   double least = reach;

@@ -40,6 +40,9 @@ struct ArenaScene {
   /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their limits.
   std::vector<double> couplings;
 
+  /// Couplings are drawn: not where the law has none.
+  bool draws_couplings() const { return show_couplings && experiment.controller.law.uses_gains(); }
+
   std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
 
   std::vector<OtherRun> compared;
