@@ -130,7 +130,7 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   constexpr double less = 0.004, step = 0.1;
   for (std::size_t j = 0; j < n; ++j) {
     const Robot& other = robots_[j];
-    if (j == i || other.state != State::driving || other.was_stuck) continue;
+    if (j == i || other.state != State::driving || other.stood) continue;
     const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
     const double until = std::min(planned - theirs, other.route.duration());
     // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
@@ -228,17 +228,13 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     if (scene.out[i]) {
       if (robot.state != State::waiting) robot.route.stand(pose);
       robot.state = State::waiting;
-      robot.was_out = true;
+    }
+    if (stands(i, scene)) {  // the reference of one that is stuck goes on to tell it where to drive
+      robot.stood = true;
       robot.needs_plan = false;
       continue;
     }
-    if (robot.was_out) robot.was_out = false, robot.needs_plan = true, robot.retry = robot.patience = 0.0;
-    if (scene.stuck[i]) {  // its reference goes on to tell it where to drive
-      robot.was_stuck = true;
-      robot.needs_plan = false;
-      continue;
-    }
-    if (robot.was_stuck) robot.was_stuck = false, robot.needs_plan = true, robot.retry = robot.patience = 0.0;
+    if (robot.stood) robot.stood = false, robot.needs_plan = true, robot.retry = robot.patience = 0.0;
     const double away = distance(pose, robot.reference.pose);
     if (robot.state == State::nominal) {
       const bool at_rest = nominal[i].twist == Twist{};

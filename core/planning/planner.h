@@ -101,7 +101,8 @@ class Planner {
     ReferencePoint reference;
     Pose before;  // its pose at the previous step
     std::size_t waits_for = 0;
-    bool no_way = false, needs_plan = false, was_out = false, was_stuck = false;
+    bool no_way = false, needs_plan = false;
+    bool stood = false;  // it was out, or stuck
   };
 
   /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
