@@ -9,6 +9,7 @@
 #include <fstream>
 #include <utility>
 
+#include "app/experiment/toml_places.h"
 #include "vision/diagnosis/camera_examination.h"
 #include "vision/sources/network_cameras.h"
 #include "vision/sources/open_source.h"
@@ -64,16 +65,6 @@ class RenderedCamera final : public vision::FrameSource {
 tl::expected<std::unique_ptr<vision::FrameSource>, std::string> open(const CameraCase& wanted) {
   if (wanted.source == "synthetic") return std::make_unique<RenderedCamera>();
   return vision::open_source(wanted.source, wanted.options);
-}
-
-/// As a string of TOML.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + "\"";
 }
 
 std::string first_line(const fs::path& path) {
@@ -168,12 +159,12 @@ std::vector<Finding> usb_findings(const fs::path& system, const std::string& dev
 }
 
 std::string camera_table(const CameraCase& examined, const std::optional<vision::CameraDescription>& driver) {
-  std::string table = fmt::format("[camera]\nsource = {}\n", quoted(examined.source));
+  std::string table = fmt::format("[camera]\nsource = {}\n", toml_string(examined.source));
   if (!examined.calibration_file.empty())
-    table += fmt::format("calibration = {}\n", quoted(examined.calibration_file));
+    table += fmt::format("calibration = {}\n", toml_string(examined.calibration_file));
   else if (examined.source != "synthetic")
     table += "calibration = \"cal.toml\"    # that skein calibrate writes\n";
-  if (!examined.options.trigger.empty()) table += fmt::format("trigger = {}\n", quoted(examined.options.trigger));
+  if (!examined.options.trigger.empty()) table += fmt::format("trigger = {}\n", toml_string(examined.options.trigger));
   const std::vector<std::string> automatics = driver ? vision::automatics_on(*driver) : std::vector<std::string>();
   for (const std::string name : {"exposure", "gain", "focus"}) {
     const auto& settings = examined.options.controls;
