@@ -103,8 +103,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
       const How how = memory.how(detection, frame.index);
       table.add(frame, detection, how);
       ++summary.detections;
-      const auto place = std::lower_bound(summary.ids.begin(), summary.ids.end(), detection.tag);
-      if (place == summary.ids.end() || *place != detection.tag) summary.ids.insert(place, detection.tag);
+      detail::insert(summary.ids, detection.tag);
     }
     if (*recorder && live) (*recorder)->offer(frame);
     if (*recorder && !live) (*recorder)->add(frame);

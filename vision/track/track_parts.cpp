@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <iterator>
 #include <ostream>
@@ -103,6 +104,11 @@ void Table::number(std::int64_t value) {
 
 void Table::separate() {
   if (!line_.empty()) line_ += ',';
+}
+
+void insert(std::vector<int>& ascending, int id) {
+  const auto place = std::lower_bound(ascending.begin(), ascending.end(), id);
+  if (place == ascending.end() || *place != id) ascending.insert(place, id);
 }
 
 std::string wrong_size(const Frame& frame, const std::string& source, const std::optional<Calibration>& calibration) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "vision/calibration/calibration.h"
 #include "vision/frames/frame_source.h"
@@ -42,6 +43,9 @@ class Table {
   std::optional<Calibration> calibration_;
   std::string line_;  // one buffer for all rows
 };
+
+/// Into ids in ascending order, each once.
+void insert(std::vector<int>& ascending, int id);
 
 /// Empty, or that the calibration holds for another size.
 std::string wrong_size(const Frame& frame, const std::string& source, const std::optional<Calibration>& calibration);

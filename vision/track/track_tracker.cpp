@@ -25,14 +25,9 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-void insert(std::vector<int>& ascending, int id) {
-  const auto place = std::lower_bound(ascending.begin(), ascending.end(), id);
-  if (place == ascending.end() || *place != id) ascending.insert(place, id);
-}
-
 std::vector<int> ids_of(const std::vector<Detection>& found) {
   std::vector<int> ids;
-  for (const Detection& detection : found) insert(ids, detection.tag);
+  for (const Detection& detection : found) detail::insert(ids, detection.tag);
   return ids;
 }
 
@@ -42,7 +37,7 @@ class Explainer {
   Explainer(const TrackTrackerOptions& options, bool apart) : options_(options), apart_(apart) {}
 
   bool busy() {
-    take(std::chrono::seconds(0));
+    if (answer_.valid() && answer_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) tell(answer_.get());
     return answer_.valid();
   }
 
@@ -67,10 +62,6 @@ class Explainer {
   bool other_family() const { return other_family_; }
 
  private:
-  void take(std::chrono::seconds patience) {
-    if (answer_.valid() && answer_.wait_for(patience) == std::future_status::ready) tell(answer_.get());
-  }
-
   void tell(const std::vector<TagDiagnosis>& answers) {
     for (const TagDiagnosis& tag : answers) {
       other_family_ = other_family_ || tag.why == NotSeen::other_family;
@@ -134,7 +125,7 @@ class Body {
   void search(const Frame& frame, FrameLatency& latency) {
     const std::vector<int> read = ids_of(detect_at_both(detector_, frame));
     const std::vector<int> tags = options_.tags.empty() ? read : options_.tags;
-    for (const int tag : tags) insert(summary_.followed, tag);
+    for (const int tag : tags) detail::insert(summary_.followed, tag);
     if (tags.empty()) return;
     TagTracker tracker(calibration_, {.tags = tags, .clock = options_.clock});
     const double since = now();
@@ -199,7 +190,7 @@ class Body {
   void begin(const std::vector<int>& tags, double at) {
     tracker_.emplace(calibration_, TrackerOptions{.tags = tags, .clock = options_.clock});
     for (const int tag : tags) {
-      insert(summary_.followed, tag);
+      detail::insert(summary_.followed, tag);
       followed_.push_back({.tag = tag, .last_at = at});
     }
   }
@@ -207,7 +198,7 @@ class Body {
   void take(const Frame& frame, const TagPose& pose) {
     table_.add(frame, pose);
     ++summary_.track.detections;
-    insert(summary_.track.ids, pose.tag);
+    detail::insert(summary_.track.ids, pose.tag);
     switch (pose.how) {
       case How::none:
       case How::detected:
