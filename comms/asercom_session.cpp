@@ -55,7 +55,7 @@ void AsercomSession::hear(std::span<const std::uint8_t> bytes, double now) {
     return;
   }
   stops_unanswered_ = 0;  // what has not come by now is lost
-  read_counters(reply->encoders, now);
+  read_counters(reply->encoders, asked_at_, now);
   if (question == Question::wheels_and_battery) read_battery(reply->battery, now);
   answered(reply->taken, now);
 }

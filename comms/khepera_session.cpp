@@ -98,12 +98,12 @@ void KheperaSession::line(std::string_view text, double now) {
   }
   const std::vector<std::int64_t> numbers = numbers_in(text);
   if (awaited_ == 'r' && numbers.size() == 2)
-    read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, now);
+    read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, std::max(asked_at_, answered_at_), now);
   if (awaited_ == 'v' && numbers.size() == 1) {
     const double volts = 1e-3 * static_cast<double>(numbers[0]);
     read_battery(Battery{.volts = volts, .low = volts < khepera_empty_battery}, now);
   }
-  awaited_ = 0;
+  awaited_ = 0, answered_at_ = now;
   if (!lines_.empty()) {
     say(std::exchange(lines_.front(), {}));
     lines_.pop_front();

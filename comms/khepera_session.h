@@ -48,6 +48,7 @@ class KheperaSession final : public LinkSession {
   std::string heard_;              // of a line that has not ended
   std::deque<std::string> lines_;  // to be sent, one after the other
   char awaited_ = 0;               // the letter of the awaited answer; 0: none
+  double answered_at_ = 0.0;       // the newest line: then the next was sent [s]
   int stops_wanted_ = 0;           // answers until the robot is known to stand
   bool version_asked_ = false;
 };

@@ -132,7 +132,7 @@ bool LinkSession::fresh(const Pending& pending, double now) const noexcept {
   return options_.command_silence <= 0.0 || now - pending.given_at < options_.command_silence;
 }
 
-void LinkSession::read_counters(Encoders encoders, double now) {
+void LinkSession::read_counters(Encoders encoders, double since, double now) {
   if (encoders_) {
     const int left = steps_between(encoders_->left, encoders.left);
     const int right = steps_between(encoders_->right, encoders.right);
@@ -144,6 +144,8 @@ void LinkSession::read_counters(Encoders encoders, double now) {
   }
   encoders_ = encoders;
   encoders_at_ = now;
+  counters_.counted_since = since;
+  counters_.counted_by = now;
 }
 
 void LinkSession::read_battery(int raw, double now) {

@@ -108,7 +108,8 @@ class LinkSession {
   void ask(double now);          ///< a question, no speeds
   void resynchronise(std::string reason, double now);
   void restarted();
-  void read_counters(Encoders encoders, double now);
+  /// The robot has read them between `since`, when it was asked, and now.
+  void read_counters(Encoders encoders, double since, double now);
   void read_battery(int raw, double now);
   void read_battery(const Battery& battery, double now);
   /// The question is answered. `taken`: the speeds reported by the robot; a difference leads to the stop.

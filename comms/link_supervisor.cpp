@@ -81,7 +81,7 @@ class LinkSupervisor::Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  tl::expected<void, std::string> start(double timeout_s);
+  tl::expected<void, std::string> start(double timeout_s, bool all, const std::function<bool()>& keep_on);
   void command(std::size_t robot, int left, int right) noexcept;
   void emergency_stop() noexcept;
   void release_stop() noexcept;
@@ -102,6 +102,7 @@ class LinkSupervisor::Loop {
   std::size_t size() const noexcept { return links_.size(); }
 
  private:
+  std::string sentence_about(const Link& link, double waited) const;
   void run() noexcept;
   void wait();
   void look_at_the_clock() noexcept;
@@ -137,7 +138,22 @@ class LinkSupervisor::Loop {
 
 // --- Any thread -----------------------------------------------------------------------------------------------------
 
-tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
+/// Why a link is not up.
+std::string LinkSupervisor::Loop::sentence_about(const Link& link, double waited) const {
+  const LinkStatus status = link.status(seconds_now());
+  const std::string& name = link.address().name;
+  return fmt::format(
+      "{} ({}): {}",
+      name.empty() ? fmt::format("robot {}", std::find_if(links_.begin(), links_.end(),
+                                                          [&](const Link& other) { return &other == &link; }) -
+                                                 links_.begin() + 1)
+                   : name,
+      to_text(link.address()),
+      status.reason.empty() ? fmt::format("still {} after {:g} s", to_text(status.state), waited) : status.reason);
+}
+
+tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s, bool all,
+                                                            const std::function<bool()>& keep_on) {
   if (wake_ < 0) return tl::unexpected(std::string("the system has no file descriptor left for the links"));
   std::string failure;
   {
@@ -150,24 +166,30 @@ tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s) {
     }
     const auto is_up = [](const Link& link) { return link.up(); };
     const auto is_failed = [](const Link& link) { return link.failed(); };
-    turned_.wait_until(lock, in(timeout_s), [&] {
-      return closing_.load() || std::all_of(links_.begin(), links_.end(), is_up) ||
-             std::any_of(links_.begin(), links_.end(), is_failed);
-    });
+    const auto is_settled = [&](const Link& link) { return is_up(link) || is_failed(link); };
+    const auto settled = [&] {
+      return closing_.load() || std::all_of(links_.begin(), links_.end(), is_settled) ||
+             (all && std::any_of(links_.begin(), links_.end(), is_failed));
+    };
+    constexpr double between_questions = 0.1;  // [s]
+    const auto give_up = in(timeout_s);
+    bool ended = false;
+    while (!turned_.wait_until(lock, std::min(give_up, in(between_questions)), settled) && !ended &&
+           in(0.0) < give_up) {
+      lock.unlock();
+      ended = keep_on && !keep_on();
+      lock.lock();
+    }
+    if (ended) failure = "stopped";
+    if (!ended && !all && !closing_.load()) return {};
     auto culprit = std::find_if(links_.begin(), links_.end(), is_failed);
     if (culprit == links_.end()) culprit = std::find_if_not(links_.begin(), links_.end(), is_up);
-    if (culprit == links_.end()) return {};
-    const LinkStatus status = culprit->status(seconds_now());
-    const std::string& name = culprit->address().name;
-    failure = fmt::format(
-        "{} ({}): {}", name.empty() ? fmt::format("robot {}", culprit - links_.begin() + 1) : name,
-        to_text(culprit->address()),
-        status.reason.empty() ? fmt::format("still {} after {:g} s", to_text(status.state), timeout_s) : status.reason);
+    if (culprit == links_.end() && !ended) return {};
+    if (!ended) failure = sentence_about(*culprit, timeout_s);
   }
   close(options_.close_timeout);
   return tl::unexpected(failure);
 }
-
 void LinkSupervisor::Loop::command(std::size_t robot, int left, int right) noexcept {
   const std::uint32_t epoch = emergency_.load();
   if (robot >= links_.size() || (epoch & 1u) != 0) return;
@@ -321,8 +343,12 @@ LinkSupervisor::LinkSupervisor(std::vector<LinkAddress> robots, LinkOptions opti
     : loop_(std::make_unique<Loop>(std::move(robots), options)) {}
 LinkSupervisor::~LinkSupervisor() = default;
 
-tl::expected<void, std::string> LinkSupervisor::start(double timeout_s) {
-  return loop_->start(timeout_s);
+tl::expected<void, std::string> LinkSupervisor::start(double timeout_s, const std::function<bool()>& keep_on) {
+  return loop_->start(timeout_s, true, keep_on);
+}
+tl::expected<void, std::string> LinkSupervisor::start_who_answers(double timeout_s,
+                                                                  const std::function<bool()>& keep_on) {
+  return loop_->start(timeout_s, false, keep_on);
 }
 void LinkSupervisor::command(std::size_t robot, int left, int right) noexcept {
   loop_->command(robot, left, right);

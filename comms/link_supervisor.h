@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <tl/expected.hpp>
@@ -30,8 +31,12 @@ class LinkSupervisor {
   LinkSupervisor& operator=(const LinkSupervisor&) = delete;
 
   /// Opens every link and stops every robot; returns when all are up. Otherwise the sentence names the robot and why,
-  /// and all links are closed again: a supervisor is started once.
-  tl::expected<void, std::string> start(double timeout_s);
+  /// and all links are closed again: a supervisor is started once. `keep_on` is called several times per second
+  /// meanwhile; false ends it likewise.
+  tl::expected<void, std::string> start(double timeout_s, const std::function<bool()>& keep_on = {});
+  /// The same, but a robot that does not answer is no error: returns when each is up or given up, or when time is out.
+  /// The others are tried further, and status() has the reason.
+  tl::expected<void, std::string> start_who_answers(double timeout_s, const std::function<bool()>& keep_on = {});
 
   /// Puts the newest wheel speeds [steps/s] into a robot's slot (clamped, see asercom.h); older ones not yet sent are
   /// forgotten. Lock-free and wait-free: atomics and one write to an eventfd. Ignored while stopped by emergency_stop()

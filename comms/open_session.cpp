@@ -175,7 +175,7 @@ void OpenSession::heard(const OpenFrame& frame, const OpenStatus& said, double n
     return restarted();
   }
   if (!answer_due() || !since(question_number_)) return;
-  read_counters(said.encoders, now);
+  read_counters(said.encoders, asked_at_, now);
   if (said.battery > 0) read_battery(Battery{.volts = 1e-3 * said.battery, .low = said.low}, now);
   const Sent& sent = sent_[frame.number % sent_.size()];
   if (sent.number == frame.number && said.taken != sent.speeds)

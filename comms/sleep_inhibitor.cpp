@@ -14,8 +14,14 @@ namespace {
 
 constexpr std::uint64_t patience_us = 2'000'000;
 
-/// The machine does not sleep as long as this descriptor is open.
-tl::expected<int, std::string> inhibit(const std::string& what) {
+// The lid of a laptop is not subject to "sleep" (LidSwitchIgnoreInhibited, on as a rule), but to a lock of its own,
+// which logind may grant to fewer people. It holds unless the program's session is in the background
+// (manager_handle_action and manager_is_inhibited in systemd's src/login).
+constexpr const char* sleep_and_lid = "sleep:handle-lid-switch";
+constexpr const char* sleep_alone = "sleep";
+
+/// The machine does not do `which` as long as this descriptor is open.
+tl::expected<int, std::string> inhibit(const char* which, const std::string& what) {
   sd_bus* bus = nullptr;
   sd_bus_message* reply = nullptr;
   sd_bus_error error = SD_BUS_ERROR_NULL;
@@ -25,7 +31,7 @@ tl::expected<int, std::string> inhibit(const std::string& what) {
     sd_bus_set_method_call_timeout(bus, patience_us);
     result =
         sd_bus_call_method(bus, "org.freedesktop.login1", "/org/freedesktop/login1", "org.freedesktop.login1.Manager",
-                           "Inhibit", &error, &reply, "ssss", "sleep", "skein", what.c_str(), "block");
+                           "Inhibit", &error, &reply, "ssss", which, "skein", what.c_str(), "block");
   }
   if (result >= 0) result = sd_bus_message_read(reply, "h", &lock);
   if (result >= 0) result = lock = ::fcntl(lock, F_DUPFD_CLOEXEC, 3);  // the message's own goes with it
@@ -85,12 +91,14 @@ void SleepInhibitor::run() {
     if (!wanted_) continue;
     asked_ = true;  // once each time that it is wanted
     lock.unlock();
-    const auto got = inhibit(what_);
+    const auto both = inhibit(sleep_and_lid, what_);
+    const auto got = both ? both : inhibit(sleep_alone, what_);
     lock.lock();
-    if (got)
-      lock_ = *got;
-    else
+    if (got) lock_ = *got;
+    if (!got)
       problem_ = got.error();
+    else if (!both)
+      problem_ = "when its lid is closed: " + both.error();
   }
 }
 

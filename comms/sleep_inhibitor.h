@@ -7,8 +7,8 @@
 
 namespace skein::comms {
 
-/// Keeps the machine awake (systemd's logind, inhibitor "sleep") while robots drive: they have no watchdog, and a
-/// suspended machine cannot stop them. Without logind it only reports the problem. Any thread.
+/// Keeps the machine awake (systemd's logind, inhibitors "sleep" and "handle-lid-switch") while robots drive: they have
+/// no watchdog, and a suspended machine cannot stop them. Without logind it only reports the problem. Any thread.
 class SleepInhibitor {
  public:
   /// `what`: the activity, for `systemd-inhibit --list`.

@@ -14,6 +14,7 @@
 #include "app/bench/bench_cameras.h"
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_controllers.h"
+#include "app/bench/bench_latency.h"
 #include "app/bench/bench_links.h"
 #include "app/bench/bench_motors.h"
 #include "app/bench/bench_planner.h"
@@ -56,7 +57,7 @@ int report_cameras(double) {
 ControllersBench controllers;  // as the command line says
 
 int report_controllers(double seconds) {
-  controllers.seconds = std::min(seconds, 10.0);
+  controllers.seconds = std::min(seconds, 40.0);
   return bench_controllers(controllers);
 }
 
@@ -96,6 +97,9 @@ constexpr Bench table[] = {
      report_controllers, /*unasked=*/false},
     {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
      /*unasked=*/false},
+    {"latency", "what `skein camera latency` finds of stamps that are late by a known time", [](double) {},
+     [](double) { return bench_latency(); },
+     /*unasked=*/false},
     {"planner", "what planning costs a tick: 30 robots anywhere, kicks of the platoon", [](double) {}, report_planner},
     {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", [](double) {},
      report_swaps,
@@ -124,7 +128,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::vector<std::string> names{window};
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
-  program.add_option("what", what, "one of those below; default: all but cameras, controllers, identify, swaps and ui")
+  program
+      .add_option("what", what,
+                  "one of those below; default: all but cameras, controllers, identify, latency, swaps and ui")
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program

@@ -33,6 +33,7 @@ using core::Individual;
 using core::Unknown;
 
 constexpr double frame_period = 0.04;
+constexpr unsigned umbmark_drives = 4;
 constexpr core::MotorModel stepper = core::MotorModel::epuck2;
 
 /// What a robot is asked for at time t; `seen` is where it was seen last.
@@ -41,6 +42,7 @@ struct Manoeuvre {
   double seconds = 0.0;
   core::Pose start;
   std::function<core::Twist(double t, const core::Pose& seen)> twist;
+  std::optional<double> squares;  ///< the length of UMBmark's two squares together, if it is UMBmark [m]
 };
 
 /// Robot 1 of an experiment, which follows its reference as its file says, without the others.
@@ -54,11 +56,14 @@ std::optional<Manoeuvre> follow(const std::string& file) {
   const core::Gains gains = make_gains(*experiment);
   const core::CommandLimits limits{gains.v_max[0], gains.omega_max[0], experiment->robots[0].drive};
   return Manoeuvre{
-      file, experiment->duration, reference->at(0, 0.0).pose,
+      file,
+      experiment->duration,
+      reference->at(0, 0.0).pose,
       [reference, gains, limits](double t, const core::Pose& seen) {
         const core::ReferencePoint point = reference->at(0, t);
         return limits.limit(core::track_alone(gains, 0, core::tracking_error(point.pose, seen), point.twist));
-      }};
+      },
+      {}};
 }
 
 /// UMBmark: a square to the left, one to the right, with turns on the spot; blindly, as it is driven. As far as another
@@ -66,16 +71,65 @@ std::optional<Manoeuvre> follow(const std::string& file) {
 Manoeuvre umbmark(double way, double seconds) {
   constexpr double turning = 1.0;  // [rad/s]
   const double turn = 0.5 * core::pi / turning, straight = seconds / 8.0 - turn, speed = way / (8.0 * straight);
-  return {"umbmark", 8.0 * (straight + turn), {}, [=](double t, const core::Pose&) {
+  return {"umbmark",
+          8.0 * (straight + turn),
+          {},
+          [=](double t, const core::Pose&) {
             const int leg = static_cast<int>(t / (straight + turn));
             if (leg >= 8) return core::Twist{};
             if (t - leg * (straight + turn) < straight) return core::Twist{speed, 0.0};
             return core::Twist{0.0, leg < 4 ? turning : -turning};
-          }};
+          },
+          8.0 * speed * straight};
 }
 
-core::IdentificationInput drive(const Manoeuvre& manoeuvre, const Individual& individual, std::uint64_t seed) {
+/// The end of a path by the wheels' angles alone, relative to its start.
+core::Pose odometry(const core::DifferentialDrive& believed, const std::vector<core::WheelKnot>& wheels, double from,
+                    double to) {
+  core::Pose pose;
+  for (std::size_t k = 1; k < wheels.size(); ++k) {
+    const core::WheelKnot &a = wheels[k - 1], &b = wheels[k];
+    const double begin = std::max(a.t, from), end = std::min(b.t, to);
+    if (!(end > begin)) continue;
+    const core::Twist twist = believed.twist({(b.left - a.left) / (b.t - a.t), (b.right - a.right) / (b.t - a.t)});
+    pose = core::advance(pose, twist, end - begin);
+  }
+  return pose;
+}
+
+/// What UMBmark's own estimator (borenstein1996) makes of the two squares: from where each ends against where odometry
+/// has it, how far each turn goes too far (alpha, its error of type A) and by how much each straight leg bends to the
+/// left (beta, of type B); from them the track and the wheels' ratio. The mean diameter is not to be had from squares.
+core::DifferentialDrive umbmark_estimate(const core::IdentificationInput& input, double way, double seconds) {
+  const auto seen_at = [&](double t) {
+    const auto next = std::find_if(input.poses.begin(), input.poses.end(),
+                                   [&](const core::SeenPose& seen) { return seen.t >= t - 0.5 * frame_period; });
+    return next == input.poses.end() ? input.poses.back() : *next;
+  };
+  // Where a square ended, as seen less as reckoned, in the frame of its start.
+  const auto error_of = [&](double from, double to) {
+    const core::SeenPose a = seen_at(from), b = seen_at(to);
+    const double c = std::cos(a.pose.theta), s = std::sin(a.pose.theta);
+    const double x = b.pose.x - a.pose.x, y = b.pose.y - a.pose.y;
+    const core::Pose reckoned = odometry(input.believed, input.wheels, a.t, b.t);
+    return core::Pose{c * x + s * y - reckoned.x, -s * x + c * y - reckoned.y, 0.0};
+  };
+  const double side = way / 8.0, middle = 0.5 * seconds;
+  const core::Pose left = error_of(0.0, middle), right = error_of(middle, seconds);
+  const double sum = 0.5 * (left.x - left.y) / (2.0 * side);           // alpha + beta
+  const double difference = 0.5 * (right.x + right.y) / (2.0 * side);  // alpha - beta
+  const double alpha = 0.5 * (sum + difference), beta = 0.5 * (sum - difference);
+  core::DifferentialDrive found = input.believed;
+  found.track *= 0.5 * core::pi / (0.5 * core::pi + alpha);
+  const double radius = 0.5 * side / std::sin(0.5 * beta);  // of the bend
+  found.wheel_ratio *= (radius + 0.5 * found.track) / (radius - 0.5 * found.track);
+  return found;
+}
+
+core::IdentificationInput drive(const Manoeuvre& manoeuvre, const Individual& individual, std::uint64_t seed,
+                                const core::DifferentialDrive& believed = {}) {
   core::IdentificationInput input;
+  input.believed = believed;
   core::IndividualRobot robot(individual, stepper, seed);
   core::WheelLog log(stepper);
   core::WheelSpeeds told;
@@ -115,6 +169,9 @@ double drift(const core::DifferentialDrive& believed, const core::DifferentialDr
 
 struct Outcome {
   core::Identification found;
+  /// By UMBmark's own estimator, which is for small errors: after its squares, and after the last of several, each
+  /// driven with what the ones before have found.
+  core::DifferentialDrive umbmark, umbmark_again;
   double drift_before = 0.0, drift_after = 0.0;
 };
 
@@ -126,7 +183,17 @@ std::vector<Outcome> study(const Manoeuvre& manoeuvre, const IdentifyBench& benc
       const std::uint64_t seed = bench.seed + k;
       const Individual truth = core::random_individual(seed);
       Outcome& outcome = outcomes[k];
-      outcome.found = core::identify(drive(manoeuvre, truth, seed));
+      const core::IdentificationInput input = drive(manoeuvre, truth, seed);
+      outcome.found = core::identify(input);
+      if (manoeuvre.squares) {
+        core::DifferentialDrive& found = outcome.umbmark_again;
+        for (unsigned drives = 0; drives < umbmark_drives; ++drives) {
+          found.wheel_diameter = truth.wheels.wheel_diameter;  // measured by hand, as UMBmark asks for
+          found =
+              umbmark_estimate(drive(manoeuvre, truth, seed + drives, found), *manoeuvre.squares, manoeuvre.seconds);
+          if (drives == 0) outcome.umbmark = found;
+        }
+      }
       outcome.found.innovations.clear();
       outcome.drift_before = drift({}, truth.wheels);
       outcome.drift_after = drift(outcome.found.drive({}), truth.wheels);
@@ -187,6 +254,27 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
     row(
         word(unknown), [&](const auto& found) -> const auto& { return found[unknown]; },
         [&](const Individual& robot) { return truth_of(robot, unknown); }, relative);
+  }
+  // How wrong an estimate is over all robots: root mean squares.
+  const auto error_of = [&](const char* name, const auto& drive_of) {
+    double ratio = 0.0, track = 0.0;
+    std::vector<double> drifts;
+    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+      const core::DifferentialDrive truth = core::random_individual(bench.seed + k).wheels;
+      const core::DifferentialDrive found = drive_of(outcomes[k]);
+      drifts.push_back(drift(found, truth));
+      ratio += std::pow(found.wheel_ratio / truth.wheel_ratio - 1.0, 2);
+      track += std::pow(found.track / truth.track - 1.0, 2);
+    }
+    const auto all = static_cast<double>(outcomes.size());
+    fmt::print("rms_error_{}: wheel_ratio {:.3f} %, track {:.3f} %; drift_60_s {:.1f} mm (median)\n", name,
+               100.0 * std::sqrt(ratio / all), 100.0 * std::sqrt(track / all), 1e3 * median(drifts));
+  };
+  error_of("drawn", [](const Outcome&) { return core::DifferentialDrive{}; });
+  error_of("identify", [](const Outcome& o) { return o.found.drive({}); });
+  if (manoeuvre.squares) {
+    error_of("umbmark", [](const Outcome& o) { return o.umbmark; });
+    error_of("umbmark_again", [](const Outcome& o) { return o.umbmark_again; });
   }
   fmt::print("drift_60_s: {:.1f} mm as drawn, {:.2f} mm as identified: {:.0f} times less (medians)\n",
              1e3 * median(before), 1e3 * median(after), median(before) / median(after));

@@ -4,9 +4,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
+#include "app/calibration/floor_mark_keys.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
 
@@ -14,12 +16,15 @@
 //   [camera]   width, height, fx, fy, cx, cy, distortion = [k1, k2, p1, p2, k3], row_time (0 if missing)
 //   [world]    rotation = three rows of three, position = [x, y, z]   (may be missing: intrinsics only)
 //   [tags]     height, size                                           (may be missing: 0.06 m and 0.04 m)
+//   [[mark]]   tag, x, y, z = 0, size, pixel = [u, v]                 (of a tag that was not seen, the last two may be
+//              x, y, z = 0, pixel = [u, v]                             missing; without a tag: a point)
 
 namespace skein::app {
 namespace {
 
 using vision::Calibration;
 using vision::CameraPose;
+using vision::FloorMark;
 
 void read_camera(TomlTable t, Calibration& c) {
   for (const auto& [key, target] : {std::pair("width", &c.width), std::pair("height", &c.height)}) {
@@ -56,6 +61,22 @@ void read_rotation(TomlTable& t, Eigen::Matrix3d& rotation, Problems& problems) 
                                               t.full("rotation"), error, rotation.determinant()));
 }
 
+void read_mark(TomlTable& t, std::vector<FloorMark>& marks, Problems& problems) {
+  FloorMark mark;
+  const bool is_tag = t.has("tag");
+  const auto points = std::count_if(marks.begin(), marks.end(), [](const FloorMark& m) { return m.tag < 0; });
+  mark.name = fmt::format("point {}", points + 1);
+  read_tag(t, "tag", marks, mark, problems);
+  read_place(t, mark);
+  if (is_tag) t.number("size", mark.size, between(1e-3, 10.0, "m"));
+  mark.seen = t.has("pixel");
+  std::array<double, 2> pixel{};
+  if (mark.seen || !is_tag) t.needed("pixel", pixel, pixel_range);
+  mark.u = pixel[0], mark.v = pixel[1];
+  t.finish();
+  marks.push_back(mark);
+}
+
 }  // namespace
 
 tl::expected<Calibration, std::string> parse_calibration(std::string_view text, const std::string& name) {
@@ -80,6 +101,7 @@ tl::expected<Calibration, std::string> parse_calibration(std::string_view text, 
     t.needed("size", result.tag_size, between(1e-3, 10.0, "m"));
     t.finish();
   }
+  for (TomlTable& t : root.tables("mark")) read_mark(t, result.marks, problems);
   root.finish();
   if (!problems.empty()) return tl::unexpected(messages(std::move(problems).sorted()));
   return result;
@@ -120,6 +142,18 @@ std::string format_calibration(const Calibration& calibration) {
       "height = {}  # of the tags' plane above the floor\n"
       "size = {}  # edge of the black square\n",
       c.tag_height, c.tag_size);
+  if (!c.marks.empty())
+    text +=
+        "\n# The marks on the floor by which [world] was found. A run with this camera looks whether its tags still "
+        "lie "
+        "where\n# they were, at this pixel.\n";
+  for (const FloorMark& mark : c.marks) {
+    text += "\n[[mark]]\n";
+    if (mark.tag >= 0) text += fmt::format("tag = {}\n", mark.tag);
+    text += fmt::format("x = {}\ny = {}\nz = {}\n", mark.x, mark.y, mark.z);
+    if (mark.size > 0.0) text += fmt::format("size = {}\n", mark.size);
+    if (mark.seen) text += fmt::format("pixel = [{}, {}]\n", mark.u, mark.v);
+  }
   return text;
 }
 

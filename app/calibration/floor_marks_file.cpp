@@ -2,23 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "app/calibration/floor_mark_keys.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
+#include "vision/tags/tag_family.h"
 
 namespace skein::app {
-namespace {
 
 using vision::FloorMark;
-
-void read_place(TomlTable& t, FloorMark& mark) {
-  const Range place = between(-100.0, 100.0, "m");
-  t.needed("x", mark.x, place);
-  t.needed("y", mark.y, place);
-  t.number("z", mark.z, between(-10.0, 10.0, "m"));
-  t.finish();
-}
-
-}  // namespace
 
 tl::expected<std::vector<FloorMark>, std::string> parse_floor_marks(std::string_view text, const std::string& name) {
   const auto document = parse_toml(text, name);
@@ -28,24 +19,21 @@ tl::expected<std::vector<FloorMark>, std::string> parse_floor_marks(std::string_
   std::vector<FloorMark> marks;
   for (TomlTable& t : root.tables("tag")) {
     FloorMark mark;
-    t.require("id", "the number of a tag, 0 to 586");
-    t.integer("id", mark.tag, 0, 586);
-    mark.name = fmt::format("tag {}", mark.tag);
-    for (const FloorMark& other : marks)
-      if (other.tag == mark.tag && mark.tag >= 0)
-        problems.add(t.full("id"), fmt::format("found {} again, allowed: each tag once", mark.tag));
+    t.require("id", fmt::format("the number of a tag, 0 to {}", vision::largest_tag));
+    read_tag(t, "id", marks, mark, problems);
     read_place(t, mark);
+    t.finish();
     marks.push_back(mark);
   }
   std::size_t points = 0;
   for (TomlTable& t : root.tables("point")) {
     FloorMark mark;
     mark.name = fmt::format("point {}", ++points);
-    const Range pixel = between(-1.0, 32768.0, "px");
-    t.needed("u", mark.u, pixel);
-    t.needed("v", mark.v, pixel);
+    t.needed("u", mark.u, pixel_range);
+    t.needed("v", mark.v, pixel_range);
     mark.seen = true;
     read_place(t, mark);
+    t.finish();
     marks.push_back(mark);
   }
   root.finish();

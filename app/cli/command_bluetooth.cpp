@@ -1,15 +1,11 @@
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "app/cli/commands.h"
-#include "app/experiment/experiment_robots.h"
-#include "app/experiment/file_change.h"
-#include "app/experiment/known_robots.h"
-#include "app/experiment/text_file.h"
+#include "app/experiment/robots_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/tools/robot_setup.h"
 #include "comms/bluez.h"
 
 namespace skein::app {
@@ -19,49 +15,21 @@ bool not_interrupted() {
   return !interrupted();
 }
 
-KnownRobot known(const comms::BluetoothRobot& robot) {
-  KnownRobot known;
-  known.spec.name = robot.name;
-  known.spec.tag = -1;
-  known.spec.link = RobotSpec::Link::device;
-  known.spec.address = comms::to_text(robot.link());
-  known.spec.adapter = robot.adapter;
-  become(known.spec, *core::find_robot_type(core::word(robot.model())));  // types have the names of their motors
-  return known;
-}
-
 void print(const comms::BluetoothRobot& robot) {
-  fmt::print("# {}, {}\n{}\n", robot.name, robot.paired ? "paired" : "not paired", as_toml(known(robot)));
+  fmt::print("# {}, {}\n{}\n", robot.name, robot.paired ? "paired" : "not paired", as_toml(known_robot(robot)));
 }
 
 /// Adds the robots to the file of robots, and says so.
 int save(const std::string& file, const std::vector<comms::BluetoothRobot>& found) {
   const std::string path = known_robots_file(file);
-  auto change = FileChange::begin(path);
-  if (!change) {
-    complain(change.error());
+  std::vector<KnownRobot> more;
+  for (const comms::BluetoothRobot& robot : found) more.push_back(known_robot(robot));
+  const auto added = add_to_robots_file(path, more);
+  if (!added) {
+    print_error(added.error() + "\n");
     return wrong_input;
   }
-  std::string text;
-  std::vector<KnownRobot> there, more;
-  if (std::filesystem::exists(path)) {
-    const auto read = read_text(path);
-    auto robots = load_known_robots(path);
-    if (!read || !robots) {
-      print_error(messages(robots ? read.error() : robots.error()) + "\n");
-      return wrong_input;
-    }
-    text = *read;
-    there = std::move(*robots);
-  }
-  for (const comms::BluetoothRobot& robot : found) more.push_back(known(robot));
-  const Added added = with_robots(text, there, more);
-  if (added.robots > 0)
-    if (const auto saved = change->save(added.text); !saved) {
-      complain(saved.error());
-      return wrong_input;
-    }
-  fmt::print("# {}: {} robots added, {} already present\n", path, added.robots, found.size() - added.robots);
+  fmt::print("# {}: {} robots added, {} already present\n", path, *added, found.size() - *added);
   return done;
 }
 

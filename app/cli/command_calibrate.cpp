@@ -65,6 +65,23 @@ struct Looked {
   vision::FloorSight sight;
 };
 
+/// The marks by which a camera was calibrated, to be seen again. A point has a pixel that held only then.
+tl::expected<std::vector<vision::FloorMark>, std::string> marks_to_look_for(const vision::Calibration& calibration,
+                                                                            const std::string& file) {
+  std::vector<vision::FloorMark> marks;
+  for (vision::FloorMark mark : calibration.marks) {
+    if (mark.tag < 0) {
+      print_error(fmt::format("skein: {} is left out: its pixel is of the last calibration\n", mark.name));
+      continue;
+    }
+    mark.seen = false;
+    marks.push_back(mark);
+  }
+  if (!marks.empty()) return marks;
+  return tl::unexpected(
+      fmt::format("{}: has no tags on the floor ([[mark]]), allowed: --marks, a file that lists them", file));
+}
+
 /// What calibrate floor and check begin with; `status` says why not.
 std::optional<Looked> look(const FloorRequest& request, bool need_world, int& status) {
   Looked looked;
@@ -78,7 +95,8 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
     status = fail_with(request.camera + ": has no world frame yet: skein calibrate floor", wrong_input);
     return {};
   }
-  auto marks = load_floor_marks(request.marks);
+  auto marks =
+      request.marks.empty() ? marks_to_look_for(looked.calibration, request.camera) : load_floor_marks(request.marks);
   if (!marks) {
     status = fail_with(marks.error(), wrong_input);
     return {};
@@ -104,6 +122,13 @@ void print_residuals(const vision::FloorCheck& check) {
     fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", r.mark->name, r.mark->x, r.mark->y,
                mm(std::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
   fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.residuals.size(), mm(check.rms), mm(check.worst));
+}
+
+void print_shift(const vision::PoseShift& shift) {
+  for (const vision::PoseShift::Place& place : shift.places)
+    fmt::print("pose at x {:.3f} y {:.3f} m ({}): moves by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", place.x, place.y,
+               place.name, mm(std::hypot(place.dx, place.dy)), mm(place.dx), mm(place.dy));
+  fmt::print("poses_move_mm: {:.3f}\n", mm(shift.rms));
 }
 
 }  // namespace
@@ -225,6 +250,7 @@ int calibrate_floor(const FloorRequest& request) {
   }
   const auto check = vision::check_floor(*result, looked->marks);
   if (!check) return fail_with(check.error(), device_failed);
+  result->marks = vision::kept_marks(*solved, looked->marks, looked->sight);
   const std::string out = request.out.empty() ? request.camera : request.out;
   const auto old = replace_calibration(*result, out);
   if (!old) return fail_with(old.error(), wrong_input);
@@ -232,6 +258,7 @@ int calibrate_floor(const FloorRequest& request) {
     print_error(fmt::format("skein: {} was overwritten; its previous contents are in {}\n", out, old->string()));
   if (!request.quiet) {
     print_residuals(*check);
+    if (const auto shift = vision::pose_shift(looked->calibration, *result)) print_shift(*shift);
     const Eigen::Vector3d& p = result->world_from_camera->position;
     fmt::print("camera: {:.4f} {:.4f} {:.4f}\ntag_height: {:.4f}\ntag_size: {:.4f}\ncalibration: {}\n", p.x(), p.y(),
                p.z(), result->tag_height, result->tag_size, out);
@@ -239,7 +266,7 @@ int calibrate_floor(const FloorRequest& request) {
   if (solved->left_out)
     print_error(
         fmt::format("skein: {} was rejected: it is {:.1f} mm from its place in {}, and the others agree without it\n",
-                    solved->left_out->name, mm(solved->off), request.marks));
+                    solved->left_out->name, mm(solved->off), request.marks.empty() ? request.camera : request.marks));
   else if (check->worst > 5e-3)
     print_error(
         fmt::format("skein: the marks disagree by up to {:.1f} mm: check their positions and the camera's focus\n",

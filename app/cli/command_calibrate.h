@@ -24,7 +24,7 @@ struct FloorRequest {
   std::string source;
   CameraWords words;
   std::string camera;                         ///< calibration file
-  std::string marks;                          ///< file of the marks on the floor
+  std::string marks;                          ///< file of the marks on the floor; empty: those of `camera`
   std::string out;                            ///< floor: the calibration that is written; empty: `camera`
   int frames = 25;                            ///< averaged
   double tag_height = -1.0, tag_size = -1.0;  ///< of the robots' tags [m]; negative: as the calibration has it

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/tools/camera_list.h"
 #include "vision/sources/network_cameras.h"
 #include "vision/sources/open_source.h"
 #include "vision/v4l2/camera_controls.h"
@@ -45,35 +44,10 @@ int list_aravis(const std::string& name) {
   return done;
 }
 
-/// Prints those that answer; how many, or why nobody could be asked.
-tl::expected<int, std::string> list_aravis_cameras() {
-  const auto cameras = vision::network_cameras();
-  if (!cameras) return tl::unexpected(cameras.error());
-  for (const vision::NetworkCamera& camera : *cameras)
-    fmt::print("aravis:{}: {} ({}, {})\n", camera.name, camera.model, camera.protocol, camera.address);
-  return static_cast<int>(cameras->size());
-}
-
-/// Those of the kernel, with what they are called.
-std::vector<std::pair<std::string, vision::CameraDescription>> kernel_cameras() {
-  std::vector<std::pair<std::string, vision::CameraDescription>> cameras;
-  std::vector<std::string> devices;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
-    if (entry.path().filename().string().starts_with("video")) devices.push_back(entry.path().string());
-  std::sort(devices.begin(), devices.end());
-  for (const std::string& name : devices)
-    if (auto found = vision::describe_camera(name))
-      cameras.emplace_back(std::string(of_v4l2) + name, std::move(*found));
-  return cameras;
-}
-
 /// The only camera there is; else complains.
 std::string only_camera() {
   std::vector<std::string> all;
-  for (const auto& [address, camera] : kernel_cameras()) all.push_back(address);
-  if (const auto answering = vision::network_cameras())
-    for (const vision::NetworkCamera& camera : *answering) all.push_back(std::string(of_aravis) + camera.name);
+  for (const FoundCamera& camera : find_cameras().cameras) all.push_back(camera.address);
   if (all.size() == 1) return all.front();
   complain(all.empty() ? "no camera at /dev/video*, and none of GigE or USB3 Vision that answers"
                        : fmt::format("which camera? There are {}", fmt::join(all, ", ")));
@@ -104,14 +78,10 @@ int list_cameras(const std::string& camera) {
   if (camera.starts_with(of_aravis)) return list_aravis(camera.substr(of_aravis.size()));
   if (camera.starts_with(of_v4l2)) return list_one(camera.substr(of_v4l2.size()));
   if (!camera.empty()) return list_one(camera);
-  int cameras = 0;
-  for (const auto& [address, found] : kernel_cameras()) {
-    fmt::print("{}: {} ({})\n", address, found.card, found.driver);
-    ++cameras;
-  }
-  const auto in_the_network = list_aravis_cameras();
-  if (!in_the_network) complain(in_the_network.error());
-  if (cameras + in_the_network.value_or(0) > 0) return done;
+  const FoundCameras found = find_cameras();
+  for (const auto& [address, what] : found.cameras) fmt::print("{}: {}\n", address, what);
+  if (!found.problem.empty()) complain(found.problem);
+  if (!found.cameras.empty()) return done;
   print_error("skein: no camera at /dev/video*, and none of GigE or USB3 Vision that answers\n");
   return device_failed;
 }
@@ -140,6 +110,7 @@ int camera_doctor(const CameraDoctorRequest& request) {
       wanted.options.width = calibration->width;
       wanted.options.height = calibration->height;
     }
+    wanted.options.readout = calibration->readout();
     wanted.calibration_file = request.camera;
     wanted.calibration = std::move(*calibration);
   }

@@ -49,6 +49,7 @@ struct ExperimentOptions {
   std::string file;
   std::vector<std::string> sets;
   std::string duration, seed;
+  bool rehearse = false;
 
   void add_to(CLI::App& command, bool required) {
     auto* option = command.add_option(
@@ -62,12 +63,14 @@ struct ExperimentOptions {
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
-  void add_run_length(CLI::App& command) {
+  void add_run_options(CLI::App& command) {
     command.add_option("--duration", duration, "duration of the experiment [s], instead of the file's")->type_name("S");
     command.add_option("--seed", seed, "seed of all random numbers, instead of the file's")->type_name("N");
+    command.add_flag("--rehearse", rehearse,
+                     "without the hardware: emulated robots and rendered pictures in place of the real ones");
   }
   ExperimentRequest request() const {
-    ExperimentRequest result{file, sets};
+    ExperimentRequest result{file, sets, rehearse};
     if (!duration.empty()) result.sets.push_back("duration=" + duration);
     if (!seed.empty()) result.sets.push_back("seed=" + seed);
     return result;
@@ -97,6 +100,7 @@ int start_beside(const std::string& name, std::vector<std::string> words) {
   const auto path = std::filesystem::read_symlink("/proc/self/exe", none).parent_path() / name;
   words.insert(words.begin(), name);
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   ::execv(path.c_str(), arguments.data());
@@ -116,13 +120,13 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   program.require_subcommand(0, 1);
   ExperimentOptions window_experiment;
   window_experiment.add_to(program, false);
-  window_experiment.add_run_length(program);
+  window_experiment.add_run_options(program);
 
   CLI::App& run_command = *program.add_subcommand("run", "Runs an experiment without a window");
   ExperimentOptions run_experiment;
   RunRequest run_request;
   run_experiment.add_to(run_command, true);
-  run_experiment.add_run_length(run_command);
+  run_experiment.add_run_options(run_command);
   run_command.add_option("--csv", run_request.csv, "write every tick to this file")->type_name("FILE");
   run_command.add_option("--report", run_request.report, "write the paper's figures and summary.json to this folder")
       ->type_name("DIR");
@@ -220,7 +224,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_request.words.add_to(track_command, /*calibrated=*/false);
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
-  CLI::App& camera_command = *program.add_subcommand("camera", "Lists and examines cameras");
+  CLI::App& camera_command = *program.add_subcommand("camera", "Lists, examines and times cameras");
   camera_command.require_subcommand(1);
   CLI::App& list_command =
       *camera_command.add_subcommand("list", "Lists the cameras, or the formats, rates and controls of one");
@@ -242,6 +246,22 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       ->capture_default_str();
   camera_doctor_request.words.add_to(camera_doctor_command, /*calibrated=*/false);
   camera_doctor_command.get_option("--rate")->description("asked of a camera [frames/s]; default: 25, as of a run");
+
+  CLI::App& camera_latency_command = *camera_command.add_subcommand(
+      "latency",
+      "Measures how late the stamps of an experiment's cameras are: a robot with a link turns to and fro on the spot, "
+      "and its headings are compared with the counters of its wheels; prints camera.latency; exit status 1 if the data "
+      "do not tell");
+  ExperimentOptions latency_experiment;
+  latency_experiment.add_to(camera_latency_command, true);
+  CameraLatencyRequest latency_request;
+  camera_latency_command.add_option("--robot", latency_request.robot, "which robot turns, from 1")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  camera_latency_command.add_option("--seconds", latency_request.seconds, "how long it turns [s]")
+      ->check(CLI::Range(4.0, 120.0))
+      ->capture_default_str();
+  camera_latency_command.add_flag("--save", latency_request.save, "write the result to the experiment file");
 
   VisionCommands vision_commands;
   vision_commands.add_to(program);
@@ -355,14 +375,19 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (const auto status = run_commands.run()) return *status;
   if (list_command) return list_cameras(camera_device);
   if (camera_doctor_command) return camera_doctor(camera_doctor_request);
+  if (camera_latency_command) {
+    latency_request.experiment = latency_experiment.request();
+    look_after_bad_ends();
+    return camera_latency(latency_request);
+  }
   if (!show_window) {
     complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");
     return wrong_input;
   }
   look_after_bad_ends();
   if (const std::string& file = window_experiment.file; file.ends_with(".csv")) {
-    if (!window_experiment.request().sets.empty()) {
-      complain(file + ": a recorded run is replayed unchanged, without --set, --duration and --seed");
+    if (const ExperimentRequest& request = window_experiment.request(); request.rehearse || !request.sets.empty()) {
+      complain(file + ": a recorded run is replayed unchanged, without --set, --duration, --seed and --rehearse");
       return wrong_input;
     }
     if (const auto is_file = check_is_file(file); !is_file) {
@@ -377,7 +402,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   }
   const auto experiment = load(window_experiment.request());
   // A file with errors is mended in the window's editor; what the command line itself got wrong is said here.
-  const bool mendable = !experiment && window_experiment.request().sets.empty() &&
+  const bool mendable = !experiment && window_experiment.request().sets.empty() && !window_experiment.rehearse &&
                         check_is_file(window_experiment.file) && std::ifstream(window_experiment.file);
   if (mendable) return show_window({{}, window_experiment.file, {}}, argc, argv);
   return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;

@@ -65,7 +65,7 @@ void RunCommands::add_to(CLI::App& program) {
   add_runs_directory(*identify_, identify_request_.directory);
 
   CLI::App& runs = *program.add_subcommand(
-      "runs", "Lists, finds, compares and verifies kept runs (`skein run --keep`, docs/runs.md)");
+      "runs", "Lists, finds, compares, verifies and removes kept runs (`skein run --keep`, docs/runs.md)");
   runs.require_subcommand(1);
   const auto add = [&](const char* name, const char* what) {
     CLI::App* const command = runs.add_subcommand(name, what);
@@ -99,6 +99,11 @@ void RunCommands::add_to(CLI::App& program) {
       add("verify",
           "Verifies that the record of a run follows from its inputs, bit for bit: hashes, replay, and a repetition");
   verify_->add_option("run", runs_request_.run, which)->required();
+  remove_ = add("remove", "Removes runs; without --yes it prints which, and how much room they take");
+  remove_->add_option("run", runs_request_.runs, which);
+  remove_->add_option("--where", runs_request_.query, "those for which a condition holds, as `skein runs find` has it")
+      ->type_name("QUERY");
+  remove_->add_flag("--yes", runs_request_.yes, "remove them");
   export_kept_ =
       runs.add_subcommand("export", "Converts a kept run into a file for other programs, like `skein export`");
   add_export(*export_kept_);
@@ -118,6 +123,7 @@ std::optional<int> RunCommands::run() {
   if (*find_) return find_runs(runs_request_);
   if (*compare_) return compare_runs(runs_request_);
   if (*verify_) return verify_runs(runs_request_);
+  if (*remove_) return remove_runs(runs_request_);
   return {};
 }
 

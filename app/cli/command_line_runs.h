@@ -48,7 +48,8 @@ class RunCommands {
   IdentifyRequest identify_request_;
   PageRequest page_request_;
   bool html_ = false;
-  CLI::App *list_ = nullptr, *show_ = nullptr, *find_ = nullptr, *compare_ = nullptr, *verify_ = nullptr;
+  CLI::App *list_ = nullptr, *show_ = nullptr, *find_ = nullptr, *compare_ = nullptr, *verify_ = nullptr,
+           *remove_ = nullptr;
   RunsRequest runs_request_;
   ExportRequest export_request_;
   std::string format_, compression_ = "zstd";

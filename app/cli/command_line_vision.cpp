@@ -6,6 +6,7 @@
 
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "vision/tags/tag_family.h"
 
 namespace skein::app {
 
@@ -55,9 +56,10 @@ void VisionCommands::add_to(CLI::App& program) {
   const auto floor_words = [](CLI::App& command, FloorRequest& request) {
     command.add_option("source", request.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")->required();
     command.add_option("--camera", request.camera, "calibration file")->type_name("CAL.TOML")->required();
-    command.add_option("--marks", request.marks, "file of the marks on the floor (see docs/calibration.md)")
-        ->type_name("MARKS.TOML")
-        ->required();
+    command
+        .add_option("--marks", request.marks,
+                    "file of the marks on the floor (see docs/calibration.md); default: those that the calibration has")
+        ->type_name("MARKS.TOML");
     command.add_option("--frames", request.frames, "number of frames to average")
         ->check(CLI::Range(1, 10000))
         ->capture_default_str();
@@ -79,7 +81,7 @@ void VisionCommands::add_to(CLI::App& program) {
       ->add_option("--measure-height", floor_request_.measure_height,
                    "estimate that height from the apparent size of this robot's tag")
       ->type_name("TAG")
-      ->check(CLI::Range(0, 586));
+      ->check(CLI::Range(0, vision::largest_tag));
 
   check_ = calibrate.add_subcommand("check", "The error of a calibration at each mark, in millimetres on the floor");
   floor_words(*check_, check_request_);

@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 
-#include <atomic>
 #include <filesystem>
+#include <utility>
 
 #include "app/cli/commands.h"
 #include "app/experiment/known_robots.h"
-#include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
-#include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/tools/driven_plant.h"
 #include "app/tools/robot_test.h"
 
 namespace skein::app {
@@ -33,18 +32,6 @@ void print(const RobotTestResult& result, const Experiment& experiment, std::siz
   for (const std::string& note : result.notes) complain(robot_name(experiment, robot) + ": " + note);
 }
 
-/// What of it the file of robots keeps.
-FoundRobot to_keep(const Experiment& experiment, std::size_t robot, const RobotTestResult& result) {
-  FoundRobot found{experiment.robots[robot], robot_name(experiment, robot), {}};
-  const auto keep = [&](const char* key, std::string value) { found.values.emplace_back(key, std::move(value)); };
-  if (result.tag >= 0) keep("tag", std::to_string(result.tag));
-  if (!result.status.version.empty()) keep("version", fmt::format("\"{}\"", result.status.version));
-  if (result.wheel_diameter) keep("wheel_diameter", fmt::format("{:.5f}", *result.wheel_diameter));
-  if (result.watchdog) keep("watchdog", fmt::format("{:.2f}", *result.watchdog));
-  if (result.track) keep("track", fmt::format("{:.5f}", *result.track));
-  return found;
-}
-
 }  // namespace
 
 int test_robots(const RobotsRequest& request) {
@@ -57,53 +44,30 @@ int test_robots(const RobotsRequest& request) {
     experiment.camera.source = request.camera;
     experiment.camera.calibration = std::filesystem::absolute(request.calibration).string();
   }
-  experiment.failure.link_lost = FailureSpec::LinkLost::all_stop;
-  const auto addresses = real_robots(experiment);
-  if (!addresses) {
-    complain(addresses.error());
-    return wrong_input;
-  }
-  tl::expected<SafetyNet, std::string> net;
-  if (!addresses->empty()) net = SafetyNet::spread({experiment.name, *addresses});
-  if (!net) complain(fmt::format("{}: if this program is killed, nothing stops the robots", net.error()));
-
-  SessionClock clock(anything_real(experiment));
   SessionOptions options;
   options.every_tag = true;
-  auto plant = Plant::open(experiment, clock, options);
-  if (!plant) {
-    if (net) net->done(std::vector<StopResult>{});  // those that were reached have been stopped
-    complain(plant.error());
+  const auto driven = DrivenPlant::open(std::move(experiment), options, complain);
+  if (!driven) {
+    complain(driven.error());
     return device_failed;
   }
-  std::atomic<bool> stop_asked{false};
-  if (net)
-    net->on_stop([&] { stop_asked = true, (*plant)->stop(); },
-                 [&] { return stop_results(experiment, (*plant)->robots()); });
-  RobotTest test(**plant, clock, experiment, [&] { return !interrupted() && !stop_asked; });
+  const Experiment& believed = (*driven)->experiment();
+  RobotTest test((*driven)->plant(), (*driven)->clock(), believed, [&] { return (*driven)->keep_on(); });
   std::vector<FoundRobot> found;
   bool good = true;
-  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    if (!experiment.robots[i].has_link()) continue;
+  for (std::size_t i = 0; i < believed.robots.size(); ++i) {
+    if (!believed.robots[i].has_link()) continue;
     auto result = test.test(i);
     if (!result) {
-      complain(fmt::format("{}: {}", robot_name(experiment, i), result.error()));
+      complain(fmt::format("{}: {}", robot_name(believed, i), result.error()));
       good = false;
       break;
     }
-    print(*result, experiment, i);
+    print(*result, believed, i);
     good = good && result->faults.empty();
-    found.push_back(to_keep(experiment, i, *result));
+    found.push_back({believed.robots[i], robot_name(believed, i), values_to_keep(*result)});
   }
-  if (net) net->on_stop({}, {});
-  (*plant)->close();
-  const std::vector<RobotStatus> robots = (*plant)->robots();
-  if (net) net->done(stop_results(experiment, robots));
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (robots[i].stop_acknowledged) continue;
-    complain(robot_name(experiment, i) + " has NOT acknowledged its stop and may still be driving");
-    good = false;
-  }
+  good = (*driven)->close() && good;
   const int saved = request.save ? save_found(known_robots_file(request.file), found) : done;
   return saved != done ? saved : good ? done : device_failed;
 }

@@ -10,6 +10,9 @@
 #include "app/exchange/publisher.h"
 #include "app/experiment/certificate.h"
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/hardware.h"
+#include "app/experiment/rehearsal.h"
+#include "app/guard/safety_net.h"
 #include "app/record/csv_file.h"
 #include "app/record/report.h"
 #include "app/record/statistics.h"
@@ -19,6 +22,7 @@
 #include "app/runs/kept_run.h"
 #include "app/runs/run_end.h"
 #include "app/runs/run_folder.h"
+#include "app/session/cameras.h"
 #include "app/session/session.h"
 
 namespace skein::app {
@@ -54,23 +58,10 @@ bool same_file(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-bool anything_real(const Experiment& experiment) {
-  const bool real_robot = std::any_of(experiment.robots.begin(), experiment.robots.end(),
-                                      [](const RobotSpec& robot) { return !robot.simulated(); });
-  switch (experiment.camera.kind()) {
-    case CameraKind::recorded:
-    case CameraKind::live:
-      return true;
-    case CameraKind::absent:
-    case CameraKind::synthetic:
-      break;
-  }
-  return real_robot;
-}
-
 std::optional<Experiment> load(const ExperimentRequest& request) {
-  if (request.file.empty()) return paper_experiment();
-  auto experiment = load_experiment(request.file, request.sets);
+  auto experiment = request.file.empty() ? parse_experiment(paper_experiment().source, "platoon.toml", request.sets)
+                                         : load_experiment(request.file, request.sets);
+  if (experiment && request.rehearse) experiment = rehearsal(*experiment);
   if (experiment) return std::move(*experiment);
   print_error(messages(experiment.error()) + "\n");
   return {};
@@ -79,7 +70,7 @@ std::optional<Experiment> load(const ExperimentRequest& request) {
 int run(const RunRequest& request) {
   const auto experiment = load(request.experiment);
   if (!experiment) return wrong_input;
-  const bool real = anything_real(*experiment);
+  const bool real = has_hardware(*experiment);
   if (real && request.speed == "max") {
     complain("--speed max: a run with real robots or cameras cannot be faster than real time; allowed here: realtime");
     return wrong_input;
@@ -108,6 +99,7 @@ int run(const RunRequest& request) {
   }
   std::optional<KeptRun> kept;
   if (request.keep) {
+    if (const auto little = little_room(runs_directory(request.runs_directory))) complain(*little);
     auto begun = KeptRun::begin({runs_directory(request.runs_directory), request.experiment.file,
                                  request.experiment.sets, request.words, clock == Session::Clock::wall},
                                 *experiment);
@@ -156,8 +148,7 @@ int run(const RunRequest& request) {
     if (kept) keep(nothing, device_failed, {session.error()}, "");
     return device_failed;
   }
-  if (const auto why = (*session)->unguarded())
-    complain(fmt::format("{}: if this program is killed, nothing stops the robots", *why));
+  if (const auto why = (*session)->unguarded()) complain(unguarded_sentence(*why));
   const auto tell_alarms = [&] {
     for (const std::string& sentence : (*session)->alarms()) complain(sentence);
   };

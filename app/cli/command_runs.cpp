@@ -14,6 +14,7 @@
 #include "app/runs/kept_run.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/run_index.h"
+#include "app/runs/run_removal.h"
 #include "app/runs/verify.h"
 
 namespace skein::app {
@@ -74,7 +75,8 @@ void print_table(const std::vector<RunIndex::Run>& runs, const std::vector<std::
   print_out(out, reader_patience);
 }
 
-const std::vector<std::string> usual_keys{"state", "experiment.seed", "collisions", "min_distance", "final_error"};
+const std::vector<std::string> usual_keys{"state",        "experiment.seed", "collisions",
+                                          "min_distance", "final_error",     "megabytes"};
 
 tl::expected<RunIndex, std::string> open_index(const RunsRequest& request) {
   auto index = RunIndex::open(runs_directory(request.directory));
@@ -142,6 +144,9 @@ int show_run(const RunsRequest& request) {
   }
   std::string out = fmt::format("folder: {}\n", *folder);
   for (const auto& [key, value] : run_facts(*story)) out += fmt::format("{}: {}\n", key, text(value));
+  if (const auto sets = story->find("sets"); sets != story->end() && sets->is_array())
+    for (const auto& set : *sets)
+      if (set.is_string()) out += fmt::format("set: {}\n", set.get<std::string>());
   for (const std::string& name : files_of_run(*folder)) out += fmt::format("file: {}\n", name);
   print_out(out, reader_patience);
   return done;
@@ -190,6 +195,49 @@ int verify_runs(const RunsRequest& request) {
   print_out(out, reader_patience);
   for (const std::string& note : found->notes) complain(note);
   return found->holds() ? done : expectation_failed;
+}
+
+int remove_runs(const RunsRequest& request) {
+  if (request.runs.empty() && request.query.empty())
+    return refused("no run is named, allowed: names of runs (`skein runs list`), or --where with a condition");
+  std::vector<std::string> folders;
+  for (const std::string& run : request.runs) {
+    const auto folder = folder_of(run, request);
+    if (!folder) return refused(folder.error());
+    folders.push_back(*folder);
+  }
+  if (!request.query.empty()) {
+    auto index = open_index(request);
+    if (!index) return refused(index.error());
+    const auto query = parse_query(request.query);
+    if (!query) return refused(query.error());
+    const auto runs = index->find(*query, {});
+    if (!runs) return refused(runs.error());
+    for (const RunIndex::Run& run : *runs)
+      folders.push_back((std::filesystem::path(runs_directory(request.directory)) / run.id).string());
+  }
+  std::sort(folders.begin(), folders.end());
+  folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
+
+  std::string out;
+  std::uintmax_t bytes = 0;
+  std::size_t runs = 0;
+  int status = done;
+  for (const std::string& folder : folders) {
+    const std::uintmax_t room = bytes_of_run(folder);
+    if (request.yes)
+      if (const auto removed = remove_run(folder); !removed) {
+        complain(removed.error());
+        status = device_failed;
+        continue;
+      }
+    out += fmt::format("{}: {:.1f} MB\n", folder, static_cast<double>(room) / 1e6);
+    bytes += room, ++runs;
+  }
+  const std::string all =
+      fmt::format("{} run{}, {:.1f} MB", runs, runs == 1 ? "" : "s", static_cast<double>(bytes) / 1e6);
+  print_out(out + all + (request.yes ? " removed\n" : "; --yes removes them\n"), reader_patience);
+  return status;
 }
 
 }  // namespace skein::app

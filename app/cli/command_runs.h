@@ -9,8 +9,10 @@ namespace skein::app {
 struct RunsRequest {
   std::string directory;          ///< of the runs; empty: runs_directory() says which
   std::string run, other, query;  ///< runs by name, folder or "last"
+  std::vector<std::string> runs;  ///< likewise
   std::vector<std::string> show;  ///< keys to show for each run
   bool json = false, keys = false;
+  bool yes = false;        ///< remove them
   std::size_t newest = 0;  ///< number of runs to show; 0: all
 };
 
@@ -31,5 +33,8 @@ int find_runs(const RunsRequest& request);
 int compare_runs(const RunsRequest& request);
 /// `expectation_failed` if the record does not follow from its inputs.
 int verify_runs(const RunsRequest& request);
+
+/// Prints the runs that are named or found by the query, and with `yes` removes them.
+int remove_runs(const RunsRequest& request);
 
 }  // namespace skein::app

@@ -66,8 +66,6 @@ int sweep(const SweepRequest& request) {
 
   if (!request.report.empty())
     if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
-  if (!study->compare.empty() && (!request.part.empty() || !request.merge.empty()))
-    return complain(request.file + ": a study with [compare] runs in one piece: no --part, no --merge"), wrong_input;
   Part part;
   if (!request.part.empty()) {
     const auto parsed = parse_part(request.part);
@@ -104,13 +102,9 @@ int sweep(const SweepRequest& request) {
   } else {
     outcomes.study = sweep(*study, threads, progress, false, part);
     if (!study->control.empty() && !interrupted()) outcomes.control = sweep(*study, threads, progress, true, part);
-  }
-  std::vector<std::pair<std::string, SweepSummary>> compared;
-  for (const auto& [name, sets] : study->compare) {
-    if (interrupted()) break;
-    Study other = *study;
-    other.sets.insert(other.sets.end(), sets.begin(), sets.end());
-    compared.emplace_back(name, summarise(other, sweep(other, threads, progress)));
+    for (const auto& [name, sets] : study->compare)
+      if (!interrupted())
+        outcomes.compared.push_back({name, sweep(compared_study(*study, name), threads, progress, false, part)});
   }
   if (shown) print_error("\r\033[K");
 
@@ -130,6 +124,7 @@ int sweep(const SweepRequest& request) {
       return complain(report.error()), wrong_input;
   if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
   const SweepSummary summary = summarise(*study, outcomes.study, outcomes.control);
+  auto compared = summaries_of_compared(*study, outcomes);
   if (request.only && !request.quiet && !request.json) fmt::print("command: {}\n", run_command(*study, *request.only));
   if (!request.quiet) fmt::print("{}", request.json ? as_json(summary, compared) + "\n" : as_lines(summary));
   if (!compared.empty() && !request.quiet && !request.json) {

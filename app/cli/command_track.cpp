@@ -19,6 +19,7 @@
 #include "app/run/output.h"
 #include "core/words.h"
 #include "vision/sources/open_source.h"
+#include "vision/tags/tag_family.h"
 #include "vision/track/track.h"
 #include "vision/track/track_tracker.h"
 
@@ -82,7 +83,7 @@ class Latencies {
       fmt::print(out, "  {:<18}{:>9.3f} {:>9.3f} {:>9.3f}\n", name, 1e3 * times.quantile(0.5),
                  1e3 * times.quantile(0.99), 1e3 * times.largest());
     };
-    line("stamp to arrival", arrival_);
+    line("capture to arrival", arrival_);
     line(live ? "arrival to grey" : "reading", grey_);
     line("grey to poses", tracker_);
     for (const vision::TrackerStage stage : core::all_of<vision::TrackerStage>())
@@ -141,14 +142,16 @@ int track(const TrackRequest& request) {
   options.source = request.source;
   const std::vector<int> tags = parse_ids(request.tags);
   if (!request.tags.empty() &&
-      (tags.empty() || std::any_of(tags.begin(), tags.end(), [](int id) { return id > 586; }))) {
-    complain(fmt::format("--tags {}; allowed: tags of the family 36h11, 0 to 586, such as 1-4,7", request.tags));
+      (tags.empty() || std::any_of(tags.begin(), tags.end(), [](int id) { return id > vision::largest_tag; }))) {
+    complain(fmt::format("--tags {}; allowed: tags of the family 36h11, 0 to {}, such as 1-4,7", request.tags,
+                         vision::largest_tag));
     return wrong_input;
   }
   if (const std::string wrong = read_calibration(request, options); !wrong.empty()) {
     print_error(wrong + "\n");
     return wrong_input;
   }
+  if (options.calibration) options.camera.readout = options.calibration->readout();
   if (request.tracker && !options.calibration->world_from_camera) {
     complain(fmt::format("{} has no world frame, which --tracker needs: skein calibrate floor", request.camera));
     return wrong_input;

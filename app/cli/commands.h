@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
+#include "app/experiment/robots_file.h"
 #include "app/tools/camera_words.h"
 
 namespace skein::app {
@@ -17,6 +18,7 @@ namespace skein::app {
 struct ExperimentRequest {
   std::string file;               ///< empty: the paper's experiment
   std::vector<std::string> sets;  ///< --set, with --duration and --seed
+  bool rehearse = false;          ///< without its hardware
 };
 /// Loads it, or prints every problem to stderr.
 std::optional<Experiment> load(const ExperimentRequest& request);
@@ -65,12 +67,19 @@ struct CameraDoctorRequest {
 /// Examines a camera by its frames, see camera_doctor.h; `expectation_failed` if something is to be mended.
 int camera_doctor(const CameraDoctorRequest& request);
 
+struct CameraLatencyRequest {
+  ExperimentRequest experiment;
+  std::size_t robot = 1;  ///< from 1
+  double seconds = 12.0;
+  bool save = false;  ///< into the experiment file
+};
+/// Measures how late the cameras' stamps are by a robot that turns on the spot, see camera_latency.h;
+/// `expectation_failed` if the data do not determine it.
+int camera_latency(const CameraLatencyRequest& request);
+
 /// Lists the modes and settings of a camera ("/dev/video0", "v4l2:/dev/video0", "aravis:NAME"); without one, all
 /// cameras.
 int list_cameras(const std::string& camera);
-
-/// Whether a robot or the camera of an experiment is real, so that it runs in real time.
-bool anything_real(const Experiment& experiment);
 
 struct RobotsRequest {
   std::vector<std::string> words;   ///< which robots, see named_robots()
@@ -111,14 +120,11 @@ int ping_robots(const RobotsRequest& request);
 /// See robot_test.h.
 int test_robots(const RobotsRequest& request);
 
-/// Results about a robot: keys of the file of robots with their values as TOML text.
-struct FoundRobot {
-  RobotSpec spec;
-  std::string name;  ///< its name in messages
-  std::vector<std::pair<std::string, std::string>> values;
-};
-/// Writes it to the file of robots, leaving the rest unchanged; reports robots that the file does not have.
+/// Writes what was found about robots to the file of robots; reports robots that the file does not have.
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
+
+/// Writes values, as TOML text, to keys of an experiment file, leaving the rest unchanged.
+int save_keys(const std::string& file, const std::vector<std::pair<std::string, std::string>>& values);
 
 /// Reports on stderr the runs that ended without stopping their robots, if any, and offers to stop them if stdin is a
 /// terminal.

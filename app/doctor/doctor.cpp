@@ -112,6 +112,23 @@ Finding governor(const Machine& machine) {
             "for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done"}}};
 }
 
+Finding idle_states(const Machine& machine) {
+  const char* const subject = "idle states";
+  const char* const device = "/dev/cpu_dma_latency";
+  if (machine.usable(device)) return well(subject, "a run may keep the processors from deep ones");
+  return {State::note,
+          subject,
+          fmt::format("{} cannot be written: an idle processor may wake 0.05 to 0.5 ms late", device),
+          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
+          {{"addgroup", "--quiet", "--system", "skein"},
+           {"sh", "-c",
+            "echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"skein\", MODE=\"0660\"' > "
+            "/etc/udev/rules.d/60-skein-latency.rules"},
+           {"udevadm", "control", "--reload"},
+           {"udevadm", "trigger", "--sysname-match=cpu_dma_latency"},
+           {"adduser", machine.user, "skein"}}};
+}
+
 Finding load(const Machine& machine) {
   const char* const subject = "load";
   std::istringstream text(read(below(machine, "/proc/loadavg")));
@@ -175,7 +192,7 @@ Findings disk(const Machine& machine) {
   if (const std::string found = fmt::format("{:.1f} GB free here", free / 1e9); free >= 1e9)
     result.push_back(well("disk space", found));
   else
-    result.push_back({State::ill, "disk space", found + ": a film takes 1 GB a minute, a CSV 2 MB", "make room"});
+    result.push_back({State::ill, "disk space", found + ": a film takes 1 GB a minute, a CSV 3 MB", "make room"});
   const auto speed = machine.disk_speed();
   if (!speed)
     result.push_back({State::ill, "disk", speed.error(), "start in a folder that you may write to"});
@@ -422,6 +439,7 @@ std::vector<Finding> examine(const Machine& machine, const Examination& examinat
   all.push_back(priority(machine));
   all.push_back(throttling(machine));
   all.push_back(governor(machine));
+  all.push_back(idle_states(machine));
   all.push_back(clock_source(machine));
   all.push_back(load(machine));
   all.push_back(memory(machine));

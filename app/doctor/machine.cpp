@@ -98,6 +98,7 @@ double free_here() {
 
 Timing two_bare_threads(double seconds) {
   constexpr double period = 0.04;
+  const CpuLatencyLimit awake;  // as in a run
   BareThread ordinary(period, 0), real_time(period, control_priority);
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   Timing timing;

@@ -89,6 +89,7 @@ struct ReferenceSpec {
   std::vector<ReferenceChange> changes;  ///< in the order of t
   double acceleration = 0.1;             ///< default for trajectories [m/s^2]
   bool may_meet = false;                 ///< of trajectories: references may meet, the shield keeps the robots apart
+  bool interchangeable = false;          ///< of trajectories that are lines: whose end belongs to whom is chosen
 };
 
 /// As files call it (core/words.h).
@@ -226,12 +227,16 @@ struct CameraSpec {
   /// Settings of a real camera; NaN: unchanged. Exposure 0: automatic [s]; gain and focus in its driver's units.
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
   vision::FilmCoding film = vision::FilmCoding::lossless;  ///< how --video keeps its frames
-  std::string trigger;  ///< what triggers a real camera's frames, see vision::SourceOptions; empty: its own clock
-  /// For practice: this long after the session was opened the synthetic camera is tilted by `bump` degrees, and stays
-  /// so; empty: never. [s]
+  std::string trigger;   ///< what triggers a real camera's frames, see vision::SourceOptions; empty: its own clock
+  double latency = 0.0;  ///< how long before its source's captured_at a frame was really captured, of any source [s]
+  /// For practice: this long after the session was opened the synthetic camera is tilted by `bump` degrees, evenly over
+  /// `bump_time`, and stays so; empty: never. [s]
   std::optional<double> bump_at;
-  double bump = 1.0;
+  double bump = 1.0, bump_time = 0.0;
+  /// Likewise: from then on the first mark of its calibration lies 50 mm farther to the right [s]
+  std::optional<double> mark_moved_at;
   std::optional<double> lost_at;  ///< likewise: from then on the synthetic camera delivers nothing [s]
+  double stamps_late = 0.0;       ///< likewise: the synthetic camera shows what was so long before its stamps [s]
   std::vector<CameraSpec> also;   ///< more cameras over the same floor; none of a camera that is one of these
 
   CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }

@@ -10,6 +10,7 @@
 #include "app/experiment/experiment_events.h"
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_trajectory.h"
+#include "app/experiment/hardware.h"
 #include "core/planning/formation_clock.h"
 #include "vision/sources/open_source.h"
 
@@ -28,20 +29,8 @@ void check_duration(const Experiment& e, Problems& problems) {
                                          e.duration, e.rate, std::floor(ticks), most_ticks));
 }
 
-bool sees_the_real(CameraKind camera) {
-  switch (camera) {
-    case CameraKind::recorded:
-    case CameraKind::live:
-      return true;
-    case CameraKind::absent:
-    case CameraKind::synthetic:
-      break;
-  }
-  return false;
-}
-
 void check_robots(const Experiment& e, Problems& problems) {
-  const bool real_camera = sees_the_real(e.camera.kind());
+  const bool real_camera = is_hardware(e.camera.kind());
   std::map<int, std::size_t> tags;
   std::map<std::string, std::size_t> addresses, names, adapters;  // adapters: robots that each holds
   constexpr std::size_t most_on_an_adapter = 7;                   // connections of a Bluetooth piconet
@@ -79,7 +68,7 @@ void check_robots(const Experiment& e, Problems& problems) {
                       e.camera.source, vision::source_forms(), i + 1, robot.address));
   }
   for (std::size_t k = 0; k < e.cameras(); ++k)
-    if (const CameraSpec& camera = e.camera_at(k); sees_the_real(camera.kind()) && camera.calibration.empty())
+    if (const CameraSpec& camera = e.camera_at(k); is_hardware(camera.kind()) && camera.calibration.empty())
       problems.add(k == 0 ? std::string("camera.calibration") : fmt::format("camera.also.{}.calibration", k),
                    fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", camera.source));
 }

@@ -144,7 +144,9 @@ const std::vector<ExperimentKey>& all_keys() {
       {"camera", "focus", "in the units of the camera's driver",
        NumberKey{[](E& e) -> auto& { return e.camera.focus; }, [](Limits) { return between(0.0, 1e6); }}},
       {"camera", "trigger", "of an aravis camera: software, or one of its lines; empty: it runs free",
-       TextKey{[](E& e) -> auto& { return e.camera.trigger; }, 100}},
+       TextKey{[](E& e) -> auto& { return e.camera.trigger; }, 100, 0}},
+      {"camera", "latency", "how long before its stamp a frame was captured (skein camera latency)",
+       NumberKey{[](E& e) -> auto& { return e.camera.latency; }, [](Limits) { return between(-0.1, 0.5, "s"); }}},
       {"camera", "film", "how a run's film (--video) keeps the pixels: to the bit, or in a tenth of the room",
        choice<[](E& e) -> auto& { return e.camera.film; }>()},
 
@@ -153,9 +155,18 @@ const std::vector<ExperimentKey>& all_keys() {
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "bump", "for practice: the angle by which it is then tilted",
        NumberKey{[](E& e) -> auto& { return e.camera.bump; }, [](Limits) { return between(-45.0, 45.0, "deg"); }}},
+      {"camera", "bump_time", "for practice: how long that takes, like a mount that sags; 0: at once",
+       NumberKey{[](E& e) -> auto& { return e.camera.bump_time; },
+                 [](Limits) { return between(0.0, longest_run, "s"); }}},
+      {"camera", "mark_moved_at",
+       "for practice: when somebody moves the first mark on the floor by 50 mm, counted from the camera's opening",
+       OptionalNumberKey{[](E& e) -> auto& { return e.camera.mark_moved_at; },
+                         [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "lost_at", "for practice: when the synthetic camera is lost, counted from its opening",
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.lost_at; },
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
+      {"camera", "stamps_late", "for practice: how late the synthetic camera's stamps are, as latency corrects",
+       NumberKey{[](E& e) -> auto& { return e.camera.stamps_late; }, [](Limits) { return between(0.0, 0.5, "s"); }}},
 
       {"links", "blind_distance", "how far a robot may drive on unconfirmed commands",
        NumberKey{[](E& e) -> auto& { return e.links.blind_distance; },
@@ -271,7 +282,7 @@ void read_keys(TomlTable& t, std::string_view table, Experiment& e) {
                    [&](const one_of<FlagKey, OptionalFlagKey> auto& k) { t.flag(name, k.at(e)); },
                    [&](const TextKey& k) {
                      if (k.longest > 0)
-                       t.line(name, k.at(e), k.longest);
+                       t.line(name, k.at(e), k.longest, k.shortest);
                      else
                        t.text(name, k.at(e));
                    },

@@ -40,7 +40,8 @@ struct OptionalFlagKey {
 };
 struct TextKey {
   std::string& (*at)(Experiment&);
-  std::size_t longest;  ///< one line of at most so many bytes; 0: any text
+  std::size_t longest;       ///< one line of at most so many bytes; 0: any text
+  std::size_t shortest = 1;  ///< of such a line; 0: it may be empty
 };
 struct ChoiceKey {  ///< a word of an enumeration
   void (*read)(TomlTable& table, const char* key, Experiment&);

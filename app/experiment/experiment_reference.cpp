@@ -10,6 +10,7 @@
 #include "app/experiment/experiment_path.h"
 #include "app/experiment/experiment_trajectory.h"
 #include "app/experiment/longest.h"
+#include "core/planning/assignment.h"
 
 namespace skein::app {
 namespace {
@@ -247,6 +248,32 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
                              more_room(e, closest) == 0.0 ? "" : ", less the excess of their bodies over an e-puck's"));
 }
 
+/// Gives the ends of the robots' lines to the robots so that the sum of the squares of the ways is the smallest: robots
+/// that drove them in the same time would not meet (`turpin2014`), and the longest way is short.
+void exchange_places(Experiment& e, Problems& problems) {
+  const auto n = static_cast<Eigen::Index>(e.robots.size());
+  Eigen::MatrixXd squared(n, n);
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    const std::optional<TrajectorySpec>& t = e.robots[i].trajectory;
+    if (!t || !t->samples.empty() || t->path.shape != PathShape::line || t->path.points.size() != 2 || t->distance) {
+      problems.add(
+          "reference.interchangeable",
+          fmt::format("found true, allowed: if every robot's trajectory is a whole line; robot {}'s is not", i + 1));
+      return;
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto& from = e.robots[static_cast<std::size_t>(i)].trajectory->path.points.front();
+      const auto& to = e.robots[static_cast<std::size_t>(j)].trajectory->path.points.back();
+      squared(i, j) = (from.x - to.x) * (from.x - to.x) + (from.y - to.y) * (from.y - to.y);
+    }
+  const std::vector<std::size_t> place = core::cheapest_assignment(squared);
+  std::vector<core::Point> ends;
+  for (const RobotSpec& robot : e.robots) ends.push_back(robot.trajectory->path.points.back());
+  for (std::size_t i = 0; i < e.robots.size(); ++i) e.robots[i].trajectory->path.points.back() = ends[place[i]];
+}
+
 }  // namespace
 
 void read_reference(TomlTable t, Experiment& e, Problems& problems) {
@@ -255,6 +282,8 @@ void read_reference(TomlTable t, Experiment& e, Problems& problems) {
   if (r.kind == Kind::independent) {
     t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
     t.flag("may_meet", r.may_meet);
+    t.flag("interchangeable", r.interchangeable);
+    if (r.interchangeable) exchange_places(e, problems);
   } else {
     t.number("start", r.start, between(-10.0 * longest_length, 10.0 * longest_length, "m"));
     if (r.kind == Kind::platoon) {

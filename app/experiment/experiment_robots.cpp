@@ -9,6 +9,7 @@
 #include "app/experiment/longest.h"
 #include "comms/link_address.h"
 #include "core/geometry/pose.h"
+#include "vision/tags/tag_family.h"
 
 namespace skein::app {
 namespace {
@@ -117,6 +118,9 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   }
 }
 
+constexpr const core::RobotType& epuck2 = *core::find_robot_type("epuck2");
+constexpr const core::RobotType& ideal = *core::find_robot_type("ideal");
+
 void become(RobotSpec& robot, const core::RobotType& type) {
   robot.type = &type;
   robot.motor = type.motor;
@@ -128,16 +132,14 @@ void become(RobotSpec& robot, const core::RobotType& type) {
 const core::RobotType& type_spoken(const comms::LinkAddress& address) {
   for (const core::RobotType& type : core::robot_types)
     if (!type.protocol.empty() && type.protocol == comms::language(address)) return type;
-  return *core::find_robot_type("epuck2");
+  return epuck2;
 }
 
 RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   RobotSpec robot = keys.spec;
   const bool linked = robot.has_link();
   const auto address = comms::parse_link_address(robot.address);
-  const core::RobotType& type = keys.model ? *keys.model
-                                : address  ? type_spoken(*address)
-                                           : *core::find_robot_type(linked ? "epuck2" : "ideal");
+  const core::RobotType& type = keys.model ? *keys.model : address ? type_spoken(*address) : linked ? epuck2 : ideal;
   // A robot is asked for whole speeds; only a simulation can do better.
   if (linked && type.motor == core::MotorModel::ideal)
     problems.add(keys.model_key, fmt::format("found \"{}\", allowed: {}; only a robot of link \"sim\" can be ideal",
@@ -161,9 +163,9 @@ RobotSpec finished(const RobotKeys& keys, Problems& problems) {
 }
 
 void read_name_and_tag(TomlTable& t, RobotSpec& robot) {
-  constexpr std::size_t longest_name = 40;
-  t.line("name", robot.name, longest_name);
-  t.integer("tag", robot.tag, 0, 586);  // the ids of the family 36h11
+  constexpr std::size_t longest_robot_name = 40;
+  t.line("name", robot.name, longest_robot_name);
+  t.integer("tag", robot.tag, 0, vision::largest_tag);
 }
 
 void read_robots(TomlTable& document, Experiment& e, Problems& problems) {

@@ -18,7 +18,8 @@ struct Structured {
 };
 const Structured structured[] = {
     {"", {"robots_file", "gain_change", "obstacle", "robot_defaults", "robot", "perturb", "operator"}},
-    {"reference", {"spacing", "start", "shape", "offsets", "change", "path", "acceleration", "may_meet"}},
+    {"reference",
+     {"spacing", "start", "shape", "offsets", "change", "path", "acceleration", "may_meet", "interchangeable"}},
     {"camera", {"also"}},
     {"controller", {"policy", "k_x", "k_theta", "gains", "c_xx", "c_tt", "c_yy", "l_xx", "l_tt", "parameters", "log"}},
 };
@@ -43,7 +44,7 @@ Json schema_of(const ExperimentKey& key, const Experiment& e) {
                                },
                                [](const TextKey& k) {
                                  Json text{{"type", "string"}};
-                                 if (k.longest > 0) text["minLength"] = 1, text["maxLength"] = k.longest;
+                                 if (k.longest > 0) text["minLength"] = k.shortest, text["maxLength"] = k.longest;
                                  return text;
                                },
                                [](const ChoiceKey& k) {

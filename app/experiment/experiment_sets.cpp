@@ -8,11 +8,16 @@
 #include <optional>
 
 #include "app/experiment/toml_places.h"
+#include "app/experiment/toml_rewrite.h"
 
 namespace skein::app {
 namespace {
 
 constexpr std::array arrays_of_tables{"robot", "gain_change", "obstacle", "perturb", "operator"};
+
+bool is_array_of_tables_at_top(std::string_view name) {
+  return std::find(arrays_of_tables.begin(), arrays_of_tables.end(), name) != arrays_of_tables.end();
+}
 
 /// "a.b=1" is a TOML document of its own; a value that is none is taken as a text.
 toml::table parsed(const std::string& set, const std::string& origin) {
@@ -54,8 +59,7 @@ std::optional<std::string> merge(toml::table& into, toml::table& from, bool top_
     const std::string name(key.str());
     toml::table* const below = value.as_table();
     const bool descend = below && !below->is_inline();
-    if (top_level && descend && !into.contains(name) &&
-        std::find(arrays_of_tables.begin(), arrays_of_tables.end(), name) != arrays_of_tables.end()) {
+    if (top_level && descend && !into.contains(name) && is_array_of_tables_at_top(name)) {
       toml::array tables;
       if (name == "robot")  // the four that a file without [[robot]] has
         for (int tag = 1; tag <= 4; ++tag) tables.push_back(toml::table{{"tag", tag}});
@@ -74,7 +78,72 @@ std::optional<std::string> merge(toml::table& into, toml::table& from, bool top_
   return std::nullopt;
 }
 
+/// The values of --set between two documents.
+class Differences {
+ public:
+  Differences(const toml::table& before, const toml::table& after) {
+    for (auto&& [key, value] : before)
+      if (!after.contains(key.str()) && (value.is_table() || value.is_array()))
+        add(toml_key(key.str()), value.is_table() ? "{}" : "[]");
+    (void)compare(before, after, "");
+  }
+  std::vector<std::string> sets() && { return std::move(sets_); }
+
+ private:
+  void add(const std::string& name, const std::string& value) { sets_.push_back(name + '=' + value); }
+
+  /// Whether everything between them can be set; if not, nothing has been added.
+  bool compare(const toml::table& before, const toml::table& after, const std::string& name) {
+    for (auto&& [key, value] : before)
+      if (!name.empty() && !after.contains(key.str())) return false;
+    for (auto&& [key, value] : after) {
+      const std::string below = name.empty() ? toml_key(key.str()) : name + '.' + toml_key(key.str());
+      compare(before.get(key.str()), value, below);
+    }
+    return true;
+  }
+
+  void compare(const toml::node* before, const toml::node& after, const std::string& name) {
+    if (before && toml_literal(*before) == toml_literal(after)) return;
+    const std::size_t had = sets_.size();
+    const toml::table* const table = after.as_table();
+    if (table && !table->empty() && (before ? before->is_table() : !table->is_inline()))
+      if (compare(before ? *before->as_table() : toml::table{}, *table, name)) return;
+    sets_.resize(had);
+    if (after.is_array_of_tables() && compare_elements(before ? before->as_array() : nullptr, *after.as_array(), name))
+      return;
+    sets_.resize(had);
+    add(name, toml_literal(after));
+  }
+
+  /// Element by element, where the array has not become shorter.
+  bool compare_elements(const toml::array* before, const toml::array& after, const std::string& name) {
+    const std::size_t there = before ? before->size() : 0;
+    const bool counted_from_nothing = is_array_of_tables_at_top(name) && name != "robot";
+    if ((there == 0 && !counted_from_nothing) || after.size() < there) return false;
+    for (std::size_t k = 0; k < after.size(); ++k) {
+      const std::string element = fmt::format("{}.{}", name, k + 1);
+      const toml::table* const from = k < there ? before->get(k)->as_table() : nullptr;
+      if (k < there && !from) return false;
+      if (from && !compare(*from, *after.get(k)->as_table(), element)) return false;
+      if (!from) add(element, toml_literal(*after.get(k)));
+    }
+    return true;
+  }
+
+  std::vector<std::string> sets_;
+};
+
 }  // namespace
+
+std::vector<std::string> sets_between(std::string_view before, std::string_view after) {
+  const auto from = parsed_toml(before), to = parsed_toml(after);
+  return from && to ? Differences(*from, *to).sets() : std::vector<std::string>{};
+}
+
+std::string set_of(const OperatorAction& action, std::size_t number) {
+  return fmt::format("operator.{}={{ t = {}, does = {} }}", number, action.t, toml_string(describe(action.event)));
+}
 
 void apply_sets(toml::table& document, const std::vector<std::string>& sets, std::vector<Problem>& problems) {
   for (const std::string& set : sets) {

@@ -28,44 +28,6 @@ bool does(const Event& asked, const Event& happened) {
   return describe(asked) == describe(happened);
 }
 
-/// The actions of the file itself, each of which explains one event.
-class FileActions {
- public:
-  explicit FileActions(const std::vector<OperatorAction>& actions) : left_(actions) {}
-
-  bool explain(double t, const Event& event) {
-    constexpr double latest = 1.0;  // ticks that were missed [s]
-    const auto same = [&](const OperatorAction& a) {
-      return t > a.t - 1e-9 && t < a.t + latest && does(a.event, event);
-    };
-    const auto found = std::find_if(left_.begin(), left_.end(), same);
-    if (found == left_.end()) return false;
-    left_.erase(found);
-    return true;
-  }
-
- private:
-  std::vector<OperatorAction> left_;
-};
-
-std::string table_of(double t, const Event& event) {
-  return fmt::format("\n[[operator]]\nt = {}\ndoes = \"{}\"\n", t, describe(event));
-}
-
-/// Where robots stood at the start of the run, if that is not where the file has them.
-std::string first_moves(const Experiment& experiment, const TickRecord& first) {
-  constexpr double same_place = 1e-6;  // [m, rad]
-  std::string text;
-  const auto reference = make_reference(experiment);
-  for (std::size_t i = 0; i < first.robots.size(); ++i) {
-    const core::Pose& stood = first.robots[i].truth;
-    const core::Pose start = experiment.robots[i].start.value_or(reference->at(i, 0.0).pose);
-    const double away = std::max(core::distance(stood, start), std::abs(core::wrap_angle(stood.theta - start.theta)));
-    if (experiment.robots[i].simulated() && away > same_place) text += table_of(0.0, events::Move{i, stood});
-  }
-  return text;
-}
-
 std::string literal(const core::PairTable& table, std::size_t robots) {
   std::string pairs;
   bool same = true;
@@ -79,21 +41,47 @@ std::string literal(const core::PairTable& table, std::size_t robots) {
 
 }  // namespace
 
-std::string text_as_done(const Experiment& experiment, const std::vector<const TickRecord*>& rows) {
-  std::string text = experiment.source;
-  FileActions file(experiment.actions);
-  bool first = true;
-  for (const TickRecord* row : rows) {
-    if (row->phase == Phase::staging || row->phase == Phase::ready) continue;
-    if (first) text += first_moves(experiment, *row);
-    for (const Event& event : row->events) {
-      const auto* const hold = std::get_if<events::Hold>(&event);
-      const bool link_lost = hold && row->events.contains<events::Link>(hold->robot);
-      const bool known = first && is<events::Move>(event);
-      if (is_action(event) && !link_lost && !known && !file.explain(row->t, event)) text += table_of(row->t, event);
-    }
-    first = false;
+ActionsDone::ActionsDone(const Experiment& experiment) : experiment_(experiment), of_file_(experiment.actions) {}
+
+bool ActionsDone::file_does(double t, const Event& event) {
+  constexpr double latest = 1.0;  // ticks that were missed [s]
+  const auto same = [&](const OperatorAction& a) { return t > a.t - 1e-9 && t < a.t + latest && does(a.event, event); };
+  const auto found = std::find_if(of_file_.begin(), of_file_.end(), same);
+  if (found == of_file_.end()) return false;
+  of_file_.erase(found);
+  return true;
+}
+
+/// Where robots stood at the start of the run, if that is not where the file has them.
+void ActionsDone::note_first_places(const TickRecord& first) {
+  constexpr double same_place = 1e-6;  // [m, rad]
+  const auto reference = make_reference(experiment_);
+  for (std::size_t i = 0; i < first.robots.size(); ++i) {
+    const core::Pose& stood = first.robots[i].truth;
+    const core::Pose start = experiment_.robots[i].start.value_or(reference->at(i, 0.0).pose);
+    const double away = std::max(core::distance(stood, start), std::abs(core::wrap_angle(stood.theta - start.theta)));
+    if (experiment_.robots[i].simulated() && away > same_place) done_.push_back({0.0, events::Move{i, stood}});
   }
+}
+
+void ActionsDone::note(const TickRecord& row) {
+  if (row.phase == Phase::staging || row.phase == Phase::ready) return;
+  if (first_) note_first_places(row);
+  for (const Event& event : row.events) {
+    const auto* const hold = std::get_if<events::Hold>(&event);
+    const bool link_lost = hold && row.events.contains<events::Link>(hold->robot);
+    const bool known = first_ && is<events::Move>(event);
+    if (is_action(event) && !link_lost && !known && !file_does(row.t, event)) done_.push_back({row.t, event});
+  }
+  first_ = false;
+}
+
+std::string text_as_done(const Experiment& experiment, const std::vector<const TickRecord*>& rows) {
+  ActionsDone done(experiment);
+  for (const TickRecord* row : rows) done.note(*row);
+  std::string text = experiment.source;
+  for (const OperatorAction& action : done.all())
+    text += fmt::format("\n[[operator]]\nt = {}\ndoes = \"{}\"\n", action.t, describe(action.event));
   return text;
 }
 

@@ -14,13 +14,6 @@
 namespace skein::app {
 namespace {
 
-std::string written(std::string_view key) {
-  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-';
-  });
-  return bare ? std::string(key) : toml_string(key);
-}
-
 /// A float stays one, and has the fewest digits that read back to it.
 std::string written(double value) {
   if (std::isnan(value)) return "nan";
@@ -31,16 +24,24 @@ std::string written(double value) {
   return whole ? text + ".0" : text;
 }
 
-/// A value in one line.
-std::string literal(const toml::node& node) {
+}  // namespace
+
+std::string toml_key(std::string_view key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+  return bare ? std::string(key) : toml_string(key);
+}
+
+std::string toml_literal(const toml::node& node) {
   std::string text;
   if (const toml::table* const table = node.as_table()) {
     for (auto&& [key, value] : *table)
-      text += fmt::format("{}{} = {}", text.empty() ? " " : ", ", written(key.str()), literal(value));
+      text += fmt::format("{}{} = {}", text.empty() ? " " : ", ", toml_key(key.str()), toml_literal(value));
     return "{" + text + (text.empty() ? "}" : " }");
   }
   if (const toml::array* const array = node.as_array()) {
-    for (const toml::node& element : *array) text += (text.empty() ? "" : ", ") + literal(element);
+    for (const toml::node& element : *array) text += (text.empty() ? "" : ", ") + toml_literal(element);
     return "[" + text + "]";
   }
   if (const auto* const value = node.as_floating_point()) return written(value->get());
@@ -50,6 +51,8 @@ std::string literal(const toml::node& node) {
   return other.str();
 }
 
+namespace {
+
 /// A table with a header of its own, which the root has not, and those below it, as lines.
 void write_table(const toml::table& table, const std::string& name, bool element, std::string& text) {
   if (!name.empty()) text += fmt::format("\n{}{}{}\n", element ? "[[" : "[", name, element ? "]]" : "]");
@@ -57,10 +60,10 @@ void write_table(const toml::table& table, const std::string& name, bool element
     return (node.is_table() && !node.as_table()->is_inline()) || node.is_array_of_tables();
   };
   for (auto&& [key, value] : table)
-    if (!has_header(value)) text += fmt::format("{} = {}\n", written(key.str()), literal(value));
+    if (!has_header(value)) text += fmt::format("{} = {}\n", toml_key(key.str()), toml_literal(value));
   for (auto&& [key, value] : table) {
     if (!has_header(value)) continue;
-    const std::string below = name.empty() ? written(key.str()) : name + '.' + written(key.str());
+    const std::string below = name.empty() ? toml_key(key.str()) : name + '.' + toml_key(key.str());
     if (const toml::array* const array = value.as_array())
       for (const toml::node& one : *array) write_table(*one.as_table(), below, true, text);
     else
@@ -100,7 +103,7 @@ class Edits {
   }
   void replace(const toml::node& there, const toml::node& value) {
     const std::size_t begin = offset_of(text_, there.source().begin), end = offset_of(text_, there.source().end);
-    edits_.push_back({begin, end - begin, literal(value)});
+    edits_.push_back({begin, end - begin, toml_literal(value)});
   }
   /// The lines of a key and its value.
   void erase(const toml::key& key, const toml::node& there) {
@@ -113,7 +116,7 @@ class Edits {
       if (!after.contains(key.str())) erase(key, value);
     std::string lines;
     for (auto&& [key, value] : after) {
-      const std::string below = name.empty() ? written(key.str()) : name + '.' + written(key.str());
+      const std::string below = name.empty() ? toml_key(key.str()) : name + '.' + toml_key(key.str());
       const toml::node* const there = before.get(key.str());
       if (there)
         compare(*there, value, below);
@@ -122,7 +125,7 @@ class Edits {
       else if (value.is_array_of_tables())
         for (const toml::node& one : *value.as_array()) write_table(*one.as_table(), below, true, end_);
       else
-        lines += fmt::format("{} = {}\n", written(key.str()), literal(value));
+        lines += fmt::format("{} = {}\n", toml_key(key.str()), toml_literal(value));
     }
     if (lines.empty()) return;
     const std::size_t at = end_of_table(text_, before, root);
@@ -136,7 +139,7 @@ class Edits {
     const bool tables = before.is_array_of_tables() && after.is_array_of_tables() &&
                         !before.as_array()->get(0)->as_table()->is_inline();
     if (!tables) {
-      if (literal(before) != literal(after)) replace(before, after);
+      if (toml_literal(before) != toml_literal(after)) replace(before, after);
       return;
     }
     const toml::array &from = *before.as_array(), &to = *after.as_array();

@@ -7,6 +7,12 @@
 
 namespace skein::app {
 
+/// A key as a TOML text has it, in quotes where it must be.
+std::string toml_key(std::string_view key);
+
+/// A value in one line.
+std::string toml_literal(const toml::node& value);
+
 /// The text of a document, changed only where it says something else than `document`: comments, order and numbers of
 /// all other lines stay as they were written. New values are written as short as possible. If the text has a form that
 /// this function cannot edit, the whole document is written again. Reading the result gives `document`.

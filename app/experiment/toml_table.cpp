@@ -158,15 +158,15 @@ void TomlTable::text(const char* key, std::string& target) {
     refuse(key, *found, "a text in quotes");
 }
 
-void TomlTable::line(const char* key, std::string& target, std::size_t longest) {
+void TomlTable::line(const char* key, std::string& target, std::size_t longest, std::size_t shortest) {
   const toml::node* const found = node(key);
   if (!found || !found->is_string()) return text(key, target);
   const std::string value = *found->value<std::string>();
   const auto printable = [](unsigned char c) { return c >= 0x20 && c != 0x7f; };
-  if (!value.empty() && value.size() <= longest && std::all_of(value.begin(), value.end(), printable))
+  if (value.size() >= shortest && value.size() <= longest && std::all_of(value.begin(), value.end(), printable))
     target = value;
   else
-    refuse(key, *found, fmt::format("1 to {} characters in one line", longest));
+    refuse(key, *found, fmt::format("{} to {} characters in one line", shortest, longest));
 }
 
 TomlTable TomlTable::table(const char* key) {

@@ -104,7 +104,8 @@ class TomlTable {
   void needed(const char* key, std::array<double, N>& target, const Range& range);
   void flag(const char* key, bool& target);
   void text(const char* key, std::string& target);
-  void line(const char* key, std::string& target, std::size_t longest);  ///< a text of 1 to so many bytes in one line
+  /// A text of `shortest` to `longest` bytes in one line.
+  void line(const char* key, std::string& target, std::size_t longest, std::size_t shortest = 1);
 
   /// Any integer type, and the same into an optional that stays empty where there is no key.
   template <typename Int>

@@ -293,6 +293,10 @@ void SafetyNet::done(const std::vector<StopResult>& robots) {
   keeper_.reset();
 }
 
+std::string unguarded_sentence(const std::string& why) {
+  return fmt::format("{}: if this program is killed, nothing stops the robots", why);
+}
+
 tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experiment, std::size_t robot) {
   const RobotSpec& spec = experiment.robots[robot];
   auto address = comms::parse_link_address(spec.address);

@@ -48,6 +48,9 @@ class SafetyNet {
   std::unique_ptr<Keeper> keeper_;
 };
 
+/// What an operator is told where no net could be spread, and why.
+std::string unguarded_sentence(const std::string& why);
+
 /// The address of a real robot of an experiment, with the name from robot_name().
 tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experiment, std::size_t robot);
 

@@ -6,25 +6,35 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <future>
+#include <iterator>
+#include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "comms/link_supervisor.h"
 
 namespace skein::app {
 namespace {
 
 using namespace std::chrono_literals;
 
+using Clock = std::chrono::steady_clock;
+
 constexpr double hears_within = 0.3;    // a run that lives [s]
 constexpr auto ends_within = 300ms;     // after SIGTERM
 constexpr auto killed_within = 2000ms;  // after SIGKILL
 constexpr auto guard_within = 1500ms;   // it waits 1 s for answers on the lines, then listens
+constexpr auto ask_again = 20ms;
 
 /// A process that cannot be mistaken for a later one of the same number.
 class Process {
@@ -57,16 +67,41 @@ std::vector<StopResult> all_of(const RunMarker& run, bool stopped, const std::st
   return all;
 }
 
-/// A run that ended without a word: its guard says, or its marker is gone, since all robots stand.
-StoppedRun ask_guard(const RunMarker& run) {
-  const auto give_up = std::chrono::steady_clock::now() + guard_within;
-  do {
-    if (!is_there(run)) return {all_of(run, true, {}), false};
-    const StopAnswer answer = ask_run(run.socket(), "stop", hears_within);
-    if (answer.robots) return {*answer.robots, false};
-    std::this_thread::sleep_for(10ms);
-  } while (std::chrono::steady_clock::now() < give_up);
-  return {all_of(run, false, "it has no guard"), true};
+bool they_stand(const std::vector<StopResult>& robots) {
+  return std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
+}
+
+/// The guard of this run, frozen or not.
+std::unique_ptr<Process> guard_of(const RunMarker& run) {
+  namespace fs = std::filesystem;
+  const std::string words = std::string("guard\0", 6) + run.path + '\0';
+  std::error_code gone;
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc", gone)) {
+    const std::string name = entry.path().filename();
+    pid_t number = 0;
+    if (std::from_chars(name.data(), name.data() + name.size(), number).ptr != name.data() + name.size()) continue;
+    auto process = std::make_unique<Process>(number);  // first: the number may be another's a moment later
+    std::ifstream file(entry.path() / "cmdline");
+    const std::string said{std::istreambuf_iterator<char>(file), {}};
+    if (process->known() && said.ends_with(words)) return process;
+  }
+  return nullptr;
+}
+
+/// What the present listener says: the run, or its guard once it has ended.
+StopAnswer ask(const RunMarker& run) {
+  StopAnswer answer = ask_run(run.socket(), "stop", hears_within);
+  // A run may have been frozen in the middle of the answer.
+  if (answer.robots || !answer.reached || answer.ended || answer.process <= 0) return answer;
+  const Process process(answer.process);
+  if (!process.known()) return answer;
+  if (const auto guard = guard_of(run)) guard->send(SIGCONT);  // frozen as well, it could not stop the robots
+  complain(
+      fmt::format("the run \"{}\" (process {}) does not respond to STOP: ending it", run.experiment, answer.process));
+  process.send(SIGTERM);
+  if (!process.ends(ends_within)) process.send(SIGKILL);
+  process.ends(killed_within);
+  return answer;
 }
 
 void say(const StopResult& robot) {
@@ -79,30 +114,42 @@ void say(const StopResult& robot) {
 }  // namespace
 
 StoppedRun stop_run(const RunMarker& run) {
-  const StopAnswer answer = ask_run(run.socket(), "stop", hears_within);
-  if (answer.robots) return {*answer.robots, false};
-  // It may have been frozen in the middle of the answer.
-  if (answer.reached && !answer.ended && answer.process > 0) {
-    const Process process(answer.process);
-    if (process.known()) {
-      complain(fmt::format("the run \"{}\" (process {}) does not respond to STOP: ending it", run.experiment,
-                           answer.process));
-      process.send(SIGTERM);
-      if (!process.ends(ends_within)) process.send(SIGKILL);
-      process.ends(killed_within);
+  const auto give_up = Clock::now() + std::chrono::duration<double>(comms::reach_patience(run.robots));
+  std::vector<StopResult> robots = all_of(run, false, "neither its run nor its guard has answered");
+  bool woken = false;
+  for (auto heard = Clock::now();; std::this_thread::sleep_for(ask_again)) {
+    if (!is_there(run)) return {all_of(run, true, {}), false};  // its guard has stopped all of them
+    const StopAnswer answer = ask(run);
+    if (answer.robots) {
+      robots = *answer.robots;
+      heard = Clock::now();
+      // A guard names those alone that it had to reach anew.
+      if (they_stand(robots)) return {robots.size() < run.robots.size() ? all_of(run, true, {}) : robots, false};
     }
+    if (Clock::now() > give_up) return {robots, false};
+    if (answer.reached) continue;
+    const std::unique_ptr<Process> guard = run.alive() ? nullptr : guard_of(run);
+    if (!guard && !run.alive() && is_there(run)) return {robots, true};
+    // A frozen one holds the connections: it may go on, or it must let go of them.
+    if (guard && !std::exchange(woken, true)) {
+      guard->send(SIGCONT);
+      heard = Clock::now();
+    }
+    if (Clock::now() - heard < guard_within) continue;
+    if (guard) {
+      complain(fmt::format("the guard of the run \"{}\" does not respond: ending it", run.experiment));
+      guard->send(SIGKILL);
+      guard->ends(killed_within);
+    }
+    return {robots, true};
   }
-  if (!answer.reached && !run.alive() && is_there(run)) return {all_of(run, false, "its run has ended"), true};
-  return ask_guard(run);
 }
 
 bool stop_left_behind(const std::vector<RunMarker>& runs) {
   bool all_stand = true;
   for (const RunMarker& run : runs) {
     const StoppedRun result = stop_run(run);
-    const bool stand = result.by_hand ? stop_all(run.robots)
-                                      : std::all_of(result.robots.begin(), result.robots.end(),
-                                                    [](const StopResult& robot) { return robot.stopped; });
+    const bool stand = result.by_hand ? stop_all(run.robots) : they_stand(result.robots);
     if (stand && !run.alive()) run.forget();
     all_stand = all_stand && stand;
   }

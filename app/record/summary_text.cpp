@@ -76,6 +76,8 @@ Json timing(const std::optional<Timing>& timing) {
   result["bare_thread"] = lateness(timing->bare);
   result["real_time_priority"] = timing->priority > 0 ? Json(timing->priority) : Json();
   if (timing->priority == 0) result["no_priority"] = timing->no_priority;
+  if (timing->cpu_latency) result["cpu_latency_limit"] = 1e-6 * *timing->cpu_latency;
+  if (!timing->no_cpu_latency.empty()) result["no_cpu_latency_limit"] = timing->no_cpu_latency;
   return result;
 }
 

@@ -46,7 +46,7 @@ tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core:
     if (next_.captured_at > time) break;
     missing_ += next_.index - last_index_ - 1;
     last_index_ = next_.index;
-    take(tracker_.process(next_), wanted_, newest);
+    update_newest(tracker_.process(next_), wanted_, newest);
     ++frames_;
     has_next_ = false;
   }

@@ -104,6 +104,7 @@ void fields(auto& io, one_of<Outside> auto& e) {
 void fields(auto& io, one_of<CameraMoved> auto& e) {
   io.number_of_any('c', e.camera, only_camera);
   io.named("tags", e.tags), io.named("by", e.by), io.named("turn", e.turn);
+  io.optional("marks", e.marks);
 }
 
 void fields(auto& io, one_of<CamerasDisagree> auto& e) {
@@ -144,8 +145,8 @@ class Printer {
     if (number != unsaid) number_of(letter, number);
   }
   void named(std::string_view name, auto value) { append(" {}={}", name, value); }
-  void optional(std::string_view name, double value) {
-    if (value > 0.0) named(name, value);
+  void optional(std::string_view name, auto value) {
+    if (value > 0) named(name, value);
   }
   void change(double from, double to) { append(" {} -> {}", from, to); }
   void bare(auto value) { append(" {}", value); }
@@ -187,7 +188,7 @@ class Reader {
     const bool good = part.starts_with(name) && part.substr(name.size()).starts_with('=');
     ok_ = ok_ && good && read(part.substr(name.size() + 1), value);
   }
-  void optional(std::string_view name, double& value) {
+  void optional(std::string_view name, auto& value) {
     if (!rest_.empty()) named(name, value);
   }
   void change(double& from, double& to) {
@@ -242,7 +243,7 @@ struct Finite {
   void number_of(char, std::size_t) {}
   void number_of_any(char, std::size_t, std::size_t) {}
   void named(std::string_view, auto value) { all = all && std::isfinite(static_cast<double>(value)); }
-  void optional(std::string_view, double value) { all = all && std::isfinite(value); }
+  void optional(std::string_view, auto value) { all = all && std::isfinite(static_cast<double>(value)); }
   void change(double from, double to) { all = all && std::isfinite(from) && std::isfinite(to); }
   void bare(double value) { all = all && std::isfinite(value); }
   void word_of(auto) {}

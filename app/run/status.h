@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,14 @@ struct Picture {
   std::vector<std::uint8_t> grey;  ///< row by row, 0 black
 };
 
+/// A robot's wheel counters, read by it between two times of the session's clock: as a rule when it was asked and when
+/// it had answered.
+struct WheelCount {
+  double since = none, by = none;                   ///< [s]; none: never read
+  double left = none, right = none;                 ///< [steps]
+  double at() const { return 0.5 * (since + by); }  ///< the middle [s]
+};
+
 /// The status of one robot's link for the window and the summary.
 struct RobotStatus {
   LinkState link = LinkState::simulated;
@@ -26,7 +35,16 @@ struct RobotStatus {
   bool battery_low = false;        ///< charge it
   std::string battery_text{};      ///< the same in words: "3.90 V", "good", "unknown"
   std::string version{};           ///< of its firmware, as reported; empty: not reported
+  WheelCount count{};              ///< newest reading
   bool stop_acknowledged = false;  ///< after close()
+};
+
+/// What the marks on the floor say of the cameras that were calibrated by them.
+struct MarksStatus {
+  bool watched = false;  ///< there are marks that can be looked for
+  bool known = true;     ///< whether a camera moved; false: they have not been looked at yet, or too few are seen
+  std::optional<events::CameraMoved> moved{};  ///< a camera was
+  std::string sentence{};                      ///< in words; empty: there is nothing to say
 };
 
 /// The result of a check of one robot's wheels.

@@ -83,6 +83,7 @@ enum Limit : std::uint8_t {
   limit_v = 1,       ///< |v| <= v_max (14)
   limit_omega = 2,   ///< |omega| <= omega_max (14)
   limit_wheels = 4,  ///< a wheel's largest speed
+  limit_link = 8,    ///< links.blind_distance lasts for links.reply_timeout
 };
 
 /// As the CSV calls it (core/words.h); of one bit.
@@ -94,6 +95,8 @@ constexpr std::string_view word(Limit bit) noexcept {
       return "omega";
     case limit_wheels:
       return "wheels";
+    case limit_link:
+      return "link";
   }
   return {};
 }
@@ -133,7 +136,7 @@ enum class Phase : std::uint8_t {
 
 /// The stages of the way from a camera's frame to a robot's answer.
 enum class Stage : std::uint8_t {
-  capture,      ///< the frame's time stamp to its arrival: exposure, read-out, transfer
+  capture,      ///< the frame's capture to its arrival: exposure, read-out, transfer
   dequeue,      ///< to the grey picture
   detect,       ///< to the poses
   hand_over,    ///< to the beginning of the tick

@@ -23,6 +23,7 @@
 #include "app/runs/machine.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/sha256.h"
+#include "app/session/cameras.h"
 
 namespace skein::app {
 namespace {
@@ -213,10 +214,14 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
     note(write_file(folder / run_files::summary, as_json(summary) + '\n'));
     note(std::move(possible));
   }
-  if (std::error_code error; !how.film.empty()) {
-    fs::create_hard_link(how.film, folder / run_files::film,
-                         error);  // another name of the same bytes, where that can be
-    if (error) note(keep_copy(how.film, folder / run_files::film));
+  if (!how.film.empty()) {
+    const std::vector<std::string> films = film_paths(experiment_, how.film);
+    const std::vector<std::string> names = film_paths(experiment_, folder / run_files::film);
+    for (std::size_t k = 0; k < films.size(); ++k) {
+      std::error_code error;
+      fs::create_hard_link(films[k], names[k], error);  // another name of the same bytes, where that can be
+      if (error) note(keep_copy(films[k], names[k]));
+    }
   }
 
   Json story = Json::parse(head_);
@@ -224,6 +229,7 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   story["ended"] = local_time(std::chrono::system_clock::now());
   story["exit_status"] = how.exit_status;
   story["problems"] = how.problems;
+  for (const std::string& set : how.sets) story["sets"].push_back(set);
   story["summary"] = summary_object(summary);
   Json files = Json::object();
   for (const std::string& name : files_of_run(folder_))

@@ -16,7 +16,7 @@ namespace skein::app {
 struct KeepRequest {
   std::string directory;           ///< of all runs
   std::string experiment;          ///< the file; empty: none has it
-  std::vector<std::string> sets;   ///< --set
+  std::vector<std::string> sets;   ///< --set: what was changed against the file
   std::vector<std::string> words;  ///< the command line
   bool real_time = false;
   std::string text{};  ///< as it was written, where no file has it; empty: the paper's experiment, which is built in
@@ -36,7 +36,8 @@ class KeptRun {
   struct End {
     int exit_status = 0;
     std::vector<std::string> problems;  ///< sentences: failed expectations, errors
-    std::string film;                   ///< of the run, to be moved to the folder; empty: none
+    std::string film;                   ///< of the run, of which the folder gets one; empty: none
+    std::vector<std::string> sets{};    ///< --set for what the operator changed during the run
   };
   /// Figures, film, summary and hashes. The error says what is missing; everything else is written.
   tl::expected<void, std::string> end(const Statistics::Summary& summary, const End& how);

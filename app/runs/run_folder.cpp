@@ -37,6 +37,26 @@ std::vector<std::string> files_of_run(const std::string& folder) {
   return names;
 }
 
+std::uintmax_t bytes_of_run(const std::string& folder) {
+  std::uintmax_t bytes = 0;
+  for (const std::string& name : files_of_run(folder)) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(fs::path(folder) / name, error);
+    if (!error) bytes += size;
+  }
+  return bytes;
+}
+
+std::optional<std::string> little_room(const std::string& directory, std::uintmax_t least) {
+  std::error_code error;
+  fs::path place = fs::absolute(directory, error);
+  while (!error && !fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+  const fs::space_info space = fs::space(place, error);
+  if (error || space.available >= least) return {};
+  return fmt::format("{}: only {:.1f} GB are free for kept runs; `skein runs remove` makes room", directory,
+                     static_cast<double>(space.available) / 1e9);
+}
+
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder) {
   const std::string path = (fs::path(folder) / run_files::story).string();
   std::ifstream file(path, std::ios::binary);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -26,8 +28,14 @@ std::string kept_calibration(std::size_t camera);
 /// The folder of kept runs: `asked`, else $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else ~/.local/share/skein/runs.
 std::string runs_directory(const std::string& asked);
 
+/// A sentence if less than `least` bytes are free for runs kept in this directory, which need not exist yet.
+std::optional<std::string> little_room(const std::string& directory, std::uintmax_t least = 1'000'000'000);
+
 /// The files below a run's folder, by their names there, sorted.
 std::vector<std::string> files_of_run(const std::string& folder);
+
+/// The room that the files of a run's folder take [bytes].
+std::uintmax_t bytes_of_run(const std::string& folder);
 
 /// The run.json of a folder. The error is a sentence.
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <stdexcept>
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int schema_version = 1;
+constexpr int schema_version = 2;
 constexpr const char* schema =
     "CREATE TABLE run(number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, changed INTEGER NOT NULL, size INTEGER NOT "
     "NULL);"
@@ -173,7 +174,8 @@ struct RunIndex::State {
     Statement add_run(database, "INSERT INTO run(id, changed, size) VALUES(?, ?, ?)"),
         add_fact(database, "INSERT INTO fact(key, run, value) VALUES(?, ?, ?)");
     for (const auto& [id, stamp] : found) {
-      const auto story = read_story((fs::path(directory) / id).string());
+      const std::string folder = (fs::path(directory) / id).string();
+      const auto story = read_story(folder);
       if (!story) {
         problems.push_back(story.error());
         continue;
@@ -182,6 +184,7 @@ struct RunIndex::State {
       const std::int64_t run = sqlite3_last_insert_rowid(database);
       auto facts = run_facts(*story);
       facts["id"] = id;  // a folder may have been given another name
+      facts["megabytes"] = std::round(static_cast<double>(bytes_of_run(folder)) / 1e5) / 10.0;
       for (const auto& [key, value] : facts) add_fact.bind(1, key_number(key)).bind(2, run).bind(3, value).run();
     }
     execute("COMMIT");

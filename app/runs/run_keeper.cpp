@@ -1,11 +1,30 @@
 #include "app/runs/run_keeper.h"
 
 #include <exception>
+#include <utility>
+#include <vector>
+
+#include "app/experiment/experiment_file.h"
+#include "app/experiment/experiment_sets.h"
 
 namespace skein::app {
 
+namespace {
+
+/// What the experiment has otherwise than its file; nothing, if the file no longer can be read.
+std::vector<std::string> changes(const KeepRequest& request, const Experiment& experiment) {
+  const auto as_written = !request.experiment.empty() ? load_experiment(request.experiment)
+                          : !request.text.empty()     ? parse_experiment(request.text, experiment.name)
+                                                      : paper_experiment();
+  return as_written ? sets_between(as_written->source, experiment.source) : std::vector<std::string>{};
+}
+
+}  // namespace
+
 tl::expected<void, std::string> RunKeeper::begin(const KeepRequest& request, const Experiment& experiment) {
-  auto run = KeptRun::begin(request, experiment);
+  KeepRequest with_changes = request;
+  for (std::string& set : changes(request, experiment)) with_changes.sets.push_back(std::move(set));
+  auto run = KeptRun::begin(with_changes, experiment);
   if (!run) return tl::unexpected(run.error());
   std::unique_ptr<CsvFile> file;
   try {  // the operator may yet change a gain of a pair
@@ -18,6 +37,7 @@ tl::expected<void, std::string> RunKeeper::begin(const KeepRequest& request, con
   experiment_ = experiment;
   run_ = std::move(*run);
   statistics_.emplace(experiment);
+  done_.emplace(experiment);
   file_ = std::move(file);
   takes_rows_ = true;
   return {};
@@ -42,6 +62,7 @@ void RunKeeper::record(const TickRecord& record) {
   const std::lock_guard lock(mutex_);
   if (!takes_rows_) return;
   statistics_->record(record);
+  done_->note(record);
   if (!problem_.empty()) return;
   try {
     file_->record(record);
@@ -68,7 +89,10 @@ tl::expected<void, std::string> RunKeeper::end(const SessionFacts& facts) {
   summary.kept = run_->folder();
   RunVerdict verdict = verdict_of(summary, *experiment_);
   if (!problem_.empty()) verdict.problems.push_back("the record of the run is not complete: " + problem_);
-  return run_->end(summary, {verdict.exit_status, std::move(verdict.problems), {}});
+  std::vector<std::string> sets;
+  for (const OperatorAction& action : done_->all())
+    sets.push_back(set_of(action, experiment_->actions.size() + sets.size() + 1));
+  return run_->end(summary, {verdict.exit_status, std::move(verdict.problems), {}, std::move(sets)});
 }
 
 }  // namespace skein::app

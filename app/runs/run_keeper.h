@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/experiment/run_text.h"
 #include "app/record/csv_file.h"
 #include "app/record/statistics.h"
 #include "app/runs/kept_run.h"
@@ -18,7 +19,8 @@ namespace skein::app {
 /// ends the record, not the run. `record` belongs to the sinks' thread; everything else may be called from any other.
 class RunKeeper final : public RecordSink {
  public:
-  /// Makes the run's folder; rows follow. The error says what cannot be written or read.
+  /// Makes the run's folder; rows follow. What the experiment has otherwise than the file is added to the request's
+  /// sets, and at the end what the operator changed. The error says what cannot be written or read.
   tl::expected<void, std::string> begin(const KeepRequest& request, const Experiment& experiment);
   bool keeps() const;           ///< begun, and not ended
   std::string folder() const;   ///< empty: not begun
@@ -35,6 +37,7 @@ class RunKeeper final : public RecordSink {
   std::optional<Experiment> experiment_;
   std::optional<KeptRun> run_;
   std::optional<Statistics> statistics_;
+  std::optional<ActionsDone> done_;
   std::unique_ptr<CsvFile> file_;
   std::string problem_;
   bool takes_rows_ = false;

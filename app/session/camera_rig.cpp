@@ -16,11 +16,15 @@
 #include <utility>
 
 #include "app/calibration/calibration_file.h"
+#include "app/experiment/control_settings.h"
 #include "vision/sources/open_source.h"
+#include "vision/tags/tag_family.h"
 
 namespace skein::app {
 
 namespace {
+
+constexpr double mark_moved_by = 0.05;  // for practice [m]
 
 /// The part of the arena that a synthetic camera sees: as many columns and rows as there are cameras, the longer side
 /// of the arena divided into more.
@@ -68,16 +72,16 @@ tl::expected<vision::Calibration, std::string> camera_calibration(const Experime
 }
 
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
-  constexpr int tags = 587;  // of the family 36h11
   std::vector<int> wanted;
-  wanted.reserve(every ? tags : experiment.robots.size());
+  wanted.reserve(every ? vision::largest_tag + 1 : experiment.robots.size());
   for (const RobotSpec& robot : experiment.robots) wanted.push_back(robot.tag);
-  for (int tag = 0; every && tag < tags; ++tag)
+  for (int tag = 0; every && tag <= vision::largest_tag; ++tag)
     if (std::find(wanted.begin(), wanted.end(), tag) == wanted.end()) wanted.push_back(tag);
   return wanted;
 }
 
-void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest) {
+void update_newest(std::span<const vision::TagPose> seen, std::span<const int> wanted,
+                   std::span<core::Measurement> newest) {
   for (const vision::TagPose& tag : seen)
     for (std::size_t i = 0; i < newest.size(); ++i)
       if (wanted[i] == tag.tag) newest[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
@@ -97,9 +101,6 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
   const std::uint64_t seed = experiment.seed + number;  // noise and light of each camera are its own
   if (spec.kind() == CameraKind::synthetic) {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, seed);
-    if (spec.bump_at)
-      rig->bumped_ = std::make_unique<vision::SyntheticCamera>(vision::tilted(*calibration, spec.bump),
-                                                               vision::SceneOptions{}, seed);
   } else {
     rig->live_ = spec.kind() == CameraKind::live;
     if (const auto opened = rig->open_source(); !opened) {
@@ -113,10 +114,9 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
 
 tl::expected<void, std::string> CameraRig::open_source() {
   vision::SourceOptions options{calibration_.width, calibration_.height, experiment_.rate};
+  options.readout = calibration_.readout();
   options.trigger = spec_.trigger;
-  for (const auto& [name, value] :
-       {std::pair("exposure", spec_.exposure), std::pair("gain", spec_.gain), std::pair("focus", spec_.focus)})
-    if (!std::isnan(value)) options.controls.emplace_back(name, value);
+  options.controls = control_settings(spec_);
   options.keep_waiting = [this] { return !ending_.load(std::memory_order_relaxed); };
   auto source = vision::open_source(spec_.source, options);
   if (!source) return tl::unexpected(source.error());
@@ -154,7 +154,12 @@ CameraRig::CameraRig(const Experiment& experiment, std::size_t number, SessionCl
       seen_{std::vector<core::Measurement>(wanted_.size()), {}},
       sights_(seen_),
       ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      told_of_(experiment.robots.size()) {}
+      absences_(experiment.robots.size()),
+      mark_watch_(calibration_, wanted_tags(experiment)),
+      scale_watch_(calibration_) {
+  marks_.watched = mark_watch_.marks() >= vision::MarkWatch::least_seen;
+  marks_.known = !marks_.watched;
+}
 
 CameraRig::~CameraRig() {
   end();
@@ -180,7 +185,7 @@ VideoStatus CameraRig::video() const {
 }
 
 void CameraRig::tell(EventList& events) noexcept {
-  for (events::NotSeen absence; events.room() > 0 && absences_.pop(absence);) events.add(absence);
+  for (Event found; events.room() > 0 && found_out_.pop(found);) events.add(found);
   if (!recorder_ || told_of_film_ || !recorder_->broken()) return;
   events.add(events::FilmBroken{});
   told_of_film_ = true;
@@ -229,7 +234,7 @@ void CameraRig::thread(const std::stop_token& stop) {
   if (!reason_.empty()) failed_.store(true, std::memory_order_release);
 }
 
-void CameraRig::look() {
+void CameraRig::process_frame() {
   if (failed()) return;
   if (capture())
     work_off();
@@ -237,23 +242,51 @@ void CameraRig::look() {
     failed_.store(true, std::memory_order_release);
 }
 
+/// The only place that knows of camera.latency: film, tracker and tick get the corrected time. Nothing is captured
+/// after it has arrived.
 bool CameraRig::capture() {
-  if (synthetic_) {
-    const double now = clock_.now();
-    if (spec_.lost_at && now >= *spec_.lost_at) {
-      reason_ = "the synthetic camera is lost (camera.lost_at)";
-      return false;
-    }
-    world_.advance(now);
-    world_.poses(poses_);
-    tags_.clear();
-    for (std::size_t i = 0; i < poses_.size(); ++i)
-      if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
-    (bumped_ && now >= *spec_.bump_at ? bumped_ : synthetic_)->render(tags_, now, frame_);
-    seen_.times = {now, clock_.now(), none, none};
-    seen_.times.grey_at = seen_.times.arrived_at;
-    return true;
+  if (!(synthetic_ ? render() : receive())) return false;
+  frame_.captured_at = std::min(frame_.captured_at - spec_.latency, seen_.times.arrived_at);
+  seen_.times.captured_at = frame_.captured_at;
+  return true;
+}
+
+bool CameraRig::render() {
+  const double now = clock_.now();
+  if (spec_.lost_at && now >= *spec_.lost_at) {
+    reason_ = "the synthetic camera is lost (camera.lost_at)";
+    return false;
   }
+  world_.advance(now);
+  if (spec_.stamps_late > 0.0)
+    world_.poses_at(now - spec_.stamps_late, poses_);
+  else
+    world_.poses(poses_);
+  tags_.clear();
+  for (const vision::FloorMark& mark : calibration_.marks) {
+    if (mark.tag < 0) continue;
+    const bool moved = tags_.empty() && spec_.mark_moved_at && now >= *spec_.mark_moved_at;
+    tags_.push_back({.tag = mark.tag,
+                     .pose = {mark.x + (moved ? mark_moved_by : 0.0), mark.y, 0.0},
+                     .size = mark.size > 0.0 ? mark.size : calibration_.tag_size,
+                     .lifted = mark.z - calibration_.tag_height,
+                     .bare = true});
+  }
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+    if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
+  if (spec_.bump_at && now >= *spec_.bump_at) {
+    const double since = now - *spec_.bump_at;
+    const double tilt = since < spec_.bump_time ? spec_.bump * since / spec_.bump_time : spec_.bump;
+    if (tilt != tilt_) synthetic_->hang(*vision::tilted(calibration_, tilt).world_from_camera);
+    tilt_ = tilt;
+  }
+  synthetic_->render(tags_, now, frame_);
+  seen_.times = {now, clock_.now(), none, none};
+  seen_.times.grey_at = seen_.times.arrived_at;
+  return true;
+}
+
+bool CameraRig::receive() {
   const auto read = source_->read(frame_);
   if (!read)
     reason_ = read.error();
@@ -307,16 +340,13 @@ std::vector<CameraRig::Absence> CameraRig::why_not_seen() {
 /// Whoever was seen and has not been seen for half a second is asked about, once, at the camera that saw it last. A
 /// frame tells of all of them.
 void CameraRig::explain_absences() {
-  constexpr double absent_for = 0.5, between = 2.0;  // [s]
+  constexpr double between = 2.0;  // [s]
   const double now = frame_.captured_at;
   missing_.clear();
-  for (std::size_t i = 0; i < told_of_.size(); ++i) {
+  for (std::size_t i = 0; i < absences_.size(); ++i) {
     const core::Measurement& tag = seen_.tags[i];
-    if (tag.captured_at >= now) told_of_[i] = false;
-    if (tag.captured_at == core::Measurement{}.captured_at || now - tag.captured_at <= absent_for || told_of_[i] ||
-        last_sights_->newest(i) > tag.captured_at)
-      continue;
-    missing_.push_back({wanted_[i], tag.pose});
+    if (tag.captured_at >= now) absences_[i].seen(now);
+    if (absences_[i].due(now) && last_sights_->newest(i) <= tag.captured_at) missing_.push_back({wanted_[i], tag.pose});
   }
   if (missing_.empty() || now < next_absence_) return;
   if (clock_.wall()) {
@@ -326,40 +356,96 @@ void CameraRig::explain_absences() {
     absent_.notify_all();
     next_absence_ = now + between;
   }
-  for (std::size_t i = 0; i < told_of_.size(); ++i)
+  for (std::size_t i = 0; i < absences_.size(); ++i)
     for (const vision::MissingTag& tag : missing_)
-      if (wanted_[i] == tag.tag) told_of_[i] = true;
+      if (wanted_[i] == tag.tag) absences_[i].ask();
   if (!clock_.wall()) explain(frame_, missing_);
 }
 
 void CameraRig::explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing) {
   if (frame.width != calibration_.width || frame.height != calibration_.height) return;
-  std::vector<std::string> sentences;
-  for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration_, missing)) {
-    const auto robot = std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin();
-    absences_.push({static_cast<std::size_t>(robot), tag.why});
-    sentences.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, vision::sentence(tag, calibration_)));
-  }
+  const std::vector<vision::TagDiagnosis> tags = vision::diagnose(frame, calibration_, missing);
   const std::lock_guard lock(absence_mutex_);
-  alarms_.insert(alarms_.end(), sentences.begin(), sentences.end());
+  for (const vision::TagDiagnosis& tag : tags) {
+    const auto robot = std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin();
+    found_out_.push(events::NotSeen{static_cast<std::size_t>(robot), tag.why});
+    alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, vision::sentence(tag, calibration_)));
+  }
+}
+
+/// Now and then, and soon again where a sight is to be confirmed.
+void CameraRig::watch_marks() {
+  if (!marks_.watched || frame_.captured_at < next_look_.load(std::memory_order_acquire) ||
+      frame_.width != calibration_.width || frame_.height != calibration_.height)
+    return;
+  // The first ones, on which a start waits, are not left to a thread that a busy machine lets wait: robots still stand.
+  constexpr int most_own_looks = 4;
+  if (!clock_.wall() || (marks().sentence.empty() && own_looks_++ < most_own_looks)) return look_at_marks(frame_);
+  const std::unique_lock lock(absence_mutex_, std::try_to_lock);
+  if (!lock || floor_) return;
+  floor_.emplace(frame_);
+  absent_.notify_all();
+}
+
+void CameraRig::look_at_marks(const vision::Frame& frame) {
+  constexpr double between = 2.0, in_doubt = 0.5;  // [s]
+  next_look_.store(frame.captured_at + between, std::memory_order_release);
+  const bool news = mark_watch_.update(frame);
+  if (mark_watch_.doubts()) next_look_.store(frame.captured_at + in_doubt, std::memory_order_release);
+  const std::optional<vision::MarkSight>& sight = mark_watch_.known();
+  if (!sight) return;
+  const std::string sentence = vision::sentence(*sight);
+  const bool moved = sight->state == vision::MarkSight::State::camera_moved;
+  const events::CameraMoved event{.camera = experiment_.cameras() == 1 ? events::only_camera : number_,
+                                  .by = sight->by,
+                                  .turn = sight->turn,
+                                  .marks = sight->moved.size()};
+  const bool well = sight->state == vision::MarkSight::State::in_place;
+  const bool goes_on = experiment_.failure.camera_moved == FailureSpec::CameraMoved::go_on;
+  {
+    const std::lock_guard lock(absence_mutex_);
+    marks_.known = vision::tells(sight->state);
+    marks_.moved = moved ? std::optional(event) : std::nullopt;
+    marks_.sentence = prefix_ + sentence;
+    // That nobody drives any more is said by whoever stops them.
+    if (news && !well && (!moved || goes_on)) alarms_.push_back(prefix_ + sentence);
+    if (news && moved) found_out_.push(event);
+  }
+}
+
+void CameraRig::watch_scale() {
+  std::string sentence = scale_watch_.update(frame_.captured_at, tracker_.stretch());
+  if (sentence.empty()) return;
+  const std::lock_guard lock(absence_mutex_);
+  alarms_.push_back(prefix_ + std::move(sentence));
+}
+
+MarksStatus CameraRig::marks() const {
+  const std::lock_guard lock(absence_mutex_);
+  return marks_;
 }
 
 void CameraRig::explainer(const std::stop_token& stop) {
   constexpr int lowest_priority = 19;
   ::setpriority(PRIO_PROCESS, 0, lowest_priority);  // of this thread: nobody waits for it
   std::unique_lock lock(absence_mutex_);
-  while (absent_.wait(lock, stop, [this] { return absence_.has_value(); })) {
-    const Question question = *absence_;
+  // The question stays where it is while it is worked on: so there is one at a time.
+  const auto work_on = [&](auto& question, const char* what, auto&& answer) {
+    if (!question) return;
     lock.unlock();
     try {
-      explain(question.frame, question.missing);
+      answer(*question);
     } catch (const std::exception& error) {
-      lock.lock();
-      alarms_.push_back(fmt::format("the reason why a tag is not seen cannot be determined: {}", error.what()));
-      lock.unlock();
+      const std::lock_guard again(absence_mutex_);
+      alarms_.push_back(fmt::format("{} cannot be determined: {}", what, error.what()));
     }
     lock.lock();
-    absence_.reset();
+    question.reset();
+  };
+  while (absent_.wait(lock, stop, [this] { return absence_ || floor_; })) {
+    work_on(absence_, "the reason why a tag is not seen",
+            [this](const Question& question) { explain(question.frame, question.missing); });
+    work_on(floor_, "whether the camera has moved", [this](const vision::Frame& frame) { look_at_marks(frame); });
   }
 }
 
@@ -373,16 +459,18 @@ void CameraRig::work_off() {
   for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
     if (const auto pose = last_sights_->elsewhere(number_, i, frame_.captured_at))
       elsewhere_.push_back({wanted_[i], *pose});
-  take(tracker_.process(frame_, elsewhere_), wanted_, seen_.tags);
+  update_newest(tracker_.process(frame_, elsewhere_), wanted_, seen_.tags);
   for (std::size_t i = 0; i < experiment_.robots.size(); ++i) last_sights_->saw(number_, i, seen_.tags[i]);
   answer_question();
   explain_absences();
+  watch_marks();
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();
   ready_at_.store(seen_.times.ready_at, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
+  watch_scale();                                                            // the tick waits for poses, not for this
   // On the virtual clock there is time to wait for the disk.
   if (recorder_ && clock_.wall()) recorder_->offer(frame_);
   if (recorder_ && !clock_.wall()) recorder_->add(frame_);

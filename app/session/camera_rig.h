@@ -22,6 +22,9 @@
 #include "app/session/simulated_world.h"
 #include "vision/calibration/calibration.h"
 #include "vision/diagnosis/diagnosis.h"
+#include "vision/diagnosis/mark_watch.h"
+#include "vision/diagnosis/scale_watch.h"
+#include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame_source.h"
 #include "vision/recording/recorder.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -33,11 +36,12 @@ namespace skein::app {
 /// tags.
 std::vector<int> wanted_tags(const Experiment& experiment, bool every = false);
 /// Updates the newest measurement of each wanted tag that was seen in a frame.
-void take(std::span<const vision::TagPose> seen, std::span<const int> wanted, std::span<core::Measurement> newest);
+void update_newest(std::span<const vision::TagPose> seen, std::span<const int> wanted,
+                   std::span<core::Measurement> newest);
 
 /// When a frame passed its stages. Session's clock; none: not known. [s]
 struct FrameTimes {
-  double captured_at = none;  ///< the camera's stamp
+  double captured_at = none;  ///< by the camera's stamp and camera.latency
   double arrived_at = none;   ///< the driver delivered it
   double grey_at = none;      ///< the grey image has reached the tracker
   double ready_at = none;     ///< its poses are known
@@ -66,15 +70,15 @@ class CameraRig {
   /// Any thread.
   VideoStatus video() const;
   vision::SourceStatus camera() const;
-  /// Events: the film has broken off, once; why a robot has not been seen for half a second. Control thread
-  /// only.
+  /// Events: the film has broken off, once; why a robot has not been seen for half a second; the marks on the floor
+  /// show that the camera moved. Control thread only.
   void tell(EventList& events) noexcept;
 
   /// Wall clock: starts the thread.
   void start();
   void end();
   /// Virtual clock: takes and processes one frame now.
-  void look();
+  void process_frame();
 
   /// Overwrites the measurement of every wanted tag that was seen since, as far as there is room, and returns the
   /// times; false: nothing new. Control thread only.
@@ -93,8 +97,11 @@ class CameraRig {
   /// the control thread, one caller at a time.
   std::vector<Absence> why_not_seen();
 
-  /// Sentences about lost robots, as from `why_not_seen`, each once. Any thread, one caller at a time.
+  /// Sentences about lost robots, as from `why_not_seen`, about marks on the floor and about the tags' size, each once.
+  /// Any thread, one caller at a time.
   std::vector<std::string> alarms();
+  /// Any thread.
+  MarksStatus marks() const;
 
   bool picture(Picture& out);
   std::array<double, 2> pixel(double x, double y) const;
@@ -111,10 +118,15 @@ class CameraRig {
   tl::expected<void, std::string> open_source();
   void await_source(const std::stop_token& stop);
   bool capture();  // false: the stream has ended or failed, see reason_
+  bool render();
+  bool receive();
   void work_off();
   void answer_question();
   void explain_absences();
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
+  void watch_marks();
+  void watch_scale();
+  void look_at_marks(const vision::Frame& frame);
   void explainer(const std::stop_token& stop);
 
   const Experiment& experiment_;
@@ -128,10 +140,11 @@ class CameraRig {
   std::shared_ptr<LastSights> last_sights_;
   std::vector<vision::SeenElsewhere> elsewhere_;  // in this frame
   vision::TagTracker tracker_;
-  std::unique_ptr<vision::SyntheticCamera> synthetic_, bumped_;  // the second: tilted, from camera.bump_at on
-  std::unique_ptr<vision::FrameSource> source_;                  // null: synthetic, or not open yet
-  std::atomic<bool> awaited_{false};  // a real camera that has not opened yet; then the thread owns source_
-  std::string why_awaited_;           // set before the thread begins
+  std::unique_ptr<vision::SyntheticCamera> synthetic_;
+  double tilt_ = 0.0;                            // of the synthetic camera [deg]
+  std::unique_ptr<vision::FrameSource> source_;  // null: synthetic, or not open yet
+  std::atomic<bool> awaited_{false};             // a real camera that has not opened yet; then the thread owns source_
+  std::string why_awaited_;                      // set before the thread begins
   std::unique_ptr<vision::Recorder> recorder_;
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
@@ -157,16 +170,22 @@ class CameraRig {
   std::condition_variable answered_;
   bool asked_ = false;  // the next frame is requested
   Question answer_;
-  // Why robots are lost: requested by the camera's thread, diagnosed at once on the virtual clock and in a separate
-  // thread on the wall clock.
-  std::vector<bool> told_of_;  // the camera side's: of robots that are not seen
+  // Why robots are lost, and whether the marks lie where they were: requested by the camera's thread, diagnosed at once
+  // on the virtual clock and in a separate thread on the wall clock.
+  std::vector<vision::TagAbsence> absences_;  // of the robots' tags
   double next_absence_ = none;
   std::vector<vision::MissingTag> missing_;
-  std::mutex absence_mutex_;  // of what follows
+  vision::MarkWatch mark_watch_;
+  vision::ScaleWatch scale_watch_;
+  int own_looks_ = 0;                    // at the marks, by the camera's thread
+  std::atomic<double> next_look_{-1e9};  // at the marks [s]
+  mutable std::mutex absence_mutex_;     // of what follows
   std::condition_variable_any absent_;
   std::optional<Question> absence_;
+  std::optional<vision::Frame> floor_;  // to be searched for the marks
   std::vector<std::string> alarms_;
-  boost::lockfree::spsc_queue<events::NotSeen, boost::lockfree::capacity<256>> absences_;
+  MarksStatus marks_;
+  boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<256>> found_out_;
   std::string reason_;
   std::atomic<bool> failed_{false}, ending_{false};
   std::jthread explainer_, thread_;

@@ -45,8 +45,8 @@ void Cameras::end() {
   for (Each& camera : all_) camera.rig->end();
 }
 
-void Cameras::look() {
-  for (Each& camera : all_) camera.rig->look();
+void Cameras::process_frames() {
+  for (Each& camera : all_) camera.rig->process_frame();
 }
 
 CameraRig& Cameras::lead() const noexcept {
@@ -129,6 +129,18 @@ std::vector<std::string> Cameras::alarms() {
     for (std::string& sentence : camera.rig->alarms()) all.push_back(std::move(sentence));
   const std::lock_guard lock(mutex_);
   for (std::string& sentence : std::exchange(alarms_, {})) all.push_back(std::move(sentence));
+  return all;
+}
+
+MarksStatus Cameras::marks() const {
+  MarksStatus all;
+  for (const Each& camera : all_) {
+    const MarksStatus one = camera.rig->marks();
+    all.watched = all.watched || one.watched;
+    all.known = all.known && one.known;
+    if (!all.moved) all.moved = one.moved;
+    if (!one.sentence.empty()) all.sentence += (all.sentence.empty() ? "" : "; ") + one.sentence;
+  }
   return all;
 }
 

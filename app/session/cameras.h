@@ -26,7 +26,7 @@ class Cameras {
   void start();
   void end();
   /// Virtual clock: each takes and processes a frame now.
-  void look();
+  void process_frames();
 
   /// Overwrites the newest measurements: those of camera 1 first, as many of each. True if the leading camera has
   /// something new, with the times of its frame: the first one that has not failed. Control thread only.
@@ -46,6 +46,8 @@ class Cameras {
   std::vector<std::string> why_not_seen();
   /// Sentences about lost robots and cameras, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
+  /// Of all: `known` if everything is, `moved` by the first camera that was, and each one's sentence. Any thread.
+  MarksStatus marks() const;
   /// Notices which of several cameras are lost or back. Not on the control thread; one caller at a time.
   void watch();
   /// Why there is no camera left; empty: there is one.

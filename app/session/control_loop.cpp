@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "app/experiment/at_start.h"
@@ -44,17 +45,21 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
 
 void ControlLoop::publish_couplings() noexcept {
   const Couplings& couplings = tick_.couplings();
-  for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
-    for (std::size_t j = 0; j < experiment_.robots.size(); ++j) {
-      if (i == j) continue;
-      PairState& state = pairs_[pair(i, j)];
-      for (const core::GainName name : core::gain_names) {
-        const auto k = static_cast<std::size_t>(name);
-        state.now[k].store(core::table(couplings.now(), name)(i, j), std::memory_order_relaxed);
-        state.target[k].store(core::table(couplings.target(), name)(i, j), std::memory_order_relaxed);
+  const std::size_t n = experiment_.robots.size();
+  for (const core::GainName name : core::gain_names) {
+    const auto k = static_cast<std::size_t>(name);
+    const core::PairTable &now = core::table(couplings.now(), name), &target = core::table(couplings.target(), name);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        if (i == j) continue;
+        PairState& state = pairs_[pair(i, j)];
+        state.now[k].store(now(i, j), std::memory_order_relaxed);
+        state.target[k].store(target(i, j), std::memory_order_relaxed);
       }
-      state.coupled.store(couplings.coupled(i, j), std::memory_order_relaxed);
-    }
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      if (i != j) pairs_[pair(i, j)].coupled.store(couplings.coupled(i, j), std::memory_order_relaxed);
 }
 
 void ControlLoop::cycle(double now, int elapsed) {
@@ -305,6 +310,12 @@ void ControlLoop::thread(const std::stop_token& stop) {
   const double longest_silence = std::max(0.3, patience), standstill = std::max(0.5, patience);  // [s]
   const bool real = std::any_of(experiment_.robots.begin(), experiment_.robots.end(),
                                 [](const RobotSpec& robot) { return !robot.simulated(); });
+  std::optional<CpuLatencyLimit> awake;
+  if (real_time_reason(experiment_) || controller_) {
+    awake.emplace();
+    timing_.cpu_latency = awake->granted();
+    timing_.no_cpu_latency = awake->refused();
+  }
   comms::Heart heart(longest_silence);
   double cycled_at = clock_.now();
   TickTimer timer(period, clock_.now() + period);
@@ -322,6 +333,7 @@ void ControlLoop::thread(const std::stop_token& stop) {
     }
     clock_.run();
     const TickTimer::Window window = timer.window();
+    if (controller_ && phase() == Phase::running) wake_controller(window);
     std::this_thread::sleep_until(clock_.at(window.earliest));
     if (window.latest > window.earliest) plant_.wait_for_frame(window.since, window.latest);
     const double woke = clock_.now();
@@ -340,6 +352,14 @@ void ControlLoop::thread(const std::stop_token& stop) {
     // Deadlines that have passed by now are missed, and the next tick says how many.
     elapsed = timer.ticked(clock_.now());
   }
+}
+
+/// Shortly before the tick, so that it is awake when the question comes.
+void ControlLoop::wake_controller(const TickTimer::Window& window) noexcept {
+  const double soon = window.expected - OwnController::wake_lead;
+  std::this_thread::sleep_until(clock_.at(std::min(soon, window.earliest)));
+  if (soon > window.earliest) plant_.wait_for_frame(window.since, soon);
+  controller_->wake();
 }
 
 /// Waits until a paced simulation's next tick is due, or the operator asks for something: at a tenth of real time

@@ -96,6 +96,7 @@ class ControlLoop {
   void pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
   bool asked() const noexcept;
   void cycle(double now, int elapsed);
+  void wake_controller(const TickTimer::Window& window) noexcept;
   void ask_controller() noexcept;
   void heed_camera(const TickRecord& record) noexcept;
   void complete_latency() noexcept;

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <thread>
+#include <utility>
 
-#include "app/guard/safety_net.h"
+#include "app/experiment/control_settings.h"
+#include "app/session/robot_lines.h"
 #include "app/session/wheel_check.h"
 
 namespace skein::app {
@@ -19,6 +22,18 @@ constexpr double close_timeout = 1.0;       // for the stops to be acknowledged 
 constexpr double lock_step_timeout = 2.0;   // an emulated robot answers in well under a millisecond [s]
 constexpr double heartbeat = 0.05;          // at a slow rate a lost link is noticed as soon as at 25 Hz [s]
 constexpr double battery_period = 10.0;     // [s]
+
+/// The command that finds out where a camera hangs now; whole, if its calibration has the marks.
+std::string calibrate_floor(const Experiment& experiment, std::size_t camera, bool by_marks) {
+  const CameraSpec& spec = experiment.camera_at(camera);
+  if (!by_marks) return "skein calibrate floor";
+  std::string settings;
+  for (const auto& [name, value] : control_settings(spec)) settings += fmt::format(" --set {}={}", name, value);
+  // Nobody else can look through a synthetic camera: a film of the run shows what it saw.
+  return fmt::format("skein calibrate floor {} --camera {}{}",
+                     spec.kind() == CameraKind::synthetic ? "video:FILM.mkv" : spec.source,
+                     (std::filesystem::path(experiment.directory) / spec.calibration).string(), settings);
+}
 
 }  // namespace
 
@@ -33,38 +48,15 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
                                                               const SessionOptions& options) {
   std::unique_ptr<Plant> plant(new Plant(experiment, clock, options.every_tag));
 
-  std::vector<const core::RobotType*> emulated;
-  std::vector<std::size_t> emulated_robots;
-  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    if (!experiment.robots[i].has_link()) continue;
-    plant->linked_.push_back(i);
-    if (experiment.robots[i].is_real()) continue;
-    emulated.push_back(experiment.robots[i].type);
-    emulated_robots.push_back(i);
-  }
-  if (!emulated.empty()) {
-    SimulatedWorld& world = plant->world_;
-    plant->emulator_ = std::make_unique<comms::PtyEmulator>(
-        emulated,
-        [&world, &clock, emulated_robots](std::size_t k, const core::WheelSpeeds& told) {
-          world.turn(emulated_robots[k], clock.now(), told);
-        },
-        [&clock] { return clock.now(); }, std::string{}, options.faults, experiment.seed);
-  }
-  if (!plant->linked_.empty()) {
-    std::vector<comms::LinkAddress> addresses;
-    std::size_t next_emulated = 0;
-    for (const std::size_t i : plant->linked_) {
-      const std::string name = robot_name(experiment, i);
-      if (!experiment.robots[i].is_real()) {
-        const comms::LinkAddress line{comms::LinkKind::serial, plant->emulator_->device(next_emulated++), 0, {}, name};
-        addresses.push_back(*comms::spoken_by(line, experiment.robots[i].type->protocol));
-        continue;
-      }
-      auto address = link_of(experiment, i);
-      if (!address) return tl::unexpected(address.error());
-      addresses.push_back(*address);
-    }
+  SimulatedWorld& world = plant->world_;
+  auto lines = open_lines(
+      experiment,
+      [&world, &clock](std::size_t robot, const core::WheelSpeeds& told) { world.turn(robot, clock.now(), told); },
+      [&clock] { return clock.now(); }, options.faults);
+  if (!lines) return tl::unexpected(lines.error());
+  plant->linked_ = std::move(lines->robots);
+  plant->emulator_ = std::move(lines->emulator);
+  if (const std::vector<comms::LinkAddress>& addresses = lines->addresses; !addresses.empty()) {
     comms::LinkOptions link_options;
     link_options.blind_distance = experiment.links.blind_distance;
     link_options.reply_timeout = experiment.links.reply_timeout;
@@ -83,7 +75,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     if (clock.wall() && real) link_options.standstill = std::max(longest_standstill, link_options.command_silence);
     plant->links_ = std::make_unique<comms::LinkSupervisor>(addresses, link_options);
     plant->watch_.emplace(plant->linked_, experiment.failure.link_bridge, clock.wall());
-    if (auto started = plant->links_->start(comms::reach_patience(addresses)); !started)
+    if (auto started = plant->links_->start(comms::reach_patience(addresses), options.keep_on); !started)
       return tl::unexpected(started.error());
   }
   if (experiment.camera.kind() != CameraKind::absent) {
@@ -104,7 +96,7 @@ bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<c
   world_.advance(now);
   bool looked = false;
   if (cameras_) {
-    if (!clock_.wall()) cameras_->look();
+    if (!clock_.wall()) cameras_->process_frames();
     looked = cameras_->newest(newest, frame);
   } else {
     for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
@@ -217,6 +209,12 @@ std::vector<RobotStatus> Plant::robots() const {
     robot.battery_low = link.battery.low;
     robot.battery_text = comms::to_text(link.battery);
     robot.version = link.version;
+    if (link.counted_by > 0.0) {
+      // In lock-step an answer takes none of the session's time.
+      const auto at = [&](double monotonic) { return clock_.wall() ? clock_.from_monotonic(monotonic) : clock_.now(); };
+      robot.count = {at(link.counted_since), at(link.counted_by), static_cast<double>(link.left_steps),
+                     static_cast<double>(link.right_steps)};
+    }
     robot.stop_acknowledged = link.stop_acknowledged;
   }
   return all;
@@ -228,12 +226,20 @@ std::string stood_still_sentence(double seconds) {
       seconds);
 }
 
-std::string camera_stop_sentence(const events::CameraMoved& moved) {
+std::string camera_moved_sentence(const Experiment& experiment, const events::CameraMoved& moved,
+                                  std::string_view then) {
+  const bool only = moved.camera == events::only_camera;
+  const double turned = std::abs(moved.turn) * 180.0 / std::numbers::pi;
   return fmt::format(
-      "{} moved (or the floor under it): all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once: "
-      "STOP. Poses are wrong until the floor is calibrated again (skein calibrate floor)",
-      moved.camera == events::only_camera ? "the camera" : fmt::format("camera {}", moved.camera + 1), moved.tags,
-      1e3 * moved.by, std::abs(moved.turn) * 180.0 / std::numbers::pi);
+      "{} moved (or the floor under it): {}: {}. Poses are wrong until the floor is calibrated again ({})",
+      only ? "the camera" : fmt::format("camera {}", moved.camera + 1),
+      moved.marks == 0
+          ? fmt::format("all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once", moved.tags, 1e3 * moved.by,
+                        turned)
+          : fmt::format("{} marks on the floor are {:.0f} mm from where they were when it was calibrated, turned by "
+                        "{:.1f} deg",
+                        moved.marks, 1e3 * moved.by, turned),
+      then, calibrate_floor(experiment, only ? 0 : moved.camera, moved.marks > 0));
 }
 
 std::string camera_stop_sentence(const events::CamerasDisagree& differ) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "app/experiment/at_start.h"
+#include "app/session/plant.h"
 
 namespace skein::app {
 namespace {
@@ -21,7 +22,7 @@ std::string numbers(const std::vector<std::size_t>& robots) {
   return fmt::format("robot{} {}", from_one.size() == 1 ? "" : "s", fmt::join(from_one, ", "));
 }
 
-Check camera(const Experiment& e, const std::string& down) {
+Check camera(const Experiment& e, const std::string& down, const MarksStatus& marks) {
   const CameraKind kind = e.camera.kind();
   const bool real = kind == CameraKind::live;
   if (kind == CameraKind::absent) return {What::camera, State::holds, "none: poses come from the simulation", real};
@@ -36,9 +37,16 @@ Check camera(const Experiment& e, const std::string& down) {
   }
   if (!down.empty())
     return {What::camera, State::fails, fmt::format("{}; it is retried until it is there", down), true};
-  if (e.cameras() > 1) return {What::camera, State::holds, fmt::format("{} cameras", e.cameras()), real};
-  return {What::camera, State::holds,
-          e.camera.calibration.empty() ? "the synthetic camera's own" : e.camera.calibration, real};
+  if (marks.moved)
+    return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "nobody drives"),
+            e.failure.camera_moved == FailureSpec::CameraMoved::all_stop};
+  if (!marks.known)
+    return {What::camera, State::waits,
+            marks.sentence.empty() ? "the marks on the floor are being looked for" : marks.sentence, false};
+  const std::string calibration = e.cameras() > 1                ? fmt::format("{} cameras", e.cameras())
+                                  : e.camera.calibration.empty() ? "the synthetic camera's own"
+                                                                 : e.camera.calibration;
+  return {What::camera, State::holds, marks.sentence.empty() ? calibration : calibration + "; " + marks.sentence, real};
 }
 
 Check tags(const Experiment& e, const TickRecord* record) {
@@ -142,8 +150,9 @@ Check places(const Experiment& e, const TickRecord* record) {
 }  // namespace
 
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
-                             std::span<const RobotStatus> robots, const std::string& camera_down) {
-  return {camera(experiment, camera_down),
+                             std::span<const RobotStatus> robots, const std::string& camera_down,
+                             const MarksStatus& marks) {
+  return {camera(experiment, camera_down, marks),
           tags(experiment, record),
           links(experiment, robots),
           batteries(robots),

@@ -36,9 +36,10 @@ struct Check {
 
 /// The checks for a start, from what is known by now; empty pointers: not known yet. In the order in which problems
 /// should be fixed.
-/// `camera_down`: why the camera does not deliver frames; empty: it does.
+/// `camera_down`: why the camera does not deliver frames; empty: it does. `marks`: what those on the floor say of it.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
-                             std::span<const RobotStatus> robots, const std::string& camera_down = {});
+                             std::span<const RobotStatus> robots, const std::string& camera_down = {},
+                             const MarksStatus& marks = {});
 
 /// Every hard check holds.
 bool may_start(std::span<const Check> checks) noexcept;

@@ -13,6 +13,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t channel_capacity =
     500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
+/// Until marks on the floor that are hidden are seen, and until a busy machine has looked at them at all. [s]
+constexpr double marks_patience = 5.0, look_patience = 60.0;
 constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
 
 }  // namespace
@@ -109,6 +111,10 @@ vision::SourceStatus Session::camera() const {
   return cameras ? cameras->status() : vision::SourceStatus{};
 }
 
+MarksStatus Session::marks() const {
+  return wiring_->plant->marks();
+}
+
 VideoStatus Session::video() const {
   const Cameras* cameras = wiring_->plant->cameras();
   return cameras ? cameras->video() : VideoStatus{};
@@ -133,9 +139,7 @@ std::vector<std::string> Session::alarms() {
   if (wiring_->net)
     for (std::string& sentence : wiring_->net->alarms()) all.push_back(std::move(sentence));
   if (wiring_->sleep)
-    if (std::string problem = wiring_->sleep->problem();
-        !problem.empty() && !std::exchange(wiring_->told_of_sleep, true))
-      all.push_back("this machine may suspend while robots drive, and nothing then stops them: " + problem);
+    if (auto alarm = wiring_->sleep->alarm()) all.push_back(*std::move(alarm));
   return all;
 }
 
@@ -195,6 +199,18 @@ Phase Session::run(const std::function<bool()>& keep_on) {
     away = std::any_of(i.experiment.robots.begin(), i.experiment.robots.end(),
                        [](const RobotSpec& robot) { return robot.start.has_value(); });
   }
+  const double began = i.clock.now();
+  MarksStatus marks;
+  for (; !(marks = i.plant->marks()).known && !over() && !i.loop->failed(); turn()) {
+    const double waited = i.clock.now() - began;
+    if (waited < (marks.sentence.empty() ? look_patience : marks_patience)) continue;
+    if (marks.sentence.empty())
+      i.fail(fmt::format("the marks on the floor could not be looked for within {:g} s: the machine is too busy",
+                         look_patience));
+    break;
+  }
+  if (const Answer may = i.may_drive(); !may) i.fail(may.error());
+  while (i.loop->stop_asked() && !over() && !i.loop->failed()) turn();
   if (away && i.experiment.staging.automatic && !over()) drive_to_starts();
   ask_or_fail("start", start());
   while (!over() && !i.loop->failed()) turn();

@@ -140,6 +140,9 @@ class Session {
   std::vector<RobotStatus> robots() const;
   /// Any thread.
   vision::SourceStatus camera() const;
+  /// What the marks on the floor say of the camera. A session whose camera has moved off them refuses to start, and
+  /// stops if it runs. Any thread.
+  MarksStatus marks() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
   /// The run's own controller, null: it has none. After close() it has its statistics.

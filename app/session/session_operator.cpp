@@ -12,9 +12,11 @@ constexpr double slowest = 0.1, fastest = 50.0;  // of a simulation, times real 
 }  // namespace
 
 Session::Answer Session::start() {
+  if (auto may = wiring_->may_drive(); !may) return may;
   return wiring_->ask(commands::Start{});
 }
 Session::Answer Session::stage() {
+  if (auto may = wiring_->may_drive(); !may) return may;
   return wiring_->ask(commands::Stage{});
 }
 Session::Answer Session::pause() {

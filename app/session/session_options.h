@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct SessionOptions {
   bool await_camera = false;
   std::string program{};   ///< that hosts libraries of controllers, a `skein`; empty: this program
   bool every_tag = false;  ///< look for all tags of the family, see CameraRig::newest
+  /// Called several times per second while robots are being reached; false ends the opening.
+  std::function<bool()> keep_on{};
 };
 
 }  // namespace skein::app

@@ -14,13 +14,13 @@
 
 #include "app/controllers/own_controller.h"
 #include "app/experiment/experiment.h"
+#include "app/guard/kept_awake.h"
 #include "app/guard/safety_net.h"
 #include "app/run/status.h"
 #include "app/session/control_loop.h"
 #include "app/session/plant.h"
 #include "app/session/record_channel.h"
 #include "app/session/session_options.h"
-#include "comms/sleep_inhibitor.h"
 
 namespace skein::app {
 
@@ -154,8 +154,21 @@ struct SessionWiring {
   void heed_camera() {
     const auto moved = loop->camera_moved();
     if (!moved) return;
-    if (const auto* const bumped = std::get_if<events::CameraMoved>(&*moved)) fail(camera_stop_sentence(*bumped));
+    if (const auto* const bumped = std::get_if<events::CameraMoved>(&*moved))
+      fail(camera_moved_sentence(experiment, *bumped, "STOP"));
     if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
+  }
+
+  /// Nobody drives by a camera that the marks on the floor show to have moved, unless the file says so.
+  std::optional<events::CameraMoved> moved_off_its_marks() const {
+    if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return {};
+    return plant->marks().moved;
+  }
+  /// Refuses whatever makes robots drive.
+  Answer may_drive() const {
+    const auto moved = moved_off_its_marks();
+    if (!moved) return {};
+    return tl::unexpected(camera_moved_sentence(experiment, *moved, "nobody drives"));
   }
 
   void watch() {
@@ -165,6 +178,8 @@ struct SessionWiring {
     if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
+    if (phase != Phase::ready)
+      if (const auto moved = moved_off_its_marks()) fail(camera_moved_sentence(experiment, *moved, "STOP"));
     watch_controller();
     const bool moves = phase == Phase::running || phase == Phase::staging;
     if (real_time && moves && clock.now() - last_look.load() > window_silence)
@@ -206,14 +221,13 @@ struct SessionWiring {
   std::unique_ptr<ControlLoop> loop;
   std::unique_ptr<RecordChannel> recorder_channel, window_channel;
   std::jthread recorder_thread, supervisor_thread;
-  std::optional<comms::SleepInhibitor> sleep;  // of a machine with real robots
+  std::optional<KeptAwake> sleep;  // of a machine with real robots
   const bool real_time = real_time_reason(experiment).has_value();
   std::atomic<bool> ends_test{false};
   std::future<tl::expected<WheelCheck, std::string>> test;  // under way, or not yet asked for
   std::atomic<double> last_look{none};  // when somebody drained last, on the session's clock [s]; none: nobody does
   bool started = false;                 // the sinks' thread's
   bool closed = false;
-  bool told_of_sleep = false;
   bool told_of_controller = false;
   mutable std::mutex failure_mutex;
   std::optional<std::string> failure;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -30,11 +31,14 @@ class SimulatedWorld {
   void kick(std::size_t robot, double vx, double vy);
   core::Pose pose(std::size_t robot) const;
   void poses(std::span<core::Pose> all) const;
+  /// Where they were at a time in the past, as far back as the experiment's latest stamps are (camera.stamps_late).
+  void poses_at(double t, std::span<core::Pose> all) const;
   core::Measurement measure(std::size_t robot, double now);
 
  private:
   void advance_locked(double now);
   void run_away(double now);
+  void remember();
 
   mutable std::mutex mutex_;
   std::vector<core::SimulatedRobot> robots_;
@@ -46,6 +50,12 @@ class SimulatedWorld {
   };
   std::vector<Runaway> runaways_;  // still to come
   double now_ = 0.0;
+  struct Moment {
+    double t;  // [s]
+    std::vector<core::Pose> poses;
+  };
+  double memory_ = 0.0;      // how far back [s]
+  std::deque<Moment> past_;  // up to now; empty: nothing is to be remembered
 };
 
 }  // namespace skein::app

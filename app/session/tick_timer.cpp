@@ -21,8 +21,8 @@ bool TickTimer::follows_frames() const noexcept {
 }
 
 TickTimer::Window TickTimer::window() const noexcept {
-  if (!in_step_) return {deadline_, deadline_, deadline_};
-  return {deadline_ - 2.0 * pull * period_, deadline_ - pull * period_, deadline_ + pull * period_};
+  if (!in_step_) return {deadline_, deadline_, deadline_, deadline_};
+  return {deadline_ - 2.0 * pull * period_, deadline_ - pull * period_, deadline_, deadline_ + pull * period_};
 }
 
 void TickTimer::frame(double captured_at, double ready_at) noexcept {

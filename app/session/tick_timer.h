@@ -14,9 +14,10 @@ class TickTimer {
  public:
   TickTimer(double period, double first) noexcept : period_(period), deadline_(first) {}
 
-  /// The next tick begins at `earliest` if a frame has been ready since `since`, else when one is, else at `latest`.
+  /// The next tick begins at `earliest` if a frame has been ready since `since`, else when one is, `expected` by what
+  /// is known of the camera, else at `latest`.
   struct Window {
-    double since, earliest, latest;
+    double since, earliest, expected, latest;
   };
   Window window() const noexcept;
 

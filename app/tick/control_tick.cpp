@@ -562,6 +562,21 @@ void TickState::apply_law(const TickInput& input) noexcept {
   }
 }
 
+/// How much of its command a robot with a link may drive, 0 to 1: nobody can stop one that its radio does not reach, so
+/// its blind distance must last until a reply counts as lost. The speed of the reference itself is the experiment's
+/// choice; whoever is behind catches up no faster than this.
+double TickState::blind_share(std::size_t i) const noexcept {
+  if (!record.robots[i].link.input.linked) return 1.0;
+  const core::DifferentialDrive& drive = experiment.robots[i].drive;
+  const auto faster_wheel = [&](const core::Twist& twist) {
+    return std::abs(twist.v) + 0.5 * drive.track * std::abs(twist.omega);
+  };
+  const double may =
+      std::max(experiment.links.blind_distance / experiment.links.reply_timeout, faster_wheel(nominal[i].twist));
+  const double wheel = faster_wheel(commands[i]);
+  return wheel > may ? may / wheel : 1.0;
+}
+
 /// The law does not imply (14), and (14) not what the wheels can do; the shield has the last word.
 void TickState::limit_and_shield() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
@@ -582,6 +597,10 @@ void TickState::limit_and_shield() noexcept {
     robot.limits = static_cast<std::uint8_t>((biting.v ? limit_v : 0) | (biting.omega ? limit_omega : 0) |
                                              (biting.wheels ? limit_wheels : 0));
     commands[i] = limits[i].limit(law[i]);
+    if (const double share = blind_share(i); share < 1.0) {
+      commands[i] = {share * commands[i].v, share * commands[i].omega};
+      robot.limits |= limit_link;
+    }
     v_limits[i] = limits[i].v_limit(commands[i].omega);
     if (commands[i] != law[i]) robot.mode |= limited;
     if (trust[i] < 1.0) {

@@ -144,6 +144,7 @@ struct TickState : TickSetup, TickMemory {
   void ask_law() noexcept;
   void apply_law(const TickInput& input) noexcept;
   void limit_and_shield() noexcept;
+  double blind_share(std::size_t i) const noexcept;
   void drive_wheels() noexcept;
   void account(const TickInput& input) noexcept;
 

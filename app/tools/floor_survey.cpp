@@ -16,6 +16,15 @@ constexpr int frames = 25;  // looked at, and averaged
 
 }  // namespace
 
+std::optional<KnownFloor> known_floor(const std::string& calibration) {
+  const auto file = load_calibration(calibration);
+  if (!file) return {};
+  KnownFloor floor{{}, file->tag_size, file->tag_height};
+  for (const vision::FloorMark& mark : file->marks)
+    if (mark.tag >= 0) floor.tags.push_back({.id = mark.tag, .x = mark.x, .y = mark.y, .z = mark.z});
+  return floor.tags.empty() ? std::nullopt : std::optional(floor);
+}
+
 tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& question, const std::atomic<bool>& ends) {
   const auto goes_on = [&ends] { return !ends.load(); };
   const auto lens = load_calibration(question.calibration);
@@ -43,6 +52,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return tl::unexpected(wrong);
   const auto check = vision::check_floor(*result, marks);
   if (!check) return tl::unexpected(check.error());
+  result->marks = vision::kept_marks(*solved, marks, *sight);
   if (!goes_on()) return tl::unexpected(std::string("ended"));
   if (const auto old = replace_calibration(*result, question.calibration); !old) return tl::unexpected(old.error());
   FloorSurvey survey{question.tags, check->rms, check->worst};
@@ -53,6 +63,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   }
   const Eigen::Vector3d& place = result->world_from_camera->position;
   survey.camera = {place.x(), place.y(), place.z()};
+  if (const auto shift = vision::pose_shift(*lens, *result)) survey.poses_move = shift->rms;
   if (solved->left_out) survey.suspect = solved->left_out->name;
   return survey;
 }

@@ -119,8 +119,6 @@ void for_columns(Outcome& o, Use&& use) {
   use("failure", o.failure);
 }
 
-constexpr std::array variants{"study", "control"};
-
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   bool quoted = false;
@@ -141,23 +139,40 @@ std::string header() {
   return text;
 }
 
-tl::expected<Outcomes, std::string> read_rows(std::istream& in) {
+template <typename Runs, typename All>
+std::vector<std::pair<std::string, Runs*>> variants_of(All& outcomes) {
+  std::vector<std::pair<std::string, Runs*>> all{{"study", &outcomes.study}, {"control", &outcomes.control}};
+  for (auto& other : outcomes.compared) all.emplace_back(other.name, &other.runs);
+  return all;
+}
+
+/// With a list for everything that the study is compared with.
+Outcomes no_outcomes(const Study& study) {
   Outcomes outcomes;
+  for (const auto& [name, sets] : study.compare) outcomes.compared.push_back({name, {}});
+  return outcomes;
+}
+
+tl::expected<Outcomes, std::string> read_rows(std::istream& in, const Study& study) {
+  Outcomes outcomes = no_outcomes(study);
+  const auto variants = outcomes.variants();
   std::string line;
   if (!std::getline(in, line) || line != header()) return tl::unexpected(std::string("it has other columns"));
   for (std::size_t row = 1; std::getline(in, line); ++row) {
     const std::vector<std::string_view> cells = cells_of(line);
     const bool whole = !in.eof();
-    const bool control = !cells.empty() && cells[0] == variants[1];
+    std::string name;
+    if (!cells.empty()) read(cells[0], name);
+    const auto variant = std::find_if(variants.begin(), variants.end(), [&](const auto& v) { return v.first == name; });
     RunOutcome outcome;
-    bool good = whole && (control || cells[0] == variants[0]);
+    bool good = whole && variant != variants.end();
     std::size_t k = 1;
     for_columns(outcome, [&](const char*, auto& value) {
       good = good && k < cells.size() && read(cells[k], value);
       ++k;
     });
     if (!good || k != cells.size()) return tl::unexpected(fmt::format("its row {} is torn", row));
-    (control ? outcomes.control : outcomes.study).push_back(std::move(outcome));
+    variant->second->push_back(std::move(outcome));
   }
   return outcomes;
 }
@@ -218,11 +233,26 @@ tl::expected<Part, std::string> part_of_job() {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::vector<RunOutcome>*>> Outcomes::variants() {
+  return variants_of<std::vector<RunOutcome>>(*this);
+}
+
+std::vector<std::pair<std::string, const std::vector<RunOutcome>*>> Outcomes::variants() const {
+  return variants_of<const std::vector<RunOutcome>>(*this);
+}
+
+std::vector<std::pair<std::string, SweepSummary>> summaries_of_compared(const Study& study, const Outcomes& outcomes) {
+  std::vector<std::pair<std::string, SweepSummary>> summaries;
+  for (const Outcomes::Compared& other : outcomes.compared)
+    summaries.emplace_back(other.name, summarise(compared_study(study, other.name), other.runs));
+  return summaries;
+}
+
 void write_outcomes(std::ostream& out, const Outcomes& outcomes) {
   out << header() << '\n';
-  for (const auto& [variant, rows] : {std::pair(variants[0], &outcomes.study), {variants[1], &outcomes.control}})
+  for (const auto& [variant, rows] : outcomes.variants())
     for (const RunOutcome& outcome : *rows) {
-      out << variant;
+      out << cell(variant);
       for_columns(outcome, [&](const char*, const auto& value) { out << ',' << cell(value); });
       out << '\n';
     }
@@ -274,7 +304,7 @@ tl::expected<Outcomes, std::string> load_part(const std::string& directory, cons
     return tl::unexpected(
         fmt::format("{}: it belongs to another study, other --runs, --seed or --set, or another program", path));
   std::istringstream in(text->substr(expected.size()));
-  auto outcomes = read_rows(in);
+  auto outcomes = read_rows(in, study);
   if (!outcomes) return tl::unexpected(fmt::format("{}: {}", path, outcomes.error()));
   const auto whole = [&](const std::vector<RunOutcome>& rows) {
     std::size_t k = 0;
@@ -282,8 +312,10 @@ tl::expected<Outcomes, std::string> load_part(const std::string& directory, cons
       if (k >= rows.size() || rows[k].seed != study.seed + static_cast<std::uint64_t>(run)) return false;
     return k == rows.size();
   };
-  if (!whole(outcomes->study) || !(study.control.empty() ? outcomes->control.empty() : whole(outcomes->control)))
-    return tl::unexpected(fmt::format("{}: some of its runs are missing", path));
+  bool complete =
+      whole(outcomes->study) && (study.control.empty() ? outcomes->control.empty() : whole(outcomes->control));
+  for (const Outcomes::Compared& other : outcomes->compared) complete = complete && whole(other.runs);
+  if (!complete) return tl::unexpected(fmt::format("{}: some of its runs are missing", path));
   return outcomes;
 }
 
@@ -304,19 +336,20 @@ tl::expected<Merged, std::string> merge_parts(const std::string& directory, cons
     return tl::unexpected(fmt::format("{}: there are parts of studies with {} and with {} parts: use a folder for each",
                                       directory, *cuts.begin(), *cuts.rbegin()));
   Merged merged;
+  merged.outcomes = no_outcomes(study);
   merged.parts = *cuts.begin();
+  const auto variants = merged.outcomes.variants();
   for (std::int64_t i = 1; i <= merged.parts; ++i) {
     auto part = load_part(directory, study, {i, merged.parts});
     if (!part) {
       merged.missing.push_back({{i, merged.parts}, part.error()});
       continue;
     }
-    for (auto rows : {&Outcomes::study, &Outcomes::control}) {
-      auto& all = merged.outcomes.*rows;
-      std::move(((*part).*rows).begin(), ((*part).*rows).end(), std::back_inserter(all));
-    }
+    const auto parts = part->variants();
+    for (std::size_t v = 0; v < variants.size(); ++v)
+      std::move(parts[v].second->begin(), parts[v].second->end(), std::back_inserter(*variants[v].second));
   }
-  for (auto* rows : {&merged.outcomes.study, &merged.outcomes.control})
+  for (const auto& [name, rows] : variants)
     std::sort(rows->begin(), rows->end(), [](const auto& a, const auto& b) { return a.seed < b.seed; });
   return merged;
 }

@@ -10,13 +10,26 @@
 
 namespace skein::app {
 
-/// The outcomes of a study's runs and, if it has one, of its control; each in the order of the seeds.
+/// The outcomes of a study's runs and, if it has them, of its control and of what it is compared with ([compare]); each
+/// in the order of the seeds.
 struct Outcomes {
   std::vector<RunOutcome> study, control;
+  struct Compared {
+    std::string name;
+    std::vector<RunOutcome> runs;
+  };
+  std::vector<Compared> compared;  ///< in the order of the file
+
+  /// Each list with its name, "study" first.
+  std::vector<std::pair<std::string, std::vector<RunOutcome>*>> variants();
+  std::vector<std::pair<std::string, const std::vector<RunOutcome>*>> variants() const;
 };
 
-/// A table of outcomes, one row per run, the study's before the control's: CSV with a header row, doubles as the
-/// shortest text that reads back to the same bits.
+/// What came of the runs that the study is compared with.
+std::vector<std::pair<std::string, SweepSummary>> summaries_of_compared(const Study& study, const Outcomes& outcomes);
+
+/// A table of outcomes, one row per run, the study's first: CSV with a header row, doubles as the shortest text that
+/// reads back to the same bits.
 void write_outcomes(std::ostream& out, const Outcomes& outcomes);
 
 /// "3/16", or "auto": this task's place in a Slurm array, among the tasks of a Slurm step or of an MPI job, or in all

@@ -10,9 +10,9 @@
 namespace skein::app {
 namespace {
 
-constexpr std::uint64_t stream = 1'000'033;         // of chance: others belong to robots and to other changes
-constexpr double thickness = 0.025, every = 0.035;  // of a wall's obstacles: radius, and from one to the next [m]
-constexpr int most_tries = 1000, most_scenes = 1000;
+constexpr std::uint64_t passage_stream = 1'000'033;  // of chance: others belong to robots and to other changes
+constexpr double thickness = 0.025, every = 0.035;   // of a wall's obstacles: radius, and from one to the next [m]
+constexpr int most_passage_tries = 1000, most_scenes = 1000;
 
 /// A scene in its own frame: x through the passage, y along the wall.
 class Scene {
@@ -22,7 +22,7 @@ class Scene {
         w_(0.5 * e.arena_width),
         h_(0.5 * e.arena_height),
         radius_(e.robots.front().radius),
-        random_(seed, stream) {}
+        random_(seed, passage_stream) {}
 
   tl::expected<std::vector<std::string>, std::string> draw() {
     for (int tries = 0; tries < most_scenes; ++tries)
@@ -94,7 +94,7 @@ class Scene {
   }
   /// Anywhere on one side of the passage.
   bool put(std::vector<core::Pose>& poses, double side) {
-    for (int tries = 0; tries < most_tries; ++tries) {
+    for (int tries = 0; tries < most_passage_tries; ++tries) {
       const core::Point p{w_ * (1.0 - 2.0 * random_.uniform()), h_ * (1.0 - 2.0 * random_.uniform())};
       if (side * through(p) < from_ || !clear(p, poses)) continue;
       poses.push_back({p.x, p.y, core::pi * (1.0 - 2.0 * random_.uniform())});

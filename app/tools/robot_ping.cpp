@@ -4,20 +4,25 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <thread>
 
+#include "app/guard/kept_awake.h"
 #include "app/guard/safety_net.h"
+#include "app/session/robot_lines.h"
 #include "comms/link_supervisor.h"
 
 namespace skein::app {
 namespace {
 
-constexpr double open_timeout = 15.0, close_timeout = 1.0;  // [s]
-constexpr double heartbeat = 0.05;                          // [s]
+constexpr double close_timeout = 1.0;    // [s]
+constexpr double heartbeat = 0.05;       // [s]
+constexpr double battery_period = 10.0;  // [s]
 // Patient: what is late shall be seen, not be cut off.
 constexpr double patience = 5.0;  // [s]
 
@@ -27,44 +32,83 @@ double up_to(double value, double step) {
 
 }  // namespace
 
-tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, double seconds,
-                                                 const std::function<bool()>& keep_on) {
-  RobotPing ping;
-  std::vector<comms::LinkAddress> addresses;
-  for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
-    if (!experiment.robots[i].is_real()) continue;
-    auto address = link_of(experiment, i);
-    if (!address) return tl::unexpected(address.error());
-    RobotPing::Robot& robot = ping.robots.emplace_back();
-    robot.name = robot_name(experiment, i);
-    robot.adapter = address->adapter;
-    addresses.push_back(std::move(*address));
-  }
-  if (addresses.empty()) return tl::unexpected(std::string("none of the robots has a link"));
-  comms::LinkOptions options;
-  options.reply_timeout = patience;
-  options.command_silence = experiment.command_silence();
-  options.heartbeat = heartbeat;
-  options.repeat_speeds = true;
-  comms::LinkSupervisor links(addresses, options);
-  if (auto started = links.start(open_timeout); !started) return tl::unexpected(started.error());
+tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, const PingOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  const auto after = [start](double s) {
-    return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  const auto since = [](Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
   };
-  for (std::int64_t k = 0; ping.seconds < seconds && keep_on(); ++k) {
-    for (std::size_t i = 0; i < addresses.size(); ++i) links.command(i, 0, 0);
+  auto lines = open_lines(
+      experiment, [](std::size_t, const core::WheelSpeeds&) {}, [&] { return since(start); });
+  if (!lines) return tl::unexpected(lines.error());
+  if (lines->addresses.empty()) return tl::unexpected(std::string("none of the robots has a link"));
+  const auto real = real_robots(experiment);
+  if (!real) return tl::unexpected(real.error());
+  const auto warn = [&](const std::string& sentence) {
+    if (options.warn) options.warn(sentence);
+  };
+  tl::expected<SafetyNet, std::string> net;
+  if (!real->empty()) net = SafetyNet::spread({experiment.name, *real});
+  if (!net) warn(unguarded_sentence(net.error()));
+  std::optional<KeptAwake> awake;
+  if (!real->empty()) awake.emplace(experiment.name).hold(true);
+  std::atomic<bool> stop_asked{false};
+  const auto keep_on = [&] {
+    if (net)
+      for (const std::string& sentence : net->alarms()) warn(sentence);
+    if (awake)
+      if (const auto alarm = awake->alarm()) warn(*alarm);
+    return !stop_asked.load() && (!options.keep_on || options.keep_on());
+  };
+  comms::LinkOptions link_options;
+  link_options.reply_timeout = patience;
+  link_options.command_silence = experiment.command_silence();
+  link_options.heartbeat = heartbeat;
+  link_options.repeat_speeds = true;
+  link_options.ask_version = true;
+  link_options.battery_period = battery_period;
+  comms::LinkSupervisor links(lines->addresses, link_options);
+  if (net)
+    net->on_stop([&] { stop_asked = true; },
+                 [&] {  // who is still being pinged is told to stand by the end of this
+                   std::vector<StopResult> robots;
+                   for (const comms::LinkAddress& robot : *real)
+                     robots.push_back({comms::to_text(robot), false, "it has not acknowledged its stop"});
+                   return robots;
+                 });
+  const double open_timeout = comms::reach_patience(lines->addresses);
+  const auto started =
+      options.all ? links.start(open_timeout, keep_on) : links.start_who_answers(open_timeout, keep_on);
+  if (!started) {
+    if (net) net->on_stop({}, {});
+    if (net) net->done(std::vector<StopResult>{});  // those that were reached have been stopped
+    return tl::unexpected(started.error());
+  }
+  RobotPing ping;
+  for (const std::size_t i : lines->robots)
+    ping.robots.push_back({i, robot_name(experiment, i), experiment.robots[i].adapter, {}, {}, false});
+  const auto begun = Clock::now();
+  for (std::int64_t k = 0; ping.seconds < options.seconds && keep_on(); ++k) {
+    for (std::size_t i = 0; i < ping.robots.size(); ++i) links.command(i, 0, 0);
     ping.seconds = static_cast<double>(k + 1) * experiment.period();
-    std::this_thread::sleep_until(after(ping.seconds));
+    std::this_thread::sleep_until(
+        begun + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(ping.seconds)));
   }
   const std::vector<comms::LinkStatus> status = links.status();
   for (std::size_t i = 0; i < ping.robots.size(); ++i) {
     ping.robots[i].status = status[i];
     ping.robots[i].times = links.round_trips(i);
   }
+  if (net) net->on_stop({}, {});
   const std::vector<comms::LinkStatus> closed = links.close(close_timeout);
-  for (std::size_t i = 0; i < ping.robots.size(); ++i) ping.robots[i].stop_acknowledged = closed[i].stop_acknowledged;
+  std::vector<StopResult> stops;  // in the order of `real`
+  for (std::size_t i = 0; i < ping.robots.size(); ++i) {
+    ping.robots[i].stop_acknowledged = closed[i].stop_acknowledged;
+    if (!experiment.robots[ping.robots[i].robot].is_real()) continue;
+    const bool stands = closed[i].stop_acknowledged || !ping.robots[i].answered();  // nothing has reached it
+    stops.push_back({comms::to_text((*real)[stops.size()]), stands, stands ? "" : "it has not acknowledged its stop"});
+  }
+  if (net) net->done(stops);
   return ping;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "app/session/wheel_check.h"
 
@@ -41,52 +40,20 @@ RobotTest::RobotTest(Plant& plant, SessionClock& clock, const Experiment& believ
     : plant_(plant),
       clock_(clock),
       believed_(believed),
-      keep_on_(std::move(keep_on)),
+      loop_(plant, clock, believed, std::move(keep_on)),
       wanted_(plant.tags()),
-      by_camera_(believed.cameras() * wanted_.size()),
-      newest_(wanted_.size()),
-      truth_(believed.robots.size()),
-      resting_(wanted_.size(), core::Pose{none, none, none}),
-      wheels_(believed.robots.size()),
-      records_(believed.robots.size()),
-      next_tick_(clock.now()) {}
-
-tl::expected<void, std::string> RobotTest::tick() {
-  const double period = believed_.period();
-  if (keep_on_ && !keep_on_()) {
-    plant_.stop();
-    return tl::unexpected(std::string("stopped"));
-  }
-  next_tick_ += period;
-  if (clock_.wall()) {
-    next_tick_ = std::max(next_tick_, clock_.now());
-    std::this_thread::sleep_until(clock_.at(next_tick_));
-  } else {
-    clock_.set(next_tick_);
-  }
-  plant_.measure(clock_.now(), by_camera_, truth_, frame_);
-  for (std::size_t k = 0; k < by_camera_.size(); ++k)
-    if (core::Measurement& newest = newest_[k % newest_.size()]; by_camera_[k].captured_at > newest.captured_at)
-      newest = by_camera_[k];
-  plant_.act(wheels_);
-  if (auto why = plant_.failure()) {
-    plant_.stop();
-    return tl::unexpected(std::move(*why));
-  }
-  plant_.fill_links(records_);
-  return {};
-}
+      resting_(wanted_.size(), core::Pose{none, none, none}) {}
 
 tl::expected<void, std::string> RobotTest::stand() {
-  std::fill(wheels_.begin(), wheels_.end(), core::WheelSpeeds{});
+  loop_.stand();
   const double begun = clock_.now();
   std::vector<core::Pose> sums(wanted_.size());
   std::vector<double> heading(wanted_.size()), last(wanted_.size(), -1e9);
   std::vector<int> counts(wanted_.size());
   while (clock_.now() < begun + standing) {
-    if (const auto ticked = tick(); !ticked) return ticked;
+    if (const auto ticked = loop_.tick(); !ticked) return ticked;
     for (std::size_t i = 0; plant_.cameras() && i < wanted_.size(); ++i) {
-      const core::Measurement& seen = newest_[i];
+      const core::Measurement& seen = loop_.newest()[i];
       if (seen.captured_at < begun + settled || seen.captured_at <= last[i]) continue;
       last[i] = seen.captured_at;
       if (counts[i]++ == 0) heading[i] = seen.pose.theta;
@@ -107,12 +74,12 @@ tl::expected<void, std::string> RobotTest::stand() {
 tl::expected<RobotTest::Manoeuvre, std::string> RobotTest::drive(std::size_t robot, double left, double right,
                                                                  double seconds) {
   const std::vector<core::Pose> before = resting_;
-  const LinkRecord begun = records_[robot].link;
-  wheels_[robot] = {left, right};
+  const LinkRecord begun = loop_.link(robot);
+  loop_.command(robot, {left, right});
   for (int ticks = static_cast<int>(std::lround(seconds / believed_.period())); ticks > 0; --ticks)
-    if (auto ticked = tick(); !ticked) return tl::unexpected(ticked.error());
+    if (auto ticked = loop_.tick(); !ticked) return tl::unexpected(ticked.error());
   if (auto stood = stand(); !stood) return tl::unexpected(stood.error());
-  const LinkRecord& ended = records_[robot].link;
+  const LinkRecord& ended = loop_.link(robot);
   Manoeuvre result{ended.left_steps - begun.left_steps, ended.right_steps - begun.right_steps, {}};
   for (std::size_t i = 0; i < wanted_.size(); ++i)
     if (known(before[i]) && known(resting_[i])) result.tags.push_back({wanted_[i], before[i], resting_[i]});
@@ -136,6 +103,7 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   const auto its_own =
       std::find_if(turned.begin(), turned.end(), [&](const Moved* moved) { return moved->tag == expected; });
   if (turned.empty()) {
+    result.tag_fault = true;
     result.faults.push_back(
         seen ? fmt::format(
                    "its tag {} is seen but does not turn with it: do its wheels turn, or is the tag on another robot?",
@@ -149,9 +117,11 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   result.tag = with_left.tag;
   if (turned.size() > 1)
     result.notes.push_back(fmt::format("{} tags turned at once: was a robot moved by hand?", turned.size()));
-  if (expected >= 0 && result.tag != expected)
+  if (expected >= 0 && result.tag != expected) {
+    result.tag_fault = true;
     result.faults.push_back(
         fmt::format("the wrong tag: it carries tag {}{}, instead of tag {}", result.tag, whose(result.tag), expected));
+  }
   const auto with_right =
       std::find_if(right.tags.begin(), right.tags.end(), [&](const Moved& m) { return m.tag == result.tag; });
   if (with_right == right.tags.end()) {
@@ -248,6 +218,17 @@ tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTes
   return {};
 }
 
+std::vector<std::pair<std::string, std::string>> values_to_keep(const RobotTestResult& result) {
+  std::vector<std::pair<std::string, std::string>> values;
+  const auto keep = [&](const char* key, std::string value) { values.emplace_back(key, std::move(value)); };
+  if (result.tag >= 0) keep("tag", std::to_string(result.tag));
+  if (!result.status.version.empty()) keep("version", fmt::format("\"{}\"", result.status.version));
+  if (result.wheel_diameter) keep("wheel_diameter", fmt::format("{:.5f}", *result.wheel_diameter));
+  if (result.watchdog) keep("watchdog", fmt::format("{:.2f}", *result.watchdog));
+  if (result.track) keep("track", fmt::format("{:.5f}", *result.track));
+  return values;
+}
+
 double watchdog_of(double steps, double speed, double silence) noexcept {
   constexpr double all_of_it = 0.8;  // commands stop acting a little early, encoders are read a little late
   const double seconds = std::abs(steps / speed);
@@ -259,19 +240,19 @@ tl::expected<void, std::string> RobotTest::cut_line(std::size_t robot, RobotTest
   const double speed = steps_of(*believed_.robots[robot].type, 150.0);
   constexpr double begins = 0.2, silence = 1.0, answers = 0.6;  // [steps/s, s]
   if (!clock_.wall()) return {};
-  wheels_[robot] = {speed, speed};
+  loop_.command(robot, {speed, speed});
   const auto go_on = [this](double seconds) -> tl::expected<void, std::string> {
     for (int ticks = static_cast<int>(std::lround(seconds / believed_.period())); ticks > 0; --ticks)
-      if (auto ticked = tick(); !ticked) return ticked;
+      if (auto ticked = loop_.tick(); !ticked) return ticked;
     return {};
   };
   if (auto begun = go_on(begins); !begun) return begun;
   plant_.hush(robot, silence);
-  const LinkRecord before = records_[robot].link;
+  const LinkRecord before = loop_.link(robot);
   if (auto waited = go_on(silence); !waited) return waited;
   if (auto stood = stand(); !stood) return stood;
   if (auto answered = go_on(answers); !answered) return answered;
-  const LinkRecord& after = records_[robot].link;
+  const LinkRecord& after = loop_.link(robot);
   const double steps = 0.5 * (after.left_steps - before.left_steps + after.right_steps - before.right_steps);
   result.watchdog = watchdog_of(steps, speed, silence);
   return {};
@@ -281,10 +262,11 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   RobotTestResult result;
   const double begun = clock_.now();
   const auto seen = [this] {
-    return std::any_of(newest_.begin(), newest_.end(), [](const core::Measurement& m) { return m.captured_at > 0.0; });
+    return std::any_of(loop_.newest().begin(), loop_.newest().end(),
+                       [](const core::Measurement& m) { return m.captured_at > 0.0; });
   };
   while (plant_.cameras() && !looked_ && clock_.now() < begun + (seen() ? all_parts : first_sight))
-    if (const auto ticked = tick(); !ticked) return tl::unexpected(ticked.error());
+    if (const auto ticked = loop_.tick(); !ticked) return tl::unexpected(ticked.error());
   looked_ = true;
   if (const auto stood = stand(); !stood) return tl::unexpected(stood.error());
 

@@ -4,11 +4,13 @@
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
+#include <utility>
 #include <vector>
 
 #include "app/experiment/experiment.h"
 #include "app/run/session_clock.h"
 #include "app/session/plant.h"
+#include "app/tools/plant_loop.h"
 
 namespace skein::app {
 
@@ -23,8 +25,12 @@ struct RobotTestResult {
   /// whole second in which nothing was sent. Empty: not tested. [s]
   std::optional<double> watchdog;
   std::vector<std::string> faults;  ///< a sentence each; empty: none found
+  bool tag_fault = false;           ///< one of them is the tag's; the others are the wheels'
   std::vector<std::string> notes;   ///< tests that were not possible, and why
 };
+
+/// What of it a file of robots keeps: its keys, with values as TOML text.
+std::vector<std::pair<std::string, std::string>> values_to_keep(const RobotTestResult& result);
 
 /// The watchdog time of a robot that was commanded `speed` and then nothing for `silence`, from the steps that its
 /// wheels made in that time: see RobotTestResult::watchdog. [steps/s], [s]
@@ -56,7 +62,6 @@ class RobotTest {
     std::vector<Moved> tags;     // those that were seen before and after
   };
 
-  tl::expected<void, std::string> tick();
   tl::expected<void, std::string> stand();
   tl::expected<Manoeuvre, std::string> drive(std::size_t robot, double left, double right, double seconds);
   tl::expected<void, std::string> cut_line(std::size_t robot, RobotTestResult& result);
@@ -68,15 +73,10 @@ class RobotTest {
   Plant& plant_;
   SessionClock& clock_;
   const Experiment& believed_;
-  std::function<bool()> keep_on_;
+  PlantLoop loop_;
   std::vector<int> wanted_;
-  std::vector<core::Measurement> by_camera_, newest_;  // of each tag; the newest of any camera
-  std::vector<core::Pose> truth_, resting_;  // resting_: mean pose of every tag in the last stand(); NaN: not seen
-  std::vector<core::WheelSpeeds> wheels_;
-  std::vector<RobotRecord> records_;
-  FrameTimes frame_;
-  double next_tick_;
-  bool looked_ = false;  // the camera has shown all there is
+  std::vector<core::Pose> resting_;  // mean pose of every tag in the last stand(); NaN: not seen
+  bool looked_ = false;              // the camera has shown all there is
 };
 
 }  // namespace skein::app

@@ -145,11 +145,16 @@ void read_study(const toml::table& document, Study& study, Problems& problems) {
     p.finish();
     study.passage = passage;
   }
-  if (t.has("tune")) read_tune(t.table("tune"), document, study.tune.emplace());
+  if (t.has("tune")) {
+    Study::Tune tune;
+    read_tune(t.table("tune"), document, tune);
+    study.tune = std::move(tune);
+  }
   read_texts(t, "control", study.control);
   TomlTable compare = t.table("compare");
   if (const toml::table* const names = document["compare"].as_table())
     for (const auto& [name, sets] : *names) {
+      if (name == "study" || name == "control") compare.refuse(name.str(), sets, "another name than study and control");
       study.compare.emplace_back(name.str(), std::vector<std::string>{});
       read_texts(compare, study.compare.back().first.c_str(), study.compare.back().second);
     }

@@ -220,6 +220,13 @@ tl::expected<Experiment, std::string> experiment_of(const Study& study, std::uin
   });
 }
 
+Study compared_study(const Study& study, const std::string& name) {
+  Study other = study;
+  for (const auto& [found, sets] : study.compare)
+    if (found == name) other.sets.insert(other.sets.end(), sets.begin(), sets.end());
+  return other;
+}
+
 RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   const auto experiment = experiment_of(study, seed, control);
   if (!experiment) return failed(seed, experiment.error());

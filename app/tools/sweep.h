@@ -46,6 +46,9 @@ struct RunOutcome {
 /// The experiment of one run of a study, or of its control; the error says why there is none.
 tl::expected<Experiment, std::string> experiment_of(const Study& study, std::uint64_t seed, bool control = false);
 
+/// The study under the condition of its [compare] that has this name.
+Study compared_study(const Study& study, const std::string& name);
+
 /// One run of a study, or of its control, on the virtual clock.
 RunOutcome run_one(const Study& study, std::uint64_t seed, bool control = false);
 

@@ -51,7 +51,7 @@ constexpr std::array quantities{
 };
 
 struct Variant {
-  const char* name;
+  std::string name;
   const std::vector<RunOutcome>* runs;
 };
 
@@ -210,17 +210,18 @@ std::string interval_table(const std::vector<Variant>& variants) {
       text += fmt::format("{}_median,{},{},{},{},{}\n", quantity.name, v.name, median.pairs, number(median.median),
                           number(median.low), number(median.high));
     }
-    if (variants.size() < 2) continue;
-    std::vector<double> differences;
-    for (std::size_t i = 0; i < std::min(variants[0].runs->size(), variants[1].runs->size()); ++i) {
-      const RunOutcome &a = (*variants[0].runs)[i], &b = (*variants[1].runs)[i];
-      const auto x = quantity.of(a), y = quantity.of(b);
-      if (a.seed == b.seed && a.failure.empty() && b.failure.empty() && x && y) differences.push_back(*x - *y);
+    for (std::size_t other = 1; other < variants.size(); ++other) {
+      std::vector<double> differences;
+      for (std::size_t i = 0; i < std::min(variants[0].runs->size(), variants[other].runs->size()); ++i) {
+        const RunOutcome &a = (*variants[0].runs)[i], &b = (*variants[other].runs)[i];
+        const auto x = quantity.of(a), y = quantity.of(b);
+        if (a.seed == b.seed && a.failure.empty() && b.failure.empty() && x && y) differences.push_back(*x - *y);
+      }
+      if (differences.empty()) continue;
+      const PairedDifference d = paired_difference(std::move(differences));
+      text += fmt::format("{}_median,{} minus {},{},{},{},{}\n", quantity.name, variants[0].name, variants[other].name,
+                          d.pairs, number(d.median), number(d.low), number(d.high));
     }
-    if (differences.empty()) continue;
-    const PairedDifference d = paired_difference(std::move(differences));
-    text += fmt::format("{}_median,study minus control,{},{},{},{}\n", quantity.name, d.pairs, number(d.median),
-                        number(d.low), number(d.high));
   }
   return text;
 }
@@ -338,14 +339,17 @@ std::vector<std::uint64_t> worst_seeds(const std::vector<RunOutcome>& outcomes, 
 
 Done write_sweep_report(const std::string& directory, const Study& study, const Outcomes& outcomes) {
   const fs::path folder(directory);
-  std::vector<Variant> variants{{"study", &outcomes.study}};
-  if (!outcomes.control.empty()) variants.push_back({"control", &outcomes.control});
+  std::vector<Variant> variants;
+  for (const auto& [name, list] : outcomes.variants())
+    if (name != "control" || !list->empty()) variants.push_back({name, list});
+  if (!study.compare.empty()) variants.front().name = study.name;  // as in the table of what it is compared with
   std::ostringstream runs;
   write_outcomes(runs, outcomes);
   Done done = write_file((folder / "runs.csv").string(), runs.str());
   if (done)
-    done = write_file((folder / "summary.json").string(),
-                      as_json(summarise(study, outcomes.study, outcomes.control)) + '\n');
+    done = write_file(
+        (folder / "summary.json").string(),
+        as_json(summarise(study, outcomes.study, outcomes.control), summaries_of_compared(study, outcomes)) + '\n');
   if (done) done = write_file((folder / "intervals.csv").string(), interval_table(variants));
   for (const bool times : {true, false})
     if (done) done = draw_distributions(folder, study, variants, times);

@@ -30,9 +30,10 @@ PairedDifference paired_difference(std::vector<double> differences);
 std::vector<std::uint64_t> worst_seeds(const std::vector<RunOutcome>& outcomes, std::size_t most);
 
 /// Draws what a study counted into `directory`, which check_report() has made: distributions of the times (times.*), of
-/// distances (distances.*), shares (shares.*), each with the control beside it and 95 % intervals, and the worst runs
-/// as floor plans (worst.*), each as .pdf, .svg and .png beside its gnuplot script and data; runs.csv, summary.json and
-/// intervals.csv, the table of all intervals. Makes the worst runs once more. The error is a sentence.
+/// distances (distances.*), shares (shares.*), each with the control and what the study is compared with beside it, and
+/// 95 % intervals, and the worst runs as floor plans (worst.*), each as .pdf, .svg and .png beside its gnuplot script
+/// and data; runs.csv, summary.json and intervals.csv, the table of all intervals. Makes the worst runs once more. The
+/// error is a sentence.
 tl::expected<void, std::string> write_sweep_report(const std::string& directory, const Study& study,
                                                    const Outcomes& outcomes);
 

@@ -14,7 +14,9 @@ void Predictor::command(double acts_at, const Twist& twist) noexcept {
 template <typename Use>
 void Predictor::between(double from, double to, Use&& use) const noexcept {
   const std::size_t oldest = count_ > memory ? count_ - memory : 0;
-  for (std::size_t k = oldest; k < count_; ++k) {
+  std::size_t first = count_;  // in force at `from`, which is recent
+  while (first > oldest && !(first < count_ && entries_[first % memory].from <= from)) --first;
+  for (std::size_t k = first; k < count_; ++k) {
     const Entry& entry = entries_[k % memory];
     const double next = k + 1 < count_ ? entries_[(k + 1) % memory].from : to;
     const double begin = std::max(entry.from, from), end = std::min(next, to);

@@ -9,7 +9,8 @@ inline constexpr double pi = std::numbers::pi;
 
 /// An angle wrapped to (-pi, pi]. [rad]
 inline double wrap_angle(double angle) noexcept {
-  const double wrapped = std::remainder(angle, 2.0 * pi);
+  // Most angles are wrapped already, and the remainder is slow.
+  const double wrapped = std::abs(angle) <= pi ? angle : std::remainder(angle, 2.0 * pi);
   return wrapped <= -pi ? pi : wrapped;
 }
 

@@ -142,11 +142,16 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     const double reach = most + fastest * (until + step - other.clock);
     if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
     const double keep = std::min(most, distance(now, here) - 2e-3);
-    for (double t = runs_to; t < until + step; t += step)
-      if (distance(other.route.at(std::min(t, until)).pose, there) < keep) {
+    for (double t = runs_to; t < until + step;) {
+      const double apart = distance(other.route.at(std::min(t, until)).pose, there);
+      if (apart < keep) {
         robot.waits_for = j;
         return true;
       }
+      const double comes = t + (apart - keep) / fastest - 1e-6;  // not before
+      do t += step;
+      while (t < comes);
+    }
   }
   return false;
 }

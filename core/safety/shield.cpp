@@ -6,7 +6,8 @@
 
 namespace skein::core {
 
-Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(robots), upper_(robots), near_(robots) {
+Shield::Shield(std::size_t robots, std::size_t obstacles)
+    : cos_(robots), sin_(robots), v_(robots), lower_(robots), upper_(robots), near_(robots) {
   constexpr std::size_t edges = 4;
   constraints_.reserve(robots * (robots - 1) / 2 + robots * (obstacles + edges));
 }
@@ -14,6 +15,7 @@ Shield::Shield(std::size_t robots, std::size_t obstacles) : v_(robots), lower_(r
 void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
                      std::span<const double> v_limit, std::span<const double> doubt, const Sizes& sizes) noexcept {
   constraints_.clear();
+  for (std::size_t i = 0; i < poses.size(); ++i) cos_[i] = std::cos(poses[i].theta), sin_[i] = std::sin(poses[i].theta);
   const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
                        bool moves) {
     const double d = std::hypot(dx, dy);
@@ -21,8 +23,8 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
     // one whose distance is not known (NaN).
     if (!(p.gamma * (d - keep) < fastest_closing) || d == 0.0) return;
     const double n_x = dx / d, n_y = dy / d;
-    const double a_i = n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta);
-    const double a_j = moves ? -(n_x * std::cos(poses[j].theta) + n_y * std::sin(poses[j].theta)) : 0.0;
+    const double a_i = n_x * cos_[i] + n_y * sin_[i];
+    const double a_j = moves ? -(n_x * cos_[j] + n_y * sin_[j]) : 0.0;
     constraints_.push_back({i, j, a_i, a_j, -p.gamma * std::max(0.0, d - keep), 0.0});
   };
   // Farther apart than this nobody closes in too fast; the nanometre is for rounding.
@@ -40,7 +42,7 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
     // n_ij points into the arena. The room may be negative: then the robot may only come back.
     const auto add_edge = [&](double n_x, double n_y, double room) {
       if (!(p.gamma * room < v_limit[i])) return;
-      const double a_i = n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta);
+      const double a_i = n_x * cos_[i] + n_y * sin_[i];
       constraints_.push_back({i, i, a_i, 0.0, -p.gamma * std::max(0.0, room), 0.0});
     };
     const double keep = p.distance - standard_radius + doubt_of(i) + sizes.beyond(i);

@@ -53,6 +53,7 @@ class Shield {
   void fix(std::span<const bool> adrift, std::span<const Twist> commands) noexcept;
 
   std::vector<Constraint> constraints_;  // reserved for every pair, obstacle and edge: apply never allocates
+  std::vector<double> cos_, sin_;        // of the headings
   std::vector<double> v_, lower_, upper_;
   NearRobots near_;
 };

@@ -20,7 +20,8 @@ bool let_go(int lock) {
 
 }  // namespace
 
-FakeLogind::FakeLogind(const PrivateBus& bus, std::string refusal) : refusal_(std::move(refusal)) {
+FakeLogind::FakeLogind(const PrivateBus& bus, std::string refusal, std::string what)
+    : refusal_(std::move(refusal)), refused_(std::move(what)) {
   sd_bus_new(&bus_);
   sd_bus_set_address(bus_, bus.address().c_str());
   sd_bus_set_bus_client(bus_, 1);
@@ -52,7 +53,8 @@ int FakeLogind::inhibit(sd_bus_message* m, sd_bus_error* error) {
   const std::lock_guard lock(mutex_);
   ++asked_;
   newest_.assign(words.begin(), words.end());
-  if (!refusal_.empty()) return sd_bus_error_set(error, SD_BUS_ERROR_ACCESS_DENIED, refusal_.c_str());
+  if (!refusal_.empty() && newest_[0].find(refused_) != std::string::npos)
+    return sd_bus_error_set(error, SD_BUS_ERROR_ACCESS_DENIED, refusal_.c_str());
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return -1;
   locks_.push_back(ends[0]);

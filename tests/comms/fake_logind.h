@@ -16,8 +16,8 @@ namespace skein::test {
 /// keeps open. On a thread of its own.
 class FakeLogind {
  public:
-  /// `refusal`: what it says to whoever asks; empty: it grants.
-  explicit FakeLogind(const PrivateBus& bus, std::string refusal = {});
+  /// `refusal`: what it says to whoever asks for `what`, empty: for anything; empty: it grants.
+  explicit FakeLogind(const PrivateBus& bus, std::string refusal = {}, std::string what = {});
   ~FakeLogind();
   FakeLogind(const FakeLogind&) = delete;
   FakeLogind& operator=(const FakeLogind&) = delete;
@@ -30,7 +30,7 @@ class FakeLogind {
   static int on_message(sd_bus_message* m, void* self, sd_bus_error* error);
   int inhibit(sd_bus_message* m, sd_bus_error* error);
 
-  const std::string refusal_;
+  const std::string refusal_, refused_;
   mutable std::mutex mutex_;
   std::vector<std::string> newest_;  // guarded by mutex_
   std::vector<int> locks_;           // guarded by mutex_; reading ends: at their end once they are let go

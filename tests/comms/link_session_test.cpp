@@ -428,6 +428,22 @@ TEST(LinkSession, EncodersAreUnwrappedAndARestartAddsNothing) {
   EXPECT_EQ(lab.session.status(lab.now).left_steps, 100000);
 }
 
+TEST(LinkSession, CountersWereReadBetweenTheQuestionAndItsAnswer) {
+  Lab lab({.command_silence = 0.0, .heartbeat = 0.0});
+  lab.open();
+  lab.pass(1.0);
+  const double asked = lab.now;
+  lab.command(100, 100);
+  Bytes reply;
+  lab.robot.receive(lab.take(), reply);
+  lab.now += 0.03;
+  lab.session.received(reply, lab.now);
+  const LinkStatus status = lab.session.status(lab.now);
+  EXPECT_EQ(status.exchanges, 1u);
+  EXPECT_DOUBLE_EQ(status.counted_since, asked);
+  EXPECT_DOUBLE_EQ(status.counted_by, asked + 0.03);
+}
+
 TEST(LinkSession, AGreetingInPlaceOfAReplyIsNotTakenForEncoders) {
   Lab lab;
   lab.open();

@@ -81,6 +81,32 @@ TEST_F(Supervised, StartStopsARobotThatSomebodyLeftDriving) {
   EXPECT_EQ(robots->wheels(0), WheelSpeeds{});
 }
 
+TEST_F(Supervised, StartsWithThoseThatAnswerAndSaysOfTheOthersWhyNot) {
+  robots.emplace(std::vector{MotorModel::epuck2}, nullptr, seconds);
+  const std::vector<LinkAddress> addresses{{LinkKind::serial, robots->device(0), 0, ""},
+                                           {LinkKind::serial, "/dev/no-such-robot", 0, ""}};
+  EXPECT_FALSE(LinkSupervisor(addresses, patient).start(0.2)) << "the control: a run needs all of them";
+  links.emplace(addresses, patient);
+  ASSERT_TRUE(links->start_who_answers(0.5));
+  EXPECT_EQ(status(0).state, LinkState::up);
+  EXPECT_NE(status(1).state, LinkState::up);
+  EXPECT_NE(status(1).reason.find("no-such-robot"), std::string::npos) << status(1).reason;
+  links->command(0, 200, 200);
+  EXPECT_TRUE(drives(0, 200, 200));
+  EXPECT_TRUE(links->close(10.0).at(0).stop_acknowledged);
+}
+
+TEST_F(Supervised, AStartIsEndedByWhoeverNoLongerWantsIt) {
+  robots.emplace(std::vector{MotorModel::epuck2}, nullptr, seconds);
+  robots->silence(0, true);
+  links.emplace(std::vector{LinkAddress{LinkKind::serial, robots->device(0), 0, ""}}, patient);
+  int asked = 0;
+  const auto started = links->start(1e6, [&] { return ++asked < 3; });
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error(), "stopped");
+  EXPECT_EQ(asked, 3);
+}
+
 TEST_F(Supervised, CommandsArriveAndAreAcknowledged) {
   start(3, patient);
   for (int i = 1; i <= 50; ++i) {

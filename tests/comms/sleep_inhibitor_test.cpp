@@ -28,7 +28,7 @@ TEST_F(SleepInhibition, IsAskedForWhileItIsWantedAndNoLonger) {
   for (int times = 1; times <= 2; ++times) {
     inhibitor.hold(true);
     EXPECT_TRUE(eventually([&] { return inhibitor.held() && logind.inhibitors() == 1; }));
-    EXPECT_EQ(logind.newest(), (std::vector<std::string>{"sleep", "skein", "platoon", "block"}));
+    EXPECT_EQ(logind.newest(), (std::vector<std::string>{"sleep:handle-lid-switch", "skein", "platoon", "block"}));
     inhibitor.hold(true);
     EXPECT_EQ(logind.asked(), times) << "once";
     inhibitor.hold(false);
@@ -45,6 +45,17 @@ TEST_F(SleepInhibition, EndsWithItsOwner) {
     EXPECT_TRUE(eventually([&] { return logind.inhibitors() == 1; }));
   }
   EXPECT_EQ(logind.inhibitors(), 0);
+}
+
+/// Closing the lid suspends a laptop whatever inhibits sleep, unless that is inhibited as well, which not everybody
+/// may.
+TEST_F(SleepInhibition, OfTheLidIsToldWhereSleepAloneIsGranted) {
+  const FakeLogind logind(bus, "Access denied", "handle-lid-switch");
+  SleepInhibitor inhibitor("platoon");
+  inhibitor.hold(true);
+  EXPECT_TRUE(eventually([&] { return inhibitor.held() && logind.inhibitors() == 1; }));
+  EXPECT_EQ(logind.newest().at(0), "sleep");
+  EXPECT_EQ(inhibitor.problem(), "when its lid is closed: Access denied");
 }
 
 TEST_F(SleepInhibition, IsRefusedInLogindsOwnWords) {

@@ -15,6 +15,7 @@ import time
 from lab import Failed, Lab, ended_by_the_kernel, fail, wait_until
 
 longest = 0.6   # [s]: 60 mm at 0.1 m/s
+slow = {"robot-out-of-reach": 5.0, "robots-stop-out-of-reach": 5.0}  # a robot that has returned is reached anew
 cases = {}      # name: (function, what it does)
 PR_SET_CHILD_SUBREAPER = 36
 
@@ -278,6 +279,100 @@ def program_replaced(lab):
     return robots.blind(since)
 
 
+@case("SIGQUIT (Ctrl-\\)")
+def sigquit(lab):
+    return signalled(lab, signal.SIGQUIT, lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)))
+
+
+@contextlib.contextmanager
+def busy():
+    """Four processes without end for every processor."""
+    spinners = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(4 * os.cpu_count())]
+    try:
+        yield
+    finally:
+        for spinner in spinners:
+            spinner.kill()
+            spinner.wait()
+
+
+def goes_on(lab, run, seconds):
+    """The run is not stopped falsely meanwhile."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end and run.poll() is None:
+        time.sleep(0.05)
+    for sentence in ("has stalled", "the guard is frozen", "STOP", "stood still"):
+        if sentence in lab.log():
+            raise Failed("stopped falsely: " + lab.log())
+    if run.poll() is not None:
+        raise Failed("the run ended: " + lab.log())
+
+
+def without_real_time():
+    """As a user to whom nobody has granted priorities."""
+    PR_CAPBSET_DROP, CAP_SYS_NICE = 24, 23
+    ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_SYS_NICE)
+    resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+
+
+def busy_then_interrupted(lab, setup=None):
+    robots = lab.emulate()
+    run = lab.run(robots, setup=setup)
+    with busy():
+        goes_on(lab, run, 6.0)
+        if robots.all_stand():
+            raise Failed("they stand: " + lab.log())
+        since = kill(run, signal.SIGINT)
+        stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
+@case("all processors busy for 6 s: nobody is stopped falsely; then SIGINT")
+def busy_machine(lab):
+    return busy_then_interrupted(lab)
+
+
+@case("likewise, without real-time priorities")
+def busy_machine_no_real_time(lab):
+    return busy_then_interrupted(lab, without_real_time)
+
+
+def threads_stopped(lab, priority):
+    """A debugger stops the run's threads of this priority alone, and lets them go on 1 s later."""
+    SEIZE, INTERRUPT, DETACH, WALL = 0x4206, 0x4207, 17, 0x40000000
+    ptrace = ctypes.CDLL(None).ptrace
+    ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+    robots = lab.emulate()
+    run = lab.run(robots)
+    tasks = [int(task) for task in os.listdir(f"/proc/{run.pid}/task")]
+    tasks = [task for task in tasks if os.sched_getparam(task).sched_priority == priority]
+    if not tasks or any(ptrace(SEIZE, task, None, None) != 0 for task in tasks):
+        return None  # no priorities are granted here, or nobody may trace
+    since = time.monotonic()
+    for task in tasks:
+        ptrace(INTERRUPT, task, None, None)
+        os.waitpid(task, WALL)
+    stands(robots)
+    result = robots.blind(since)
+    time.sleep(max(0.0, since + 1.0 - time.monotonic()))
+    for task in tasks:
+        ptrace(DETACH, task, None, None)
+    if ends(run) == 0:
+        raise Failed("the run went on by itself after a thread had stood still")
+    return max(result, robots.blind(since))
+
+
+@case("the control thread alone gets no time for 1 s (a debugger stops it)")
+def control_thread_stopped(lab):
+    return threads_stopped(lab, 20)
+
+
+@case("the link thread alone gets no time for 1 s")
+def link_thread_stopped(lab):
+    return threads_stopped(lab, 21)
+
+
 # --- What runs out ----------------------------------------------------------------------------------------------
 
 @case("no more file descriptors (pictures are files too), then a link is lost")
@@ -430,17 +525,28 @@ def guard_frozen(lab):
     return robots.blind(since)
 
 
-@case("killed while a robot cannot be reached for 20 s (from its return on)")
-def robot_out_of_reach(lab):
-    away, at = 20.0, 8.0
+def killed_out_of_reach(lab, away):
+    """The run is killed while its robot 1 cannot be reached for so long. The robots, the run, and when the robot is back."""
+    at = 8.0
     robots = lab.emulate(faults=f'[[fault]]\nkind = "burst"\nrobot = 1\nat = {at}\nfor = {away}\n')
     run = lab.run(robots)
     wait_until("the robot is out of reach", lambda: time.monotonic() > robots.offset + at + 0.05)
     kill(run)
-    stands(robots, away + 20.0)
-    # It is asked again and again: 2 s of one attempt and what a new connection takes.
-    seconds, way = robots.blind(robots.offset + at + away, whose=[1])
+    return robots, run, robots.offset + at + away
+
+
+def blind_since_return(robots, back):
+    seconds, way = robots.blind(back, whose=[1])
     return (max(0.0, seconds), way)
+
+
+@case("killed while a robot cannot be reached for 20 s (from its return on)")
+def robot_out_of_reach(lab):
+    away = 20.0
+    robots, _, back = killed_out_of_reach(lab, away)
+    # It is asked again and again: 2 s of one attempt and what a new connection takes.
+    stands(robots, away + 20.0)
+    return blind_since_return(robots, back)
 
 
 # --- The disk ---------------------------------------------------------------------------------------------------
@@ -532,6 +638,34 @@ def robots_stop_frozen(lab):
     if status != 0 or said.count(": stopped") != 2:
         raise Failed(said)
     return robots.blind(since)
+
+
+@case("skein robots stop while run and guard are frozen (from when it is called)")
+def robots_stop_both_frozen(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    for pid in (lab.guard_of(run), run.pid):
+        os.kill(pid, signal.SIGSTOP)
+    time.sleep(0.5)
+    if robots.all_stand():
+        raise Failed("somebody else has stopped them")
+    since = time.monotonic()
+    status, said = lab.skein_says("robots", "stop")
+    stands(robots)
+    if status != 0 or said.count(": stopped") != 2:
+        raise Failed(said)
+    return robots.blind(since)
+
+
+@case("killed while a robot cannot be reached for 9 s, then skein robots stop (from its return on)")
+def robots_stop_out_of_reach(lab):
+    robots, run, back = killed_out_of_reach(lab, away=9.0)
+    run.wait()
+    status, said = lab.skein_says("robots", "stop", seconds=60.0)
+    if status != 0 or said.count(": stopped") != 2:
+        raise Failed(f"exit status {status}: {said}")
+    stands(robots)
+    return blind_since_return(robots, back)
 
 
 def orphans(lab):
@@ -650,14 +784,14 @@ def main(skein, pictures, logind, wanted):
         if problem:
             result = (float("nan"), float("nan"))
         seconds, way = result
-        allowed = 5.0 if name == "robot-out-of-reach" else longest
+        allowed = slow.get(name, longest)
         late = not problem and seconds > allowed
         print(f"{name:<24} {what:<74} {seconds:8.3f} {1e3 * way:7.1f} {100 * seconds:7.0f} mm"
               f"{'  TOO LATE' if late else ''}{'  FAILED' if problem else ''}", flush=True)
         if problem or late:
             failed += 1
             fail(f"  {problem or 'too late'}\n  log: {log}")
-        elif name != "robot-out-of-reach":
+        elif name not in slow:
             worst = max(worst, seconds)
         driving += left
     print(f"worst {worst:.3f} s, {100 * worst:.0f} mm at 0.1 m/s; {driving} robots left driving; {failed} failed, "

@@ -84,7 +84,8 @@ TEST_F(Accessible, TheWindowTellsNameAndRoleOfEverything) {
 TEST_F(Accessible, EveryDialogTellsNameAndRoleOfEverything) {
   start();
   int dialogs = 0;
-  for (const char* action : {"shortcuts", "about", "edit_experiment", "calibrate_camera", "keep_preset"}) {
+  for (const char* action :
+       {"shortcuts", "about", "edit_experiment", "calibrate_camera", "camera", "connect_robots_page", "keep_preset"}) {
     auto* asked = window.findChild<QAction*>(QLatin1String(action));
     if (asked) asked->trigger();
     for (QDialog* dialog : window.findChildren<QDialog*>()) {

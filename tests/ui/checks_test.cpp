@@ -1,8 +1,12 @@
 // The check list before a start: what it shows, what it lets through, and how things are mended from it.
+#include <QAbstractItemView>
 #include <QAction>
 #include <QLabel>
+#include <QTabWidget>
 
 #include "operator.h"
+#include "tests/places.h"
+#include "ui/calibration/floor_page.h"
 
 namespace skein::ui::test {
 namespace {
@@ -46,7 +50,8 @@ TEST_F(Checks, NameARobotOutOfItsPlaceAndBringItBack) {
   ASSERT_TRUE(eventually([&] { return seen(); }));
   EXPECT_TRUE(find<QLabel>("check_places")->text().contains(QStringLiteral("robot 2")));
   window.go();
-  EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("Not started")));
+  EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("Not started")))
+      << find<QLabel>("alert")->text().toStdString();
   QTest::mouseClick(find<QPushButton>("mend_places"), Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return !seen(); })) << "it was not brought back";
   EXPECT_EQ(live().phase(), app::Phase::ready) << "Start was refused, and must not come back by itself";
@@ -74,6 +79,29 @@ TEST_F(Checks, NobodyStartsBlind) {
       << find<QLabel>("alert")->text().toStdString();
   QTest::qWait(100);
   EXPECT_EQ(live().phase(), app::Phase::ready);
+}
+
+TEST_F(Checks, ACameraThatMovedOffItsMarksIsCalibratedByThem) {
+  auto moved = app::load_experiment(
+      skein::test::in_source("resources/experiments/platoon.toml"),
+      {"camera.source=synthetic", "camera.calibration=../cameras/marked.toml", "camera.bump_at=0"});
+  ASSERT_TRUE(moved.has_value());
+  open_and_wait(*moved);
+  auto* reason = find<QLabel>("check_camera");
+  ASSERT_TRUE(eventually([&] { return reason->text().contains(QStringLiteral("6 marks on the floor are 4")); }))
+      << reason->text().toStdString();
+  EXPECT_TRUE(seen());
+  EXPECT_FALSE(find("start_anyway")->isVisible());
+  window.go();
+  EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("6 marks on the floor are 4")))
+      << "the alarm lasts";
+  EXPECT_EQ(live().phase(), app::Phase::ready);
+  QTest::mouseClick(find<QPushButton>("mend_camera"), Qt::LeftButton);
+  EXPECT_EQ(find<QTabWidget>("calibration_tabs")->currentIndex(), 1);
+  const auto* tags = find<QAbstractItemView>("floor_tags")->model();
+  ASSERT_EQ(tags->rowCount(), 6);
+  EXPECT_EQ(tags->index(5, FloorModel::id).data().toInt(), 25);
+  delete find("calibration_dialog");
 }
 
 }  // namespace

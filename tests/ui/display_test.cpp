@@ -30,15 +30,6 @@ namespace {
 
 class Display : public Operator {
  protected:
-  void open_and_wait(const app::Experiment& experiment = app::paper_experiment()) {
-    window.resize(1280, 800);
-    window.show();
-    window.activateWindow();
-    window.open(experiment, false);
-    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
-    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }))
-        << live().failure().value_or(QString()).toStdString();
-  }
   void type(const char* name, const QString& text) {
     auto* spin = find<QDoubleSpinBox>(name);
     spin->setFocus();
@@ -84,7 +75,7 @@ class Display : public Operator {
   QString recorded(const std::vector<std::string>& sets = {"duration=12"}) {
     const auto experiment = app::parse_experiment(app::paper_experiment().source, "platoon.toml", sets);
     EXPECT_TRUE(experiment.has_value());
-    const QString file = dir.filePath(QStringLiteral("run.csv"));
+    QString file = dir.filePath(QStringLiteral("run.csv"));
     app::CsvFile csv(file.toStdString(), *experiment);
     (*app::Session::open(*experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
     csv.finish();

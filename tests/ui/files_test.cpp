@@ -18,7 +18,7 @@ namespace {
 class Files : public Operator {
  protected:
   QString written(const char* name, const std::string& text) {
-    const QString path = dir.filePath(QString::fromLatin1(name));
+    QString path = dir.filePath(QString::fromLatin1(name));
     QFile file(path);
     EXPECT_TRUE(file.open(QIODevice::WriteOnly));
     file.write(text.data(), static_cast<qint64>(text.size()));
@@ -31,7 +31,7 @@ class Files : public Operator {
   }
   QString recording() {
     const auto short_run = app::parse_experiment(app::paper_experiment().source, "platoon.toml", {"duration=4"});
-    const QString path = dir.filePath(QStringLiteral("run.csv"));
+    QString path = dir.filePath(QStringLiteral("run.csv"));
     app::CsvFile csv(path.toStdString(), *short_run);
     auto session = app::Session::open(*short_run, app::Session::Clock::virtual_, {false, {&csv}});
     (*session)->run();
@@ -52,7 +52,7 @@ class Files : public Operator {
   QString problem() {
     MessageDialog* box = nullptr;
     EXPECT_TRUE(eventually([&] { return (box = window.findChild<MessageDialog*>(QStringLiteral("problem_dialog"))); }));
-    const QString text = box ? box->text() : QString();
+    QString text = box ? box->text() : QString();
     delete box;
     return text;
   }
@@ -129,6 +129,33 @@ TEST_F(Files, AreNotOpenedWhileRealRobotsDrive) {
   window.open_file(experiment("mine.toml"));
   EXPECT_TRUE(problem().contains(QStringLiteral("Stop the run first")));
   EXPECT_TRUE(running());
+}
+
+TEST_F(Files, ThatNeedHardwareAreRehearsedWithoutIt) {
+  const QDir cameras(QString::fromStdString(skein::test::in_source("resources/cameras")));
+  ASSERT_TRUE(QFile::copy(cameras.filePath(QStringLiteral("overhead.toml")), dir.filePath(QStringLiteral("cal.toml"))));
+  const QString file = written("lab.toml",
+                               "name = \"lab\"\n[[robot]]\ntag = 4\nlink = \"serial:/dev/nowhere\"\n"
+                               "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = \"cal.toml\"\n"
+                               "[failure]\nlink_bridge = 10.0\n");
+  start();
+  find<QAction>("rehearse")->trigger();
+  EXPECT_TRUE(problem().contains(QStringLiteral("nothing to rehearse"))) << "the paper's experiment has no hardware";
+  window.open_file(file);
+  ASSERT_TRUE(eventually([&] { return live().experiment().name == "lab" && !live().is_busy(); }));
+  const QString neither_robot_nor_camera = problem();
+  EXPECT_TRUE(neither_robot_nor_camera.contains(QStringLiteral("Rehearse"))) << neither_robot_nor_camera.toStdString();
+  find<QAction>("rehearse")->trigger();
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }))
+      << live().failure().value_or(QString()).toStdString();
+  EXPECT_EQ(live().experiment().name, "lab (rehearsal)");
+  EXPECT_TRUE(window.windowTitle().contains(QStringLiteral("rehearsal"))) << window.windowTitle().toStdString();
+  EXPECT_EQ(live().file(), file) << "the editor has the experiment, not its rehearsal";
+  EXPECT_FALSE(running()) << "nothing moves before the operator starts it";
+  ASSERT_TRUE(eventually([&] { return arena().scene().banner.startsWith(QStringLiteral("Ready")); }))
+      << arena().scene().banner.toStdString();
+  window.go();
+  EXPECT_TRUE(eventually([&] { return running() && record().t >= 0.2; }));
 }
 
 /// The program itself, for a second and a half.

@@ -1,5 +1,4 @@
 // Runs of the window that are kept, each in a folder of its own.
-#include <QAbstractItemView>
 #include <QAction>
 #include <QDir>
 #include <QDockWidget>
@@ -11,7 +10,6 @@
 #include "app/runs/verify.h"
 #include "operator.h"
 #include "ui/base/settings.h"
-#include "ui/status/event_log.h"
 
 namespace skein::ui::test {
 namespace {
@@ -37,13 +35,6 @@ class Keep : public Operator {
   static std::string state_of(const QString& folder) {
     const auto story = app::read_story(folder.toStdString());
     return story ? (*story)["state"].get<std::string>() : story.error();
-  }
-  QString logged() {
-    auto* log = find<QAbstractItemView>("event_log");
-    QStringList lines;
-    for (int row = 0; row < log->model()->rowCount(); ++row)
-      lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
-    return lines.join(QLatin1Char('\n'));
   }
 
   QTemporaryDir directory_;

@@ -435,7 +435,8 @@ TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
                                      {"open", "open_dialog"},
                                      {"save_plot", "save_plot_dialog"},
                                      {"edit_experiment", "experiment_editor"},
-                                     {"calibrate_camera", "calibration_dialog"}}) {
+                                     {"calibrate_camera", "calibration_dialog"},
+                                     {"camera", "camera_page"}}) {
     find<QAction>(action)->trigger();
     auto* dialog = comes_up<QDialog>(&window, name);
     ASSERT_NE(dialog, nullptr) << name;

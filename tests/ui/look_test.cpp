@@ -120,7 +120,8 @@ TEST_F(Operator, FindsTheFirstWindowAndEveryDialogInsideTheScreen) {
   EXPECT_LE(first.width(), screen.width());
   EXPECT_LE(first.height(), screen.height());
   start();
-  for (const char* action : {"shortcuts", "about", "edit_experiment", "calibrate_camera"})
+  for (const char* action :
+       {"shortcuts", "about", "edit_experiment", "calibrate_camera", "camera", "connect_robots_page"})
     find<QAction>(action)->trigger();
   QTest::qWait(50);
   for (QDialog* dialog : window.findChildren<QDialog*>()) {
@@ -168,8 +169,8 @@ QString spoken(QWidget* widget) {
 
 TEST_F(Operator, HearsANameForEverythingInEveryTabAndDialog) {
   start();
-  for (const char* action :
-       {"shortcuts", "about", "open", "save_csv", "save_plot", "edit_experiment", "calibrate_camera", "compare"})
+  for (const char* action : {"shortcuts", "about", "open", "save_csv", "save_plot", "edit_experiment",
+                             "calibrate_camera", "camera", "connect_robots_page", "compare"})
     find<QAction>(action)->trigger();
   int named = 0;
   for (QWidget* widget : window.findChildren<QWidget*>()) {

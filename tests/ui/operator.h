@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <QAbstractItemView>
 #include <QCoreApplication>
 #include <QDialog>
 #include <QFile>
@@ -15,10 +16,12 @@
 #include "app/experiment/experiment_file.h"
 #include "ui/arena/arena_view.h"
 #include "ui/main/main_window.h"
+#include "ui/status/event_log.h"
 
 namespace skein::ui::test {
 
-inline constexpr int deadline_ms = 10000;  // far more than anything takes; a wait ends as soon as it may
+// Far more than anything takes, on a loaded machine too; a wait ends as soon as it may.
+inline constexpr int deadline_ms = 60000;
 
 inline bool eventually(const std::function<bool()>& holds) {
   return QTest::qWaitFor(holds, deadline_ms);
@@ -27,14 +30,25 @@ inline bool eventually(const std::function<bool()>& holds) {
 /// Somebody at the window: sees what is on it, and has a mouse and a keyboard.
 class Operator : public ::testing::Test {
  protected:
-  /// The window with the paper's experiment on simulated robots, running.
-  void start(const app::Experiment& experiment = app::paper_experiment()) {
+  /// Whether the window is active then.
+  bool show_and_open(const app::Experiment& experiment, bool start_at_once) {
     window.resize(1280, 800);
     window.show();
     window.activateWindow();  // on an X server without a window manager nobody else does
-    window.open(experiment, true);
-    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
+    window.open(experiment, start_at_once);
+    return QTest::qWaitForWindowActive(&window);
+  }
+  /// The window with the paper's experiment on simulated robots, running.
+  void start(const app::Experiment& experiment = app::paper_experiment()) {
+    ASSERT_TRUE(show_and_open(experiment, true));
     ASSERT_TRUE(eventually([&] { return running() && record().t >= 0.2; }));
+  }
+
+  /// The window with an experiment that is ready to be started.
+  void open_and_wait(const app::Experiment& experiment = app::paper_experiment()) {
+    ASSERT_TRUE(show_and_open(experiment, false));
+    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }))
+        << live().failure().value_or(QString()).toStdString();
   }
 
   void TearDown() override {
@@ -126,6 +140,15 @@ class Operator : public ::testing::Test {
     }
     EXPECT_GE(column, 0) << "no column of events";
     return events;
+  }
+
+  /// The event log, a line each, in full.
+  QString logged() {
+    auto* log = find<QAbstractItemView>("event_log");
+    QStringList lines;
+    for (int row = 0; row < log->model()->rowCount(); ++row)
+      lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
+    return lines.join(QLatin1Char('\n'));
   }
 
   /// How many events begin like this.

@@ -1,13 +1,17 @@
 // The plots: what they hold, how they draw much of it, and what they give away.
 #include <QMenu>
+#include <QRegularExpression>
 #include <QToolButton>
 #include <QToolTip>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <set>
 
 #include "operator.h"
 #include "tests/app/rows.h"
 #include "ui/gains/gains_panel.h"
+#include "ui/plots/curve_numbers.h"
 #include "ui/plots/plot_history.h"
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
@@ -89,6 +93,87 @@ TEST(PlotHistory, ForgetsTheOldestAndStaysBounded) {
   EXPECT_TRUE(std::isnan(history.value(0, 10.0)));
 }
 
+/// The plots of a crowd whose curves are waves about zero.
+class Crowd : public ::testing::TestWithParam<std::size_t> {
+ protected:
+  static constexpr double end = 50.0;
+
+  void SetUp() override {
+    app::Experiment experiment = app::paper_experiment();
+    experiment.robots.resize(GetParam(), experiment.robots.front());
+    panel.resize(430, 600);
+    panel.show_experiment(experiment);
+    panel.show_plots({QStringLiteral("e_x"), QStringLiteral("e_y"), QStringLiteral("V")});
+    panel.show();
+    app::TickRecord record;
+    record.phase = app::Phase::running;
+    record.robots.resize(GetParam());
+    for (record.t = 0.0; record.t < end; record.t += 0.04) {
+      for (std::size_t i = 0; i < record.robots.size(); ++i) {
+        const auto k = static_cast<double>(i + 1);
+        record.robots[i].pose.x = 0.1 * std::sin(0.3 * record.t + k) * std::cos(k * k);
+      }
+      panel.show_record(record);
+    }
+  }
+  /// The numbers of e_x in the newest picture.
+  std::vector<CurveNumbers::Placed> numbers() {
+    panel.view().draw_history(panel.history(), {});
+    panel.view().replot(QCustomPlot::rpImmediateRefresh);
+    return panel.view().numbers_of(0)->placed();
+  }
+  static std::size_t told_apart(const std::vector<CurveNumbers::Placed>& numbers, bool by_colour) {
+    std::set<QString> all;
+    for (const auto& one : numbers) all.insert(by_colour ? one.colour.name() : QString::number(one.number));
+    return all.size();
+  }
+  PlotsPanel panel;
+};
+
+TEST_P(Crowd, HasItsNumbersOnItsCurves) {
+  const std::vector<CurveNumbers::Placed> seen = numbers();
+  const QCPAxis* time = panel.view().axisRect(0)->axis(QCPAxis::atBottom);
+  const QCPAxis* value = panel.view().axisRect(0)->axis(QCPAxis::atLeft);
+  for (const auto& one : seen) {
+    const double t = time->pixelToCoord(one.place.center().x());
+    EXPECT_NEAR(value->coordToPixel(panel.history().value(static_cast<std::size_t>(one.number - 1), t)),
+                one.place.center().y(), 2.0)
+        << one.number << " is not on its curve";
+    for (const auto& other : seen) {
+      EXPECT_TRUE(other.number == one.number || !other.place.intersects(one.place)) << one.number << other.number;
+    }
+  }
+  EXPECT_EQ(told_apart(seen, false), seen.size());
+  EXPECT_LE(told_apart(seen, true), 7U) << "by colours alone no more could be told apart";
+  // In a panel this wide a third has no room at worst; all of 20 have.
+  EXPECT_GE(3 * seen.size(), 2 * GetParam());
+  EXPECT_GE(seen.size(), 20U);
+  // The selected robot always has.
+  for (const int robot : {0, 7, 13, static_cast<int>(GetParam()) - 1}) {
+    panel.select(robot);
+    EXPECT_EQ(numbers().front().number, robot + 1);
+  }
+}
+
+TEST_P(Crowd, HasItsNumbersBehindShortCurves) {
+  numbers();
+  panel.view().set_time(0.9 * end, 2.0 * end);
+  const std::vector<CurveNumbers::Placed> seen = numbers();
+  EXPECT_GE(3 * seen.size(), 2 * GetParam());
+  const QCPAxis* value = panel.view().axisRect(0)->axis(QCPAxis::atLeft);
+  for (const auto& one : seen)
+    EXPECT_NEAR(value->coordToPixel(panel.history().value(static_cast<std::size_t>(one.number - 1), end)),
+                one.place.center().y(), 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Crowd, ::testing::Values(20U, 64U));
+
+TEST(Group, OfFourHasALegendAndNoNumbers) {
+  PlotsPanel panel;
+  panel.show_experiment(app::paper_experiment());
+  EXPECT_EQ(panel.view().numbers_of(0), nullptr);
+}
+
 class Plots : public Operator {
  protected:
   PlotsPanel& plots() { return *find<PlotsPanel>("plots"); }
@@ -163,14 +248,14 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
   PlotView& view = plots().view();
   ASSERT_TRUE(eventually([&] { return view.axisRect(0)->graphs().last()->dataCount() > 10; }));
   const QRect first = view.axisRect(0)->rect();
-  const auto read = [&](double t) {
+  const auto read = [&](double t, const std::function<bool(const QString&)>& is_there) {
     // A pointer that the X server puts elsewhere meanwhile hides the tip: then the mouse comes back. The numbers beside
-    // the axis may take more room in a next picture, which moves the time.
-    EXPECT_TRUE(eventually([&] {
+    // the axis may take more room in a next picture, which moves the time, and a tip from before may still be shown.
+    static_cast<void>(eventually([&] {
       const int x = static_cast<int>(view.axisRect(0)->axis(QCPAxis::atBottom)->coordToPixel(t));
       QTest::mouseMove(&view, {x + 9, first.center().y()});
       QTest::mouseMove(&view, {x, first.center().y()});
-      return !QToolTip::text().isEmpty();
+      return !QToolTip::text().isEmpty() && is_there(QToolTip::text());
     }));
     return QToolTip::text();
   };
@@ -179,7 +264,7 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
   const auto row = std::find_if(rows.begin(), rows.end(),
                                 [](const auto& r) { return r->events.template contains<app::events::Move>(1); });
   ASSERT_NE(row, rows.end());
-  const QString text = read((*row)->t);
+  const QString text = read((*row)->t, [](const QString& tip) { return tip.contains(QStringLiteral("move r2")); });
   EXPECT_TRUE(text.contains(QStringLiteral("t = "))) << text.toStdString();
   EXPECT_TRUE(text.contains(QStringLiteral("Tracking error along x"))) << text.toStdString();
   EXPECT_TRUE(text.contains(QStringLiteral("4: "))) << "a value of each robot: " << text.toStdString();
@@ -189,7 +274,9 @@ TEST_F(Plots, TellValuesAndEventsAtTheMouse) {
   auto* robots = find<QToolButton>("choose_robots")->menu();
   emit robots->aboutToShow();
   robots->actions().at(3)->toggle();
-  EXPECT_FALSE(read((*row)->t).contains(QStringLiteral("4: ")));
+  const QString without = read((*row)->t, [](const QString& tip) { return !tip.contains(QStringLiteral("4: ")); });
+  EXPECT_TRUE(without.contains(QStringLiteral("3: "))) << without.toStdString();
+  EXPECT_FALSE(without.contains(QStringLiteral("4: "))) << without.toStdString();
 }
 
 TEST_F(Plots, MeasureDifferencesFromAMark) {
@@ -337,6 +424,114 @@ TEST_F(Plots, AreDrawnOverEachOther) {
   EXPECT_TRUE(plots().show_over(QStringLiteral("omega"), QStringLiteral("v")));
   plots().show_over({}, {});
   EXPECT_FALSE(plots().over().isVisible());
+}
+
+TEST_F(Plots, AreSavedWithTheOneOverAnother) {
+  start();
+  plots().show_plots({QStringLiteral("e_x")});
+  ASSERT_TRUE(eventually([&] { return record().t > 1.0; }));
+  const auto saved = [&](const char* name) {
+    QString file = dir.filePath(QString::fromLatin1(name));
+    window.save_plot(file, true);
+    return file;
+  };
+  const int alone = QImage(saved("alone.png")).height();
+  EXPECT_EQ(alone, 2 * plots().view().height());
+  EXPECT_FALSE(lines_of(saved("alone.csv")).first().contains(QStringLiteral("omega_1")));
+
+  ASSERT_TRUE(plots().show_over(QStringLiteral("omega"), QStringLiteral("v")));
+  ASSERT_TRUE(eventually([&] { return plots().over().isVisible() && plots().over().height() > 100; }));
+  const QImage both(saved("both.png"));
+  EXPECT_EQ(both.height(), 2 * (plots().view().height() + plots().over().height()));
+  // The curve of robot 4 is below the plots, in its colour.
+  const Colours light = colours(palette(Theme::light));
+  int inked = 0;
+  for (int x = 0; x < both.width(); ++x)
+    for (int y = 2 * plots().view().height(); y < both.height(); ++y)
+      inked += QColor(both.pixel(x, y)) == light.robot(3);
+  EXPECT_GT(inked, 20);
+  QFile pdf(saved("both.pdf"));
+  ASSERT_TRUE(pdf.open(QIODevice::ReadOnly));
+  const QRegularExpressionMatch box = QRegularExpression(QStringLiteral("/MediaBox \\[0 0 ([0-9.]+) ([0-9.]+)\\]"))
+                                          .match(QString::fromLatin1(pdf.readAll()));
+  ASSERT_TRUE(box.hasMatch());
+  EXPECT_NEAR(box.captured(2).toDouble(), plots().view().height() + plots().over().height(), 1.0);
+  const QString head = lines_of(saved("both.csv")).first();
+  for (const char* column : {"e_x_1", "omega_4", "v_1"})
+    EXPECT_TRUE(head.contains(QString::fromLatin1(column))) << head.toStdString();
+  EXPECT_TRUE(plots().over().isVisible()) << "it stays on the screen";
+  plots().show_over({}, {});
+  plots().show_plots({});
+}
+
+TEST_F(Plots, TakeASignalThatIsDraggedOntoThem) {
+  start();
+  plots().show_plots({QStringLiteral("e_x"), QStringLiteral("e_y"), QStringLiteral("V")});
+  PlotView& view = plots().view();
+  const auto row = [&](const char* name) {
+    const auto& rows = plots().rows();
+    return static_cast<std::size_t>(
+        std::find_if(rows.begin(), rows.end(), [&](const PlotRow& r) { return r.name == QLatin1String(name); }) -
+        rows.begin());
+  };
+  ASSERT_TRUE(eventually([&] { return view.head_of(row("V")).width() > 100 && record().t > 1.0; }));
+  const auto drag_onto = [&](const char* signal, int plot) {
+    const QPoint from = view.head_of(row(signal)).center(), to = view.axisRect(plot)->rect().center();
+    QTest::mousePress(&view, Qt::LeftButton, {}, from);
+    for (int k = 1; k <= 4; ++k) QTest::mouseMove(&view, from + (to - from) * k / 4);
+    QTest::mouseRelease(&view, Qt::LeftButton, {}, to);
+  };
+  const QStringList before = plots().shown();
+  drag_onto("e_y", 1);  // its own
+  EXPECT_EQ(plots().shown(), before);
+  drag_onto("e_y", 0);
+  EXPECT_EQ(plots().shown(), (QStringList{QStringLiteral("e_x+e_y"), QStringLiteral("e_y"), QStringLiteral("V")}));
+  EXPECT_TRUE(plots().is_live()) << "the time is not dragged with it";
+  const auto added = [&] { return view.axisRect(0)->graphs().at(1); };  // the second of four, before the plot's own
+  ASSERT_TRUE(eventually([&] { return view.axisRect(0)->graphs().size() == 8 && added()->dataCount() > 10; }));
+  EXPECT_EQ(added()->pen().style(), Qt::DashLine);
+  EXPECT_EQ(view.axisRect(0)->graphs().at(5)->pen().style(), Qt::SolidLine);
+  EXPECT_EQ(added()->pen().color(), view.axisRect(0)->graphs().at(5)->pen().color());
+  for (auto point = added()->data()->constBegin(); point != added()->data()->constEnd(); ++point)
+    EXPECT_EQ(point->value, plots().history().value(plots().rows()[row("e_y")].first + 1, point->key));
+  EXPECT_FALSE(view.axisRect(0)->axis(QCPAxis::atRight)->visible()) << "it has the same unit";
+
+  // Another unit has an axis of its own; a third one has none.
+  ASSERT_TRUE(eventually([&] { return view.head_of(row("V")).width() > 100; }));
+  drag_onto("V", 0);
+  EXPECT_EQ(plots().shown().first(), QStringLiteral("e_x+e_y+V"));
+  EXPECT_TRUE(view.axisRect(0)->axis(QCPAxis::atRight)->visible());
+  EXPECT_TRUE(plots().add_signal(QStringLiteral("omega"), QStringLiteral("e_x")).contains(QStringLiteral("two units")));
+  EXPECT_FALSE(plots().add_signal(QStringLiteral("e_y"), QStringLiteral("e_x")).isEmpty()) << "once is enough";
+
+  // As by keys: from the menu of the plots, and out again; what is added is saved, and kept in a layout.
+  plots().show_plots({QStringLiteral("e_x")});
+  QMenu* menu = find<QToolButton>("choose_plots")->menu();
+  const auto toggle = [&](const QString& begin) {
+    emit menu->aboutToShow();
+    for (QMenu* add : menu->findChildren<QMenu*>(QStringLiteral("add_signal")))
+      for (QAction* action : add->actions())
+        if (action->text().startsWith(begin)) return action->trigger();
+    ADD_FAILURE() << begin.toStdString();
+  };
+  toggle(QStringLiteral("ω"));
+  EXPECT_EQ(plots().shown(), QStringList{QStringLiteral("e_x+omega")});
+  const QString file = dir.filePath(QStringLiteral("added.csv"));
+  window.save_plot(file, true);
+  EXPECT_TRUE(lines_of(file).first().contains(QStringLiteral("omega_4")));
+  const PlotLayout layout = plots().layout_now(QStringLiteral("two"));
+  toggle(QStringLiteral("ω"));
+  EXPECT_EQ(plots().shown(), QStringList{QStringLiteral("e_x")});
+  plots().use(layout);
+  EXPECT_EQ(plots().shown(), QStringList{QStringLiteral("e_x+omega")});
+
+  // A key on the way is not lost.
+  ASSERT_TRUE(eventually([&] { return view.head_of(row("e_x")).width() > 100; }));
+  QTest::mousePress(&view, Qt::LeftButton, {}, view.head_of(row("e_x")).center());
+  key(Qt::Key_Space);
+  EXPECT_TRUE(eventually([&] { return stopped(); }));
+  QTest::mouseRelease(&view, Qt::LeftButton, {}, view.head_of(row("e_x")).center());
+  plots().show_plots({});
 }
 
 TEST_F(Plots, AreKeptAsLayouts) {

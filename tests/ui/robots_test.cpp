@@ -3,8 +3,10 @@
 
 #include <QAbstractItemView>
 #include <QAction>
+#include <QHeaderView>
 #include <QLabel>
 #include <QProcess>
+#include <QTableView>
 #include <QToolButton>
 #include <csignal>
 
@@ -18,14 +20,6 @@ namespace {
 
 class Robots : public Operator {
  protected:
-  void open_and_wait(const app::Experiment& experiment) {
-    window.resize(1280, 800);
-    window.show();
-    window.activateWindow();
-    window.open(experiment, false);
-    ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
-    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
-  }
   void open_loopback() {
     const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
     ASSERT_TRUE(experiment.has_value());
@@ -54,6 +48,23 @@ class Robots : public Operator {
     return {};
   }
 };
+
+TEST_F(Robots, TheirModeIsWholeInATableThatIsTooNarrow) {
+  open_loopback();
+  auto* table = find<QTableView>("robots");
+  const auto whole = [&] {
+    int widest = 0;
+    for (int robot = 0; robot < 4; ++robot)
+      widest = std::max(widest, table->fontMetrics().horizontalAdvance(cell(robot, RobotsModel::mode)));
+    return widest > 0 && table->columnWidth(RobotsModel::mode) > widest;
+  };
+  window.resize(1900, 1000);
+  EXPECT_TRUE(eventually([&] { return whole(); }));
+  window.resize(900, 620);
+  EXPECT_TRUE(eventually([&] { return table->viewport()->width() < 500; })) << table->viewport()->width();
+  EXPECT_TRUE(whole()) << table->columnWidth(RobotsModel::mode);
+  EXPECT_GE(table->horizontalHeader()->length(), table->viewport()->width()) << "and nothing is left over";
+}
 
 TEST_F(Robots, SayHowTheyWereFoundAndWhoTheyAre) {
   open_loopback();

@@ -1,7 +1,6 @@
 // The run bar: pause, step, speed, recording; and a window that hangs or a disk that is full.
 #include <sys/resource.h>
 
-#include <QAbstractItemView>
 #include <QComboBox>
 #include <QDir>
 #include <QSettings>
@@ -14,7 +13,6 @@
 #include "app/replay/replay.h"
 #include "operator.h"
 #include "tests/places.h"
-#include "ui/status/event_log.h"
 
 namespace skein::ui::test {
 namespace {
@@ -36,13 +34,6 @@ class Run : public Operator {
   void pause() {
     window.go();
     ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::paused; }));
-  }
-  QString logged() {
-    auto* log = find<QAbstractItemView>("event_log");
-    QStringList lines;
-    for (int row = 0; row < log->model()->rowCount(); ++row)
-      lines << log->model()->index(row, EventModel::event).data(Qt::ToolTipRole).toString();
-    return lines.join(QLatin1Char('\n'));
   }
   app::ReplayResult replayed(const QString& file) {
     std::ifstream in(file.toStdString());

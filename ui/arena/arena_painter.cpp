@@ -274,8 +274,12 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
   p_.setFont(font);
   p_.setPen(ink);
   const QPointF back = (centre - rim(body_radius, 0.0)) * 0.16;  // the number stands clear of the notch
-  p_.drawText(QRectF(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius)),
-              Qt::AlignCenter | Qt::TextDontClip, QString::number(i + 1));
+  const QRectF room(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius));
+  const QString number = QString::number(i + 1);
+  // What reaches over a small robot has its colour as ground: the ink would not be seen on the floor.
+  const QRectF reach = p_.boundingRect(room, Qt::AlignCenter | Qt::TextDontClip, number);
+  if (reach.width() > 1.6 * radius) p_.fillRect(reach, body);
+  p_.drawText(room, Qt::AlignCenter | Qt::TextDontClip, number);
   p_.restore();
 }
 

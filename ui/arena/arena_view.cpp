@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "ui/arena/arena_painter.h"
+#include "ui/base/picture.h"
 #include "ui/base/told.h"
 
 namespace skein::ui {
@@ -56,8 +57,7 @@ void ArenaView::set_camera(ArenaMap::Camera camera) {
 
 void ArenaView::set_picture(const app::Picture& picture) {
   const bool first = scene_.picture.isNull();
-  scene_.picture =
-      QImage(picture.grey.data(), picture.width, picture.height, picture.width, QImage::Format_Grayscale8).copy();
+  scene_.picture = image_of(picture);
   if (first) choose_sheet();
   if (scene_.show_picture) update();
 }

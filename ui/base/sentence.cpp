@@ -1,6 +1,7 @@
 #include "ui/base/sentence.h"
 
 #include <QCoreApplication>
+#include <QRegularExpression>
 #include <cmath>
 
 #include "ui/base/tr.h"
@@ -56,6 +57,12 @@ QString reason_text(core::NotSeen why) {
   return {};
 }
 
+QString version_number(const QString& version) {
+  static const QRegularExpression number(QStringLiteral("\\d+(\\.\\d+)*"));
+  const QRegularExpressionMatch match = number.match(version);
+  return match.hasMatch() ? match.captured() : version;
+}
+
 QString sentence(const app::Event& event) {
   using namespace app::events;
   const auto number = [](double value) { return QString::number(value, 'g', 4); };
@@ -83,9 +90,12 @@ QString sentence(const app::Event& event) {
           [&](const Couple& e) { return tr("Robots %1 and %2 are coupled again").arg(e.i + 1).arg(e.j + 1); },
           [&](const Uncouple& e) { return tr("Robots %1 and %2 are no longer coupled").arg(e.i + 1).arg(e.j + 1); },
           [&](const CameraMoved& e) {
-            return tr("The camera moved, or the floor under it: all %1 tags moved by %2 mm at once. Poses are wrong "
-                      "until the camera is calibrated again")
-                .arg(e.tags)
+            return (e.marks > 0 ? tr("The camera moved, or the floor under it: %1 marks on the floor are %2 mm from "
+                                     "where they were. Poses are wrong until the camera is calibrated again")
+                                      .arg(e.marks)
+                                : tr("The camera moved, or the floor under it: all %1 tags moved by %2 mm at once. "
+                                     "Poses are wrong until the camera is calibrated again")
+                                      .arg(e.tags))
                 .arg(1000.0 * e.by, 0, 'f', 0);
           },
           [&](const CamerasDisagree& e) {

@@ -33,6 +33,9 @@ QString limits(const app::RobotRecord& robot) {
   if (robot.limits & app::limit_wheels)
     return tr("limited by its wheels: the law asks %1 and %2, sent are %3 and %4")
         .arg(speed(robot.law.v), turning(robot.law.omega), speed(robot.command.v), turning(robot.command.omega));
+  if (robot.limits & app::limit_link)
+    return tr("limited by its blind distance: the law asks %1 and %2, sent are %3 and %4")
+        .arg(speed(robot.law.v), turning(robot.law.omega), speed(robot.command.v), turning(robot.command.omega));
   if (robot.limits & app::limit_v)
     return tr("limited by (14): the law asks %1, sent is %2").arg(speed(robot.law.v), speed(robot.command.v));
   return tr("limited by (14): the law asks %1, sent is %2").arg(turning(robot.law.omega), turning(robot.command.omega));

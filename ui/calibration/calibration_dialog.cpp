@@ -143,6 +143,7 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
   connect(&timer_, &QTimer::timeout, this, &CalibrationDialog::refresh);
   connect(kind_, &QComboBox::currentIndexChanged, this, [this](int kind) { marker_->setEnabled(kind == 0); });
   views_.set_colours(colours(palette()));
+  if (const auto known = app::known_floor(file.toStdString())) floor_->show_known(*known);
   resize(fitting({940, 600}, parent));
   close_by_key(this);
   dress({});

@@ -52,6 +52,8 @@ class CalibrationDialog final : public QDialog {
   ~CalibrationDialog() override;
   /// The camera is free: looks at it from now on.
   void look();
+  /// Begins with the floor.
+  void show_floor() { tabs_->setCurrentWidget(floor_); }
   /// It is not, and why.
   void refuse(const QString& why);
 

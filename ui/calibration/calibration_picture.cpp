@@ -3,9 +3,9 @@
 #include <QPainter>
 #include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "ui/base/palette.h"
+#include "ui/base/picture.h"
 
 namespace skein::ui {
 
@@ -41,10 +41,7 @@ CalibrationPicture::CalibrationPicture(QWidget* parent) : QWidget(parent) {
 }
 
 void CalibrationPicture::set_picture(const app::Picture& picture) {
-  picture_ = QImage(picture.width, picture.height, QImage::Format_Grayscale8);
-  for (int row = 0; row < picture.height; ++row)
-    std::memcpy(picture_.scanLine(row), picture.grey.data() + static_cast<std::ptrdiff_t>(row) * picture.width,
-                static_cast<std::size_t>(picture.width));
+  picture_ = image_of(picture);
   update();
 }
 
@@ -64,8 +61,7 @@ void CalibrationPicture::paintEvent(QPaintEvent*) {
                tr("No picture yet: choose the camera and press Look"));
     return;
   }
-  const QSizeF size = QSizeF(picture_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
-  const QRectF sheet(QPointF((width() - size.width()) / 2, (height() - size.height()) / 2), size);
+  const QRectF sheet = sheet_of(picture_, size());
   p.drawImage(sheet, picture_);
   const double w = sheet.width() / Progress::columns, h = sheet.height() / Progress::rows;
   QColor shade = c.warning;

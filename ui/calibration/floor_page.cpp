@@ -89,7 +89,7 @@ bool FloorModel::setData(const QModelIndex& index, const QVariant& value, int ro
   const double number = value.toString().trimmed().toDouble(&is_number);
   constexpr double farthest = 100.0;  // [m]
   const bool is_id = index.column() == id;
-  if (!is_number || std::abs(number) > (is_id ? 586 : farthest) ||
+  if (!is_number || std::abs(number) > (is_id ? app::FloorTag::largest_id : farthest) ||
       (is_id && (number < 0 || number != std::floor(number))))
     return false;
   app::FloorTag& tag = tags_[static_cast<std::size_t>(index.row())];
@@ -181,6 +181,12 @@ void FloorPage::look(const app::CalibratedCamera& camera, const QString& calibra
   timer_.start(survey_ms);
 }
 
+void FloorPage::show_known(const app::KnownFloor& floor) {
+  tags_.show(floor.tags);
+  size_->setValue(1000 * floor.tag_size);
+  height_->setValue(1000 * floor.tag_height);
+}
+
 void FloorPage::refuse(const QString& why) {
   look_->setEnabled(true);
   result_->setText(why);
@@ -198,6 +204,8 @@ void FloorPage::settle() {
                      .arg(survey->camera[0], 0, 'f', 3)
                      .arg(survey->camera[1], 0, 'f', 3)
                      .arg(survey->camera[2], 0, 'f', 3);
+  if (std::isfinite(survey->poses_move))
+    text += tr(" Poses move by %1 mm (rms).").arg(1000 * survey->poses_move, 0, 'f', 1);
   if (!survey->suspect.empty())
     text += tr(" %1: the others agree without it: check its position.").arg(QString::fromStdString(survey->suspect));
   refuse(text);

@@ -50,6 +50,8 @@ class FloorPage final : public QWidget {
   /// The camera is free: looks at the floor now.
   void look(const app::CalibratedCamera& camera, const QString& calibration);
   void refuse(const QString& why);
+  /// What the last calibration went by.
+  void show_known(const app::KnownFloor& floor);
   bool looks() const { return survey_.valid(); }
 
  signals:

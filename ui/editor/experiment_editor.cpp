@@ -151,10 +151,20 @@ void ExperimentEditor::set_value(const QString& key, const QString& value) {
     verdict_->setText(QString::fromStdString(changed.error()));
     return;
   }
-  // As one edit, so that it can be undone.
+  replace_text(QString::fromStdString(*changed));
+}
+
+void ExperimentEditor::append(const QString& tables) {
+  const QString before = text();
+  const bool ends = before.isEmpty() || before.endsWith(QLatin1Char('\n'));
+  replace_text(before + QLatin1String(ends ? "\n" : "\n\n") + tables);
+}
+
+/// As one edit, so that it can be undone.
+void ExperimentEditor::replace_text(const QString& text) {
   QTextCursor all(text_->document());
   all.select(QTextCursor::Document);
-  all.insertText(QString::fromStdString(*changed));
+  all.insertText(text);
   check();
 }
 

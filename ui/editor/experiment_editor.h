@@ -23,6 +23,10 @@ class ExperimentEditor final : public QDialog {
   /// `file`: where it lies, empty for a text that has no file yet.
   void edit(const QString& text, const QString& file);
   QString text() const;
+  /// One key with another value, as TOML has it; what is wrong is told below the text.
+  void set_value(const QString& key, const QString& value);
+  /// More tables at the end of the text.
+  void append(const QString& tables);
   bool is_valid() const { return problems_ == 0; }
   /// Whether it differs from the last opened or saved text.
   bool has_changes() const { return text() != kept_; }
@@ -36,8 +40,8 @@ class ExperimentEditor final : public QDialog {
   void open_wanted(const QString& file);  ///< it is saved, and the window is to run it
 
  private:
+  void replace_text(const QString& text);
   void check();
-  void set_value(const QString& key, const QString& value);
   void ask_save(bool then_open);
   void save_and(bool then_open);
   void write_and(bool then_open);

@@ -177,7 +177,7 @@ void GainsPanel::show_experiment(const app::Experiment& experiment, const GainVa
   parameters_->clear(law.own()
                          ? tr("The experiment's controller has declared no parameters.")
                          : tr("The law %1 has no parameters to change.").arg(QString::fromUtf8(word(law.kind).data())));
-  setEnabled(experiment.robots.size() > 1 || !law.uses_gains());  // one robot alone has nobody to couple to
+  setEnabled(has_anything_to_set(experiment));
   coupling_->setCurrentIndex(experiment.controller.coupling == core::Coupling::paper ? 0 : 1);
   margins_->show_experiment(experiment);
   pairs_->show_robots(experiment.robots.size());
@@ -263,6 +263,10 @@ void GainsPanel::change_parameter(const QString& name, double from, double to) {
     parameters_->set(name, value);
     emit parameter_wanted(name, value);
   }));
+}
+
+bool GainsPanel::has_anything_to_set(const app::Experiment& experiment) {
+  return experiment.robots.size() > 1 || !experiment.controller.law.uses_gains();
 }
 
 QWidget* GainsPanel::first_control() const {

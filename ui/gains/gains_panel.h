@@ -43,6 +43,8 @@ class GainsPanel final : public QWidget {
   void refresh_pairs();
   /// What the law declares, with the values in force.
   void follow_parameters(const std::vector<app::LawParameter>& all) { parameters_->show_parameters(all); }
+  /// One robot alone has nobody to couple to; but its law may have parameters.
+  static bool has_anything_to_set(const app::Experiment& experiment);
   /// To go to: the first slider of those that have an effect; null: there is none.
   QWidget* first_control() const;
   /// Toggles the coupling of two robots.

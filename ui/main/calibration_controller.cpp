@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <QDir>
-#include <cmath>
 #include <utility>
 
+#include "app/experiment/control_settings.h"
+#include "app/experiment/hardware.h"
 #include "ui/calibration/calibration_dialog.h"
 
 namespace skein::ui {
@@ -14,14 +15,12 @@ CalibrationController::CalibrationController(LiveRun& live, const Messages& mess
     : QObject(parent), live_(live), messages_(messages) {}
 
 /// What the lens of the experiment's camera does, with a board that somebody shows it.
-void CalibrationController::calibrate() {
+void CalibrationController::calibrate(bool floor) {
   const app::Experiment& experiment = live_.experiment();
   const app::CameraSpec& spec = experiment.camera;
-  const app::CameraKind kind = spec.kind();
-  const bool looks_at_nothing = kind == app::CameraKind::absent || kind == app::CameraKind::synthetic;
-  app::CalibratedCamera camera{looks_at_nothing ? "v4l2:/dev/video0" : spec.source};
-  for (const auto& [name, value] : {std::pair("exposure", spec.exposure), {"gain", spec.gain}, {"focus", spec.focus}})
-    if (!std::isnan(value)) camera.settings.push_back(fmt::format("{}={}", name, value));
+  app::CalibratedCamera camera{app::is_hardware(spec.kind()) ? spec.source : "v4l2:/dev/video0"};
+  for (const auto& [name, value] : app::control_settings(spec))
+    camera.settings.push_back(fmt::format("{}={}", name, value));
   const QString name = QString::fromStdString(spec.calibration);
   auto* dialog = new CalibrationDialog(camera,
                                        QDir(QString::fromStdString(experiment.directory))
@@ -30,6 +29,7 @@ void CalibrationController::calibrate() {
   connect(dialog, &CalibrationDialog::camera_wanted, this, [this, dialog] { take_camera(dialog); });
   connect(dialog, &CalibrationDialog::saved, this,
           [this](const QString& file) { messages_.note(tr("calibration written to %1").arg(file), Severity::good); });
+  if (floor) dialog->show_floor();
   dialog->show();
 }
 

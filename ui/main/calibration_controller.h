@@ -14,7 +14,8 @@ class CalibrationController final : public QObject {
 
  public:
   CalibrationController(LiveRun& live, const Messages& messages, QObject* parent = nullptr);
-  void calibrate();
+  /// `floor`: only the camera's pose, by the tags of its calibration.
+  void calibrate(bool floor = false);
   void refresh();  ///< thirty times a second
 
  signals:

@@ -26,7 +26,7 @@ const std::vector<app::Check>& CheckController::judge() {
     certificate_ = certifying_.get();
   show_delay();
   checks_ = app::readiness(live_.experiment(), certificate_ ? &*certificate_ : nullptr, live_.latest(), live_.robots(),
-                           live_.camera_down());
+                           live_.camera_down(), live_.marks());
   return checks_;
 }
 

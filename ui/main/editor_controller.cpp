@@ -37,10 +37,26 @@ void EditorController::build_menu(QMenu* file) {
 }
 
 void EditorController::edit(const QString& text, const QString& file) {
+  open_editor(text, file);
+}
+
+void EditorController::edit_with(const std::vector<std::pair<QString, QString>>& values) {
+  const RunSource& run = runs_.shown();
+  ExperimentEditor* editor = open_editor(QString::fromStdString(run.experiment().source), run.file());
+  for (const auto& [key, value] : values) editor->set_value(key, value);
+}
+
+void EditorController::edit_with_tables(const QString& tables) {
+  const RunSource& run = runs_.shown();
+  open_editor(QString::fromStdString(run.experiment().source), run.file())->append(tables);
+}
+
+ExperimentEditor* EditorController::open_editor(const QString& text, const QString& file) {
   auto* editor = new ExperimentEditor(messages_.window());
   connect(editor, &ExperimentEditor::open_wanted, &files_, &FileController::open);
   editor->edit(text, file);
   editor->show();
+  return editor;
 }
 
 void EditorController::edit_experiment() {

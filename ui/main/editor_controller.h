@@ -1,10 +1,14 @@
 #pragma once
 
 #include <QMenu>
+#include <utility>
+#include <vector>
 
 #include "ui/main/file_controller.h"
 
 namespace skein::ui {
+
+class ExperimentEditor;
 
 /// The experiment as a text: to be edited, or to be written down as it is now.
 class EditorController final : public QObject {
@@ -14,11 +18,16 @@ class EditorController final : public QObject {
   EditorController(const Runs& runs, FileController& files, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* file);
   void edit(const QString& text, const QString& file);
+  /// The experiment that is shown with other values for these keys, as TOML has them; not saved yet.
+  void edit_with(const std::vector<std::pair<QString, QString>>& values);
+  /// The same with more tables at its end.
+  void edit_with_tables(const QString& tables);
   /// Every editor with an unsaved text asks what to do with it; false: there is none.
   bool ask_about_changes() const;
   void edit_experiment();  ///< the one that is shown, as its file has it
 
  private:
+  ExperimentEditor* open_editor(const QString& text, const QString& file);
   void edit_present();
   QString as_done() const;
 

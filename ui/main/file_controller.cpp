@@ -5,6 +5,8 @@
 #include <QUrl>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/hardware.h"
+#include "app/experiment/rehearsal.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
 
@@ -12,6 +14,12 @@ namespace skein::ui {
 namespace {
 
 constexpr qsizetype most_recent = 8;
+
+QStringList lines_of(const std::vector<app::Problem>& problems) {
+  QStringList lines;
+  for (const app::Problem& problem : problems) lines << QString::fromStdString(problem.message());
+  return lines;
+}
 
 QStringList recent_files() {
   return settings().value(QStringLiteral("recent")).toStringList();
@@ -51,6 +59,14 @@ void FileController::ask() {
   dialog->show();
 }
 
+bool FileController::cannot_open() const {
+  if (real_robots_move()) return true;
+  if (live_.is_busy())
+    messages_.problem(tr("Not yet"),
+                      tr("The previous experiment is still being opened or closed: try again in a moment."));
+  return live_.is_busy();
+}
+
 bool FileController::real_robots_move() const {
   if (!live_.is_under_way() || live_.real_time_reason().isEmpty()) return false;
   messages_.problem(tr("Not while robots drive"), tr("Stop the run first, then open the file."));
@@ -67,8 +83,7 @@ void FileController::open(const QString& file) {
   }
   const auto experiment = app::load_experiment(file.toStdString());
   if (!experiment) {
-    QStringList problems;
-    for (const app::Problem& problem : experiment.error()) problems << QString::fromStdString(problem.message());
+    const QStringList problems = lines_of(experiment.error());
     const QString title =
         tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(file).fileName());
     QFile text(file);
@@ -78,14 +93,23 @@ void FileController::open(const QString& file) {
     emit broken(QString::fromUtf8(text.readAll()), file);
     return;
   }
-  if (real_robots_move()) return;
-  if (live_.is_busy()) {
-    messages_.problem(tr("Not yet"),
-                      tr("The previous experiment is still being opened or closed: try again in a moment."));
-    return;
-  }
+  if (cannot_open()) return;
   emit experiment_wanted(*experiment);
   set_experiment_file(file);
+}
+
+void FileController::rehearse() {
+  const app::Experiment& experiment = live_.experiment();
+  if (!app::has_hardware(experiment))
+    return messages_.problem(tr("There is nothing to rehearse"),
+                             tr("This experiment has neither real robots nor a real camera: start it as it is."));
+  if (cannot_open()) return;
+  const auto rehearsal = app::rehearsal(experiment);
+  if (!rehearsal)
+    return messages_.problem(tr("This experiment cannot be rehearsed"),
+                             tr("Without its hardware its file has problems:"),
+                             lines_of(rehearsal.error()).join(QLatin1Char('\n')));
+  emit experiment_wanted(*rehearsal);
 }
 
 void FileController::open_recording(const QString& file) {

@@ -19,6 +19,8 @@ class FileController final : public QObject {
   /// wanted.
   void open(const QString& file);
   void open_recording(const QString& file);
+  /// The open experiment, without its hardware.
+  void rehearse();
   /// The one file that is dragged; empty: none, or more than one.
   static QString dragged(const QMimeData* data);
 
@@ -33,6 +35,7 @@ class FileController final : public QObject {
 
  private:
   void ask();
+  bool cannot_open() const;       // and says why: real robots drive, or a session is being opened or closed
   bool real_robots_move() const;  // and says that nothing is opened meanwhile
 
   LiveRun& live_;

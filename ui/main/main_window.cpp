@@ -19,6 +19,7 @@
 #include <cmath>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/hardware.h"
 #include "app/run/interrupted.h"
 #include "ui/arena/arena_view.h"
 #include "ui/base/compared.h"
@@ -28,8 +29,10 @@
 #include "ui/main/arena_actions.h"
 #include "ui/main/branch_controller.h"
 #include "ui/main/calibration_controller.h"
+#include "ui/main/camera_controller.h"
 #include "ui/main/check_controller.h"
 #include "ui/main/comparison_controller.h"
+#include "ui/main/connect_controller.h"
 #include "ui/main/editor_controller.h"
 #include "ui/main/file_controller.h"
 #include "ui/main/help.h"
@@ -100,7 +103,8 @@ MainWindow::MainWindow() {
     if (!action->shortcut().isEmpty()) addAction(action);
   connect_panels();
   connect_session();
-  new StopGuard({[this] { return stop_by_key(); }, [this] { return runs_.live().all_stand(); }, [this] { on_space(); }},
+  new StopGuard({[this] { return stop_by_key(); },
+                 [this] { return runs_.live().all_stand() && !connect_->is_working(); }, [this] { on_space(); }},
                 run_bar_->stop_button(), this);
   default_layout();
   restore_settings();
@@ -144,6 +148,8 @@ void MainWindow::build_controllers() {
   result_ = new ResultController(runs_, *messages_, results_, this);
   robot_ = new RobotController(runs_, *messages_, robot_buttons_, this);
   calibration_ = new CalibrationController(live, *messages_, this);
+  camera_ = new CameraController(runs_, *editor_, *messages_, this);
+  connect_ = new ConnectController(runs_, *editor_, *messages_, this);
 }
 
 void MainWindow::lay_out() {
@@ -296,6 +302,10 @@ void MainWindow::build_menus(QMenuBar* menus) {
   add(file, tr("&Quit"), QStringLiteral("quit"), QKeySequence(tr("Ctrl+Q")), [this] { close(); });
 
   build_run_menu(menus->addMenu(tr("&Run")));
+  QMenu* robots = menus->addMenu(tr("Ro&bots"));
+  add(robots, tr("&Connect robots …"), QStringLiteral("connect_robots_page"), {}, [this] { connect_->show(); });
+  robots->addSeparator();
+  robots->addActions(robot_buttons_->actions());
   build_view_menu(menus->addMenu(tr("&View")));
   arena_actions_->build_tool_menu(menus->addMenu(tr("&Arena")));
 
@@ -320,6 +330,9 @@ void MainWindow::build_run_menu(QMenu* run) {
   new_run_action_ =
       add(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
   branch_->build_menu(run);
+  QAction* rehearse =
+      add(run, tr("Re&hearse without hardware"), QStringLiteral("rehearse"), {}, [this] { files_->rehearse(); });
+  rehearse->setToolTip(tr("The same experiment with emulated robots and rendered pictures in place of the real ones"));
   run->addSeparator();
   add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
       [this] { record(!recording_->records()); });
@@ -342,6 +355,7 @@ void MainWindow::build_run_menu(QMenu* run) {
   add_toggle(run, tr("&Check list"), QStringLiteral("view_checks"), [this](bool on) {
     checks_->set_wanted(on);
   })->setShortcut(QKeySequence(tr("Ctrl+L")));
+  add(run, tr("C&amera …"), QStringLiteral("camera"), {}, [this] { camera_->show(); });
   add(run, tr("Calibrate ca&mera …"), QStringLiteral("calibrate_camera"), {}, [this] { calibration_->calibrate(); });
 }
 
@@ -434,6 +448,9 @@ void MainWindow::connect_panels() {
   connect(recording_, &RecordingController::saved, this, &MainWindow::saved);
   connect(recording_, &RecordingController::keeping, results_, &ResultPanel::show_kept);
   connect(calibration_, &CalibrationController::session_ends, this, &MainWindow::let_go_of_session);
+  connect(connect_, &ConnectController::session_ends, this, &MainWindow::let_go_of_session);
+  connect(connect_, &ConnectController::experiment_wanted, this,
+          [this](const app::Experiment& experiment) { open(experiment, false); });
 }
 
 void MainWindow::connect_session() {
@@ -468,14 +485,21 @@ void MainWindow::connect_session() {
                     Severity::warning);
   });
   connect(live, &LiveRun::closed, this, [this] {
-    may_close_ = true;
-    close();
+    connect_->close([this] {
+      may_close_ = true;
+      close();
+    });
   });
 }
 
 void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
   if (runs_.live().is_busy()) return;
+  if (connect_->is_working()) {  // a robot has one master
+    messages_->say(tr("Robots are being set up: that is ended first"), Severity::notice);
+    return connect_->end_then([this, experiment, start_at_once] { open(experiment, start_at_once); });
+  }
   teaches_ = start_at_once;
+  camera_->let_go();
   runs_.live().open(experiment, start_at_once, recording_->film_path(experiment));
   runs_.show_live();
   checks_->begin();
@@ -547,15 +571,22 @@ void MainWindow::on_opened() {
 void MainWindow::on_open_failed(const QString& reason) {
   log_->note(0.0, reason, Severity::alarm);
   alert_->hold(reason, Severity::alarm);
-  messages_->problem(tr("The experiment could not be opened"), reason);
+  QString text = reason;
+  if (app::has_hardware(runs_.live().experiment()))
+    text += QStringLiteral("\n\n") + tr("Run | Rehearse without hardware opens it with emulated robots.");
+  messages_->problem(tr("The experiment could not be opened"), text);
 }
 
 void MainWindow::on_frame() {
   if (app::interrupted() && !may_close_) close();
   for (const QString& sentence : runs_.live().alarms()) log_->note(0.0, sentence, Severity::alarm);
   calibration_->refresh();
+  connect_->refresh();
   app::Picture picture;
-  if (arena_->shows_picture() && runs_.live().picture(picture)) arena_->set_picture(picture);
+  if ((arena_->shows_picture() || camera_->wants_picture()) && runs_.live().picture(picture)) {
+    camera_->hand(picture);
+    if (arena_->shows_picture()) arena_->set_picture(picture);
+  }
   arena_->refresh();
   alert_->refresh();
   const Colours c = colours(palette());
@@ -598,8 +629,7 @@ void MainWindow::show_state() {
 
   const QString fixed = run.why_fixed();
   const bool there = run.is_open() || run.is_busy();
-  gains_->setEnabled((there || run.is_complete()) &&
-                     (run.experiment().robots.size() > 1 || !run.experiment().controller.law.uses_gains()));
+  gains_->setEnabled((there || run.is_complete()) && GainsPanel::has_anything_to_set(run.experiment()));
   gains_->set_fixed(fixed);
   gains_->set_before_start(run.is_open() && phase == app::Phase::ready);
   robot_buttons_->setEnabled(fixed.isEmpty());
@@ -636,6 +666,7 @@ void MainWindow::select_robot(int robot) {
 
 void MainWindow::stop() {
   runs_.live().stop();  // before anything else
+  connect_->stop();
   show_state();
 }
 
@@ -643,8 +674,9 @@ bool MainWindow::stop_by_key() {
   const LiveRun& live = runs_.live();
   const bool could_move = (live.is_open() || live.is_busy()) && !live.stop_asked() &&
                           live.phase() != app::Phase::stopped && live.phase() != app::Phase::finished;
+  const bool was_working = connect_->is_working();
   stop();
-  return could_move;
+  return could_move || was_working;
 }
 
 /// Where nothing can be stopped, Space pauses what plays.
@@ -713,7 +745,7 @@ void MainWindow::mend(app::Check::What what) {
   using What = app::Check::What;
   switch (what) {
     case What::camera:
-      return calibration_->calibrate();
+      return calibration_->calibrate(runs_.live().marks().moved.has_value());
     case What::tags:
       return arena_actions_->show_picture();
     case What::links:
@@ -743,7 +775,9 @@ void MainWindow::let_go_of_session() {
 
 QString MainWindow::close_session() {
   LiveRun& live = runs_.live();
-  const QString problem = live.close_now();
+  connect_->stop();
+  QString problem = live.close_now();
+  connect_->close_now();
   if (!problem.isEmpty()) return problem;
   QStringList missing;
   for (std::size_t i = 0; i < live.robots().size(); ++i)
@@ -763,6 +797,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   if (!app::interrupted() && isEnabled() && editor_->ask_about_changes()) return;
   // The robots first; the window goes when they stand, or have not answered for a second.
   let_go_of_session();
+  connect_->stop();
   runs_.live().close();
   setEnabled(false);
   alert_->hold(tr("Stopping all robots …"), Severity::warning);

@@ -21,9 +21,11 @@ class ArenaActions;
 class ArenaView;
 class BranchController;
 class CalibrationController;
+class CameraController;
 class CheckController;
 class CheckList;
 class ComparisonController;
+class ConnectController;
 class EditorController;
 class EventPanel;
 class FileController;
@@ -158,6 +160,8 @@ class MainWindow final : public QMainWindow {
   ResultController* result_;
   RobotController* robot_;
   CalibrationController* calibration_;
+  CameraController* camera_;
+  ConnectController* connect_;
 
   std::map<QDockWidget*, QSize> dock_sizes_;  // as they were made, in a window of this size:
   QSize sized_in_, settled_;

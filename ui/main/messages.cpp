@@ -21,7 +21,7 @@ void Messages::tell(const RunSource::Done& done) const {
 
 void Messages::problem(const QString& title, const QString& text, const QString& details) const {
   say(title, Severity::warning);  // also in place of "Reading ..." and the like
-  QString body = text.toHtmlEscaped();
+  QString body = text.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
   if (!details.isEmpty())
     body +=
         QStringLiteral("<pre style=\"white-space: pre-wrap\">") + details.toHtmlEscaped() + QStringLiteral("</pre>");

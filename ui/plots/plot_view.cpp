@@ -1,23 +1,37 @@
 #include "ui/plots/plot_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "ui/base/compared.h"
 #include "ui/base/told.h"
+#include "ui/plots/curve_numbers.h"
 #include "ui/plots/math_title.h"
 
 namespace skein::ui {
 namespace {
 
-constexpr std::size_t most_named = 8;   // curves that a legend has room for: of more the pointer tells the names
+constexpr std::size_t most_named = 8;   // curves that a legend has room for: of more, each has its number on it
 constexpr std::size_t times_every = 6;  // plots
 
 struct Legend {
   int columns = 8;
   bool first_robot_only = false;  // of many pairs there is no room for the second number
 };
+/// Of the signals that are drawn in another's plot, one after the other: their curves, and the mark before their
+/// titles.
+struct AddedStyle {
+  Qt::PenStyle pen;
+  const char* mark;
+};
+constexpr std::array added_styles{AddedStyle{Qt::DashLine, "– – "}, AddedStyle{Qt::DotLine, "· · "},
+                                  AddedStyle{Qt::DashDotLine, "– · "}};
+const AddedStyle& added_style(std::size_t k) {
+  return added_styles[k % added_styles.size()];
+}
+
 Legend legend_of(const PlotRow& row) {
   switch (row.of) {
     case PlotRow::Of::robot:
@@ -67,11 +81,12 @@ PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
 }
 
 void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots,
-                        std::size_t others, bool foresees) {
+                        std::size_t others, bool foresees, const std::vector<std::vector<std::size_t>>& added) {
   others_ = others + (foresees ? 1 : 0);
   foresees_ = foresees;
   const QCPRange before = shown_.empty() ? QCPRange(0, 1) : time();
   markers_.drop_lines();
+  for (const Shown& s : shown_) delete s.numbers;
   shown_.clear();
   clearItems();
   clearGraphs();
@@ -103,7 +118,8 @@ void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>
     names_curves = names_curves && rows_[row].curves.size() <= most_named;
     // The times stand below the last plot, and, where one has to scroll to it, here and there on the way.
     const bool last_one = row + 1 == static_cast<std::size_t>(shown.rend() - last);
-    add_row(row, last_one, last_one || shown_.size() % times_every == times_every - 1, names_curves);
+    add_row(row, last_one, last_one || shown_.size() % times_every == times_every - 1, names_curves,
+            row < added.size() ? added[row] : std::vector<std::size_t>());
   }
   for (const Shown& from : shown_)
     for (const Shown& to : shown_)
@@ -116,20 +132,29 @@ void PlotView::set_rows(const std::vector<PlotRow>& all, const std::vector<bool>
   setMinimumHeight(needed_height());
 }
 
-void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_curves) {
+void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_curves,
+                       const std::vector<std::size_t>& added) {
   const PlotRow& spec = rows_[row];
   const int place = 2 * static_cast<int>(shown_.size());
   Shown s{};
   s.row = row;
   s.rect = new QCPAxisRect(this);
-  auto* head = new QCPLayoutGrid;
+  auto* head = s.head = new QCPLayoutGrid;
   plotLayout()->addElement(place, 0, head);  // first: what goes into it learns its plot from it
   s.title = new MathTitle(this, spec.symbol, spec.index, spec.unit);
   s.title->setMarginGroup(QCP::msLeft, sides_);
   head->addElement(0, 0, s.title);
-  head->addElement(0, 1, new QCPLayoutElement(this));  // takes up what is left between title and legend
-  head->setColumnStretchFactor(1, 1000);
-  if (names_curves) head->addElement(0, 2, s.legend = compact_legend(legend_of(spec).columns));
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    const PlotRow& other = rows_[added[k]];
+    const bool same = other.unit == spec.unit;
+    auto* title = new MathTitle(this, QLatin1String("  ") + QString::fromUtf8(added_style(k).mark) + other.symbol,
+                                other.index, other.unit);
+    head->addElement(0, head->columnCount(), title);
+    s.added.push_back({added[k], s.rect->axis(same ? QCPAxis::atLeft : QCPAxis::atRight), title, {}});
+  }
+  head->addElement(0, head->columnCount(), new QCPLayoutElement(this));  // takes up what is left before the legend
+  head->setColumnStretchFactor(head->columnCount() - 1, 1000);
+  if (names_curves) head->addElement(0, head->columnCount(), s.legend = compact_legend(legend_of(spec).columns));
   plotLayout()->addElement(place + 1, 0, s.rect);
   plotLayout()->setRowStretchFactor(place, 0.001);
   s.rect->setMarginGroup(QCP::msLeft | QCP::msRight, sides_);
@@ -146,20 +171,30 @@ void PlotView::add_row(std::size_t row, bool last, bool has_times, bool names_cu
   value->setNumberFormat(QStringLiteral("g"));
   value->setNumberPrecision(4);
 
-  const auto graph = [&] {
-    QCPGraph* made = addGraph(time, value);
+  const auto graph = [&](QCPAxis* axis) {
+    QCPGraph* made = addGraph(time, axis);
     made->removeFromLegend();
     return made;
   };
   s.others.resize(others_);
   for (auto& of_run : s.others)
-    for (std::size_t c = 0; c < spec.curves.size(); ++c) of_run.push_back(graph());
+    for (std::size_t c = 0; c < spec.curves.size(); ++c) of_run.push_back(graph(value));
+  for (Added& one : s.added) {
+    for (std::size_t c = 0; c < rows_[one.row].curves.size(); ++c) one.graphs.push_back(graph(one.axis));
+    if (one.axis == value) continue;
+    one.axis->setVisible(true);
+    one.axis->ticker()->setTickCount(3);
+    one.axis->setNumberFormat(QStringLiteral("g"));
+    one.axis->setNumberPrecision(4);
+  }
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
-    s.graphs.push_back(graph());
+    s.graphs.push_back(graph(value));
     if (!names_curves) continue;
     s.graphs[c]->setName(legend_of(spec).first_robot_only ? QString::number(c + 1) : spec.curves[c]);
     s.graphs[c]->addToLegend(s.legend);
   }
+  const bool of_robots = spec.of == PlotRow::Of::robot || spec.of == PlotRow::Of::pair;
+  if (of_robots && spec.curves.size() > most_named) s.numbers = new CurveNumbers(s.rect);
   if (spec.band > 0.0) s.band = band(s.rect, spec.band);
   for (const double limit : spec.limits) {
     QCPItemStraightLine* at = line(s.rect, QStringLiteral("grid"));
@@ -248,37 +283,85 @@ void PlotView::draw_history(const PlotHistory& history, const std::vector<const 
       }
       if (visible) fill(s.graphs[c], history, row.first + c);
     }
+    for (Added& one : s.added)
+      for (std::size_t c = 0; c < one.graphs.size(); ++c) {
+        const bool visible = drawn(rows_[one.row], c);
+        one.graphs[c]->setVisible(visible);
+        if (visible) fill(one.graphs[c], history, rows_[one.row].first + c);
+      }
     fit(s, history, others);
+    if (s.numbers) number_curves(s, history);
   }
 }
 
-void PlotView::fit(Shown& shown, const PlotHistory& history, const std::vector<const PlotHistory*>& others) {
+/// Spread over the time that is seen of them or, as long as the time to come has more room, behind their ends at their
+/// heights; those of the selected robot stand before the others.
+void PlotView::number_curves(const Shown& shown, const PlotHistory& history) const {
   const PlotRow& row = rows_[shown.row];
-  const QCPRange range = time();
-  std::vector<const PlotHistory*> all{&history};
-  all.insert(all.end(), others.begin(), others.end());
-  double low = row.from_zero ? 0.0 : -row.least, high = row.least;
+  std::vector<CurveNumbers::Number> numbers;
+  if (history.empty()) return shown.numbers->show(numbers);
+  const double from = std::max(time().lower, history.first_time()), to = std::min(time().upper, history.last_time());
+  const bool behind = time().upper - to > to - from;
+  const auto count = static_cast<double>(row.curves.size());
   for (std::size_t c = 0; c < row.curves.size(); ++c) {
     if (!drawn(row, c)) continue;
-    for (const PlotHistory* from : all) {
-      if (!from) continue;
-      const PlotHistory::Range values = from->range(row.first + c, range.lower, range.upper);
-      if (values.low > values.high) continue;
-      low = std::min(low, values.low);
-      high = std::max(high, values.high);
-    }
+    const double share = (static_cast<double>(c) + 0.5) / count;
+    const double t = behind ? to + share * (time().upper - to) : from + share * (to - from);
+    numbers.push_back({static_cast<int>(c) + 1, look_of(row, c).colour, t, history.value(row.first + c, t)});
   }
+  std::stable_partition(numbers.begin(), numbers.end(), [&](const CurveNumbers::Number& one) {
+    const auto of = robots_of(row.of, static_cast<std::size_t>(one.number - 1), robots_.size());
+    const auto chosen = static_cast<std::size_t>(selected_);
+    return selected_ >= 0 && of && (of->first == chosen || of->second == chosen);
+  });
+  shown.numbers->show(std::move(numbers));
+}
+
+void PlotView::fit(Shown& shown, const PlotHistory& history, const std::vector<const PlotHistory*>& others) {
+  std::vector<const PlotHistory*> all{&history};
+  all.insert(all.end(), others.begin(), others.end());
+  std::vector<const PlotRow*> left{&rows_[shown.row]}, right;
+  QCPAxis* value = shown.rect->axis(QCPAxis::atLeft);
+  for (const Added& one : shown.added) (one.axis == value ? left : right).push_back(&rows_[one.row]);
+  value->setRange(heights_[shown.row].value_or(fitted(left, all, history)));
+  if (!right.empty()) shown.rect->axis(QCPAxis::atRight)->setRange(fitted(right, {&history}, history));
+}
+
+/// The height that shows all of some rows' curves; the first row's out of several runs.
+QCPRange PlotView::fitted(const std::vector<const PlotRow*>& rows, const std::vector<const PlotHistory*>& of_first,
+                          const PlotHistory& history) const {
+  const QCPRange range = time();
+  const bool from_zero = std::all_of(rows.begin(), rows.end(), [](const PlotRow* row) { return row->from_zero; });
+  double high = 0.0;
+  for (const PlotRow* row : rows) high = std::max(high, row->least);
+  double low = from_zero ? 0.0 : -high;
+  const auto reach = [&](const PlotHistory& from, std::size_t curve) {
+    const PlotHistory::Range values = from.range(curve, range.lower, range.upper);
+    if (values.low > values.high) return;
+    low = std::min(low, values.low);
+    high = std::max(high, values.high);
+  };
+  for (const PlotRow* row : rows)
+    for (std::size_t c = 0; c < row->curves.size(); ++c) {
+      if (!drawn(*row, c)) continue;
+      if (row != rows.front()) {
+        reach(history, row->first + c);
+        continue;
+      }
+      for (const PlotHistory* from : of_first)
+        if (from) reach(*from, row->first + c);
+    }
   // A limit is in the picture once something comes near it.
-  for (const double limit : row.limits) {
+  for (const double limit : rows.front()->limits) {
     if (limit > 0 && high > 0.6 * limit) high = std::max(high, 1.05 * limit);
     if (limit < 0 && low < 0.6 * limit) low = std::min(low, 1.05 * limit);
   }
   // In steps of a tenth of the height: a range that moved with every sample would make the curves swim.
   const double step = std::pow(10.0, std::floor(std::log10(high - low))) / 2;
-  const double room = row.from_zero ? 0.0 : 0.3 * step;
+  const double room = from_zero ? 0.0 : 0.3 * step;
   low = std::floor((low - room) / step) * step;
   high = std::ceil((high + 0.3 * step) / step) * step;
-  shown.rect->axis(QCPAxis::atLeft)->setRange(heights_[shown.row].value_or(QCPRange(low, high)));
+  return {low, high};
 }
 
 void PlotView::place(QCPItemStraightLine* Shown::*line, std::optional<double> t) {
@@ -348,6 +431,22 @@ int PlotView::row_at(const QPoint& where) const {
   return -1;
 }
 
+const CurveNumbers* PlotView::numbers_of(std::size_t row) const {
+  const Shown* const s = find(row);
+  return s ? s->numbers : nullptr;
+}
+
+int PlotView::head_at(const QPoint& where) const {
+  for (const Shown& s : shown_)
+    if (s.head->outerRect().contains(where)) return static_cast<int>(s.row);
+  return -1;
+}
+
+QRect PlotView::head_of(std::size_t row) const {
+  const Shown* const s = find(row);
+  return s ? s->head->outerRect() : QRect();
+}
+
 double PlotView::time_at(const QPoint& where) const {
   return shown_.empty() ? 0.0 : shown_[0].rect->axis(QCPAxis::atBottom)->pixelToCoord(where.x());
 }
@@ -384,6 +483,8 @@ void PlotView::style() {
       axis->grid()->setZeroLinePen(QPen(c.axis, 1));
     }
     s.title->set_colour(c.text);
+    if (s.numbers) s.numbers->set_ground(c.plot);
+    for (const Added& one : s.added) one.title->set_colour(c.text);
     for (QCPItemStraightLine* limit : s.limits) limit->setPen(QPen(c.warning, 1, Qt::DashLine));
     if (s.band) {
       QColor pale = c.good;
@@ -404,47 +505,51 @@ void PlotView::style() {
   style_curves();
 }
 
+PlotView::Look PlotView::look_of(const PlotRow& row, std::size_t curve) const {
+  constexpr std::size_t hues = 7;  // then they come round again
+  switch (row.of) {
+    case PlotRow::Of::robot:
+    case PlotRow::Of::stage:
+      return {colours_.robot(curve)};
+    case PlotRow::Of::pair:
+      return {colours_.pair(curve)};
+    case PlotRow::Of::couple:
+      return {colours_.robot(curve), curve >= hues ? Qt::DashLine : Qt::SolidLine};
+    case PlotRow::Of::group:
+      return {colours_.text};
+  }
+  return {};
+}
+
+void PlotView::style_curve(QCPGraph* graph, const PlotRow& row, std::size_t curve,
+                           std::optional<Qt::PenStyle> style) const {
+  auto [colour, own_style] = look_of(row, curve);
+  const bool crowd = row.curves.size() > most_named;  // thin lines without smooth edges cost a fifth
+  double width = crowd ? 1.0 : 1.5;
+  const auto chosen = static_cast<std::size_t>(selected_);
+  const auto of = robots_of(row.of, curve, robots_.size());
+  const bool belongs = selected_ >= 0 && of && (of->first == chosen || of->second == chosen);
+  if (selected_ >= 0 && of) {
+    width = belongs ? 2.6 : crowd ? 1.0 : 1.2;
+    colour.setAlphaF(belongs ? 1.0F : 0.45F);
+  }
+  graph->setAntialiased(!crowd);
+  graph->setPen(QPen(colour, width, style.value_or(own_style)));
+  graph->setLayer(belongs ? QStringLiteral("axes") : QStringLiteral("main"));
+}
+
 void PlotView::style_curves() {
   for (Shown& s : shown_) {
     const PlotRow& row = rows_[s.row];
+    for (std::size_t k = 0; k < s.added.size(); ++k)
+      for (std::size_t i = 0; i < s.added[k].graphs.size(); ++i)
+        style_curve(s.added[k].graphs[i], rows_[s.added[k].row], i, added_style(k).pen);
     for (std::size_t i = 0; i < row.curves.size(); ++i) {
-      const auto of = robots_of(row.of, i, robots_.size());
-      QColor colour;
-      auto style = Qt::SolidLine;
-      switch (row.of) {
-        case PlotRow::Of::robot:
-        case PlotRow::Of::stage:
-          colour = colours_.robot(i);
-          break;
-        case PlotRow::Of::pair:
-          colour = colours_.pair(i);
-          break;
-        case PlotRow::Of::couple: {
-          constexpr std::size_t hues = 7;  // then they come round again, dashed
-          colour = colours_.robot(i);
-          if (i >= hues) style = Qt::DashLine;
-          break;
-        }
-        case PlotRow::Of::group:
-          colour = colours_.text;
-          break;
-      }
-      const bool crowd = row.curves.size() > most_named;  // thin lines without smooth edges cost a fifth
-      double width = crowd ? 1.0 : 1.5;
-      const auto chosen = static_cast<std::size_t>(selected_);
-      const bool has_robots = of.has_value();
-      const bool belongs = of && (of->first == chosen || of->second == chosen);
-      QColor pale = colour;
+      style_curve(s.graphs[i], row, i, {});
+      QColor pale = look_of(row, i).colour;
       pale.setAlphaF(0.6F);
-      if (selected_ >= 0 && has_robots) {
-        width = belongs ? 2.6 : crowd ? 1.0 : 1.2;
-        colour.setAlphaF(belongs ? 1.0F : 0.45F);
-      }
-      s.graphs[i]->setAntialiased(!crowd);
-      s.graphs[i]->setPen(QPen(colour, width, style));
-      s.graphs[i]->setLayer(selected_ >= 0 && has_robots && belongs ? QStringLiteral("axes") : QStringLiteral("main"));
       for (std::size_t k = 0; k < s.others.size(); ++k) {
-        s.others[k][i]->setAntialiased(!crowd);
+        s.others[k][i]->setAntialiased(row.curves.size() <= most_named);
         if (foresees_ && k + 1 == s.others.size()) {  // what has not happened yet: paler than anything else
           QColor faint = pale;
           faint.setAlphaF(0.35F);

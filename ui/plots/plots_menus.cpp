@@ -3,6 +3,8 @@
 #include <QHBoxLayout>
 #include <QMenu>
 #include <QToolButton>
+#include <QToolTip>
+#include <algorithm>
 
 #include "ui/base/dialogs.h"
 #include "ui/base/menus.h"
@@ -69,7 +71,11 @@ void PlotsPanel::fill_plots_menu() {
     action->setChecked(shown_[row]);
     connect(action, &QAction::toggled, this, [this, name = rows_[row].name](bool on) {
       QStringList names = shown();
-      on ? names.append(name) : static_cast<void>(names.removeAll(name));
+      if (on)
+        names.append(name);
+      else
+        names.removeIf(
+            [&](const QString& entry) { return entry == name || entry.startsWith(name + QLatin1Char('+')); });
       if (!names.isEmpty()) show_plots(names);
     });
   }
@@ -80,6 +86,9 @@ void PlotsPanel::fill_plots_menu() {
   auto* over = plots_menu_->addMenu(tr("One &over another"));
   for (std::size_t row = 0; row < rows_.size(); ++row)
     if (shown_[row]) fill_over_menu(over, row);
+  auto* add = plots_menu_->addMenu(tr("&Into another's plot"));
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    if (shown_[row]) fill_add_menu(add, row);
   fill_layouts_menu(plots_menu_->addMenu(tr("&Layouts")));
 }
 
@@ -144,6 +153,22 @@ void PlotsPanel::fill_over_menu(QMenu* menu, std::size_t y) {
   over->addAction(tr("Nothing: only over time"), this, [this] { show_over({}, {}); })->setEnabled(!over_y_.isEmpty());
 }
 
+/// What can be drawn in this plot as well.
+void PlotsPanel::fill_add_menu(QMenu* menu, std::size_t plot) {
+  auto* add = menu->addMenu(tr("Into the plot of %1").arg(rows_[plot].title()));
+  add->setObjectName(QStringLiteral("add_signal"));
+  for (std::size_t signal = 0; signal < rows_.size(); ++signal) {
+    if (signal == plot) continue;
+    QAction* action = add->addAction(QStringLiteral("%1: %2").arg(rows_[signal].title(), rows_[signal].what));
+    action->setCheckable(true);
+    action->setChecked(std::find(added_[plot].begin(), added_[plot].end(), signal) != added_[plot].end());
+    connect(action, &QAction::toggled, this, [this, of = rows_[signal].name, in = rows_[plot].name](bool on) {
+      if (!on) return remove_signal(of, in);
+      if (const QString why = add_signal(of, in); !why.isEmpty()) QToolTip::showText(QCursor::pos(), why, view_);
+    });
+  }
+}
+
 void PlotsPanel::context_menu(const QPoint& where) {
   auto* menu = new QMenu(this);
   menu->setAttribute(Qt::WA_DeleteOnClose);
@@ -153,7 +178,10 @@ void PlotsPanel::context_menu(const QPoint& where) {
   menu->addSeparator();
   menu->addAction(tr("Measure from here"), this, [this, t = view_->time_at(where)] { set_mark(t); });
   menu->addAction(tr("Remove the mark"), this, [this] { set_mark({}); })->setEnabled(mark_.has_value());
-  if (const int row = view_->row_at(where); row >= 0) fill_over_menu(menu, static_cast<std::size_t>(row));
+  if (const int row = std::max(view_->row_at(where), view_->head_at(where)); row >= 0) {
+    fill_over_menu(menu, static_cast<std::size_t>(row));
+    fill_add_menu(menu, static_cast<std::size_t>(row));
+  }
   menu->addAction(tr("Fit all heights"), this, &PlotsPanel::fit_heights)->setEnabled(view_->holds_heights());
   menu->popup(view_->mapToGlobal(where));
 }

@@ -20,6 +20,7 @@ namespace skein::ui {
 namespace {
 
 constexpr double notch = 120.0;  // of a mouse wheel, in Qt's unit
+const QLatin1Char with('+');     // between the name of a plot and those of signals that are drawn in it too
 constexpr int replot_ms = 60;    // at most some 16 pictures a second
 constexpr std::size_t most_bytes =
     64'000'000;  // of curves: an hour of four robots at 25 Hz; with all else below 200 MB
@@ -99,9 +100,17 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
 
 void PlotsPanel::rebuild() {
   shown_.assign(rows_.size(), false);
-  for (std::size_t row = 0; row < rows_.size(); ++row)
-    shown_[row] = wanted_.isEmpty() ? rows_[row].usual : wanted_.contains(rows_[row].name);
-  view_->set_rows(rows_, shown_, robots_.size(), others_.size(), foreseen_.has_value());
+  added_.assign(rows_.size(), {});
+  for (std::size_t row = 0; row < rows_.size(); ++row) shown_[row] = wanted_.isEmpty() && rows_[row].usual;
+  for (const QString& entry : wanted_) {
+    const QStringList names = entry.split(with);
+    const auto plot = row_of(names.front());
+    if (!plot) continue;
+    shown_[*plot] = true;
+    for (const QString& name : names.mid(1))
+      if (const auto signal = row_of(name)) added_[*plot].push_back(*signal);
+  }
+  view_->set_rows(rows_, shown_, robots_.size(), others_.size(), foreseen_.has_value(), added_);
   view_->show_robots(robots_);
   if (playhead_) view_->set_playhead(playhead_);
   if (mark_) view_->set_mark(mark_);
@@ -112,8 +121,44 @@ void PlotsPanel::rebuild() {
 QStringList PlotsPanel::shown() const {
   QStringList names;
   for (std::size_t row = 0; row < rows_.size(); ++row)
-    if (shown_[row]) names << rows_[row].name;
+    if (shown_[row]) {
+      QString entry = rows_[row].name;
+      for (const std::size_t signal : added_[row]) entry += with + rows_[signal].name;
+      names << entry;
+    }
   return names;
+}
+
+std::optional<std::size_t> PlotsPanel::row_of(const QString& name) const {
+  const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const PlotRow& r) { return r.name == name; });
+  return row == rows_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(row - rows_.begin()));
+}
+
+QString PlotsPanel::add_signal(const QString& signal, const QString& plot) {
+  const auto of = row_of(signal), in = row_of(plot);
+  if (!of || !in || !shown_[*in]) return tr("There is no such plot");
+  if (of == in || std::find(added_[*in].begin(), added_[*in].end(), *of) != added_[*in].end())
+    return tr("%1 is drawn there already").arg(rows_[*of].title());
+  for (const std::size_t other : added_[*in])
+    if (const QString& unit = rows_[other].unit;
+        unit != rows_[*in].unit && rows_[*of].unit != rows_[*in].unit && rows_[*of].unit != unit)
+      return tr("A plot has room for two units, and this one has %1 and %2").arg(rows_[*in].unit, unit);
+  QStringList names = shown();
+  for (QString& entry : names)
+    if (entry.split(with).front() == plot) entry += with + signal;
+  show_plots(names);
+  return {};
+}
+
+void PlotsPanel::remove_signal(const QString& signal, const QString& plot) {
+  QStringList names = shown();
+  for (QString& entry : names) {
+    QStringList parts = entry.split(with);
+    if (parts.front() != plot) continue;
+    if (const qsizetype at = parts.indexOf(signal, 1); at > 0) parts.removeAt(at);
+    entry = parts.join(with);
+  }
+  show_plots(names);
 }
 
 void PlotsPanel::show_plots(const QStringList& names) {
@@ -200,6 +245,7 @@ void PlotsPanel::foresee(const std::vector<app::TickRecord>& rows) {
 
 std::vector<const PlotHistory*> PlotsPanel::drawn_others() const {
   std::vector<const PlotHistory*> drawn;
+  drawn.reserve(others_.size() + 1);
   for (const PlotHistory& other : others_) drawn.push_back(other.empty() ? nullptr : &other);
   if (foreseen_) drawn.push_back(foreseen_->empty() ? nullptr : &*foreseen_);
   return drawn;
@@ -216,28 +262,24 @@ void PlotsPanel::use(const PlotLayout& layout) {
 }
 
 bool PlotsPanel::show_over(const QString& y, const QString& x) {
-  const auto row = [this](const QString& name) {
-    return std::find_if(rows_.begin(), rows_.end(), [&](const PlotRow& r) { return r.name == name; });
-  };
-  const auto of_y = row(y), of_x = row(x);
-  const bool both = of_y != rows_.end() && of_x != rows_.end();
-  const bool fit = both && of_y->of == of_x->of && of_y->curves.size() == of_x->curves.size();
+  const auto row_y = row_of(y), row_x = row_of(x);
+  const bool fit = row_y && row_x && rows_[*row_y].of == rows_[*row_x].of &&
+                   rows_[*row_y].curves.size() == rows_[*row_x].curves.size();
   over_->setVisible(fit);
   over_y_ = fit ? y : QString();
   over_x_ = fit ? x : QString();
-  if (fit) over_->set_rows(*of_x, *of_y, colours(palette()));
+  if (fit) over_->set_rows(rows_[*row_x], rows_[*row_y], colours(palette()));
   refresh();
   return fit;
 }
 
 void PlotsPanel::draw_over() {
-  if (!over_->isVisible()) return;
+  if (over_y_.isEmpty()) return;
   const QCPRange time = view_->time();
-  const auto y = std::find_if(rows_.begin(), rows_.end(), [&](const PlotRow& r) { return r.name == over_y_; });
-  std::vector<bool> drawn(y->curves.size(), true);
-  for (std::size_t c = 0; c < drawn.size(); ++c)
-    if (const auto of = robots_of(y->of, c, robots_.size())) drawn[c] = robots_[of->first] && robots_[of->second];
-  over_->draw(history_, time.lower, time.upper, drawn);
+  const PlotRow& y = rows_[*row_of(over_y_)];
+  std::vector<bool> drawn(y.curves.size(), true);
+  for (std::size_t c = 0; c < drawn.size(); ++c) drawn[c] = is_chosen(y, c);
+  over_->draw_history(history_, time.lower, time.upper, drawn);
 }
 
 void PlotsPanel::select(int robot) {
@@ -318,13 +360,17 @@ QString PlotsPanel::values_at(const QPoint& where) const {
   return values_of(static_cast<std::size_t>(row), view_->time_at(where), view_->markers().text_at(where.x()));
 }
 
+bool PlotsPanel::is_chosen(const PlotRow& row, std::size_t curve) const {
+  const auto of = robots_of(row.of, curve, robots_.size());
+  return !of || (robots_[of->first] && robots_[of->second]);
+}
+
 QString PlotsPanel::values_of(std::size_t row, double t, const QString& events) const {
   const PlotRow& spec = rows_[row];
   QStringList lines{tr("<b>t = %1 s</b>, %2").arg(t, 0, 'f', 2).arg(spec.what)};
   if (mark_) lines << tr("Δt = %1 s since the mark at %2 s").arg(t - *mark_, 0, 'f', 2).arg(*mark_, 0, 'f', 2);
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
-    if (const auto of = robots_of(spec.of, c, robots_.size()); of && !(robots_[of->first] && robots_[of->second]))
-      continue;
+    if (!is_chosen(spec, c)) continue;
     const double value = history_.value(spec.first + c, t);
     QString text = std::isnan(value) ? tr("–") : QStringLiteral("%1 %2").arg(value, 0, 'g', 4).arg(spec.unit);
     if (const double since = mark_ ? value - history_.value(spec.first + c, *mark_) : app::none; !std::isnan(since))
@@ -334,12 +380,56 @@ QString PlotsPanel::values_of(std::size_t row, double t, const QString& events) 
         text += QStringLiteral(" (%1: %2)").arg(compared_letter(k)).arg(other, 0, 'g', 4);
     lines << (spec.curves[c].isEmpty() ? text : QStringLiteral("%1: %2").arg(spec.curves[c], text));
   }
+  for (const std::size_t signal : added_[row]) {
+    QStringList values;
+    for (std::size_t c = 0; c < rows_[signal].curves.size(); ++c)
+      if (const double value = history_.value(rows_[signal].first + c, t); is_chosen(rows_[signal], c))
+        values << (rows_[signal].curves[c].isEmpty() ? QString() : rows_[signal].curves[c] + QStringLiteral(": ")) +
+                      (std::isnan(value) ? tr("–") : QString::number(value, 'g', 4));
+    lines << QStringLiteral("%1 %2: %3")
+                 .arg(rows_[signal].title(), rows_[signal].unit, values.join(QStringLiteral("; ")));
+  }
   if (spec.band > 0.0) lines << tr("band: ±%1 cm, settled").arg(100 * spec.band);
   if (!events.isEmpty()) lines << events.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
   return lines.join(QStringLiteral("<br>"));
 }
 
+/// From the title of a plot onto another plot: all in this widget, so that no key is lost on the way, which may be
+/// STOP.
+bool PlotsPanel::drag_signal(QMouseEvent* event, QEvent::Type type) {
+  const QPoint where = event->position().toPoint();
+  if (type == QEvent::MouseButtonPress && event->button() == Qt::LeftButton) dragged_ = view_->head_at(where);
+  if (event->buttons() == Qt::NoButton && type != QEvent::MouseButtonRelease) dragged_ = -1;
+  const auto show = [this](Qt::CursorShape shape) {
+    if (view_->cursor().shape() != shape) view_->setCursor(shape);
+  };
+  if (dragged_ < 0) {
+    if (event->buttons() == Qt::NoButton) show(view_->head_at(where) >= 0 ? Qt::OpenHandCursor : Qt::ArrowCursor);
+    return false;
+  }
+  const int onto = view_->row_at(where);
+  const bool elsewhere = onto >= 0 && onto != dragged_;
+  const PlotRow& signal = rows_[static_cast<std::size_t>(dragged_)];
+  if (type == QEvent::MouseButtonRelease) {
+    dragged_ = -1;
+    show(Qt::ArrowCursor);
+    QToolTip::hideText();
+    const QString why = elsewhere ? add_signal(signal.name, rows_[static_cast<std::size_t>(onto)].name) : QString();
+    if (!why.isEmpty()) QToolTip::showText(event->globalPosition().toPoint(), why, view_);
+    return true;
+  }
+  show(elsewhere ? Qt::DragCopyCursor : Qt::ClosedHandCursor);
+  const QString text =
+      elsewhere ? tr("%1 into the plot of %2").arg(signal.title(), rows_[static_cast<std::size_t>(onto)].title())
+                : tr("%1: drop it on another plot").arg(signal.title());
+  QToolTip::showText(event->globalPosition().toPoint(), text, view_);
+  return true;
+}
+
 bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseMove ||
+      event->type() == QEvent::MouseButtonRelease)
+    if (drag_signal(static_cast<QMouseEvent*>(event), event->type())) return true;
   if (event->type() == QEvent::MouseMove) {
     const auto* move = static_cast<QMouseEvent*>(event);
     if (move->buttons() & Qt::LeftButton) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QElapsedTimer>
+#include <QEvent>
 #include <QPushButton>
 #include <QStringList>
 #include <QTimer>
@@ -73,8 +74,13 @@ class PlotsPanel final : public QWidget {
   void set_span(double seconds);
   double span() const { return span_; }
 
-  QStringList shown() const;  ///< names of the plots that are drawn
+  /// Names of the plots that are drawn; one with the curves of others in it has their names as well: "e_x+v".
+  QStringList shown() const;
   void show_plots(const QStringList& names);
+  /// Draws a row's curves in another's plot as well, or no longer. Those with another unit share one axis at the right,
+  /// and one unit. The answer says why that cannot be; empty: it is done.
+  QString add_signal(const QString& signal, const QString& plot);
+  void remove_signal(const QString& signal, const QString& plot);
   void show_all_plots();
 
   /// What is drawn and how, for another time.
@@ -119,7 +125,11 @@ class PlotsPanel final : public QWidget {
   void ask_layout_name();
   void context_menu(const QPoint& where);
   void fill_over_menu(QMenu* menu, std::size_t y);
+  void fill_add_menu(QMenu* menu, std::size_t plot);
+  std::optional<std::size_t> row_of(const QString& name) const;
+  bool drag_signal(QMouseEvent* event, QEvent::Type type);
   void draw_over();
+  bool is_chosen(const PlotRow& row, std::size_t curve) const;  // its robots are
   QString values_at(const QPoint& where) const;
   QString values_of(std::size_t row, double t, const QString& events) const;
   bool take_key(int key, bool fine);
@@ -127,6 +137,8 @@ class PlotsPanel final : public QWidget {
   void move_cursor(double t);
   void show_values();
   QString save_csv(const QString& file, double from, double to) const;
+  bool save_picture(const QString& file, bool pdf);
+  bool is_saved(std::size_t row) const;
 
   std::vector<const PlotHistory*> drawn_others() const;
 
@@ -140,7 +152,9 @@ class PlotsPanel final : public QWidget {
   QMenu *plots_menu_, *robots_menu_;
   std::vector<PlotRow> rows_;
   std::vector<bool> shown_, robots_;
-  QStringList wanted_;  // chosen by the operator; empty: the usual ones
+  std::vector<std::vector<std::size_t>> added_;  // of each row, those that are drawn in its plot as well
+  int dragged_ = -1;                             // the row whose title is dragged; -1: none
+  QStringList wanted_;                           // chosen by the operator; empty: the usual ones
   PlotHistory history_;
   std::vector<PlotHistory> others_;      // of the compared runs, empty where one is switched off
   std::optional<PlotHistory> foreseen_;  // empty in itself: its curves have their places, but nobody asks now

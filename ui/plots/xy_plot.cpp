@@ -56,7 +56,7 @@ void XyPlot::set_rows(const PlotRow& x, const PlotRow& y, const Colours& colours
   }
 }
 
-void XyPlot::draw(const PlotHistory& history, double from, double to, const std::vector<bool>& drawn) {
+void XyPlot::draw_history(const PlotHistory& history, double from, double to, const std::vector<bool>& drawn) {
   std::size_t samples = 0;
   history.each(from, to, [&](double, const std::function<double(std::size_t)>&) { ++samples; });
   const std::size_t every = std::max<std::size_t>(1, samples / most_points);

@@ -1,11 +1,11 @@
 #include "ui/robots/robots_model.h"
 
 #include <QFont>
-#include <QRegularExpression>
 #include <algorithm>
 #include <cmath>
 
 #include "ui/base/modes.h"
+#include "ui/base/sentence.h"
 #include "ui/base/why.h"
 
 namespace skein::ui {
@@ -83,10 +83,8 @@ QString RobotsModel::text(std::size_t i, int column) const {
     if (i >= known_.links.size()) return nothing();
     const app::RobotStatus& status = known_.links[i];
     if (column == firmware) {
-      static const QRegularExpression number(QStringLiteral("\\d+(\\.\\d+)*"));  // the tip has all of it
-      const QString version = QString::fromStdString(status.version);
-      const QRegularExpressionMatch match = number.match(version);
-      return version.isEmpty() ? nothing() : match.hasMatch() ? match.captured() : version;
+      const QString version = QString::fromStdString(status.version);  // the tip has all of it
+      return version.isEmpty() ? nothing() : version_number(version);
     }
     if (column == battery) {
       const QString volts = std::isfinite(status.battery) ? tr("%1 V").arg(status.battery, 0, 'f', 2) : QString();

@@ -42,6 +42,7 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   verticalHeader()->hide();
   verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
   horizontalHeader()->setHighlightSections(false);
+  horizontalHeader()->setResizeContentsPrecision(0);  // of the rows that are seen
   // Wide enough for what usually stands there; fixed, so that numbers do not make columns dance.
   const auto width = [this](const QString& text) { return fontMetrics().horizontalAdvance(text) + 12; };
   setColumnWidth(RobotsModel::robot, width(QStringLiteral("00")));
@@ -72,6 +73,26 @@ void RobotsPanel::hide_empty_columns() {
       empty = empty && model_.index(row, column).data().toString() == RobotsModel::nothing();
     if (isColumnHidden(column) != empty) setColumnHidden(column, empty);
   }
+  fit_mode();
+}
+
+/// The mode has whatever the other columns leave; where that is too little for it, the table scrolls.
+void RobotsPanel::fit_mode() {
+  const int least =
+      std::max(fontMetrics().horizontalAdvance(tr("shielded")) + 12, sizeHintForColumn(RobotsModel::mode));
+  int others = 0;
+  for (int column = 0; column < model_.columnCount(); ++column)
+    if (column != RobotsModel::mode && !isColumnHidden(column)) others += columnWidth(column);
+  const bool fits = viewport()->width() - others >= least;
+  const QHeaderView::ResizeMode wanted = fits ? QHeaderView::Stretch : QHeaderView::Fixed;
+  if (horizontalHeader()->sectionResizeMode(RobotsModel::mode) != wanted)
+    horizontalHeader()->setSectionResizeMode(RobotsModel::mode, wanted);
+  if (!fits && columnWidth(RobotsModel::mode) != least) setColumnWidth(RobotsModel::mode, least);
+}
+
+void RobotsPanel::resizeEvent(QResizeEvent* event) {
+  QTableView::resizeEvent(event);
+  fit_mode();
 }
 
 void RobotsPanel::select_robot(int robot) {

@@ -22,9 +22,11 @@ class RobotsPanel final : public QTableView {
 
  protected:
   void changeEvent(QEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
 
  private:
   void hide_empty_columns();
+  void fit_mode();
   RobotsModel model_;
 };
 

@@ -26,6 +26,24 @@ void complete(app::CsvRecorder* recorder) {
 
 }  // namespace
 
+/// A session that is being left, on a thread aside: robots and files take their time.
+struct LiveRun::Left {
+  std::shared_ptr<app::CsvRecorder> recorder;
+  std::shared_ptr<app::RunKeeper> keeper;
+  std::unique_ptr<app::Session> session;  // null: there was none; goes before the sinks
+  app::Phase end;
+  std::promise<app::SessionFacts> facts;
+
+  void close() {
+    if (session) {
+      session->close();
+      facts.set_value(app::facts_of(*session, end));
+    }
+    complete(recorder.get());
+    session.reset();  // before a new one: both want the same camera and robots
+  }
+};
+
 LiveRun::LiveRun(QObject* parent) : RunSource(parent) {
   timer_.setTimerType(Qt::PreciseTimer);
   connect(&timer_, &QTimer::timeout, this, &LiveRun::poll);
@@ -40,7 +58,7 @@ LiveRun::~LiveRun() {
 void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const QString& video) {
   if (is_busy()) return;
   stop();
-  const app::Phase end = how_it_ends();
+  Left left = leave();
   experiment_ = experiment;
   start_at_once_ = start_at_once;
   stop_asked_ = false;
@@ -52,6 +70,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   failure_.reset();
   film_is_broken_ = false;
   camera_down_.clear();
+  marks_ = {};
   tests_ = false;
   history_.clear();
   rows_missed_ = 0;
@@ -59,30 +78,22 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   options.pictures = experiment.camera.kind() != app::CameraKind::absent;
   options.guard = true;
   options.await_camera = true;
-  std::promise<app::SessionFacts> facts;
-  if (session_ && keeps()) finish_keeping(facts.get_future());
-  const auto last_recorder = std::exchange(recorder_, std::make_shared<app::CsvRecorder>());
-  const auto last_keeper = std::exchange(keeper_, std::make_shared<app::RunKeeper>());
+  recorder_ = std::make_shared<app::CsvRecorder>();
+  keeper_ = std::make_shared<app::RunKeeper>();
   keeper_ends_ = told_of_keeper_ = false;
   record_file_.clear();
   options.sinks = {recorder_.get(), keeper_.get()};
   options.video = video.toStdString();
-  changing_ =
-      std::async(std::launch::async,
-                 [old = std::move(session_), last_recorder, last_keeper, facts = std::move(facts), end, experiment,
-                  options, recorder = recorder_, keeper = keeper_]() mutable -> std::optional<Opened> {
-                   if (old) {
-                     old->close();
-                     facts.set_value(app::facts_of(*old, end));
-                   }
-                   complete(last_recorder.get());
-                   old.reset();  // before the new one: both want the same camera and robots
-                   try {
-                     return app::Session::open(experiment, app::Session::Clock::wall, options);
-                   } catch (const std::exception& error) {
-                     return tl::unexpected(std::string(error.what()));
-                   }
-                 });
+  changing_ = std::async(std::launch::async,
+                         [left = std::move(left), experiment, options, recorder = recorder_,
+                          keeper = keeper_]() mutable -> std::optional<Opened> {
+                           left.close();
+                           try {
+                             return app::Session::open(experiment, app::Session::Clock::wall, options);
+                           } catch (const std::exception& error) {
+                             return tl::unexpected(std::string(error.what()));
+                           }
+                         });
 }
 
 void LiveRun::close() {
@@ -93,25 +104,16 @@ void LiveRun::close() {
 void LiveRun::end() {
   stop();
   if (is_busy()) return;  // `settle` goes on from there
-  std::promise<app::SessionFacts> facts;
-  if (session_ && keeps()) finish_keeping(facts.get_future());
-  const app::Phase end = how_it_ends();
+  Left left = leave();
   latest_.reset();
   robots_.clear();
   held_.clear();
   record_file_.clear();
   history_.clear();
-  changing_ = std::async(std::launch::async,
-                         [old = std::move(session_), facts = std::move(facts), end, recorder = recorder_,
-                          keeper = keeper_]() mutable -> std::optional<Opened> {
-                           if (old) {
-                             old->close();
-                             facts.set_value(app::facts_of(*old, end));
-                           }
-                           complete(recorder.get());
-                           old.reset();
-                           return std::nullopt;
-                         });
+  changing_ = std::async(std::launch::async, [left = std::move(left)]() mutable -> std::optional<Opened> {
+    left.close();
+    return std::nullopt;
+  });
 }
 
 QString LiveRun::close_now() {
@@ -121,11 +123,7 @@ QString LiveRun::close_now() {
   if (!session_) return {};
   session_->close();
   take_robots();
-  if (keeps()) {
-    std::promise<app::SessionFacts> facts;
-    facts.set_value(app::facts_of(*session_, how_it_ends()));
-    finish_keeping(facts.get_future());
-  }
+  if (keeps()) finish_keeping();
   for (Keeping& one : keepings_)
     if (const QString problem = one.problem.get(); !problem.isEmpty()) app::complain(problem.toStdString());
   keepings_.clear();
@@ -202,14 +200,25 @@ void LiveRun::finish_files() {
   if (!is_over()) return since_over_.invalidate();
   if (!since_over_.isValid()) since_over_.start();
   if (!since_over_.hasExpired(rest_ms)) return;
-  if (keeps() && (may_be_driving().empty() || since_over_.hasExpired(stand_ms))) {
-    std::promise<app::SessionFacts> facts;
-    facts.set_value(app::facts_of(*session_, phase()));
-    finish_keeping(facts.get_future());
-  }
+  if (keeps() && (may_be_driving().empty() || since_over_.hasExpired(stand_ms))) finish_keeping();
   if (record_file_.isEmpty()) return;
   const QString file = record_file_;
   emit recorded(file, record_to({}));
+}
+
+/// The session is no longer this one's.
+LiveRun::Left LiveRun::leave() {
+  Left left{recorder_, keeper_, nullptr, how_it_ends(), {}};
+  if (session_ && keeps()) finish_keeping(left.facts.get_future());
+  left.session = std::move(session_);
+  return left;
+}
+
+/// By what the session knows now.
+void LiveRun::finish_keeping() {
+  std::promise<app::SessionFacts> facts;
+  facts.set_value(app::facts_of(*session_, how_it_ends()));
+  finish_keeping(facts.get_future());
 }
 
 /// Aside: figures and hashes take seconds. The facts come when the session knows them.
@@ -238,6 +247,7 @@ void LiveRun::take_robots() {
   robots_ = session_->robots();
   const auto camera = session_->camera();
   camera_down_ = camera.up ? std::string() : camera.reason;
+  marks_ = session_->marks();
   const app::VideoStatus video = session_->video();
   if (!video.problem.empty() && !std::exchange(film_is_broken_, true))
     emit film_failed(QString::fromStdString(video.problem));

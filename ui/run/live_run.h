@@ -116,6 +116,7 @@ class LiveRun final : public RunSource {
   QStringList alarms();
   Done put_obstacle(int number, const core::Obstacle& obstacle) override;
   const std::string& camera_down() const { return camera_down_; }  ///< why it does not deliver; empty: it does
+  const app::MarksStatus& marks() const { return marks_; }         ///< on the floor
   bool has_camera() const { return session_ && session_->has_camera(); }
   bool picture(app::Picture& out) { return session_ && session_->picture(out); }
   std::array<double, 2> pixel(double x, double y) const { return session_->pixel(x, y); }
@@ -143,6 +144,9 @@ class LiveRun final : public RunSource {
   void settle();  // takes what the thread aside has brought
   void take_robots();
   void finish_files();
+  struct Left;
+  Left leave();
+  void finish_keeping();
   void finish_keeping(std::future<app::SessionFacts> facts);
   void tell_of_kept();
   app::Phase how_it_ends() const { return is_over() ? phase() : app::Phase::stopped; }
@@ -169,6 +173,7 @@ class LiveRun final : public RunSource {
   std::set<int> held_;
   std::vector<app::LawParameter> parameters_;
   std::string camera_down_;
+  app::MarksStatus marks_;
   std::optional<QString> failure_;
   RunHistory history_;
   struct Keeping {

@@ -150,6 +150,29 @@ ClockFeatures clock_features(ArvCamera* camera) {
   return {};
 }
 
+std::vector<CameraSetting> settings_of(ArvCamera* camera) {
+  std::vector<CameraSetting> settings;
+  if (arv_camera_is_exposure_time_available(camera, nullptr)) {
+    const Range range = exposure_range(camera);
+    settings.push_back({.name = "exposure",
+                        .value = micro * arv_camera_get_exposure_time(camera, nullptr),
+                        .least = range.least,
+                        .most = range.most,
+                        .automatic = arv_camera_is_exposure_auto_available(camera, nullptr) &&
+                                     arv_camera_get_exposure_time_auto(camera, nullptr) != ARV_AUTO_OFF});
+  }
+  if (arv_camera_is_gain_available(camera, nullptr)) {
+    const Range range = gain_range(camera);
+    settings.push_back({.name = "gain",
+                        .value = arv_camera_get_gain(camera, nullptr),
+                        .least = range.least,
+                        .most = range.most,
+                        .automatic = arv_camera_is_gain_auto_available(camera, nullptr) &&
+                                     arv_camera_get_gain_auto(camera, nullptr) != ARV_AUTO_OFF});
+  }
+  return settings;
+}
+
 std::vector<std::string> describe(ArvCamera* camera) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{} {}, serial number {}", text(arv_camera_get_vendor_name(camera, nullptr)),
@@ -171,16 +194,9 @@ std::vector<std::string> describe(ArvCamera* camera) {
     lines.push_back(fmt::format("frames/s: {:.4g} ({:.4g} to {:.4g})", arv_camera_get_frame_rate(camera, nullptr),
                                 range.least, range.most));
   }
-  if (arv_camera_is_exposure_time_available(camera, nullptr)) {
-    const Range range = exposure_range(camera);
-    lines.push_back(fmt::format("exposure: {:.4g} s ({:.4g} to {:.4g})",
-                                micro * arv_camera_get_exposure_time(camera, nullptr), range.least, range.most));
-  }
-  if (arv_camera_is_gain_available(camera, nullptr)) {
-    const Range range = gain_range(camera);
-    lines.push_back(
-        fmt::format("gain: {:.4g} ({:.4g} to {:.4g})", arv_camera_get_gain(camera, nullptr), range.least, range.most));
-  }
+  for (const CameraSetting& setting : settings_of(camera))
+    lines.push_back(fmt::format("{}: {:.4g}{} ({:.4g} to {:.4g})", setting.name, setting.value,
+                                setting.name == "exposure" ? " s" : "", setting.least, setting.most));
   std::string triggers = fmt::format("{}", fmt::join(words_of(camera, "TriggerSource"), " "));
   lines.push_back(fmt::format("triggers: {}", triggers.empty() ? "none" : triggers));
   const ClockFeatures clock = clock_features(camera);

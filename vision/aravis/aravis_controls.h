@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/frames/camera_setting.h"
 #include "vision/frames/frame_source.h"
 
 namespace skein::vision::detail {
@@ -17,6 +18,9 @@ namespace skein::vision::detail {
 /// took another value, and for an automatic that is on and was not asked for.
 std::string set_controls(ArvCamera* camera, const std::string& name, const ControlSettings& settings,
                          std::vector<std::string>& notices);
+
+/// Exposure and gain, as far as the camera has them.
+std::vector<CameraSetting> settings_of(ArvCamera* camera);
 
 /// Lines for people: formats, size, rate, exposure, gain, triggers, and whether its clock can be read.
 std::vector<std::string> describe(ArvCamera* camera);

@@ -22,10 +22,24 @@ std::vector<std::string> describe_camera(const std::string& name, std::string& e
   return {};
 }
 
+CameraSettings set_and_read(const std::string& name, const ControlSettings& set, std::string& error) {
+  Failure failed;
+  const Object<ArvCamera> camera(arv_camera_new(name.c_str(), &failed));
+  if (!camera) {
+    error = "aravis:" + name + ": " + failed.text();
+    return {};
+  }
+  CameraSettings settings;
+  error = set_controls(camera.get(), name, set, settings.notices);
+  settings.all = settings_of(camera.get());
+  return settings;
+}
+
 }  // namespace
 }  // namespace skein::vision::detail
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Aravis skein_aravis_1 = {.open = skein::vision::detail::open_camera,
+const skein::vision::Aravis skein_aravis_2 = {.open = skein::vision::detail::open_camera,
                                               .discover = skein::vision::detail::discover,
-                                              .describe = skein::vision::detail::describe_camera};
+                                              .describe = skein::vision::detail::describe_camera,
+                                              .settings = skein::vision::detail::set_and_read};

@@ -127,7 +127,7 @@ Scores measure(const BenchScene& scene) {
         if (scene.first_only) method->restart();
         Score& score = scores[method->name];
         const double start = own_ms();
-        const std::vector<TagPose>& poses = method->look(frame);
+        const std::vector<TagPose>& poses = method->detect(frame);
         const double ms = own_ms() - start;
         const bool settled = slow || scene.first_only || round > 0 || k >= 2 * frames_of_slow_ones;
         if (settled) score.ms.push_back(ms);
@@ -159,7 +159,7 @@ void report(benchmark::State& state, const BenchScene& scene, const std::string&
     return;
   }
   const Score& score = found->second;
-  for (auto _ : state) state.SetIterationTime(1e-3 * score.percentile(0.5));
+  for ([[maybe_unused]] auto _ : state) state.SetIterationTime(1e-3 * score.percentile(0.5));
   const auto right = static_cast<double>(std::max<std::int64_t>(1, score.right));
   state.counters["p99_ms"] = score.percentile(0.99);
   state.counters["max_ms"] = score.percentile(1.0);

@@ -14,7 +14,7 @@ namespace {
 class FromCorners : public BenchMethod {
  public:
   explicit FromCorners(const Calibration& calibration) : calibration_(calibration) {}
-  const std::vector<TagPose>& look(const Frame& frame) final {
+  const std::vector<TagPose>& detect(const Frame& frame) final {
     poses_.clear();
     for (const Detection& detection : corners(frame)) {
       const auto place = place_on_plane(calibration_, detection.corners);
@@ -67,7 +67,7 @@ class Skein final : public BenchMethod {
     restart();
   }
   void restart() override { tracker_ = std::make_unique<TagTracker>(calibration_, options_); }
-  const std::vector<TagPose>& look(const Frame& frame) override { return tracker_->process(frame); }
+  const std::vector<TagPose>& detect(const Frame& frame) override { return tracker_->process(frame); }
 
  private:
   Calibration calibration_;

@@ -16,7 +16,7 @@ class BenchMethod {
   virtual ~BenchMethod() = default;
   /// Resets its state.
   virtual void restart() {}
-  virtual const std::vector<TagPose>& look(const Frame& frame) = 0;
+  virtual const std::vector<TagPose>& detect(const Frame& frame) = 0;
 
   std::string name;
 };

@@ -194,6 +194,61 @@ tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& i
   return floor;
 }
 
+std::vector<FloorMark> kept_marks(const TrustedFloor& floor, const std::vector<FloorMark>& marks,
+                                  const FloorSight& sight) {
+  std::vector<FloorMark> kept;
+  for (const FloorMark& mark : marks) {
+    if (&mark == floor.left_out) continue;
+    FloorMark& mine = kept.emplace_back(mark);
+    const auto found = std::find(sight.ids.begin(), sight.ids.end(), mark.tag);
+    if (mark.tag < 0 || found == sight.ids.end()) continue;
+    Corners corners{};
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Eigen::Vector2d& corner = sight.corners[static_cast<std::size_t>(found - sight.ids.begin())][k];
+      corners[k] = {corner.x(), corner.y()};
+    }
+    Calibration at_mark = floor.calibration;
+    at_mark.tag_height = mark.z;
+    if (const auto square = place_on_plane(at_mark, corners)) mine.size = square->edge;
+  }
+  return kept;
+}
+
+std::optional<PoseShift> pose_shift(const Calibration& before, const Calibration& after) {
+  if (!before.world_from_camera || after.marks.empty()) return {};
+  Eigen::Vector2d low(after.marks.front().x, after.marks.front().y), high = low;
+  for (const FloorMark& mark : after.marks) {
+    low = low.cwiseMin(Eigen::Vector2d(mark.x, mark.y));
+    high = high.cwiseMax(Eigen::Vector2d(mark.x, mark.y));
+  }
+  PoseShift shift;
+  const auto at = [&](double right, double up, PoseShift::Place& place) {
+    place.x = low.x() + right * (high.x() - low.x());
+    place.y = low.y() + up * (high.y() - low.y());
+    const auto pixel = pixel_from_world(before, {place.x, place.y, before.tag_height});
+    const auto moved = pixel ? world_from_pixel(after, *pixel, after.tag_height) : std::nullopt;
+    if (!moved) return false;
+    place.dx = moved->x() - place.x;
+    place.dy = moved->y() - place.y;
+    return true;
+  };
+  shift.places = {{{"centre"}, {"bottom left"}, {"bottom right"}, {"top left"}, {"top right"}}};
+  bool all = at(0.5, 0.5, shift.places[0]);
+  for (std::size_t k = 0; k < 4; ++k)
+    all = at(static_cast<double>(k % 2), static_cast<double>(k / 2), shift.places[k + 1]) && all;
+  constexpr int steps = 8;
+  double squares = 0.0;
+  for (int i = 0; i <= steps; ++i)
+    for (int j = 0; j <= steps; ++j) {
+      PoseShift::Place place;
+      all = at(static_cast<double>(i) / steps, static_cast<double>(j) / steps, place) && all;
+      squares += place.dx * place.dx + place.dy * place.dy;
+    }
+  if (!all) return {};
+  shift.rms = std::sqrt(squares / ((steps + 1) * (steps + 1)));
+  return shift;
+}
+
 std::string wrong_tag_height(const Calibration& calibration) {
   const double camera = calibration.world_from_camera->position.z();
   if (calibration.tag_height < camera) return {};

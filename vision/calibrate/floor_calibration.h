@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -12,17 +13,6 @@
 #include "vision/frames/frame_source.h"
 
 namespace skein::vision {
-
-/// Something on the floor whose place is known.
-struct FloorMark {
-  std::string name{};  // for people: "tag 3", "point 2"
-  int tag = -1;        // id of a tag that lies there; -1: a point that was measured in the picture
-  double x = 0.0;      // of the tag's middle or of the point, in the world [m]
-  double y = 0.0;
-  double z = 0.0;           // above the floor [m]
-  double u = 0.0, v = 0.0;  // where the picture shows it [px]; of a tag: as it was seen
-  bool seen = false;
-};
 
 /// Looks for the marks' tags in up to `frames` frames of a source that does not move, and takes the mean of where their
 /// middles were. The error: the source's, a frame of another size than the calibration's, one id seen twice.
@@ -66,6 +56,25 @@ struct TrustedFloor {
 /// by more than 10 mm all the same, so that any solution would be a guess.
 tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
                                                             const std::vector<FloorMark>& marks);
+
+/// The marks for the file of a calibration that they have led to: without the one that was left out, each tag with the
+/// size that the picture shows.
+std::vector<FloorMark> kept_marks(const TrustedFloor& floor, const std::vector<FloorMark>& marks,
+                                  const FloorSight& sight);
+
+/// How far poses move when a calibration is replaced: where the new one puts what the old one puts at a place, both on
+/// the plane of the robots' tags.
+struct PoseShift {
+  struct Place {
+    const char* name = "";
+    double x = 0.0, y = 0.0;    // by the old one [m]
+    double dx = 0.0, dy = 0.0;  // by the new one, less that [m]
+  };
+  std::array<Place, 5> places;  // the centre of the marks' rectangle, and its corners
+  double rms = 0.0;             // of the distances, over the rectangle [m]
+};
+/// None where the old one has no world frame, or does not see the whole rectangle of the new one's marks.
+std::optional<PoseShift> pose_shift(const Calibration& before, const Calibration& after);
 
 /// None, or why the robots' tags cannot be as high as the calibration says: not below its camera.
 std::string wrong_tag_height(const Calibration& calibration);

@@ -36,6 +36,8 @@ bool grows_outwards(const std::array<double, 5>& distortion, const Eigen::Vector
   const double k3 = distortion[4];
   // d (r radial) / d r = 1 + 3 k1 s + 5 k2 s^2 + 7 k3 s^3 must not vanish for any s = r^2 on the way to the point.
   const double end = ray.squaredNorm();
+  // Most lenses bend so little that it cannot, whatever the signs.
+  if (end * (3.0 * std::abs(k1) + end * (5.0 * std::abs(k2) + end * 7.0 * std::abs(k3))) < 0.99) return true;
   constexpr int steps = 16;
   for (int i = 1; i <= steps; ++i) {
     const double s = end * i / steps;

@@ -8,6 +8,9 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
+
+#include "vision/calibration/floor_mark.h"
 
 namespace skein::vision {
 
@@ -41,6 +44,9 @@ struct Calibration {
   std::optional<CameraPose> world_from_camera;  // none: intrinsics only, pixels cannot be placed on the floor
   double tag_height = 0.06;                     // the plane of the tags above the floor [m]; an e-puck is 55 mm tall
   double tag_size = default_tag_size;           // edge of a tag's black square, without its white border [m]
+  std::vector<FloorMark> marks{};               // by which the world frame was found; empty: nobody knows
+
+  double readout() const { return row_time * height; }  // from the first row to the last [s]
 
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };

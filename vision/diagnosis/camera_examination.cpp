@@ -328,13 +328,17 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
           fmt::format("stamps come {} (rms) off their beat", milliseconds(m.stamp_jitter)),
           "switch automatic exposure off; a robot at 0.13 m/s is measured 0.13 mm off for each ms");
   }
+  constexpr const char* measured_later =
+      "a robot is predicted its speed times the delay off: skein camera latency measures it";
   switch (facts_.stamps) {
     case TimeStamps::exposure_start:
       say(State::well, "stamps", "tell when the exposure began", {});
       break;
+    case TimeStamps::first_packet:
+      say(State::note, "stamps", "tell when the first packet of a frame came, later than its exposure", measured_later);
+      break;
     case TimeStamps::frame_end:
-      say(State::note, "stamps", "tell when a frame was complete, later than its exposure",
-          "a constant delay: prediction leaves the robots' speed times the delay as an error");
+      say(State::note, "stamps", "tell when a frame was complete, later than its exposure", measured_later);
       break;
     case TimeStamps::arrival:
       say(State::note, "stamps", "are the program's own: the driver tells none, or none that goes with time",
@@ -349,7 +353,7 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
       break;
   }
   if (std::isfinite(m.latency)) {
-    const std::string found = fmt::format("{} from stamp to arrival (median), {} (99 %)", milliseconds(m.latency),
+    const std::string found = fmt::format("{} from capture to arrival (median), {} (99 %)", milliseconds(m.latency),
                                           milliseconds(m.latency_p99));
     if (m.latency < 0.0)
       say(State::ill, "latency", found + ": stamps from the future", "the driver's stamps cannot be used");

@@ -37,7 +37,7 @@ struct CameraMeasurements {
   double stamp_jitter = 0.0;    // rms of the stamps' distances, about a whole number of the usual distance [s]
   std::int64_t missing = 0;     // frames, by gaps between stamps
   std::int64_t backwards = 0;   // stamps that are not later than the one before
-  double latency = 0.0;         // from stamp to arrival, median [s]
+  double latency = 0.0;         // from capture to arrival, median [s]
   double latency_p99 = 0.0;     // [s]
   double latency_jitter = 0.0;  // rms about the median [s]
   double flicker = 0.0;         // amplitude, as a part of the brightness: of rows and from frame to frame

@@ -127,7 +127,7 @@ std::optional<double> usual_edge(const std::vector<Detection>& found, std::span<
 }
 
 struct OtherFamily {
-  const char* name;
+  std::string_view name;
   apriltag_family_t* (*create)();
   void (*destroy)(apriltag_family_t*);
 };
@@ -138,28 +138,42 @@ constexpr std::array other_families{
     OtherFamily{"16h5", tag16h5_create, tag16h5_destroy},
 };
 
-/// Tags of another family, with no bit corrected and a clear contrast, since the small families find ghosts in any
+/// A tag of another family, with its family's name.
+struct Stranger {
+  std::string_view family;
+  Detection seen;
+};
+
+/// Tags of the other families, with no bit corrected and a clear contrast, since the small families find ghosts in any
 /// texture.
-std::vector<Detection> clear_tags_of(const OtherFamily& other, const Frame& frame) {
+std::vector<Stranger> tags_of_other_families(const Frame& frame) {
   constexpr double clear_margin = 30.0;
-  const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(other.create(), other.destroy);
+  using Family = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+  std::vector<Family> families;
   const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector(apriltag_detector_create(),
                                                                                       apriltag_detector_destroy);
-  apriltag_detector_add_family_bits(detector.get(), family.get(), 0);
+  // One detector for all of them: the search for squares, which takes most of the time, is made once.
+  for (const OtherFamily& other : other_families) {
+    families.emplace_back(other.create(), other.destroy);
+    apriltag_detector_add_family_bits(detector.get(), families.back().get(), 0);
+  }
   detector->quad_decimate = 1.0F;
   // AprilTag only reads the pixels.
   image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
   zarray_t* found = apriltag_detector_detect(detector.get(), &image);
-  std::vector<Detection> clear;
+  std::vector<Stranger> clear;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* seen = nullptr;
     zarray_get(found, i, &seen);
     if (static_cast<double>(seen->decision_margin) < clear_margin) continue;
-    Detection& detection = clear.emplace_back();
-    detection.tag = seen->id;
-    detection.decision_margin = static_cast<double>(seen->decision_margin);
+    const auto family =
+        std::find_if(families.begin(), families.end(), [&](const Family& one) { return one.get() == seen->family; });
+    Stranger& stranger = clear.emplace_back();
+    stranger.family = other_families[static_cast<std::size_t>(family - families.begin())].name;
+    stranger.seen.tag = seen->id;
+    stranger.seen.decision_margin = static_cast<double>(seen->decision_margin);
     for (std::size_t corner = 0; corner < 4; ++corner)
-      detection.corners[corner] = {seen->p[corner][0] - 0.5, seen->p[corner][1] - 0.5};
+      stranger.seen.corners[corner] = {seen->p[corner][0] - 0.5, seen->p[corner][1] - 0.5};
   }
   apriltag_detections_destroy(found);
   return clear;
@@ -167,16 +181,15 @@ std::vector<Detection> clear_tags_of(const OtherFamily& other, const Frame& fram
 
 /// The family in which one of the tags is found.
 void look_for_other_families(const Frame& frame, const Calibration& calibration, std::vector<TagDiagnosis>& answers) {
-  for (const OtherFamily& other : other_families)
-    for (const Detection& seen : clear_tags_of(other, frame)) {
-      const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
-        return a.tag == seen.tag && a.why == NotSeen::not_found;
-      });
-      if (answer == answers.end()) continue;
-      describe(seen, calibration, *answer);
-      answer->why = NotSeen::other_family;
-      answer->family = other.name;
-    }
+  for (const Stranger& stranger : tags_of_other_families(frame)) {
+    const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
+      return a.tag == stranger.seen.tag && a.why == NotSeen::not_found;
+    });
+    if (answer == answers.end()) continue;
+    describe(stranger.seen, calibration, *answer);
+    answer->why = NotSeen::other_family;
+    answer->family = stranger.family;
+  }
 }
 
 struct Light {
@@ -274,17 +287,18 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
 std::string other_family(const Frame& frame) {
   // A single one of 16 bits may be a ghost.
   constexpr std::string_view smallest = "16h5";
-  std::vector<Detection> most;
+  std::vector<int> ids;
   std::string_view family;
+  const std::vector<Stranger> found = tags_of_other_families(frame);
   for (const OtherFamily& other : other_families) {
-    std::vector<Detection> found = clear_tags_of(other, frame);
-    if (found.size() <= most.size() || (other.name == smallest && found.size() < 2)) continue;
-    most = std::move(found);
+    std::vector<int> of_this;
+    for (const Stranger& stranger : found)
+      if (stranger.family == other.name) of_this.push_back(stranger.seen.tag);
+    if (of_this.size() <= ids.size() || (other.name == smallest && of_this.size() < 2)) continue;
+    ids = std::move(of_this);
     family = other.name;
   }
-  if (most.empty()) return {};
-  std::vector<int> ids;
-  for (const Detection& tag : most) ids.push_back(tag.tag);
+  if (ids.empty()) return {};
   std::sort(ids.begin(), ids.end());
   return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),
                      ids.size() == 1 ? "s" : "", family, fmt::join(ids, ", "), ids.size() == 1 ? "it" : "them");

@@ -12,7 +12,7 @@ struct Frame {
   int width = 0;                   // px
   int height = 0;                  // px
   std::vector<std::uint8_t> grey;  // row by row, width * height bytes, no padding; 0 black, 255 white
-  double captured_at = 0.0;        // s: CLOCK_MONOTONIC for a camera, time in the film for a video (see FrameSource)
+  double captured_at = 0.0;        // s, its first row: CLOCK_MONOTONIC for a camera, time in the film for a video
   double arrived_at = 0.0;         // s, CLOCK_MONOTONIC: when a camera's driver handed it over; 0: nobody knows
   std::string source;              // file name of a picture, number of the frame in a stream
   std::int64_t index = 0;          // counts the frames of its source from 0

@@ -25,10 +25,12 @@ struct SourceStatus {
   std::vector<std::string> notices{};  // controls that took another value than they were asked to
 };
 
-/// The meaning of captured_at of a source's frames.
+/// What stamps a source's frames. From a camera's stamp its source computes captured_at, the middle of the first row's
+/// exposure, as far as exposure and read-out are known.
 enum class TimeStamps {
-  exposure_start,  // CLOCK_MONOTONIC, stamped by the camera's driver when the shutter opened
-  frame_end,       // CLOCK_MONOTONIC, stamped by the driver when the frame was complete: later than its exposure
+  exposure_start,  // CLOCK_MONOTONIC, the camera's driver, when the shutter opened
+  first_packet,    // CLOCK_MONOTONIC, the driver, when the frame began to arrive: later than its first row's exposure
+  frame_end,       // CLOCK_MONOTONIC, the driver, when the frame was complete: later than its exposure and read-out
   arrival,         // CLOCK_MONOTONIC, when the frame was handed over: later still, and not by a constant time
   film,            // the time in a film
   nominal,         // pictures have no times: as if 25 had been taken a second
@@ -79,6 +81,7 @@ struct SourceOptions {
   std::string trigger{};  // what makes a camera take a frame: "software" (`rate` times a second, by the source), or
                           // one of its lines ("Line1"); empty: its own clock
   ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again
+  double readout = 0.0;        // of a rolling shutter, from its first row to its last [s]
   double reopen_for = 10.0;    // a camera that stops delivering is opened again for so long before that is an error [s]
   std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the stream
 };

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/frames/camera_setting.h"
 #include "vision/frames/frame_source.h"
 
 // GigE Vision and USB3 Vision through Aravis, a module of its own: GLib, GIO, libusb and libxml2 come with it.
@@ -28,9 +29,13 @@ struct Aravis {
   /// What a camera can do and how it is set, for people, line by line; none and why in `error`. Does not change it, but
   /// nobody else may be reading frames from it.
   std::vector<std::string> (*describe)(const std::string& camera, std::string& error);
+
+  /// Sets controls and reads back what exposure and gain are then; nothing and why in `error`. Nobody else may be
+  /// reading frames from it.
+  CameraSettings (*settings)(const std::string& camera, const ControlSettings& set, std::string& error);
 };
 
 /// Carries a number for the same reason as media_symbol; SourceOptions counts too.
-inline constexpr const char* aravis_symbol = "skein_aravis_1";
+inline constexpr const char* aravis_symbol = "skein_aravis_2";
 
 }  // namespace skein::vision

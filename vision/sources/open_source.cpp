@@ -6,6 +6,7 @@
 #include <array>
 
 #include "vision/modules/media_loader.h"
+#include "vision/v4l2/camera_controls.h"
 #include "vision/v4l2/v4l2_source.h"
 
 namespace skein::vision {
@@ -31,6 +32,9 @@ Opened open_video(const std::string& path, const SourceOptions& /*options*/) {
 Opened open_camera(const std::string& device, const SourceOptions& options) {
   return open_v4l2(device, options);
 }
+tl::expected<CameraSettings, std::string> settings_of_camera(const std::string& device, const ControlSettings& set) {
+  return v4l2_settings(device, set);
+}
 Opened open_aravis(const std::string& camera, const SourceOptions& options) {
   const auto module = aravis();
   if (!module) return tl::unexpected(module.error());
@@ -39,12 +43,20 @@ Opened open_aravis(const std::string& camera, const SourceOptions& options) {
   if (!opened) return tl::unexpected(error);
   return opened;
 }
+tl::expected<CameraSettings, std::string> settings_of_aravis(const std::string& camera, const ControlSettings& set) {
+  const auto module = aravis();
+  if (!module) return tl::unexpected(module.error());
+  std::string error;
+  CameraSettings settings = (*module)->settings(camera, set, error);
+  if (!error.empty()) return tl::unexpected(error);
+  return settings;
+}
 
 constexpr std::array kinds{
-    SourceKind{"images", "DIR", false, false, open_images},
-    SourceKind{"video", "FILE", false, false, open_video},
-    SourceKind{"v4l2", "DEVICE", true, false, open_camera},
-    SourceKind{"aravis", "CAMERA", true, true, open_aravis},
+    SourceKind{"images", "DIR", false, false, open_images, nullptr, false},
+    SourceKind{"video", "FILE", false, false, open_video, nullptr, false},
+    SourceKind{"v4l2", "DEVICE", true, false, open_camera, settings_of_camera, true},
+    SourceKind{"aravis", "CAMERA", true, true, open_aravis, settings_of_aravis, false},
 };
 
 }  // namespace
@@ -83,6 +95,19 @@ tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_
     return tl::unexpected(fmt::format("{}: trigger \"{}\"; only cameras of the kind aravis:CAMERA can be triggered",
                                       address, options.trigger));
   return parsed->kind->open(parsed->where, options);
+}
+
+tl::expected<CameraSettings, std::string> camera_settings(std::string_view address, const ControlSettings& set) {
+  const auto parsed = parse_source(address);
+  if (!parsed) return tl::unexpected(parsed.error());
+  if (!parsed->kind->settings)
+    return tl::unexpected(fmt::format("{} is not a camera; allowed: v4l2:DEVICE, aravis:CAMERA", address));
+  return parsed->kind->settings(parsed->where, set);
+}
+
+bool settable_while_read(std::string_view address) {
+  const auto parsed = parse_source(address);
+  return parsed && parsed->kind->settable_while_read;
 }
 
 }  // namespace skein::vision

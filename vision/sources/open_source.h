@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "vision/frames/camera_setting.h"
 #include "vision/frames/frame_source.h"
 
 namespace skein::vision {
@@ -18,6 +19,9 @@ struct SourceKind {
   bool triggers;           // a camera that takes a frame when it is told to, see SourceOptions::trigger
   tl::expected<std::unique_ptr<FrameSource>, std::string> (*open)(const std::string& where,
                                                                   const SourceOptions& options);
+  /// Sets controls and reads back what it has then of exposure, gain and focus; null: films and pictures have none.
+  tl::expected<CameraSettings, std::string> (*settings)(const std::string& where, const ControlSettings& set);
+  bool settable_while_read;  // that, while somebody reads frames from it
 };
 
 /// All there are. An experiment's "synthetic" camera is none of them: it renders robots that are simulated.
@@ -52,5 +56,12 @@ std::string source_forms();
 ///                              network address; as above.
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_view address,
                                                                     const SourceOptions& options = {});
+
+/// Sets controls of the camera at an address, as open_source would, and reads back what it has of exposure, gain and
+/// focus then. The error: it is no camera, it does not answer, or a control cannot be set as asked.
+tl::expected<CameraSettings, std::string> camera_settings(std::string_view address, const ControlSettings& set = {});
+
+/// Whether that may be done while somebody reads frames from it.
+bool settable_while_read(std::string_view address);
 
 }  // namespace skein::vision

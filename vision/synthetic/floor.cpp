@@ -1,30 +1,130 @@
 #include "vision/synthetic/floor.h"
 
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
 
 #include "vision/calibration/calibration.h"
 #include "vision/synthetic/random.h"
+#include "vision/synthetic/shaders.h"
 
 namespace skein::vision::detail {
 namespace {
 
-/// Smooth noise: random values at the points of a grid of pitch 1, blended between them. [-1, 1]
-float value_noise(float x, float y, std::uint64_t seed) {
-  const float fx = std::floor(x);
-  const float fy = std::floor(y);
-  const auto at = [&](float i, float j) {
+/// Smooth noise: random values at the points of a grid, blended between them. [-1, 1]
+class ValueNoise {
+ public:
+  /// pitch: of the grid [m].
+  ValueNoise(std::uint64_t seed, float pitch) : seed_(seed), pitch_(pitch) {}
+
+  /// The noise at points beside each other.
+  template <std::size_t count>
+  std::array<float, count> operator()(const Points<count>& points) {
+    std::array<float, count> s, t;
+    std::array<int, count> columns, rows;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float x = points.x[i] / pitch_, y = points.y[i] / pitch_;
+      columns[i] = whole_below(x);
+      rows[i] = whole_below(y);
+      s[i] = ease(x - static_cast<float>(columns[i]));
+      t[i] = ease(y - static_cast<float>(rows[i]));
+    }
+    Cells cells{columns[0], columns[0], rows[0], rows[0]};
+    for (std::size_t i = 0; i < count; ++i) {
+      cells.left = std::min(cells.left, columns[i]);
+      cells.right = std::max(cells.right, columns[i]);
+      cells.top = std::min(cells.top, rows[i]);
+      cells.bottom = std::max(cells.bottom, rows[i]);
+    }
+    std::array<float, count> above_left, above_right, below_left, below_right;
+    if (draw(cells)) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const float* corner = drawn_.data() + (rows[i] - cells_.top) * side + (columns[i] - cells_.left);
+        above_left[i] = corner[0];
+        above_right[i] = corner[1];
+        below_left[i] = corner[side];
+        below_right[i] = corner[side + 1];
+      }
+    } else {  // so far apart that hardly two of them share a value
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto left = static_cast<float>(columns[i]), top = static_cast<float>(rows[i]);
+        above_left[i] = at(left, top);
+        above_right[i] = at(left + 1, top);
+        below_left[i] = at(left, top + 1);
+        below_right[i] = at(left + 1, top + 1);
+      }
+    }
+    std::array<float, count> noise;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float above = above_left[i] + s[i] * (above_right[i] - above_left[i]);
+      const float below = below_left[i] + s[i] * (below_right[i] - below_left[i]);
+      noise[i] = above + t[i] * (below - above);
+    }
+    return noise;
+  }
+
+ private:
+  static constexpr int side = 16;  // of what is drawn at once
+
+  /// Of the grid, the last ones included.
+  struct Cells {
+    int left, right, top, bottom;
+  };
+
+  /// Sees to the values at the corners of these cells; false where they are too many.
+  bool draw(const Cells& cells) {
+    if (cells.left >= cells_.left && cells.right <= cells_.right && cells.top >= cells_.top &&
+        cells.bottom <= cells_.bottom)
+      return true;
+    constexpr int exact = 1 << 23;  // up to there, numbers that differ by one differ as floats
+    if (cells.right - cells.left > side - 2 || cells.bottom - cells.top > side - 2 || std::abs(cells.left) > exact ||
+        std::abs(cells.top) > exact)
+      return false;
+    cells_ = cells;
+    for (int row = cells.top; row <= cells.bottom + 1; ++row)
+      for (int column = cells.left; column <= cells.right + 1; ++column)
+        drawn_[static_cast<std::size_t>((row - cells.top) * side + column - cells.left)] =
+            at(static_cast<float>(column), static_cast<float>(row));
+    return true;
+  }
+
+  static float ease(float t) { return t * t * (3.0F - 2.0F * t); }
+  /// std::floor of what fits an int: without SSE 4.1 that is a call.
+  static int whole_below(float x) {
+    const int whole = static_cast<int>(x);
+    return whole - (static_cast<float>(whole) > x ? 1 : 0);
+  }
+  float at(float i, float j) const {
     const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(i));
     const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(j));
-    const std::uint64_t bits = Random::mix(seed + column * 0x9e3779b97f4a7c15ULL + row * 0xc2b2ae3d27d4eb4fULL);
+    const std::uint64_t bits = Random::mix(seed_ + column * 0x9e3779b97f4a7c15ULL + row * 0xc2b2ae3d27d4eb4fULL);
     return static_cast<float>(bits >> 40) * (2.0F / 16777216.0F) - 1.0F;
-  };
-  const auto ease = [](float t) { return t * t * (3.0F - 2.0F * t); };
-  const float s = ease(x - fx);
-  const float t = ease(y - fy);
-  const float top = at(fx, fy) + s * (at(fx + 1, fy) - at(fx, fy));
-  const float bottom = at(fx, fy + 1) + s * (at(fx + 1, fy + 1) - at(fx, fy + 1));
-  return top + t * (bottom - top);
-}
+  }
+
+  std::uint64_t seed_;
+  float pitch_;
+  Cells cells_{0, -1, 0, -1};  // mostly the next points lie in them, too
+  std::array<float, side * side> drawn_{};
+};
+
+class LinoleumShader {
+ public:
+  explicit LinoleumShader(std::uint64_t seed)
+      : coarse_(seed, 0.11F), fine_(seed + 1, 0.018F), finest_(seed + 2, 0.004F) {}
+
+  template <std::size_t count>
+  void operator()(const Points<count>& at, Shades<count>& shades) {
+    const std::array<float, count> coarse = coarse_(at), fine = fine_(at), finest = finest_(at);
+    for (std::size_t i = 0; i < count; ++i)
+      shades.grey[i] = 150.0F + (9.0F * coarse[i] + 7.0F * fine[i] + 6.0F * finest[i]);
+    shades.cover.fill(1.0F);
+  }
+
+ private:
+  ValueNoise coarse_, fine_, finest_;
+};
 
 class FloorPainter {
  public:
@@ -42,20 +142,12 @@ class FloorPainter {
   }
 
   void linoleum() {
-    const std::uint64_t seed = random_.bits();
-    painter_.paint<1>(canvas_, {0, 0, canvas_.width, canvas_.height}, 0.0, [seed](float x, float y) {
-      const float mottle = 9.0F * value_noise(x / 0.11F, y / 0.11F, seed) +
-                           7.0F * value_noise(x / 0.018F, y / 0.018F, seed + 1) +
-                           6.0F * value_noise(x / 0.004F, y / 0.004F, seed + 2);
-      return Shade{150.0F + mottle, 1.0F};
-    });
+    painter_.paint<1>(canvas_, {0, 0, canvas_.width, canvas_.height}, 0.0, LinoleumShader(random_.bits()));
     constexpr double tile = 0.5;
-    for (double x = -tile * std::floor(reach_x_ / tile); x <= reach_x_; x += tile) {
-      strip(x + 0.07, 0.0, std::numbers::pi / 2, 2.0 * reach_y_, 0.003, {95.0F, 0.6F});
-    }
-    for (double y = -tile * std::floor(reach_y_ / tile); y <= reach_y_; y += tile) {
-      strip(0.0, y - 0.11, 0.0, 2.0 * reach_x_, 0.003, {95.0F, 0.6F});
-    }
+    const int across = static_cast<int>(reach_x_ / tile), down = static_cast<int>(reach_y_ / tile);
+    for (int i = -across; i <= across; ++i)
+      strip(tile * i + 0.07, 0.0, std::numbers::pi / 2, 2.0 * reach_y_, 0.003, {95.0F, 0.6F});
+    for (int i = -down; i <= down; ++i) strip(0.0, tile * i - 0.11, 0.0, 2.0 * reach_x_, 0.003, {95.0F, 0.6F});
   }
 
   void piece_of_clutter() {
@@ -97,18 +189,8 @@ class FloorPainter {
   }
 
   void short_strip(double x, double y, double angle, double length, double width, Shade shade) {
-    const auto cx = static_cast<float>(x);
-    const auto cy = static_cast<float>(y);
-    const auto c = static_cast<float>(std::cos(angle));
-    const auto s = static_cast<float>(std::sin(angle));
-    const auto half_length = static_cast<float>(length / 2.0);
-    const auto half_width = static_cast<float>(width / 2.0);
     const Box box = painter_.box_around(x, y, std::hypot(length, width) / 2.0, 0.0);
-    painter_.paint<16>(canvas_, box, 0.0, [=](float px, float py) {
-      const float along = c * (px - cx) + s * (py - cy);
-      const float across = c * (py - cy) - s * (px - cx);
-      return along >= -half_length && along < half_length && std::abs(across) < half_width ? shade : Shade{};
-    });
+    painter_.paint<16>(canvas_, box, 0.0, StripShader(x, y, angle, length, width, shade));
   }
 
   void disc(double x, double y, double radius, Shade shade) {

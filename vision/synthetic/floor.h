@@ -7,10 +7,6 @@
 
 namespace skein::vision::detail {
 
-/// Grey levels in full light.
-inline constexpr float paper_grey = 225.0F;
-inline constexpr float ink_grey = 30.0F;
-
 /// The floor of a robotics lab seen by the painter's camera: mottled linoleum with seams, and on it pieces of tape,
 /// black and white marks (which a tag detector has to look at and refuse), cables and dirt.
 void paint_floor(Painter& painter, const Calibration& calibration, int clutter, std::uint64_t seed, Canvas& canvas);

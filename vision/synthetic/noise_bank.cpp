@@ -45,7 +45,11 @@ void NoiseBank::add(const std::vector<std::uint8_t>& clean, Frame& out) {
     const std::int8_t* __restrict noise =
         numbers_.data() + random_.below(bank_size - static_cast<std::size_t>(out.width));
     std::uint8_t* __restrict to = out.row(v);
-    const auto one = [from, noise](int u) { return static_cast<std::uint8_t>(std::clamp(from[u] + noise[u], 0, 255)); };
+    // In 16 bits, of which a vector holds eight.
+    const auto one = [from, noise](int u) {
+      const auto sum = static_cast<std::int16_t>(from[u] + noise[u]);
+      return static_cast<std::uint8_t>(std::clamp<std::int16_t>(sum, 0, 255));
+    };
     int u = 0;
     for (; u + block <= out.width; u += block) {
       for (int i = 0; i < block; ++i) to[u + i] = one(u + i);

@@ -1,6 +1,7 @@
 #include "vision/synthetic/synthetic_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include "vision/synthetic/floor.h"
 #include "vision/synthetic/noise_bank.h"
 #include "vision/synthetic/painter.h"
+#include "vision/synthetic/shaders.h"
 #include "vision/tags/tag_pattern.h"
 
 namespace skein::vision {
@@ -18,8 +20,6 @@ using detail::Box;
 using detail::Canvas;
 using detail::Painter;
 using detail::Shade;
-
-constexpr int cells = detail::pattern_cells;
 
 Painter::Light light_over(const Calibration& calibration, const SceneOptions& options) {
   // Brightest at the top left corner, where the window is; (1 - light_gradient) of it at the opposite one.
@@ -75,6 +75,7 @@ struct SyntheticCamera::Parts {
   void draw_smeared(const SyntheticTag& tag);
   void draw_tag(const SyntheticTag& tag);
   void paint_disc(const core::Pose& at, double radius, double height, double soft, Shade shade);
+  void touch(const Box& box);
   void flicker(double captured_at);
   void clean();
 };
@@ -88,6 +89,11 @@ SyntheticCamera::SyntheticCamera(Calibration calibration, const SceneOptions& op
 SyntheticCamera::~SyntheticCamera() = default;
 SyntheticCamera::SyntheticCamera(SyntheticCamera&&) noexcept = default;
 SyntheticCamera& SyntheticCamera::operator=(SyntheticCamera&&) noexcept = default;
+
+void SyntheticCamera::hang(const CameraPose& pose) {
+  parts_->calibration.world_from_camera = pose;
+  parts_->painter = Painter(parts_->calibration, light_over(parts_->calibration, parts_->options));
+}
 
 void SyntheticCamera::render(std::span<const SyntheticTag> tags, std::span<const SyntheticDisc> discs,
                              double captured_at, Frame& out) {
@@ -127,14 +133,17 @@ void SyntheticCamera::Parts::flicker(double captured_at) {
   for (int v = 0; v < floor.height; ++v) {
     const double middle = captured_at + calibration.row_time * v + 0.5 * options.exposure;
     const auto light = static_cast<float>((1.0 + depth * std::sin(turn * middle)) / (1.0 + options.flicker));
+    std::array<std::uint8_t, 256> in_light;
+    for (std::size_t grey = 0; grey < in_light.size(); ++grey)
+      in_light[grey] = static_cast<std::uint8_t>(std::lround(light * static_cast<float>(grey)));
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(v) * floor.width;
     std::transform(blurred.begin() + row, blurred.begin() + row + floor.width, lit.begin() + row,
-                   [light](std::uint8_t grey) { return static_cast<std::uint8_t>(light * grey + 0.5F); });
+                   [&in_light](std::uint8_t grey) { return in_light[grey]; });
   }
 }
 
 void SyntheticCamera::Parts::draw_robot(const SyntheticTag& tag) {
-  if (options.body_radius > 0.0) {
+  if (options.body_radius > 0.0 && !tag.bare) {
     const core::Pose& pose = tag.pose;
     const double radius = options.body_radius;
     // The light comes from the top left: the shadow lies a little to the right and below.
@@ -153,8 +162,7 @@ void SyntheticCamera::Parts::draw_smeared(const SyntheticTag& tag) {
   const double reach = 0.5 * tag.smear + tag.size + 2.0 * options.body_radius;
   Box box = painter.box_around(tag.pose.x, tag.pose.y, reach, 0.0);
   const Box raised = painter.box_around(tag.pose.x, tag.pose.y, reach, calibration.tag_height);
-  box = {std::min(box.left, raised.left), std::min(box.top, raised.top), std::max(box.right, raised.right),
-         std::max(box.bottom, raised.bottom)};
+  box = box.with(raised);
   if (box.empty()) return;
   const auto each = [&](auto&& pixel) {
     std::size_t k = 0;
@@ -178,42 +186,40 @@ void SyntheticCamera::Parts::draw_smeared(const SyntheticTag& tag) {
 
 void SyntheticCamera::Parts::paint_disc(const core::Pose& at, double radius, double height, double soft, Shade shade) {
   const Box box = painter.box_around(at.x, at.y, radius, height);
-  const auto x = static_cast<float>(at.x);
-  const auto y = static_cast<float>(at.y);
-  const auto r = static_cast<float>(radius);
-  // Cover falls from full to none over `soft`, or at once.
-  const auto per_metre = static_cast<float>(soft > 0.0 ? 1.0 / soft : 1e6);
-  painter.paint<4>(sharp, box, height, [=](float px, float py) {
-    const float inside = r - std::sqrt((px - x) * (px - x) + (py - y) * (py - y));
-    return Shade{shade.grey, shade.cover * std::min(std::max(inside * per_metre, 0.0F), 1.0F)};
-  });
-  touched.push_back(box.grown(blur.reach()).in(calibration.width, calibration.height));
+  painter.paint<4>(sharp, box, height, detail::DiscShader(at.x, at.y, radius, soft, shade));
+  touch(box);
 }
 
 void SyntheticCamera::Parts::draw_tag(const SyntheticTag& tag) {
   const double module = tag.size / 8.0, height = calibration.tag_height + tag.lifted;
-  const Box box = painter.box_around(tag.pose.x, tag.pose.y, module * cells / std::numbers::sqrt2, height);
+  const Box box =
+      painter.box_around(tag.pose.x, tag.pose.y, module * detail::pattern_cells / std::numbers::sqrt2, height);
   const float ink = detail::paper_grey + static_cast<float>(options.contrast) * (detail::ink_grey - detail::paper_grey);
   const bool known = tag.tag >= 0 && static_cast<std::size_t>(tag.tag) < pattern_of.size();
   const detail::TagPattern* pattern = known ? &pattern_of[static_cast<std::size_t>(tag.tag)] : nullptr;
-  const auto x = static_cast<float>(tag.pose.x);
-  const auto y = static_cast<float>(tag.pose.y);
-  const auto c = static_cast<float>(std::cos(tag.pose.theta) / module);
-  const auto s = static_cast<float>(std::sin(tag.pose.theta) / module);
-  painter.paint<16>(sharp, box, height, [=](float px, float py) {
-    const float column = 0.5F * cells + c * (px - x) + s * (py - y);
-    const float row = 0.5F * cells + s * (px - x) - c * (py - y);  // downwards
-    if (!(column >= 0.0F && column < cells && row >= 0.0F && row < cells)) return Shade{};
-    const auto place = static_cast<std::size_t>(static_cast<int>(row) * cells + static_cast<int>(column));
-    return Shade{pattern == nullptr || (*pattern)[place] ? detail::paper_grey : ink, 1.0F};
-  });
-  touched.push_back(box.grown(blur.reach()).in(calibration.width, calibration.height));
+  painter.paint<16>(sharp, box, height, detail::TagShader(tag.pose, module, pattern, ink));
+  touch(box);
+}
+
+/// What was painted, and what the lens blurs it into. One box for what overlaps: a robot's body, shadow and tag.
+void SyntheticCamera::Parts::touch(const Box& box) {
+  if (box.empty()) return;
+  const Box reached = box.grown(blur.reach()).in(calibration.width, calibration.height);
+  if (!touched.empty()) {
+    Box& last = touched.back();
+    const Box both = last.with(reached);
+    if (both.area() <= last.area() + reached.area()) {
+      last = both;
+      return;
+    }
+  }
+  touched.push_back(reached);
 }
 
 /// Back to the bare floor.
 void SyntheticCamera::Parts::clean() {
   for (const Box& box : touched) {
-    for (int v = box.top; v < box.bottom && !box.empty(); ++v) {
+    for (int v = box.top; v < box.bottom; ++v) {
       const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(v) * floor.width + box.left;
       const std::ptrdiff_t end = start + (box.right - box.left);
       std::copy(floor.grey.begin() + start, floor.grey.begin() + end, sharp.grey.begin() + start);

@@ -18,6 +18,7 @@ struct SyntheticTag {
   double size = default_tag_size;  // edge of the black square [m]; the paper is 10/8 of it
   double lifted = 0.0;             // it is held so far above tag_height [m]
   double smear = 0.0;  // how far it drives ahead while the shutter is open; `pose` is where it is halfway [m]
+  bool bare = false;   // nothing carries it: neither body nor shadow below it
 };
 
 /// A thing above the tags: an arm, a lamp's reflection.
@@ -54,6 +55,9 @@ class SyntheticCamera {
   ~SyntheticCamera();
   SyntheticCamera(SyntheticCamera&&) noexcept;
   SyntheticCamera& operator=(SyntheticCamera&&) noexcept;
+
+  /// Hangs elsewhere from now on. Only what `render` draws moves; the floor's texture stays where it was painted.
+  void hang(const CameraPose& pose);
 
   /// Tags and parts of tags outside the picture are not drawn; a later tag covers an earlier one.
   void render(std::span<const SyntheticTag> tags, double captured_at, Frame& out) {

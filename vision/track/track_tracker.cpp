@@ -15,6 +15,7 @@
 
 #include "vision/detector/detector.h"
 #include "vision/diagnosis/diagnosis.h"
+#include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame.h"
 #include "vision/sources/open_source.h"
 #include "vision/track/track_parts.h"
@@ -112,13 +113,11 @@ class Body {
       summary_.lost += tag.seen && !seen ? 1 : 0;
       tag.seen = seen;
       if (seen) {
-        tag.asked = false;
-        tag.last_at = frame.captured_at;
+        tag.absence.seen(frame.captured_at);
         tag.last = pose->pose;
       }
     }
-    constexpr double absent_for = 0.5;  // [s]
-    explain(frame, [&](const Followed& tag) { return !tag.asked && frame.captured_at - tag.last_at > absent_for; });
+    explain(frame, [&](const Followed& tag) { return tag.absence.due(frame.captured_at); });
   }
 
   /// A picture by itself.
@@ -156,7 +155,7 @@ class Body {
   TrackTrackerSummary conclude(const Frame& last, bool stills) {
     explainer_.wait();
     if (tracker_) {
-      explain(last, [](const Followed& tag) { return !tag.asked && !tag.seen; });
+      explain(last, [](const Followed& tag) { return !tag.absence.asked() && !tag.seen; });
       explainer_.wait();
       summary_.counters = tracker_->counters();
       if (options_.tags.empty() && options_.tell)
@@ -176,10 +175,9 @@ class Body {
  private:
   struct Followed {
     int tag = 0;
-    double last_at = 0.0;
+    TagAbsence absence{};
     std::optional<core::Pose> last{};  // none: it was never seen
     bool seen = false;                 // in the last frame
-    bool asked = false;                // why it is not, since it was seen
   };
 
   const std::vector<Detection>& detect(const Frame& frame) {
@@ -191,7 +189,8 @@ class Body {
     tracker_.emplace(calibration_, TrackerOptions{.tags = tags, .clock = options_.clock});
     for (const int tag : tags) {
       detail::insert(summary_.followed, tag);
-      followed_.push_back({.tag = tag, .last_at = at});
+      followed_.push_back({.tag = tag});
+      followed_.back().absence.seen(at);
     }
   }
 
@@ -220,7 +219,7 @@ class Body {
     for (Followed& tag : followed_)
       if (wanted(tag)) {
         missing.push_back({tag.tag, tag.last});
-        tag.asked = true;
+        tag.absence.ask();
       }
     explainer_.ask(frame, missing, {});
   }

@@ -95,7 +95,7 @@ void Gate::count_busy(const Frame& frame, int first, int last, int threshold) {
   }
 }
 
-void Gate::look(const Frame& frame, int first, int last, int threshold) {
+void Gate::scan(const Frame& frame, int first, int last, int threshold) {
   first = std::clamp(first, 0, rows_);
   last = std::clamp(last, first, rows_);
   count_busy(frame, first, last, std::clamp(threshold, 1, 254));

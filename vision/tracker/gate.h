@@ -28,7 +28,7 @@ class Gate {
   int square() const { return square_; }
 
   /// Examines the rows of cells [first, last) of the image; the other rows keep their results.
-  void look(const Frame& frame, int first, int last, int threshold);
+  void scan(const Frame& frame, int first, int last, int threshold);
 
   /// Middles of the squares of busy cells that begin in the rows [first, last), none of them within `apart` of another
   /// or of one of `known`. Valid until the next call.

@@ -111,6 +111,14 @@ const TrackerCounters& TagTracker::counters() const {
   return parts_->counters;
 }
 
+std::optional<double> TagTracker::stretch() const {
+  std::vector<double> usual;
+  for (const WantedTag& tag : parts_->wanted)
+    if (tag.stretches >= WantedTag::enough_stretches) usual.push_back(tag.usual_stretch);
+  if (usual.empty()) return {};
+  return median(usual);
+}
+
 const StageTimes& TagTracker::stage_times() const {
   return parts_->times;
 }
@@ -235,9 +243,10 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
 /// Whether the newest fit shows the tag nearer to the camera, or farther from it, than the seconds before did. What
 /// stays so for long is no hand, and becomes what is usual.
 bool WantedTag::lifted(double tolerance) noexcept {
-  constexpr int remembered = 100, enough = 25, long_enough = 250;  // [frames]
+  constexpr int remembered = 100, long_enough = 250;  // [frames]
   constexpr double deviations = 4.0;
-  const bool off = stretches >= enough && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
+  const bool off =
+      stretches >= enough_stretches && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
   off_stretch = off ? off_stretch + 1 : 0;
   if (off && off_stretch < long_enough) return true;
   if (off) stretches = 0;

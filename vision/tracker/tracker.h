@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,10 @@ class TagTracker {
   const std::vector<TagPose>& process(const Frame& frame, std::span<const SeenElsewhere> elsewhere = {});
 
   const TrackerCounters& counters() const;
+
+  /// How much larger the tags look than tags of tag_size at tag_height, as a part of it: the median of the wanted tags'
+  /// means over their last 100 fits. None: no tag has 25 fits yet.
+  std::optional<double> stretch() const;
 
   /// Of the last frame; zeros without TrackerOptions::clock.
   const StageTimes& stage_times() const;

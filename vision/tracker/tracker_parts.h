@@ -45,6 +45,7 @@ struct WantedTag {
   WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
   bool missing() const { return !found && !ghost && !elsewhere; }
   bool lifted(double tolerance) noexcept;
+  static constexpr int enough_stretches = 25;  // to know what is usual [frames]
 };
 
 /// The tracker's state and its stages.

@@ -243,7 +243,7 @@ void TrackerParts::look_at_gate(const Frame& frame) {
   if (!any) return;
   ++counters.gates;
   list_known();
-  gate.look(frame, 0, gate.rows(), gate_threshold());
+  gate.scan(frame, 0, gate.rows(), gate_threshold());
   check_places(frame, gate.places(0, gate.rows(), known, 0.7 * edge_px), most_windows, most_old_windows);
 }
 
@@ -291,7 +291,7 @@ void TrackerParts::audit(const Frame& frame) {
   const int strip = static_cast<int>(counters.frames % strips);
   const int first = gate.rows() * strip / strips;
   const int last = gate.rows() * (strip + 1) / strips;
-  gate.look(frame, first, last, gate_threshold());
+  gate.scan(frame, first, last, gate_threshold());
   list_known();
   const int before = gate.square() - 1;  // squares that begin above the strip end in it
   const bool recheck = counters.frames % recheck_every == 0;

@@ -154,6 +154,20 @@ void take_over(const V4l2Device& device, std::uint32_t id, bool automatic) {
   if (id == V4L2_CID_FOCUS_ABSOLUTE) write(device, V4L2_CID_FOCUS_AUTO, 0);
 }
 
+/// Whether this value of V4L2_CID_EXPOSURE_AUTO leaves the exposure time to the camera.
+bool sets_exposure(std::int64_t automatic) {
+  return automatic != V4L2_EXPOSURE_MANUAL && automatic != V4L2_EXPOSURE_SHUTTER_PRIORITY;
+}
+
+const CameraControl* find(const std::vector<CameraControl>& controls, std::uint32_t id) {
+  const auto found = std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.id == id; });
+  return found == controls.end() ? nullptr : &*found;
+}
+
+double unit_of(std::uint32_t id) {
+  return id == V4L2_CID_EXPOSURE_ABSOLUTE ? exposure_unit : 1.0;
+}
+
 std::string names_of(const std::vector<CameraControl>& controls) {
   std::string names;
   for (const CameraControl& control : controls) names += (names.empty() ? "" : ", ") + control.name;
@@ -171,9 +185,7 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
 std::vector<std::string> automatics_on(const CameraDescription& camera) {
   std::vector<std::string> names;
   for (const CameraControl& control : camera.controls) {
-    if (control.id == V4L2_CID_EXPOSURE_AUTO && control.value != V4L2_EXPOSURE_MANUAL &&
-        control.value != V4L2_EXPOSURE_SHUTTER_PRIORITY)
-      names.emplace_back("exposure");
+    if (control.id == V4L2_CID_EXPOSURE_AUTO && sets_exposure(control.value)) names.emplace_back("exposure");
     if (control.id == V4L2_CID_AUTOGAIN && control.value != 0) names.emplace_back("gain");
     if (control.id == V4L2_CID_FOCUS_AUTO && control.value != 0) names.emplace_back("focus");
   }
@@ -181,11 +193,40 @@ std::vector<std::string> automatics_on(const CameraDescription& camera) {
 }
 
 std::optional<double> present_setting(const CameraDescription& camera, const std::string& name) {
-  const std::uint32_t id = id_of(camera.controls, name);
-  const auto control =
-      std::find_if(camera.controls.begin(), camera.controls.end(), [&](const auto& c) { return c.id == id; });
-  if (control == camera.controls.end()) return {};
-  return (id == V4L2_CID_EXPOSURE_ABSOLUTE ? exposure_unit : 1.0) * static_cast<double>(control->value);
+  const CameraControl* control = find(camera.controls, id_of(camera.controls, name));
+  if (control == nullptr) return {};
+  return unit_of(control->id) * static_cast<double>(control->value);
+}
+
+tl::expected<CameraSettings, std::string> v4l2_settings(const std::string& path, const ControlSettings& set,
+                                                        V4l2Kernel& kernel) {
+  V4l2Device device(path, kernel);
+  if (std::string problem = device.open(); !problem.empty()) return tl::unexpected(problem);
+  auto notices = set_controls(device, set);
+  if (!notices) return tl::unexpected(notices.error());
+  CameraSettings settings{.notices = std::move(*notices)};
+  const CameraDescription now{.controls = controls_of(device)};
+  const std::vector<std::string> automatics = automatics_on(now);
+  for (const char* name : {"exposure", "gain", "focus"}) {
+    const CameraControl* control = find(now.controls, id_of(now.controls, name));
+    if (control == nullptr) continue;
+    const double unit = unit_of(control->id);
+    settings.all.push_back({.name = name,
+                            .value = unit * static_cast<double>(control->value),
+                            .least = unit * static_cast<double>(control->least),
+                            .most = unit * static_cast<double>(control->most),
+                            .step = unit * static_cast<double>(control->step),
+                            .automatic = std::find(automatics.begin(), automatics.end(), name) != automatics.end(),
+                            .counted = control->id == V4L2_CID_EXPOSURE});
+  }
+  return settings;
+}
+
+std::optional<double> fixed_exposure(const V4l2Device& device) {
+  const auto automatic = value_of(device, V4L2_CID_EXPOSURE_AUTO);
+  const auto value = value_of(device, V4L2_CID_EXPOSURE_ABSOLUTE);
+  if (!value || (automatic && sets_exposure(*automatic))) return {};
+  return exposure_unit * static_cast<double>(*value);
 }
 
 tl::expected<std::vector<std::string>, std::string> set_controls(const V4l2Device& device,
@@ -200,10 +241,10 @@ tl::expected<std::vector<std::string>, std::string> set_controls(const V4l2Devic
     take_over(device, id, automatic);
     if (automatic) continue;
     const std::vector<CameraControl> controls = controls_of(device);
-    const auto control = std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.id == id; });
-    if (id == 0 || control == controls.end())
+    const CameraControl* control = find(controls, id);
+    if (id == 0 || control == nullptr)
       return tl::unexpected(fmt::format("{}: has no control {}; it has: {}", device.path(), name, names_of(controls)));
-    const double unit = id == V4L2_CID_EXPOSURE_ABSOLUTE ? exposure_unit : 1.0;
+    const double unit = unit_of(id);
     if (id == V4L2_CID_EXPOSURE && wanted != std::round(wanted))
       return tl::unexpected(
           fmt::format("{}: exposure = {}; allowed: a whole number from {} to {}, since the driver does not say how "

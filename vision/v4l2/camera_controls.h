@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "vision/frames/camera_setting.h"
 #include "vision/frames/frame_source.h"
 #include "vision/v4l2/v4l2_kernel.h"
 
@@ -55,11 +56,19 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
 tl::expected<std::vector<std::string>, std::string> set_controls(const detail::V4l2Device& device,
                                                                  const ControlSettings& settings);
 
+/// Sets controls of a camera, which somebody may be reading frames from, and reads back what its exposure, gain and
+/// focus are then.
+tl::expected<CameraSettings, std::string> v4l2_settings(const std::string& device, const ControlSettings& set = {},
+                                                        V4l2Kernel& kernel = system_kernel());
+
 /// Which of "exposure", "gain" and "focus" the camera sets by itself at present.
 std::vector<std::string> automatics_on(const CameraDescription& camera);
 
 /// The present value of one of these three, in the units of set_controls; none: the camera has no such control.
 std::optional<double> present_setting(const CameraDescription& camera, const std::string& name);
+
+/// The exposure time that a camera keeps; none: it sets it by itself, or has no control with a unit. [s]
+std::optional<double> fixed_exposure(const detail::V4l2Device& device);
 
 /// "exposure=0.005" as a setting; none where it is something else.
 tl::expected<std::pair<std::string, double>, std::string> parse_setting(std::string_view text);

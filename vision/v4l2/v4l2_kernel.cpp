@@ -5,6 +5,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <fstream>
+
 namespace skein::vision {
 namespace {
 
@@ -18,6 +20,12 @@ class SystemKernel final : public V4l2Kernel {
     return ::mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, fd, static_cast<off_t>(offset));
   }
   void unmap(void* start, std::size_t length) override { ::munmap(start, length); }
+  std::string parameter(const std::string& module, const std::string& name) override {
+    std::ifstream file("/sys/module/" + module + "/parameters/" + name);
+    std::string value;
+    std::getline(file, value);
+    return value;
+  }
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace skein::vision {
 
@@ -18,6 +19,7 @@ class V4l2Kernel {
   virtual int poll(pollfd* waiting, int milliseconds) = 0;                 // one descriptor
   virtual void* map(int fd, std::size_t length, std::uint32_t offset) = 0;
   virtual void unmap(void* start, std::size_t length) = 0;
+  virtual std::string parameter(const std::string& module, const std::string& name) = 0;  // of a module; empty: none
 };
 
 /// The machine's own.

@@ -56,6 +56,7 @@ class V4l2Camera final : public FrameSource {
         problem = set.error();
     }
     if (problem.empty()) problem = map_buffers();
+    exposure_ = problem.empty() ? fixed_exposure(device_).value_or(0.0) : 0.0;
     if (!problem.empty()) close();
     return problem;
   }
@@ -151,20 +152,20 @@ class V4l2Camera final : public FrameSource {
     if (!newest) return false;
     const double arrived_at = monotonic_now();
     const bool whole = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && convert(*newest, frame);
+    const bool first = fresh_ && whole;
+    if (first) stamps_.store(stamps_of(*newest), std::memory_order_relaxed);
     if (whole) {
-      frame.captured_at = stamp(*newest);
+      frame.captured_at = captured_at(*newest, arrived_at);
       learn_period(frame.captured_at, passed_over);
       frame.arrived_at = arrived_at;
       frame.index = frames_++;
       frame.source = std::to_string(frame.index);
     }
     damaged_ = whole ? 0 : damaged_ + 1;
-    const bool first = fresh_ && whole;
     fresh_ = fresh_ && !whole;
-    if (first) stamps_.store(stamps_of(*newest), std::memory_order_relaxed);
     {
       const std::lock_guard lock(status_mutex_);
-      if (const char* lacks = first ? stamps_lack(stamps_of(*newest)) : nullptr)
+      if (const char* lacks = first ? stamps_lack(stamps()) : nullptr)
         status_.notices.push_back(fmt::format("{}: {}", device_.path(), lacks));
       status_.up = status_.up || whole;
       status_.damaged += whole ? 0 : 1;
@@ -310,10 +311,13 @@ class V4l2Camera final : public FrameSource {
     return pixels_->to_grey({bytes, used}, stride_, frame);
   }
 
-  static TimeStamps stamps_of(const v4l2_buffer& buffer) {
+  TimeStamps stamps_of(const v4l2_buffer& buffer) const {
     if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) return TimeStamps::arrival;
-    return (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE ? TimeStamps::exposure_start
-                                                                                          : TimeStamps::frame_end;
+    if ((buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) != V4L2_BUF_FLAG_TSTAMP_SRC_SOE) return TimeStamps::frame_end;
+    // uvcvideo calls every stamp the start of exposure, and reads the camera's own only if it is told to.
+    const bool camera_stamps = device_.driver() != "uvcvideo" ||
+                               device_.kernel().parameter("uvcvideo", "hwtimestamps").find_first_of("1Yy") == 0;
+    return camera_stamps ? TimeStamps::exposure_start : TimeStamps::first_packet;
   }
   /// What is wrong with the driver's stamps, for people; nothing where they say when the exposure began.
   static const char* stamps_lack(TimeStamps stamps) {
@@ -321,7 +325,11 @@ class V4l2Camera final : public FrameSource {
       case TimeStamps::arrival:
         return "its driver does not report capture times: a frame counts as captured when it arrives, which is later";
       case TimeStamps::frame_end:
-        return "its driver stamps the end of a frame, not the start of its exposure: poses are stamped too late";
+        return "its driver stamps the end of a frame, not the start of its exposure: skein camera latency measures how "
+               "much later that is";
+      case TimeStamps::first_packet:
+        return "its driver stamps the first packet of a frame, not the start of its exposure: skein camera latency "
+               "measures how much later that is";
       case TimeStamps::exposure_start:
       case TimeStamps::film:
       case TimeStamps::nominal:
@@ -330,12 +338,25 @@ class V4l2Camera final : public FrameSource {
     return nullptr;
   }
 
-  /// When the frame was taken, by the driver (start of exposure or end of frame, as it can); else now, which is later.
-  static double stamp(const v4l2_buffer& buffer) {
-    if (stamps_of(buffer) != TimeStamps::arrival) {
-      return static_cast<double>(buffer.timestamp.tv_sec) + 1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
+  /// The middle of the first row's exposure, as far as it is known: what the camera needs besides, to read out a global
+  /// shutter, to encode and to send, is not.
+  double captured_at(const v4l2_buffer& buffer, double arrived_at) const {
+    const double stamp =
+        static_cast<double>(buffer.timestamp.tv_sec) + 1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
+    const double half = 0.5 * exposure_;
+    switch (stamps_.load(std::memory_order_relaxed)) {
+      case TimeStamps::exposure_start:
+        return stamp + half;
+      case TimeStamps::first_packet:
+        return stamp - half;
+      case TimeStamps::frame_end:
+        return stamp - options_.readout - half;
+      case TimeStamps::arrival:
+      case TimeStamps::film:
+      case TimeStamps::nominal:
+        break;
     }
-    return monotonic_now();
+    return arrived_at - options_.readout - half;
   }
   static double monotonic_now() {
     timespec now{};
@@ -354,6 +375,7 @@ class V4l2Camera final : public FrameSource {
   std::size_t stride_ = 0;      // bytes from row to row
   double period_ = 1.0 / 25.0;  // as the driver says [s]
   double seen_period_ = 0.0;    // as the last frames were
+  double exposure_ = 0.0;       // [s]; 0: not known, or not constant
   const Media* media_ = nullptr;
   std::int64_t frames_ = 0;
   int damaged_ = 0;       // frames in a row

@@ -64,6 +64,19 @@ TEST(RadioLap, GarbledSpeedsLetNobodyDriveMoreThanItsBlindDistance) {
   }
 }
 
+// A robot that had restarted was catching up at 0.14 m/s when interference carried nothing for 0.4 s: 66 mm, and no
+// host could have stopped it.
+TEST(RadioLap, WhoeverCatchesUpDrivesNoMoreThanItsBlindDistanceWhileTheRadioCarriesNothing) {
+  Experiment experiment = lap_with({"failure.link_lost=others_go_on"});
+  experiment.duration = 10.0;
+  experiment.reference.speed = 0.09;
+  experiment.perturbations.clear();
+  RadioLapOptions options;
+  options.seed = 247;
+  options.faults = comms::random_faults(experiment.robots.size(), 15.0, 5.0, options.seed);
+  EXPECT_LE(radio_lap(experiment, options).blind_way, experiment.links.blind_distance);
+}
+
 /// The control: without the blind distance the same sequences let robots drive farther.
 TEST(RadioLap, WithoutItsBlindDistanceTheSameFaultsLetARobotDriveFarther) {
   Experiment experiment = lap_with({"failure.link_lost=others_go_on"});

@@ -74,6 +74,11 @@ TEST(CalibrationFile, WhatIsSavedReadsBackToTheSameBits) {
     const Eigen::Vector3d axis(width, 1.0, -0.3);
     camera.world_from_camera->rotation = Eigen::AngleAxisd(width, axis.normalized()).toRotationMatrix();
     if (*rc::gen::arbitrary<bool>()) camera.world_from_camera.reset();
+    if (*rc::gen::arbitrary<bool>()) {
+      camera.marks = {{"tag 7", 7, width, -1.0 / 3.0, 0.0, 100.0 / width, 17.3, true, width / 9.0},
+                      {"point 1", -1, 0.1 * width, 0.2, 0.003, 5.0 * width, 0.0, true},
+                      {"tag 9", 9, 0.4, 0.5 * width}};
+    }
     const auto back = parse_calibration(format_calibration(camera), "text");
     RC_ASSERT(back.has_value());
     RC_ASSERT(*back == camera);
@@ -101,7 +106,8 @@ TEST(CalibrationFile, ProblemsSayWhereAndWhat) {
       {with("fy = 1400.5\n", ""), "cal.toml:1:1: camera.fy: missing, allowed: a number from 96 to 1e+06 px"},
       {with("cy = 476.1", "cy = 476.1\nzoom = 2"),
        "cal.toml:8:1: camera.zoom: unknown key, allowed in camera: width, height, fx"},
-      {with("[tags]", "[tag]"), "cal.toml:14:2: tag: unknown key; did you mean tags? allowed: camera, world, tags"},
+      {with("[tags]", "[tag]"),
+       "cal.toml:14:2: tag: unknown key; did you mean tags? allowed: camera, world, tags, mark"},
       {with(", 0]\n", "]\n"),
        "cal.toml:8:14: camera.distortion: found an array, allowed: 5 numbers, each a number from"},
       {with("0.03", "true"), "cal.toml:8:14: camera.distortion: found an array, allowed: 5 numbers"},
@@ -113,6 +119,13 @@ TEST(CalibrationFile, ProblemsSayWhereAndWhat) {
       {with("position = [0, 0, 2.5]", "position = 2.5"),
        "cal.toml:12:12: world.position: found 2.5, allowed: 3 numbers, each a number from -100 to 100 m"},
       {with("size = 0.05", "size = 0"), "cal.toml:16:8: tags.size: found 0, allowed: a number from 0.001 to 10 m"},
+      {with("[tags]", "[[mark]]\ntag = 600\nx = 0\ny = 0\n\n[tags]"),
+       "cal.toml:15:7: mark.1.tag: found 600, allowed: a whole number from 0 to 586"},
+      {with("[tags]", "[[mark]]\ntag = 6\nx = 0\n\n[tags]"), "mark.1.y: missing, allowed: a number from -100 to 100 m"},
+      {with("[tags]", "[[mark]]\nx = 0\ny = 0\n\n[tags]"), "mark.1.pixel: missing, allowed: 2 numbers"},
+      {with("[tags]", "[[mark]]\ntag = 6\nx = 0\ny = 0\n[[mark]]\ntag = 6\nx = 1\ny = 0\n\n[tags]"),
+       "cal.toml:19:7: mark.2.tag: found 6 again, allowed: each tag once"},
+      {with("[tags]", "[[mark]]\ntag = 6\nx = 0\ny = 0\nsize = 0\n\n[tags]"), "mark.1.size: found 0, allowed:"},
       {"camera = 3", "cal.toml:1:10: camera: found 3, allowed: a table [camera]"},
       {"", "camera: missing, allowed: the table [camera]"},
   };
@@ -123,11 +136,30 @@ TEST(CalibrationFile, ProblemsSayWhereAndWhat) {
   }
 }
 
+TEST(CalibrationFile, ATagThatDoesNotExistIsNoneThatWasThereBefore) {
+  const auto camera = parse_calibration(
+      with("[tags]", "[[mark]]\nx = 0\ny = 0\npixel = [1, 1]\n[[mark]]\ntag = 600\nx = 0\ny = 0\n\n[tags]"),
+      "cal.toml");
+  ASSERT_FALSE(camera);
+  EXPECT_EQ(camera.error(), "cal.toml:19:7: mark.2.tag: found 600, allowed: a whole number from 0 to 586");
+}
+
 TEST(CalibrationFile, EveryProblemIsNamedAtOnce) {
   const auto camera = parse_calibration(with("fx = 1402", "fx = -5").append("shine = 1\n"), "cal.toml");
   ASSERT_FALSE(camera);
   EXPECT_NE(camera.error().find("cal.toml:4:6: camera.fx: found -5"), std::string::npos) << camera.error();
   EXPECT_NE(camera.error().find("\ncal.toml:17:1: tags.shine: unknown key"), std::string::npos) << camera.error();
+}
+
+TEST(CalibrationFile, KeepsTheMarksOnTheFloor) {
+  const auto camera = parse_calibration(std::string(good) +
+                                            "[[mark]]\ntag = 20\nx = -0.9\ny = 0.6\nsize = 0.08\npixel = [412, 97.5]\n"
+                                            "[[mark]]\nx = 0.9\ny = 0.6\nz = 0.01\npixel = [900.5, 97]\n",
+                                        "cal.toml");
+  ASSERT_TRUE(camera) << camera.error();
+  const std::vector<vision::FloorMark> marks{{"tag 20", 20, -0.9, 0.6, 0.0, 412.0, 97.5, true, 0.08},
+                                             {"point 1", -1, 0.9, 0.6, 0.01, 900.5, 97.0, true, 0.0}};
+  EXPECT_EQ(camera->marks, marks);
 }
 
 TEST(CalibrationFile, DamagedTextIsRefusedOrReadButNeverWorse) {

@@ -23,9 +23,11 @@
 #include "app/record/statistics.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
+#include "app/tick/control_tick.h"
 #include "app/tools/controller_check.h"
 #include "core/words.h"
 #include "tests/places.h"
+#include "tests/processes.h"
 
 namespace skein::app {
 namespace {
@@ -246,6 +248,74 @@ TEST(OwnController, AParameterThatIsChangedReachesPython) {
   expect_heeded(with(kicked, {command("python3 '" + path + "'")}), "Python");
 }
 
+/// What a controller answers in 200 ticks along the reference, and how many answers were late; before a question it is
+/// woken as often as `woken` says.
+std::pair<std::vector<core::Twist>, std::int64_t> answers(const std::vector<std::string>& sets,
+                                                          const std::function<int(int)>& woken) {
+  const Experiment experiment = experiment_of(sets);
+  auto own = OwnController::start(experiment, /*waits=*/true, test::program());
+  EXPECT_TRUE(own) << own.error();
+  if (!own) return {};
+  ControlTick tick(experiment);
+  const auto reference = make_reference(experiment);
+  std::vector<core::Measurement> seen(experiment.robots.size());
+  const OperatorCommand start = commands::Start{};
+  std::vector<core::Twist> all;
+  for (int k = 0; k < 200; ++k) {
+    TickInput input;
+    input.now = k / experiment.rate;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      seen[i] = {reference->at(i, input.now).pose, input.now};
+      seen[i].pose.y += 0.001 * static_cast<double>(k % 7);
+    }
+    input.measurements = seen;
+    if (k == 0) input.commands = {&start, 1};
+    tick.see(input);
+    for (int n = woken(k); n > 0; --n) (*own)->wake();
+    if (const core::ControllerInput* const question = tick.ask()) {
+      (*own)->ask(*question);
+      input.law = (*own)->law();
+      all.insert(all.end(), input.law.begin(), input.law.end());
+    }
+    tick.decide(input);
+  }
+  return {all, (*own)->report().late};
+}
+
+void expect_the_same_woken_or_not(const std::string& kind, const std::string& program) {
+  const auto never = answers({command(program)}, [](int) { return 0; });
+  const auto often = answers({command(program)}, [](int k) { return k % 4; });
+  EXPECT_GT(never.first.size(), 4u * 190u) << kind;
+  EXPECT_EQ(never.first, often.first) << kind;
+  EXPECT_EQ(never.second, 0) << kind;
+  EXPECT_EQ(often.second, 0) << kind;
+}
+
+TEST(OwnController, AProcessThatIsWokenBeforeAQuestionGivesTheSameAnswers) {
+  expect_the_same_woken_or_not("a program in C", "'" + law_program() + "'");
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0) return;
+  const std::string package = testing::TempDir() + "woken_law.py", layout = testing::TempDir() + "layout_law.py";
+  std::ofstream(package) << "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
+                            "def step(tick):\n"
+                            "    for i in range(tick.robots):\n"
+                            "        tick.v[i] = tick.reference[i][3] + 2.0 * tick.error[i][0]\n"
+                            "        tick.omega[i] = tick.reference[i][4] + 8.0 * tick.error[i][1]\n"
+                            "skein.controller.run(step)\n";
+  expect_the_same_woken_or_not("Python", "python3 '" + package + "'");
+  // One that knows nothing but the layout, and answers whenever it reads a byte.
+  std::ofstream(layout) << "import mmap, os, struct\n"
+                           "m = mmap.mmap(3, 40192)\n"
+                           "os.write(5, b'r')\n"
+                           "while os.read(4, 1):\n"
+                           "    question = m[48:56]\n"
+                           "    for i in range(struct.unpack_from('<I', m, 16)[0]):\n"
+                           "        robot = struct.unpack_from('<30d', m, 256 + 240 * i)\n"
+                           "        struct.pack_into('<2d', m, 30976 + 16 * i, robot[22] + 2 * robot[24], robot[23])\n"
+                           "    m[80:88] = question\n"
+                           "    os.write(5, b'a')\n";
+  expect_the_same_woken_or_not("the layout alone", "python3 '" + layout + "'");
+}
+
 TEST(OwnController, ALibraryDeclaresWhatTheOperatorMayChange) {
   SessionOptions options;
   options.program = test::program();
@@ -366,8 +436,7 @@ TEST(OwnController, NothingThatItStartsOutlivesTheRun) {
   const auto left = [] {
     int count = 0;
     for (const auto& entry : fs::directory_iterator("/proc")) {
-      std::ifstream file(entry.path() / "cmdline");
-      std::string words{std::istreambuf_iterator<char>(file), {}};
+      std::string words = test::words_of_process(entry.path());
       std::replace(words.begin(), words.end(), '\0', ' ');
       count += words.find("--adversary 13 ") != std::string::npos;
     }

@@ -137,6 +137,8 @@ const Fault faults[] = {
      [](Patient& p) { p.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "powersave\n"); }},
     {"GovernorOnDemand", State::note, "governor ondemand",
      [](Patient& p) { p.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "ondemand\n"); }},
+    {"IdleStates", State::note, "idle states: /dev/cpu_dma_latency cannot be written",
+     [](Patient& p) { p.machine.usable = [](const std::string& path) { return path != "/dev/cpu_dma_latency"; }; }},
     {"ClockSource", State::note, "clock: hpet",
      [](Patient& p) { p.write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n"); }},
     {"Load", State::ill, "load: 3.1 threads at work on 2 cores",

@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "app/experiment/experiment_sets.h"
+#include "app/experiment/toml_places.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/property.h"
 
@@ -78,6 +80,46 @@ TEST(Source, KeepsEveryBitOfANumberThatWasSet) {
     RC_ASSERT(e.has_value());
     RC_ASSERT(parse_experiment(e->source, "")->reference.speed == speed);
   });
+}
+
+/// Whether the values between two texts make the one the other.
+void expect_sets(const std::string& before, const std::string& after, const Sets& expected) {
+  const Experiment from = good(before), to = good(after);
+  const std::vector<std::string> sets = sets_between(from.source, to.source);
+  EXPECT_EQ(sets, expected);
+  const auto again = parse_experiment(before, "again.toml", sets);
+  ASSERT_TRUE(again) << again.error().front().message();
+  EXPECT_EQ(parsed_toml(again->source).value(), parsed_toml(to.source).value()) << again->source;
+}
+
+TEST(SetsBetween, SayWhatWasChanged) {
+  const std::string text = "seed = 1\n[controller.gains]\nk_xx = 0.01\n[[perturb]]\nt = 1\nrobot = 1\ndx = 0.1\n";
+  const auto with = [&](const Sets& sets) { return good(text, sets).source; };
+  expect_sets(text, text, {});
+  for (const Sets& sets : std::vector<Sets>{
+           {"controller.gains.k_xx=0.008", "seed=3"},
+           {"perturb.1.dx=0.2"},
+           {"perturb.2={ dy = 0.1, robot = 2, t = 2.0 }"},
+           {"gain_change.1={ k_xx = 0.0, ramp = 1.0, t = 4.0 }", "gain_change.2={ k_xx = 0.005, ramp = 2.0, t = 9.0 }"},
+           {"controller.gains.k_yy=[[1, 2, 0.01]]", "name=\"a \\\"b\\\"\""},
+           {"operator.1={ does = \"uncouple r1 r2\", t = 1.5 }"},
+           {"robot=[{ tag = 3 }, { tag = 4 }]"},
+           {"reference.path.radius=0.5", "reference.path.shape=\"circle\""}})
+    expect_sets(text, with(sets), sets);
+  // What is gone is set as a whole.
+  const std::string without = text.substr(0, text.find("[[perturb]]"));
+  EXPECT_EQ(sets_between(text, without), Sets{"perturb=[]"});
+  EXPECT_TRUE(good(text, {"perturb=[]"}).perturbations.empty());
+  expect_sets(text + "dy = 0.2\n", text, {"perturb=[{ dx = 0.1, robot = 1, t = 1 }]"});
+}
+
+TEST(SetsBetween, AddTheOperatorsActionsOneByOne) {
+  const std::string text = "[[operator]]\nt = 1\ndoes = \"uncouple r1 r2\"\n";
+  const std::string set = set_of({2.52, events::Kick{1, 0.1, -0.2}}, 2);
+  const Experiment e = good(text, {set});
+  ASSERT_EQ(e.actions.size(), 2u);
+  EXPECT_EQ(e.actions[1].t, 2.52);
+  EXPECT_EQ(describe(e.actions[1].event), describe(events::Kick{1, 0.1, -0.2}));
 }
 
 TEST(Set, SurvivesAnything) {

@@ -56,6 +56,29 @@ TEST(Trajectories, ThatMeetAreRefusedUnlessTheFileSaysSo) {
                           "1's at t = ")));
 }
 
+/// Two robots that cross the floor side by side and change sides; `first` is the first one's path.
+std::string cross(const std::string& more, const std::string& first) {
+  return "duration = 40\n[reference]\nkind = 'independent'\nmay_meet = true\n" + more +
+         "\n[[robot]]\ntrajectory = { path = { " + first +
+         " } }\n[[robot]]\ntrajectory = { speed = 0.06, path = { shape = 'line', from = [-0.5, 0.3], to = [0.5, -0.3] "
+         "} }\n";
+}
+const char* const line = "shape = 'line', from = [-0.5, -0.3], to = [0.5, 0.3]";
+
+TEST(Trajectories, OfInterchangeablePlacesAreTheShortest) {
+  const Experiment e = good(cross("interchangeable = true", line));
+  EXPECT_EQ(e.robots[0].trajectory->path.points, (std::vector<core::Point>{{-0.5, -0.3}, {0.5, -0.3}}));
+  EXPECT_EQ(e.robots[1].trajectory->path.points, (std::vector<core::Point>{{-0.5, 0.3}, {0.5, 0.3}}));
+  EXPECT_EQ(e.robots[1].trajectory->speed, 0.06) << "only the end is exchanged";
+  EXPECT_EQ(good(cross("", line)).robots[0].trajectory->path.points.back(), (core::Point{0.5, 0.3}));
+}
+
+TEST(Trajectories, AreInterchangeableOnlyIfAllAreWholeLines) {
+  EXPECT_THAT(messages(cross("interchangeable = true", "shape = 'circle', radius = 0.2")),
+              Contains("e.toml:5:19: reference.interchangeable: found true, allowed: if every robot's trajectory is a "
+                       "whole line; robot 1's is not"));
+}
+
 struct Wrong {
   const char* first;  ///< in the first trajectory
   const char* message;

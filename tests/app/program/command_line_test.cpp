@@ -173,6 +173,20 @@ TEST(CommandLine, RobotsOfThreeMakersDriveTogetherEachInItsOwnProtocol) {
   EXPECT_TRUE(has(behind.out, "\nperturbation_1_formation_first: true\n")) << behind.out;
 }
 
+TEST(CommandLine, AnExperimentIsRehearsedWithoutItsHardware) {
+  const Folder folder;
+  std::filesystem::copy_file(skein::test::in_source("resources/cameras/overhead.toml"), folder / "cal.toml");
+  std::ofstream(folder / "lab.toml")
+      << "name = \"lab\"\nduration = 2\n[[robot]]\ntag = 4\nlink = \"serial:/dev/nowhere\"\n"
+         "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = \"cal.toml\"\n"
+         "[failure]\nlink_bridge = 10.0\n";
+  EXPECT_EQ(skein({"run", folder / "lab.toml"}).status, 3) << "the control: there is no such hardware";
+  const auto rehearsed = skein({"run", folder / "lab.toml", "--rehearse", "--csv", folder / "run.csv"});
+  EXPECT_EQ(rehearsed.status, 0) << rehearsed.err;
+  EXPECT_NE(read_file(folder / "run.csv").find("lab (rehearsal)"), std::string::npos);
+  EXPECT_EQ(skein({"replay", folder / "run.csv"}).status, 0);
+}
+
 TEST(CommandLine, ParkedRobotsAreCase2OfTheTheorem) {
   const Result r = skein({"run", experiments + "parking.toml"});
   EXPECT_EQ(r.status, 0) << r.err;

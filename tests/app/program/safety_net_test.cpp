@@ -3,9 +3,11 @@
 #include "app/guard/robot_addresses.h"
 #include "app/guard/run_marker.h"
 #include "app/guard/stop_run.h"
+#include "app/guard/stop_socket.h"
 #include "app/run/output.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/syscall.h>
@@ -18,6 +20,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stop_token>
+#include <string_view>
 #include <thread>
 
 #include "app/cli/commands.h"
@@ -27,6 +31,7 @@
 #include "comms/link_supervisor.h"
 #include "tests/eventually.h"
 #include "tests/places.h"
+#include "tests/processes.h"
 
 extern char** environ;
 
@@ -62,18 +67,19 @@ class DyingProgram : public testing::Test {
     EXPECT_TRUE(eventually([this] { return guards() == 0; })) << "a guard goes on after its robots have been forgotten";
     fs::remove_all(state_);
   }
-  /// How many guards of this test's runs there are.
-  int guards() const {
-    int count = 0;
+  /// The guards of this test's runs.
+  std::vector<pid_t> all_guards() const {
+    std::vector<pid_t> all;
     std::error_code gone;
     for (const auto& process : fs::directory_iterator("/proc", gone)) {
-      std::ifstream file(process.path() / "cmdline");
-      const std::string words((std::istreambuf_iterator<char>(file)), {});
+      const std::string words = test::words_of_process(process.path());
       const std::string guard("guard\0", 6);
-      if (words.find(guard + state_.string()) != std::string::npos) ++count;
+      if (words.find(guard + state_.string()) != std::string::npos) all.push_back(std::stoi(process.path().filename()));
     }
-    return count;
+    return all;
   }
+  std::size_t guards() const { return all_guards().size(); }
+  pid_t guard() const { return all_guards().at(0); }
 
   /// Starts the victim and waits until all robots drive.
   void start(const std::string& guard) {
@@ -87,6 +93,7 @@ class DyingProgram : public testing::Test {
     std::vector<std::string> words{test::victim(), guard, "serial:" + ptys.device(0), "serial:" + ptys.device(1),
                                    "tcp:127.0.0.1:" + std::to_string(wifi.port())};
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     ASSERT_EQ(::posix_spawn(&pid_, test::victim().c_str(), &files, nullptr, arguments.data(), environ), 0);
@@ -247,6 +254,48 @@ TEST_F(DyingProgram, RobotsStopReachesARunThatIsFrozen) {
   EXPECT_NE(testing::internal::GetCapturedStdout().find("stopped"), std::string::npos);
   EXPECT_TRUE(stand());
   EXPECT_EQ(wait_for_the_end(), SIGKILL) << "SIGTERM does not reach it";
+}
+
+TEST_F(DyingProgram, RobotsStopReachesARunThatIsFrozenWithItsGuard) {
+  start(test::program());
+  if (HasFatalFailure()) return;
+  const std::vector<pid_t> both{guard(), pid_};
+  for (const pid_t process : both) ::kill(process, SIGSTOP);
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(stop_robots({}), done);
+  const std::string said = testing::internal::GetCapturedStdout();
+  EXPECT_TRUE(stand()) << said;
+  for (const pid_t process : both) ::kill(process, SIGCONT);  // where it failed
+}
+
+// A guard that says three times that it has not reached a robot.
+TEST_F(DyingProgram, RobotsStopGoesOnUntilTheGuardHasReachedARobot) {
+  RunMarker marker{{}, "gone", {comms::parse_link_address("serial:" + ptys.device(0)).value()}};
+  const auto written = write_marker(marker);
+  ASSERT_TRUE(written) << written.error();
+  ::close(written->lock);
+  auto socket = StopSocket::listen(marker.socket());
+  ASSERT_TRUE(socket) << socket.error();
+  int asked = 0;
+  std::jthread guard([&](const std::stop_token& token) {
+    while (!token.stop_requested()) {
+      pollfd caller{socket->descriptor(), POLLIN, 0};
+      ::poll(&caller, 1, 10);
+      socket->turn([&](std::string_view) { ++asked; },
+                   [&] {
+                     return std::vector<StopResult>{{comms::to_text(marker.robots[0]), asked > 3, "not reached yet"}};
+                   },
+                   /*last=*/true);
+    }
+  });
+  const StoppedRun stopped = stop_run(marker);
+  guard.request_stop();
+  guard.join();
+  EXPECT_EQ(asked, 4);
+  EXPECT_FALSE(stopped.by_hand);
+  ASSERT_EQ(stopped.robots.size(), 1u);
+  EXPECT_TRUE(stopped.robots[0].stopped) << stopped.robots[0].reason;
+  marker.forget();
 }
 
 TEST_F(DyingProgram, MarkersHaveNamesThatAreNeverUsedTwice) {

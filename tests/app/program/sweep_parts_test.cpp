@@ -25,7 +25,8 @@ class Parts : public ::testing::Test {
     std::ofstream(folder_ / "study.toml")
         << "name = \"parts\"\nexperiment = \"" << skein::test::in_source("resources/experiments/platoon.toml") << "\"\n"
         << "runs = 13\nset = [\"duration=5\", \"perturb=[]\"]\ncontrol = [\"controller.gains.k_xx=0\"]\n"
-        << "[vary]\n\"reference.start\" = [0.0, 4.196]\n[hand]\nt = 1.0\nrobots = 2\n";
+        << "[vary]\n\"reference.start\" = [0.0, 4.196]\n[hand]\nt = 1.0\nrobots = 2\n"
+        << "[compare]\n\"stiff, coupled\" = [\"controller.gains.k_xx=0.02\"]\n";
   }
   ~Parts() override { std::filesystem::remove_all(folder_); }
 
@@ -56,6 +57,8 @@ TEST_F(Parts, MergedAreTheStudyOfOneMachineBitForBit) {
   EXPECT_EQ(read("whole.json"), read("merged.json"));
   EXPECT_THAT(read("merged.json"), HasSubstr("\"runs\": 13"));
   EXPECT_THAT(read("merged.csv"), HasSubstr("\ncontrol,13,"));
+  EXPECT_THAT(read("merged.csv"), HasSubstr("\n\"stiff, coupled\",13,"));
+  EXPECT_THAT(read("merged.json"), HasSubstr("\"stiff, coupled\": {"));
 }
 
 TEST_F(Parts, ThoseThatWereKilledAreNamedAndMadeAgain) {

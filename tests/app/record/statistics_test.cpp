@@ -349,6 +349,12 @@ TEST(Summary, HasTheTimingCertificateOfARunInRealTime) {
   s.timing->priority = 20;
   EXPECT_NE(as_lines(s).find("timing_real_time_priority: 20\n"), std::string::npos);
   EXPECT_EQ(as_lines(s).find("no_priority"), std::string::npos);
+  EXPECT_EQ(as_lines(s).find("cpu_latency"), std::string::npos) << "a run of simulated robots asks for none";
+  s.timing->cpu_latency = 3;
+  EXPECT_NE(as_lines(s).find("timing_cpu_latency_limit: 3e-06\n"), std::string::npos) << as_lines(s);
+  s.timing->cpu_latency.reset();
+  s.timing->no_cpu_latency = "not permitted";
+  EXPECT_NE(as_lines(s).find("timing_no_cpu_latency_limit: not permitted\n"), std::string::npos) << as_lines(s);
 }
 
 TEST(Statistics, CountCollisionsWithWhatTheOperatorPutsDown) {

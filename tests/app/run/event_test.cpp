@@ -45,6 +45,7 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::Link{2, LinkState::stale}, "link r3 stale"},
     {events::CameraMoved{events::only_camera, 4, 0.037, -0.02}, "camera_moved tags=4 by=0.037 turn=-0.02"},
     {events::CameraMoved{1, 4, 0.037, -0.02}, "camera_moved c2 tags=4 by=0.037 turn=-0.02"},
+    {events::CameraMoved{1, 0, 0.037, -0.02, 5}, "camera_moved c2 tags=0 by=0.037 turn=-0.02 marks=5"},
     {events::CamerasDisagree{2, 1, 0, 0.045}, "cameras_disagree r3 c2 c1 by=0.045"},
     {events::CameraLost{1}, "camera_lost c2"},
     {events::CameraFound{0}, "camera_found c1"},

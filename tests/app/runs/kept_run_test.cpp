@@ -13,6 +13,7 @@
 #include "app/runs/verify.h"
 #include "app/session/session.h"
 #include "tests/app/folder.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -70,6 +71,21 @@ TEST(KeptRun, TakesMoreFilesAndStillVerifies) {
   EXPECT_TRUE(holds(*found, "files"));
   EXPECT_FALSE(add_to_kept_run(folder, {"nothing.txt"}));
   EXPECT_FALSE(add_to_kept_run(place / "runs", {"results.txt"})) << "not the folder of a run";
+}
+
+TEST(KeptRun, HasTheFilmOfEveryCamera) {
+  const Folder place;
+  const auto experiment = load_experiment(test::in_source("resources/experiments/two-cameras.toml"));
+  ASSERT_TRUE(experiment);
+  ASSERT_EQ(experiment->cameras(), 2u);
+  std::ofstream(place / "lab.mkv") << "one";
+  std::ofstream(place / "lab-2.mkv") << "two";
+  auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, experiment->source}, *experiment);
+  ASSERT_TRUE(kept) << kept.error();
+  ASSERT_TRUE(kept->end(Statistics(*experiment).summary(), {0, {}, place / "lab.mkv"}));
+  EXPECT_EQ(read_file(kept->folder() + "/film.mkv"), "one");
+  EXPECT_EQ(read_file(kept->folder() + "/film-2.mkv"), "two");
+  EXPECT_TRUE(read_story(kept->folder()).value()["files"].contains("film-2.mkv"));
 }
 
 TEST(KeptRun, HasAllThatItCameFromAndAllThatItGave) {

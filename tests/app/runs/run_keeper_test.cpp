@@ -77,6 +77,50 @@ TEST(RunKeeper, KeepsARunAsTheCommandLineDoes) {
   EXPECT_EQ(story["summary"]["ticks"], 50);
 }
 
+TEST(RunKeeper, SaysWhatTheOperatorChangedAsSetsThatRepeatTheRun) {
+  const Folder place;
+  const std::string written = seconds(3).source;
+  const Experiment experiment =
+      parse_experiment(written, "e.toml", {"controller.coupling=bounded", "duration=2"}).value();
+  RunKeeper keeper;
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {"window"}, true, written}, experiment));
+  SessionOptions options;
+  options.sinks = {&keeper};
+  auto session = Session::open(experiment, Session::Clock::virtual_, options);
+  ASSERT_TRUE(session) << session.error();
+  int asked = 0;  // every 16 ticks
+  const Phase end = (*session)->run([&] {
+    if (++asked == 2) {
+      EXPECT_TRUE((*session)->set_gain(core::GainName::k_xx, 0.05));
+    }
+    if (asked == 3) {
+      EXPECT_TRUE((*session)->couple(0, 1, false));
+    }
+    return true;
+  });
+  (*session)->close();
+  ASSERT_TRUE(keeper.end(facts_of(**session, end)));
+
+  const auto story = read_story(keeper.folder()).value();
+  const auto sets = story["sets"].get<std::vector<std::string>>();
+  ASSERT_EQ(sets.size(), 4u) << story["sets"].dump(1);
+  EXPECT_EQ(sets[0], "controller.coupling=\"bounded\"");
+  EXPECT_EQ(sets[1], "duration=2");
+  EXPECT_EQ(sets[2].substr(0, 12), "operator.1={") << sets[2];
+  EXPECT_NE(sets[3].find("uncouple"), std::string::npos) << sets[3];
+
+  const auto again = load_experiment(keeper.folder() + '/' + run_files::as_written, sets);
+  ASSERT_TRUE(again) << again.error().front().message();
+  RunKeeper repeated;
+  ASSERT_TRUE(repeated.begin({place / "again", {}, {}, {}, true, again->source}, *again));
+  SessionFacts facts;
+  EXPECT_EQ(run(*again, repeated, facts), Phase::finished);
+  ASSERT_TRUE(repeated.end(facts));
+  for (const char* const figure : {"final_error", "min_distance"})
+    EXPECT_EQ(read_story(repeated.folder()).value()["summary"].at(figure), story["summary"].at(figure)) << figure;
+  EXPECT_TRUE(read_story(repeated.folder()).value()["sets"].empty()) << "its file has everything";
+}
+
 TEST(RunKeeper, WithoutABeginningTakesNothing) {
   RunKeeper keeper;
   SessionFacts facts;

@@ -11,6 +11,7 @@
 #include "app/session/session.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/app/rows.h"
+#include "tests/app/session/expect_stop.h"
 
 namespace skein::app {
 namespace {
@@ -63,11 +64,7 @@ TEST(CameraMoved, ABumpOfOneDegreeStopsTheRobotsAndTheOperatorIsToldWhy) {
   EXPECT_EQ(run.sink.count<events::CameraMoved>(), 1);
   ASSERT_FALSE(run.sink.rows.empty());
   const TickRecord& last = run.sink.rows.back();
-  EXPECT_TRUE(last.events.contains<events::Stop>());
-  for (const RobotRecord& robot : last.robots) {
-    EXPECT_EQ(robot.wheels.left, 0.0);
-    EXPECT_EQ(robot.wheels.right, 0.0);
-  }
+  test::expect_stop(last);
   EXPECT_LE(last.now, bump_time + 0.12) << "three frames of 40 ms at most";
   EXPECT_LT(errors_from(run, 0.0).first, 1e-3);
 }

@@ -100,7 +100,7 @@ TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
   int said_at = 0;
   for (int k = 0; k < frames; ++k) {
     clock.set(0.04 * k);
-    (*rig)->look();
+    (*rig)->process_frame();
     EventList list(16);
     (*rig)->tell(list);
     for (const Event& event : list) events.push_back(describe(event)), said_at = k;
@@ -112,6 +112,103 @@ TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
   EXPECT_TRUE(sentences[0].starts_with("robot 2 is lost: tag 2 is there, but looks larger than the other tags"))
       << sentences[0];
   EXPECT_EQ(sentences[1], "robot 3 is lost: no tag 3 is in the picture");
+}
+
+TEST(CameraRig, SaysThatHeightOrSizeOfAllTagsIsWrong) {
+  const Lab lab;
+  const auto film = lab.folder / "standing";
+  fs::create_directories(film);
+  vision::Calibration calibration = *load_calibration(lab.folder / "cal.toml");
+  const std::vector<vision::SyntheticTag> tags{{1, {0.3, -0.2, 0.4}, 0.06},
+                                               {2, {-0.5, 0.3, 1.0}, 0.06},
+                                               {3, {-0.1, -0.4, 2.0}, 0.06},
+                                               {4, {0.6, 0.3, 3.0}, 0.06}};
+  vision::Frame frame;
+  vision::SyntheticCamera camera(calibration);
+  constexpr int frames = 90;
+  for (int k = 0; k < frames; ++k) {
+    camera.render(tags, 0.0, frame);
+    std::ofstream picture(film / fmt::format("{:03}.pgm", k), std::ios::binary);
+    picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
+    picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
+  }
+  calibration.tag_height -= 0.03;
+  ASSERT_TRUE(save_calibration(calibration, lab.folder / "low.toml"));
+
+  const auto told = [&](const char* file) {
+    const auto experiment =
+        parse_experiment(paper_experiment().source, "platoon.toml",
+                         std::vector<std::string>{"camera.source=images:" + film.string(),
+                                                  "camera.calibration=" + (lab.folder / file).string()});
+    SessionClock clock(false);
+    SimulatedWorld world(*experiment);
+    auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
+    std::vector<std::string> sentences;
+    for (int k = 0; k < frames; ++k) {
+      clock.set(0.04 * k);
+      (*rig)->process_frame();
+      for (const std::string& sentence : (*rig)->alarms())
+        if (sentence.starts_with("the tags look")) sentences.push_back(sentence);
+    }
+    return sentences;
+  };
+  EXPECT_TRUE(told("cal.toml").empty());
+  const std::vector<std::string> sentences = told("low.toml");
+  ASSERT_EQ(sentences.size(), 1U);
+  EXPECT_NE(sentences[0].find("% larger than [tags] size 60.0 mm and height 30 mm make them"), std::string::npos)
+      << sentences[0];
+}
+
+/// A camera whose stamps are late shows what was, and camera.latency says when that was.
+TEST(CameraRig, CorrectsTheTimeOfCapture) {
+  const auto experiment = parse_experiment(
+      paper_experiment().source, "platoon.toml",
+      std::vector<std::string>{"camera.source=synthetic", "camera.stamps_late=0.05", "camera.latency=0.04"});
+  ASSERT_TRUE(experiment);
+  SessionClock clock(false);
+  SimulatedWorld world(*experiment);
+  auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
+  ASSERT_TRUE(rig) << rig.error();
+  world.command(0, {500.0, 500.0});
+  std::vector<core::Pose> truth(4);
+  std::vector<core::Measurement> seen(4);
+  FrameTimes times;
+  for (int k = 0; k <= 25; ++k) {
+    clock.set(0.04 * k);
+    (*rig)->process_frame();
+    ASSERT_TRUE((*rig)->newest(seen, times));
+    EXPECT_DOUBLE_EQ(times.captured_at, 0.04 * k - 0.04);
+    EXPECT_DOUBLE_EQ(times.arrived_at, 0.04 * k);
+    EXPECT_DOUBLE_EQ(seen[0].captured_at, times.captured_at);
+    world.poses_at(0.04 * k - 0.05, truth);
+    EXPECT_LT(core::distance(seen[0].pose, truth[0]), 3e-4);
+  }
+  const core::Pose now = world.pose(0);
+  const double speed = core::distance(now, truth[0]) / 0.05;
+  EXPECT_NEAR(speed, 500.0 * core::DifferentialDrive{}.metres_per_step(), 1e-6);
+  // Moved by hand: it was never half way.
+  world.place(0, {0.5, 0.5, 0.0});
+  world.poses_at(1.0 - 1e-9, truth);
+  EXPECT_LT(core::distance(truth[0], now), 1e-6);
+  world.advance(1.1);
+  world.poses_at(1.05, truth);
+  EXPECT_NEAR(truth[0].y, 0.5, 1e-9);
+}
+
+TEST(CameraRig, NothingIsCapturedAfterItHasArrived) {
+  const auto experiment = parse_experiment(paper_experiment().source, "platoon.toml",
+                                           std::vector<std::string>{"camera.source=synthetic", "camera.latency=-0.1"});
+  ASSERT_TRUE(experiment);
+  SessionClock clock(false);
+  SimulatedWorld world(*experiment);
+  auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
+  ASSERT_TRUE(rig) << rig.error();
+  clock.set(0.04);
+  (*rig)->process_frame();
+  std::vector<core::Measurement> seen(4);
+  FrameTimes times;
+  ASSERT_TRUE((*rig)->newest(seen, times));
+  EXPECT_DOUBLE_EQ(times.captured_at, 0.04);
 }
 
 TEST(CameraRig, NamesAMissingCalibration) {

@@ -1,9 +1,22 @@
 // The timing certificate of a run.
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <thread>
 
 #include "app/experiment/experiment_file.h"
+#include "app/run/timing.h"
 #include "app/session/bare_thread.h"
 #include "app/session/session.h"
+#include "tests/app/folder.h"
 
 namespace skein::app {
 namespace {
@@ -45,6 +58,83 @@ TEST(Timing, ABareThreadWakesAtEveryDeadlineAndEnds) {
   const Histogram late = thread.end();
   EXPECT_GE(late.total(), 3u);
   EXPECT_LE(late.total(), 32u);
+}
+
+TEST(Timing, ARunThatDrivesRobotsAsksThatProcessorsWakeFast) {
+  Experiment experiment = a_second();
+  for (RobotSpec& robot : experiment.robots) robot.link = RobotSpec::Link::loopback;
+  auto session = Session::open(experiment, Session::Clock::wall);
+  ASSERT_TRUE(session) << session.error();
+  (*session)->run();
+  (*session)->close();
+  const auto timing = (*session)->timing();
+  ASSERT_TRUE(timing);
+  EXPECT_EQ(timing->cpu_latency.has_value(), timing->no_cpu_latency.empty()) << "no limit without a reason";
+}
+
+/// Files in the place of the kernel's.
+class CpuLatency : public testing::Test {
+ protected:
+  void kernel_has(const std::string& idle_driver) {
+    const std::ofstream empty(device);
+    std::ofstream{driver} << idle_driver << '\n';
+  }
+  /// What was written to the device; none: nothing, or something else.
+  std::optional<std::int32_t> written() {
+    std::ifstream file(device, std::ios::binary);
+    std::int32_t value = 0;
+    if (!file.read(reinterpret_cast<char*>(&value), sizeof value) || file.get() != EOF) return std::nullopt;
+    return value;
+  }
+  CpuLatencyLimit limit() { return CpuLatencyLimit({device.c_str(), driver.c_str()}); }
+
+  const skein::test::Folder folder;
+  const std::string device = folder / "cpu_dma_latency", driver = folder / "current_driver";
+};
+
+TEST_F(CpuLatency, ASleepThatIsLeftFastIsAllowed) {
+  kernel_has("intel_idle");
+  EXPECT_EQ(limit().granted(), 3);
+  EXPECT_EQ(written(), 3);
+}
+
+TEST_F(CpuLatency, AVirtualProcessorDoesNotSleep) {
+  kernel_has("haltpoll");
+  EXPECT_EQ(limit().granted(), 0);
+  EXPECT_EQ(written(), 0);
+}
+
+TEST_F(CpuLatency, ThatIsRefusedHasAReason) {
+  const CpuLatencyLimit refused = limit();
+  EXPECT_FALSE(refused.granted());
+  EXPECT_NE(refused.refused().find(device + ": No such file"), std::string::npos) << refused.refused();
+}
+
+TEST_F(CpuLatency, HoldsInTheKernel) {
+  const char* const kernels = "/dev/cpu_dma_latency";
+  if (::access(kernels, R_OK | W_OK) != 0) GTEST_SKIP() << kernels << " may not be written here";
+  const CpuLatencyLimit limit;
+  ASSERT_TRUE(limit.granted());
+  std::int32_t in_force = -1;
+  ASSERT_TRUE(std::ifstream(kernels, std::ios::binary).read(reinterpret_cast<char*>(&in_force), sizeof in_force));
+  EXPECT_GE(in_force, 0);
+  EXPECT_LE(in_force, *limit.granted()) << "another program may have asked for less";
+}
+
+TEST_F(CpuLatency, LastsAsLongAsItsObject) {
+  kernel_has("intel_idle");
+  const auto holds_it = [&] {
+    const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+    return std::any_of(begin(descriptors), end(descriptors), [&](const std::filesystem::directory_entry& entry) {
+      std::error_code closed;
+      return std::filesystem::read_symlink(entry.path(), closed) == device;
+    });
+  };
+  {
+    const CpuLatencyLimit held = limit();
+    EXPECT_TRUE(holds_it());
+  }
+  EXPECT_FALSE(holds_it());
 }
 
 TEST(Timing, APriorityThatIsNotGrantedHasAReason) {

@@ -118,6 +118,24 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
   EXPECT_NE(none.error().find(path.string()), std::string::npos) << none.error();
 }
 
+/// The film has the corrected times of capture, as the log has, and a replay corrects nothing again.
+TEST(Video, ReplaysBitForBitWithALatencyOfTheCamera) {
+  const auto path = std::filesystem::temp_directory_path() / ("skein_late_" + std::to_string(::getpid()) + ".mkv");
+  const std::string csv = csv_of(short_film_run({"camera.stamps_late=0.03", "camera.latency=0.027"}), path.string());
+  std::istringstream in(csv);
+  const auto result = replay(in, "run.csv", path.string());
+  auto film = vision::open_source("video:" + path.string());
+  std::filesystem::remove(path);
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->poses, 4 * result->ticks);
+  EXPECT_EQ(result->poses_different, 0) << result->first;
+  EXPECT_EQ(result->different, 0) << result->first;
+  ASSERT_TRUE(film) << film.error();
+  vision::Frame frame;
+  ASSERT_TRUE((*film)->read(frame).value());
+  EXPECT_EQ(frame.captured_at, -0.027) << "of the frame that came at 0";
+}
+
 /// A film with losses takes a small part of the room; the replay says what they are in millimetres.
 TEST(Video, ASmallFilmSaysWhatItLoses) {
   const auto folder = std::filesystem::temp_directory_path();

@@ -296,6 +296,32 @@ TEST(ControlTick, ARobotWhoseCommandsAreUnconfirmedIsSlowedAndThenStands) {
   }
 }
 
+/// Whoever is behind catches up no faster than its blind distance lasts for a reply that is late. The control: without
+/// links, the same robot turns and drives as (14) allows.
+TEST(ControlTick, ARobotWithALinkCatchesUpNoFasterThanItsBlindDistanceLasts) {
+  for (const bool linked : {false, true}) {
+    Experiment experiment = paper_experiment();
+    experiment.links.blind_distance = 0.03;
+    const double lasts = experiment.links.blind_distance / experiment.links.reply_timeout;
+    Bench bench(experiment);
+    if (linked) bench.links.assign(4, {.linked = true, .blind_way = 0.0});
+    const core::Pose start = bench.robots[2].pose();
+    bench.robots[2].place({start.x, start.y, core::wrap_angle(start.theta + 2.0)});
+    bench.start();
+    const auto faster_wheel = [&](const core::Twist& twist) {
+      return std::abs(twist.v) + 0.5 * experiment.robots[2].drive.track * std::abs(twist.omega);
+    };
+    int too_fast = 0, slowed = 0;
+    for (int k = 0; k < 400; ++k) {
+      const RobotRecord& robot = bench.step().robots[2];
+      too_fast += faster_wheel(robot.command) > std::max(lasts, faster_wheel(robot.nominal.twist)) + 1e-9 ? 1 : 0;
+      slowed += (robot.limits & limit_link) != 0 ? 1 : 0;
+    }
+    EXPECT_EQ(too_fast > 0, !linked);
+    EXPECT_EQ(slowed > 0, linked);
+  }
+}
+
 TEST(ControlTick, CoarseMotorsKeepTheirMeanSpeed) {
   for (const core::MotorModel motor : {core::MotorModel::epuck1, core::MotorModel::epuck2}) {
     Experiment experiment = paper_experiment();

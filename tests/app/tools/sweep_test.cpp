@@ -1,6 +1,7 @@
 // Studies: what chance changes, that a seed is a run, and the short forms of those in resources/studies.
 #include "app/tools/sweep.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -296,8 +297,7 @@ TEST(Laws, AreComparedOnTheSameKicks) {
   study.runs = 3;
   std::vector<std::pair<std::string, SweepSummary>> rows;
   for (const auto& [name, sets] : study.compare) {
-    Study other = study;
-    other.sets.insert(other.sets.end(), sets.begin(), sets.end());
+    const Study other = compared_study(study, name);
     const auto outcomes = sweep(other, 2, [](std::size_t) { return true; });
     ASSERT_EQ(outcomes.size(), 3u);
     for (std::size_t k = 0; k < outcomes.size(); ++k) {
@@ -314,6 +314,8 @@ TEST(Laws, AreComparedOnTheSameKicks) {
 
 TEST_F(StudyText, RefusesWhatCannotBeCompared) {
   EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\nb = \"x\"\n"), HasSubstr("compare.b: found"));
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\ncontrol = [\"seed=2\"]\n"),
+              HasSubstr("compare.control: found an array, allowed: another name than study and control"));
 }
 
 TEST(SweepReport, IntervalsAreThoseOfTheTextbook) {
@@ -357,7 +359,10 @@ TEST(SweepReport, DrawsWhatTheStudyCounted) {
   study.runs = 3;
   study.sets.emplace_back("duration=12");
   const auto yes = [](std::size_t) { return true; };
-  const Outcomes outcomes{sweep(study, 2, yes), sweep(study, 2, yes, true)};
+  study.compare = {{"algebraic", {"controller.saturation=algebraic"}}, {"alone", {"controller.kind=independent"}}};
+  Outcomes outcomes{sweep(study, 2, yes), sweep(study, 2, yes, true), {}};
+  for (const auto& [name, sets] : study.compare)
+    outcomes.compared.push_back({name, sweep(compared_study(study, name), 2, yes)});
   const auto done = write_sweep_report(folder.string(), study, outcomes);
   EXPECT_TRUE(done) << done.error();
   for (const char* figure : {"times", "distances", "shares", "worst"})
@@ -365,7 +370,17 @@ TEST(SweepReport, DrawsWhatTheStudyCounted) {
       EXPECT_GT(std::filesystem::file_size(folder / (std::string(figure) + kind)), 3000U) << figure << kind;
   std::ifstream table(folder / "intervals.csv");
   const std::string text{std::istreambuf_iterator<char>(table), {}};
-  EXPECT_THAT(text, AllOf(HasSubstr("\nrecovered,control,3,"), HasSubstr("final_error_median,study minus control,3,")));
+  for (const char* variant : {"control", "algebraic", "alone"})
+    EXPECT_THAT(text, AllOf(HasSubstr(fmt::format("\nrecovered,{},3,", variant)),
+                            HasSubstr(fmt::format("final_error_median,{} minus {},3,", study.name, variant))));
+  const auto figure = [&](const char* name) {
+    std::ifstream file(folder / name);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  for (const char* drawn : {"times.svg", "shares.svg"})
+    EXPECT_THAT(figure(drawn),
+                AllOf(HasSubstr("control (3 runs)"), HasSubstr("algebraic (3 runs)"), HasSubstr("alone (3 runs)")))
+        << drawn;
   std::filesystem::remove_all(folder);
 }
 

@@ -70,6 +70,8 @@ class FakeGige {
   FakeGige& operator=(const FakeGige&) = delete;
 
   bool running() const { return running_; }
+  /// Answers no more, until it is killed.
+  void hang() { ::kill(pid_, SIGSTOP); }
   /// Gone, as a camera whose cable was pulled.
   void kill() {
     if (pid_ != 0) {

@@ -1,6 +1,9 @@
 // The world frame from marks on the floor, through the synthetic camera.
 #include "vision/calibrate/floor_calibration.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -106,6 +109,42 @@ TEST(FloorCalibration, LeavesAWrongMarkOut) {
   EXPECT_EQ(solved->left_out->name, "tag 0");
   EXPECT_NEAR(solved->off, 0.03, 1e-3);
   EXPECT_LT((solved->calibration.world_from_camera->position - truth).norm(), 2e-3);
+}
+
+TEST(FloorCalibration, KeepsTheMarksThatItWentByWithTheirSizes) {
+  Lab lab;
+  Drawn film = lab.film(2);
+  const FloorSight sight = look_at_floor(film, lab.intrinsics(), 2).value();
+  enter(sight, lab.marks);
+  lab.marks[0].x += 0.03;
+  const auto solved = solve_trusted_floor(lab.intrinsics(), lab.marks);
+  ASSERT_TRUE(solved) << solved.error();
+  const std::vector<FloorMark> kept = kept_marks(*solved, lab.marks, sight);
+  ASSERT_EQ(kept.size(), 8U);
+  EXPECT_EQ(kept.front().tag, 1) << "without the wrong one";
+  for (const FloorMark& mark : kept) {
+    EXPECT_TRUE(mark.seen);
+    EXPECT_NEAR(mark.size, 0.08, 0.5e-3);
+  }
+}
+
+TEST(FloorCalibration, SaysHowFarPosesMove) {
+  Lab lab;
+  Calibration after = tilted(lab.truth, 1.0);
+  after.marks = lab.marks;
+  EXPECT_FALSE(pose_shift(lab.intrinsics(), after)) << "there was nothing before";
+  const auto shift = pose_shift(lab.truth, after);
+  ASSERT_TRUE(shift);
+  EXPECT_STREQ(shift->places[0].name, "centre");
+  EXPECT_NEAR(shift->places[0].x, 0.0, 1e-12);
+  EXPECT_NEAR(shift->places[3].x, -0.8, 1e-12);
+  EXPECT_NEAR(shift->places[3].y, 0.6, 1e-12);
+  const double way = lab.truth.world_from_camera->position.z() * std::tan(std::numbers::pi / 180.0);
+  EXPECT_NEAR(std::hypot(shift->places[0].dx, shift->places[0].dy), way, 0.02 * way);
+  EXPECT_NEAR(shift->rms, way, 0.1 * way);
+  Calibration same = lab.truth;
+  same.marks = lab.marks;
+  EXPECT_LT(pose_shift(lab.truth, same)->rms, 1e-9);
 }
 
 TEST(FloorCalibration, RefusesMarksThatDisagree) {

@@ -5,6 +5,8 @@
 
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
+#include "vision/tags/tag_family.h"
+#include "vision/tags/tag_pattern.h"
 
 namespace skein::vision {
 namespace {
@@ -30,6 +32,10 @@ Eigen::Vector2d corner(const SyntheticTag& tag, std::size_t i) {
   const double s = std::sin(tag.pose.theta) * tag.size;
   return *pixel_from_world(camera(), {tag.pose.x + c * along[i] - s * across[i],
                                       tag.pose.y + s * along[i] + c * across[i], camera().tag_height});
+}
+
+TEST(TagDetector, TheFamilyHasAsManyTagsAsItIsSaidToHave) {
+  EXPECT_EQ(detail::tag_patterns().size(), static_cast<std::size_t>(largest_tag) + 1);
 }
 
 TEST(TagDetector, CornersAreWhereTheyWereDrawnInAprilTagsOrder) {

@@ -41,6 +41,19 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
   }
 }
 
+TEST(OpenSource, OnlyCamerasHaveSettings) {
+  for (const char* film : {"images:/nowhere", "video:/nowhere.mp4"}) {
+    EXPECT_EQ(camera_settings(film).error(),
+              std::string(film) + " is not a camera; allowed: v4l2:DEVICE, aravis:CAMERA");
+    EXPECT_FALSE(settable_while_read(film));
+  }
+  EXPECT_EQ(camera_settings("v4l2:/dev/no_such_camera").error(),
+            "/dev/no_such_camera: cannot be opened (No such file or directory)");
+  EXPECT_TRUE(settable_while_read("v4l2:/dev/no_such_camera"));
+  EXPECT_FALSE(settable_while_read("aravis:no such camera"));
+  EXPECT_FALSE(settable_while_read("webcam:0"));
+}
+
 TEST(Images, ComeByNameWithTheirPixels) {
   test::Folder folder;
   for (const int i : {2, 1, 3}) {

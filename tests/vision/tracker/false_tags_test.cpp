@@ -9,11 +9,13 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <unordered_map>
 
 #include "tests/vision/support.h"
 #include "vision/bench/bench_scenes.h"
 #include "vision/detector/detector.h"
 #include "vision/synthetic/random.h"
+#include "vision/tags/tag_family.h"
 #include "vision/tags/tag_plane.h"
 #include "vision/tracker/tracker.h"
 
@@ -42,9 +44,36 @@ std::vector<Print> prints(apriltag_family_t* family, void (*destroy)(apriltag_fa
   return all;
 }
 
+/// Where the camera looks on the plane of the tags, at 4x4 points of each pixel: the prints of all families lie in the
+/// same places.
+class Looks {
+ public:
+  static constexpr int side = 4;
+  using Points = std::array<Eigen::Vector2d, side * side>;
+
+  explicit Looks(const Calibration& calibration) : calibration_(calibration) {}
+  const Calibration& calibration() const { return calibration_; }
+
+  const Points& into(int u, int v) {
+    const auto [found, is_new] = points_.try_emplace(v * calibration_.width + u);
+    for (int k = 0; is_new && k < side * side; ++k) {
+      const int column = k % side, row = k / side;
+      const double du = (column + 0.5) / side - 0.5, dv = (row + 0.5) / side - 0.5;
+      found->second[static_cast<std::size_t>(k)] =
+          world_from_pixel(calibration_, {u + du, v + dv}, calibration_.tag_height).value();
+    }
+    return found->second;
+  }
+
+ private:
+  Calibration calibration_;
+  std::unordered_map<int, Points> points_;
+};
+
 /// Into a picture that is there already: a print whose black square has the edge `size` [m], anti-aliased and noisy.
-void paint(const Calibration& calibration, const Print& print, const core::Pose& pose, double size,
-           detail::Random& random, Frame& frame) {
+void paint(Looks& looks, const Print& print, const core::Pose& pose, double size, detail::Random& random,
+           Frame& frame) {
+  const Calibration& calibration = looks.calibration();
   const auto centre = pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
   const double cell = size / (print.side - 2 * print.border);
   const double reach = 0.75 * print.side * cell * tag_edge_px(calibration) / calibration.tag_size;
@@ -52,32 +81,32 @@ void paint(const Calibration& calibration, const Print& print, const core::Pose&
   for (int v = static_cast<int>(centre->y() - reach); v < centre->y() + reach; ++v) {
     for (int u = static_cast<int>(centre->x() - reach); u < centre->x() + reach; ++u) {
       if (u < 0 || v < 0 || u >= frame.width || v >= frame.height) continue;
+      if (std::hypot(u - centre->x(), v - centre->y()) > reach) continue;
       double grey = 0.0;
-      constexpr int looks = 4;
-      std::uint8_t& pixel = frame.grey[static_cast<std::size_t>(v * frame.width + u)];
-      for (int k = 0; k < looks * looks; ++k) {
-        const double du = (k % looks + 0.5) / looks - 0.5, dv = (k / looks + 0.5) / looks - 0.5;
-        const auto at = world_from_pixel(calibration, {u + du, v + dv}, calibration.tag_height);
-        const double x = at->x() - pose.x, y = at->y() - pose.y;
+      std::uint8_t& pixel = frame.row(v)[u];
+      for (const Eigen::Vector2d& at : looks.into(u, v)) {
+        const double x = at.x() - pose.x, y = at.y() - pose.y;
         const int column = static_cast<int>(std::floor((c * x + s * y) / cell + 0.5 * print.side));
         const int row = static_cast<int>(std::floor(0.5 * print.side - (c * y - s * x) / cell));
         const bool on_it = column >= 0 && row >= 0 && column < print.side && row < print.side;
-        const bool white = on_it && print.cells[static_cast<std::size_t>(row * print.side + column)];
+        const bool white = on_it && print.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(print.side) +
+                                                static_cast<std::size_t>(column)];
         grey += on_it ? (white ? 210.0 : 35.0) + random.between(-20.0, 20.0) : static_cast<double>(pixel);
       }
-      pixel = static_cast<std::uint8_t>(std::lround(grey / (looks * looks)));
+      pixel = static_cast<std::uint8_t>(std::lround(grey / (Looks::side * Looks::side)));
     }
   }
 }
 
 std::vector<int> all_ids() {
   std::vector<int> ids;
-  for (int id = 0; id < 587; ++id) ids.push_back(id);
+  for (int id = 0; id <= largest_tag; ++id) ids.push_back(id);
   return ids;
 }
 
 core::Pose place(int k) {
-  return {-0.85 + 0.243 * (k % 8), -0.6 + 0.24 * (k / 8), core::wrap_angle(0.7 * k)};
+  const int column = k % 8, row = k / 8;
+  return {-0.85 + 0.243 * column, -0.6 + 0.24 * row, core::wrap_angle(0.7 * k)};
 }
 constexpr int places = 48;
 
@@ -119,7 +148,8 @@ TEST(FalseTags, OtherFamiliesAreNotOurs) {
   Frame floor, frame;
   camera.render({}, 0.0, floor);
   const core::Pose ours{0.95, 0.7, 0.4};  // drawn as the others are
-  paint(calibration, prints(tag36h11_create(), tag36h11_destroy, 8).back(), ours, 0.06, random, floor);
+  Looks looks(calibration);
+  paint(looks, prints(tag36h11_create(), tag36h11_destroy, 8).back(), ours, 0.06, random, floor);
   int frames = 0;
   for (const Family& family : families()) {
     for (std::size_t first = 0; first < family.prints.size(); first += places) {
@@ -127,7 +157,7 @@ TEST(FalseTags, OtherFamiliesAreNotOurs) {
       frame.captured_at = 0.04 * frames++;
       const std::size_t last = std::min(family.prints.size(), first + places);
       for (std::size_t k = first; k < last; ++k)
-        paint(calibration, family.prints[k], place(static_cast<int>(k - first)), 0.06, random, frame);
+        paint(looks, family.prints[k], place(static_cast<int>(k - first)), 0.06, random, frame);
       const auto& seen = detector.detect(frame);
       ASSERT_EQ(seen.size(), 1U) << family.name << " from " << first;
       EXPECT_EQ(seen[0].tag, 7);
@@ -171,6 +201,7 @@ TEST(FalseTags, TagsTooSmallForTheFitAreStillTags) {
   const int frames = test::sanitized ? 4 : 20;
   for (int k = 0; k < frames; ++k) {
     std::vector<SyntheticTag> tags;
+    tags.reserve(6);
     for (int i = 0; i < 6; ++i)
       tags.push_back({i, {-0.8 + 0.3 * i + 0.003 * k, -0.4 + 0.15 * i, 0.1 * i + 0.02 * k}, 0.04});
     camera.render(tags, 0.04 * k, frame);

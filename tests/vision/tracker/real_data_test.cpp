@@ -11,6 +11,7 @@
 #include "vision/modules/media_loader.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/random.h"
+#include "vision/tags/tag_family.h"
 #include "vision/track/track.h"
 #include "vision/tracker/tracker.h"
 
@@ -297,7 +298,7 @@ TEST_F(RealData, TheTrackerFollowsTheFilmAsTheDetectorSeesIt) {
 TEST_F(RealData, TheTrackerReportsNothingWhereNothingIs) {
   // Whoever's tags are asked for, under a camera that might have taken the pictures.
   std::vector<int> every_tag;
-  for (int id = 0; id < (test::sanitized ? 30 : 587); ++id) every_tag.push_back(id);
+  for (int id = 0; id < (test::sanitized ? 30 : largest_tag + 1); ++id) every_tag.push_back(id);
   int frames = 0;
   for (const char* pictures : {"images:opencv_left", "images:moms_handheld_board", "images:arenaxr/no_tag.jpg",
                                "video:wpical/testcalibration.mp4"}) {

@@ -282,7 +282,7 @@ TEST(TrackerInHardScenes, InBadLightNoTagIsLostThatAprilTagSees) {
     for (int k = 0; k < (test::sanitized ? 9 : frames); k += between) {
       const detail::BenchMoment moment = scene.moment(k);
       camera.render(moment.tags, moment.discs, detail::bench_period * k, frame);
-      april.add(moment, methods.front()->look(frame));
+      april.add(moment, methods.front()->detect(frame));
     }
     EXPECT_GE(tally.recall(), april.recall()) << name;
   }

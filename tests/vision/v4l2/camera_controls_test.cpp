@@ -63,6 +63,32 @@ TEST(CameraControls, AreSetAndReadBack) {
   EXPECT_EQ((*camera)->status().notices, std::vector<std::string>{"/dev/fake: focus is 6, not 7"});
 }
 
+TEST(CameraControls, AreReadBackInTheirUnits) {
+  FakeCamera fake = webcam();
+  const auto before = v4l2_settings("/dev/fake", {}, fake);
+  ASSERT_TRUE(before) << before.error();
+  ASSERT_EQ(before->all.size(), 3U);
+  EXPECT_EQ(before->all[0].name, "exposure");
+  EXPECT_DOUBLE_EQ(before->all[0].value, 0.03);
+  EXPECT_DOUBLE_EQ(before->all[0].least, 0.0002);
+  EXPECT_DOUBLE_EQ(before->all[0].most, 0.5);
+  EXPECT_DOUBLE_EQ(before->all[0].step, 1e-4);
+  EXPECT_TRUE(before->all[0].automatic);
+  EXPECT_FALSE(before->all[1].automatic) << "a gain without an automatic";
+
+  const auto after = v4l2_settings("/dev/fake", {{"exposure", 0.004}, {"focus", 7.0}}, fake);
+  ASSERT_TRUE(after) << after.error();
+  EXPECT_DOUBLE_EQ(after->all[0].value, 0.004);
+  EXPECT_FALSE(after->all[0].automatic);
+  EXPECT_EQ(after->all[2].value, 6.0) << "as the camera has it, not as it was asked";
+  EXPECT_EQ(after->notices, std::vector<std::string>{"/dev/fake: focus is 6, not 7"});
+  EXPECT_EQ(fake.opened, 0) << "closed again";
+
+  const auto refused = v4l2_settings("/dev/fake", {{"exposure", 9.0}}, fake);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("allowed: 0.0002 to 0.5"), std::string::npos) << refused.error();
+}
+
 TEST(CameraControls, ExposureUnderItsOtherName) {
   // A PS3 Eye: V4L2_CID_EXPOSURE, whose unit the driver does not say.
   FakeCamera fake = webcam();

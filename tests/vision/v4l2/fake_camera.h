@@ -10,6 +10,7 @@
 #include <cstring>
 #include <deque>
 #include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +31,8 @@ class FakeCamera final : public V4l2Kernel {
   std::uint32_t rate = 10;                                      // as it is set, or what it gives for what it is asked
   std::uint32_t padding = 0;                                    // bytes at the end of each row
   std::uint32_t timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  std::string driver{};
+  std::string hwtimestamps{};  // the parameter of uvcvideo
   bool busy = false;
   struct Control {
     std::string name;
@@ -80,6 +83,9 @@ class FakeCamera final : public V4l2Kernel {
     return memory_[offset].data();
   }
   void unmap(void*, std::size_t) override { --mapped; }
+  std::string parameter(const std::string& module, const std::string& name) override {
+    return module == "uvcvideo" && name == "hwtimestamps" ? hwtimestamps : std::string();
+  }
 
   int poll(pollfd* waiting, int milliseconds) override {
     if (waiting->fd == -1) {
@@ -105,6 +111,7 @@ class FakeCamera final : public V4l2Kernel {
     switch (request) {
       case VIDIOC_QUERYCAP:
         static_cast<v4l2_capability*>(argument)->capabilities = capabilities;
+        std::memcpy(static_cast<v4l2_capability*>(argument)->driver, driver.data(), driver.size());
         return 0;
       case VIDIOC_ENUM_FMT: {
         auto* description = static_cast<v4l2_fmtdesc*>(argument);

@@ -119,6 +119,53 @@ TEST(V4l2, SaysWhenStampsAreNotTheStartOfExposure) {
   }
 }
 
+/// The middle of the exposure, from what each driver stamps.
+TEST(V4l2, TakesTheMiddleOfAKnownExposureForTheTimeOfCapture) {
+  constexpr double exposure = 0.01, readout = 0.02, stamp = 5.0;
+  constexpr std::uint32_t start = V4L2_BUF_FLAG_TSTAMP_SRC_SOE, end = V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+  struct Case {
+    std::uint32_t source;
+    const char *driver, *hwtimestamps;
+    int automatic;
+    double captured_at;
+  };
+  for (const Case& c : {Case{start, "vivid", "", V4L2_EXPOSURE_MANUAL, stamp + 0.5 * exposure},
+                        Case{start, "uvcvideo", "1", V4L2_EXPOSURE_MANUAL, stamp + 0.5 * exposure},
+                        Case{start, "uvcvideo", "Y", V4L2_EXPOSURE_MANUAL, stamp + 0.5 * exposure},
+                        Case{start, "uvcvideo", "0", V4L2_EXPOSURE_MANUAL, stamp - 0.5 * exposure},
+                        Case{start, "uvcvideo", "0", V4L2_EXPOSURE_APERTURE_PRIORITY, stamp},
+                        Case{end, "vivid", "", V4L2_EXPOSURE_MANUAL, stamp - readout - 0.5 * exposure},
+                        Case{end, "vivid", "", V4L2_EXPOSURE_APERTURE_PRIORITY, stamp - readout}}) {
+    FakeCamera fake;
+    fake.driver = c.driver;
+    fake.hwtimestamps = c.hwtimestamps;
+    fake.timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | c.source;
+    fake.controls[V4L2_CID_EXPOSURE_AUTO] = {"Auto Exposure", V4L2_CTRL_TYPE_MENU, 0, 3, c.automatic};
+    fake.controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {.name = "Exposure (Absolute)", .most = 10000, .value = 100};
+    fake.coming = {{{1, stamp}}};
+    SourceOptions options;
+    options.readout = readout;
+    auto camera = open_v4l2("/dev/fake", options, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    Frame frame;
+    ASSERT_TRUE((*camera)->read(frame).value());
+    EXPECT_NEAR(frame.captured_at, c.captured_at, 1e-6) << c.driver << " " << c.hwtimestamps << " " << c.automatic;
+  }
+}
+
+TEST(V4l2, DoesNotBelieveThatUvcvideoStampsTheExposure) {
+  FakeCamera fake;
+  fake.driver = "uvcvideo";
+  fake.coming = {{{1, 5.0}}};
+  auto camera = open_v4l2("/dev/fake", {}, fake);
+  ASSERT_TRUE(camera) << camera.error();
+  Frame frame;
+  ASSERT_TRUE((*camera)->read(frame).value());
+  EXPECT_EQ((*camera)->stamps(), TimeStamps::first_packet);
+  ASSERT_EQ((*camera)->status().notices.size(), 1U);
+  EXPECT_NE((*camera)->status().notices[0].find("stamps the first packet"), std::string::npos);
+}
+
 TEST(V4l2, PassesDamagedFramesOver) {
   FakeCamera fake;
   fake.coming = {{{1, 1.0, V4L2_BUF_FLAG_ERROR}}, {{2, 1.1, 0, true}}, {{3, 1.2}}};

@@ -1,0 +1,11 @@
+#include "app/guard/kept_awake.h"
+
+namespace skein::app {
+
+std::optional<std::string> KeptAwake::alarm() {
+  const std::string problem = inhibitor_.problem();
+  if (problem.empty() || std::exchange(told_, true)) return {};
+  return "this machine may suspend while robots drive, and nothing then stops them: " + problem;
+}
+
+}  // namespace skein::app

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <functional>
+
+namespace skein::app {
+
+enum class Aside {
+  behind,  ///< at a lower priority than the window
+  beside,  ///< at the same one: robots wait for it
+};
+
+/// Runs work that may hang, such as that of a camera's driver, on a thread of its own, and does not wait for it:
+/// whoever asked can be gone by the time it ends. The end of the program waits two seconds for all of it. The work
+/// throws nothing, and uses only what it owns.
+void run_aside(std::function<void()> work, Aside priority = Aside::behind);
+
+}  // namespace skein::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "app/run/session_clock.h"
+#include "app/session/plant.h"
+#include "core/estimation/latency_fit.h"
+
+namespace skein::app {
+
+/// How much later than a frame's capture one camera's stamps are, beyond what camera.latency corrected already, from
+/// the headings of a robot that turned on the spot and the counters of its wheels.
+struct CameraLatency : core::LatencyFit {
+  std::size_t poses = 0;
+  std::string doubt{};     ///< why the data do not determine it; empty: they do
+  std::size_t camera = 0;  ///< from 0
+};
+
+/// The fit to a turn, and whether it is to be believed.
+CameraLatency judge_latency(const core::TurnRecord& turn);
+
+struct LatencyMeasurement {
+  std::vector<CameraLatency> cameras;  ///< in their order
+  double turned = 0.0;                 ///< in either direction, by the counters [rad]
+  std::size_t counts = 0;              ///< readings of the counters that were used
+  double round_trip = none;            ///< their median: counters may have been read half of it earlier or later [s]
+};
+
+/// Turns a robot to and fro on the spot for so many seconds, ever quicker, within its limits, while all others stand,
+/// and compares headings with counters. `plant`: opened without SessionOptions::every_tag. The error: it cannot be
+/// done, was ended (`keep_on`), or the robot, its tag or the camera was lost; then everybody has been stopped.
+tl::expected<LatencyMeasurement, std::string> measure_latency(Plant& plant, SessionClock& clock,
+                                                              const Experiment& experiment, std::size_t robot,
+                                                              double seconds, std::function<bool()> keep_on = {});
+
+}  // namespace skein::app

@@ -1,0 +1,94 @@
+// skein calibrate floor, with marks from a file the first time and from the calibration itself after that.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "app/calibration/calibration_file.h"
+#include "app/cli/command_calibrate.h"
+#include "tests/app/folder.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+namespace skein::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Six tags on the floor under a camera, photographed, and listed in a file.
+struct Lab {
+  test::Folder folder;
+  vision::Calibration camera = vision::overhead_calibration(2.0, 1.5);
+  std::vector<vision::SyntheticTag> tags;
+  FloorRequest request;
+
+  Lab() {
+    std::ofstream marks(folder / "floor.toml");
+    for (const auto& [x, y] :
+         {std::pair{-0.9, 0.65}, {0.9, 0.65}, {0.9, -0.65}, {-0.9, -0.65}, {0.1, 0.1}, {0.2, -0.6}}) {
+      const int id = 20 + static_cast<int>(tags.size());
+      tags.push_back({.tag = id, .pose = {x, y, 0.3}, .size = 0.06, .lifted = -camera.tag_height, .bare = true});
+      marks << fmt::format("[[tag]]\nid = {}\nx = {}\ny = {}\n", id, x, y);
+    }
+    vision::Calibration lens = camera;
+    lens.world_from_camera.reset();
+    EXPECT_TRUE(save_calibration(lens, folder / "cal.toml"));
+    request.camera = folder / "cal.toml";
+    request.frames = 1;
+  }
+  /// A picture by the camera, tilted by so much since [deg].
+  void photograph(const std::string& name, double tilt) {
+    vision::Frame frame;
+    vision::SyntheticCamera(vision::tilted(camera, tilt)).render(tags, 0.0, frame);
+    std::filesystem::create_directories(folder / name);
+    std::ofstream picture(folder / (name + "/0.pgm"), std::ios::binary);
+    picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
+    picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
+    request.source = "images:" + (folder / name);
+  }
+  std::string run(int (*command)(const FloorRequest&), int expected) {
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int status = command(request);
+    std::string out = testing::internal::GetCapturedStdout();
+    out += testing::internal::GetCapturedStderr();
+    EXPECT_EQ(status, expected) << out;
+    return out;
+  }
+};
+
+TEST(CalibrateFloor, GoesByTheMarksOfTheCalibrationWhenTheCameraHasMoved) {
+  Lab lab;
+  lab.photograph("first", 0.0);
+  EXPECT_THAT(lab.run(calibrate_floor, 2), HasSubstr("has no tags on the floor ([[mark]]), allowed: --marks"));
+  lab.request.marks = lab.folder / "floor.toml";
+  EXPECT_THAT(lab.run(calibrate_floor, 0), Not(HasSubstr("poses_move_mm"))) << "there was no world frame";
+  const auto first = load_calibration(lab.request.camera);
+  ASSERT_TRUE(first) << first.error();
+  ASSERT_EQ(first->marks.size(), 6U);
+  EXPECT_TRUE(first->marks[0].seen);
+  EXPECT_NEAR(first->marks[0].size, 0.06, 0.5e-3);
+
+  lab.request.marks.clear();
+  lab.photograph("later", 1.0);
+  lab.request.limit = 0.005;
+  EXPECT_THAT(lab.run(calibrate_check, 1), HasSubstr("a mark is off by 4")) << "shown before anything is written";
+  EXPECT_EQ(*load_calibration(lab.request.camera), *first);
+  const std::string out = lab.run(calibrate_floor, 0);
+  EXPECT_THAT(out, HasSubstr("(centre): moves by 4"));
+  EXPECT_THAT(out, HasSubstr("(top right): moves by 4"));
+  EXPECT_THAT(out, HasSubstr("poses_move_mm: 4"));
+  EXPECT_THAT(out, HasSubstr("its previous contents are in " + lab.request.camera + ".old"));
+  EXPECT_EQ(*load_calibration(lab.request.camera + ".old"), *first);
+  const auto second = load_calibration(lab.request.camera);
+  ASSERT_TRUE(second) << second.error();
+  const vision::CameraPose truth = *vision::tilted(lab.camera, 1.0).world_from_camera;
+  EXPECT_LT((second->world_from_camera->position - truth.position).norm(), 3e-3);
+  EXPECT_LT((second->world_from_camera->rotation - truth.rotation).norm(), 2e-3);
+  EXPECT_EQ(second->marks.size(), 6U);
+  EXPECT_THAT(lab.run(calibrate_check, 0), HasSubstr("marks: 6"));
+}
+
+}  // namespace
+}  // namespace skein::app

@@ -1,0 +1,181 @@
+// The page of the cameras: what the chosen one shows, every tag and why it is not taken, and its settings.
+#include <QAbstractItemView>
+#include <QAction>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QImage>
+#include <QLabel>
+#include <QLineEdit>
+
+#include "app/calibration/calibration_file.h"
+#include "operator.h"
+#include "tests/places.h"
+#include "tests/vision/aravis/fake_gige.h"
+#include "ui/camera/camera_page.h"
+#include "ui/editor/experiment_editor.h"
+#include "vision/synthetic/synthetic_camera.h"
+
+namespace skein::ui::test {
+namespace {
+
+class CameraPageTest : public Operator {
+ protected:
+  CameraPage* open_page() {
+    find<QAction>("camera")->trigger();
+    auto* page = find<CameraPage>("camera_page");
+    page->activateWindow();  // on an X server without a window manager nobody else does
+    EXPECT_TRUE(QTest::qWaitForWindowActive(page));
+    return page;
+  }
+  void look_at(const QString& source, const QString& calibration = {}) {
+    find<QComboBox>("camera_source")->setEditText(source);
+    find<QLineEdit>("camera_calibration")->setText(calibration);
+    QTest::mouseClick(find<QPushButton>("camera_look"), Qt::LeftButton);
+  }
+  QString status() { return find<QLabel>("camera_status")->text(); }
+  /// Of the first row of this tag; empty: there is none.
+  QString verdict(int tag, int column = CameraTagModel::verdict) {
+    const auto* tags = find<QAbstractItemView>("camera_tags")->model();
+    for (int row = 0; row < tags->rowCount(); ++row)
+      if (tags->index(row, CameraTagModel::tag).data().toInt() == tag)
+        return tags->index(row, column).data().toString();
+    return {};
+  }
+  static QString overhead() {
+    return QString::fromStdString(skein::test::in_source("resources/cameras/overhead.toml"));
+  }
+};
+
+TEST_F(CameraPageTest, ShowsTheRunsOwnPictureWithEveryTagInIt) {
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
+  ASSERT_TRUE(experiment.has_value());
+  start(*experiment);
+  open_page();
+  for (int tag = 1; tag <= 4; ++tag)
+    ASSERT_TRUE(eventually([&] { return verdict(tag) == QStringLiteral("robot %1").arg(tag); }))
+        << tag << ": " << verdict(tag).toStdString() << "; " << status().toStdString();
+  const QStringList size = verdict(2, CameraTagModel::size).split(QStringLiteral(", "));
+  ASSERT_EQ(size.size(), 2) << verdict(2, CameraTagModel::size).toStdString();
+  EXPECT_GT(size[0].section(QLatin1Char(' '), 0, 0).toDouble(), 10.0);
+  const double millimetres = size[1].section(QLatin1Char(' '), 0, 0).toDouble();
+  EXPECT_TRUE(status().contains(QStringLiteral("Tags should have %1 mm").arg(millimetres, 0, 'f', 0)))
+      << status().toStdString() << size[1].toStdString();
+  EXPECT_TRUE(eventually([&] { return status().contains(QStringLiteral("frames/s")); })) << status().toStdString();
+  EXPECT_FALSE(find<NumberField>("camera_exposure")->isEnabled()) << "a camera that is rendered has none";
+  EXPECT_TRUE(find<QLabel>("camera_settings_note")->text().contains(QStringLiteral("cannot be changed")));
+  EXPECT_TRUE(running()) << "the run goes on";
+  key(Qt::Key_Space, find<CameraPage>("camera_page"));
+  EXPECT_TRUE(eventually([&] { return stopped(); })) << "STOP while it is open";
+}
+
+TEST_F(CameraPageTest, SaysOfEachTagWhyItIsNotTaken) {
+  const auto calibration = app::load_calibration(overhead().toStdString());
+  ASSERT_TRUE(calibration.has_value());
+  const double size = calibration->tag_size;
+  vision::SyntheticCamera camera(*calibration);
+  vision::Frame frame;
+  const std::array tags{vision::SyntheticTag{1, {0.3, 0.2, 0.5}, size},
+                        vision::SyntheticTag{2, {-0.4, 0.3, 1.0}, 0.8 * size},
+                        vision::SyntheticTag{9, {0.0, -0.3, 0.0}, size}};
+  camera.render(tags, 0.0, frame);
+  const QImage picture(frame.grey.data(), frame.width, frame.height, frame.width, QImage::Format_Grayscale8);
+  const QTemporaryDir dir;
+  ASSERT_TRUE(picture.save(dir.filePath(QStringLiteral("a.png"))));
+  start();
+  open_page();
+  look_at(QStringLiteral("images:") + dir.path(), overhead());
+  ASSERT_TRUE(eventually([&] { return verdict(1) == QStringLiteral("robot 1"); }))
+      << status().toStdString() << verdict(1).toStdString();
+  EXPECT_TRUE(eventually([&] { return verdict(2).contains(QStringLiteral("smaller")); })) << verdict(2).toStdString();
+  EXPECT_NEAR(
+      verdict(2, CameraTagModel::size).section(QStringLiteral(", "), 1).section(QLatin1Char(' '), 0, 0).toDouble(),
+      800 * size, 10 * size * 1e3 / 100)
+      << verdict(2, CameraTagModel::size).toStdString();
+  EXPECT_EQ(verdict(3), QStringLiteral("no tag 3 is in the picture"));
+  EXPECT_EQ(verdict(3, CameraTagModel::size), QStringLiteral("–"));
+  EXPECT_TRUE(verdict(9).contains(QStringLiteral("no robot"))) << verdict(9).toStdString();
+  EXPECT_TRUE(eventually([&] { return status().contains(QStringLiteral("no more pictures")); }))
+      << status().toStdString();
+  // Without a calibration nothing is judged, and sizes are in pixels only.
+  look_at(QStringLiteral("images:") + dir.path());
+  ASSERT_TRUE(eventually([&] { return verdict(1).contains(QStringLiteral("no calibration")); }))
+      << verdict(1).toStdString();
+  EXPECT_FALSE(verdict(1, CameraTagModel::size).contains(QStringLiteral("mm")));
+  EXPECT_TRUE(running());
+}
+
+TEST_F(CameraPageTest, SaysWhyACameraCannotBeLookedThrough) {
+  start();
+  open_page();
+  for (const auto& [source, why] :
+       {std::pair("v4l2:/dev/nowhere", "/dev/nowhere"), std::pair("webcam", "allowed"),
+        std::pair("images:/nowhere", "/nowhere"), std::pair("synthetic", "robots of a run")}) {
+    look_at(QLatin1String(source));
+    EXPECT_TRUE(eventually([&] { return status().contains(QLatin1String(why)); }))
+        << source << ": " << status().toStdString();
+    EXPECT_TRUE(eventually([&] { return find<QPushButton>("camera_look")->text() == QStringLiteral("Look"); }))
+        << source;
+  }
+  EXPECT_TRUE(running());
+}
+
+TEST_F(CameraPageTest, IsClosedWhileItsCameraHangs) {
+  skein::test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  start();
+  CameraPage* page = open_page();
+  look_at(QStringLiteral("aravis:Aravis-Fake-") + QLatin1String(skein::test::fake_gige_serial));
+  ASSERT_TRUE(eventually([&] { return status().contains(QStringLiteral("frames/s come")); })) << status().toStdString();
+  fake.hang();
+  delete page;
+  const double t = record().t;
+  EXPECT_TRUE(eventually([&] { return record().t > t + 0.2; })) << "the window hangs";
+  key(Qt::Key_Space);
+  EXPECT_TRUE(eventually([&] { return stopped(); }));
+}
+
+TEST_F(CameraPageTest, SetsACameraAndPutsItIntoTheExperiment) {
+  const skein::test::FakeGige fake({"--tags"});
+  ASSERT_TRUE(fake.running());
+  start();
+  CameraPage* page = open_page();
+  auto* cameras = find<QComboBox>("camera_source");
+  ASSERT_TRUE(eventually([&] { return find<QPushButton>("camera_search")->isEnabled(); }));
+  int listed = -1;
+  for (int k = 0; k < cameras->count(); ++k)
+    if (cameras->itemText(k).contains(QLatin1String(skein::test::fake_gige_serial))) listed = k;
+  ASSERT_GE(listed, 0) << "it is not in the list";
+  cameras->setCurrentIndex(listed);
+  const QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("cal.toml"));
+  ASSERT_TRUE(app::save_calibration(vision::overhead_calibration(2.0, 1.5), file.toStdString()));
+  find<QLineEdit>("camera_calibration")->setText(file);
+  QTest::mouseClick(find<QPushButton>("camera_look"), Qt::LeftButton);
+  auto* exposure = find<NumberField>("camera_exposure");
+  ASSERT_TRUE(eventually([&] { return exposure->isEnabled(); })) << status().toStdString();
+  ASSERT_TRUE(eventually([&] { return verdict(4) == QStringLiteral("robot 4"); }))
+      << status().toStdString() << verdict(4).toStdString();
+  EXPECT_TRUE(eventually([&] { return status().contains(QStringLiteral("frames/s come")); })) << status().toStdString();
+  exposure->setFocus();
+  exposure->selectAll();
+  QTest::keyClicks(exposure, QStringLiteral("0.004"));
+  QTest::keyClick(exposure, Qt::Key_Return);
+  const auto note = [&] { return find<QLabel>("camera_settings_note")->text(); };
+  // Beyond its range: the sentence says what is allowed, and the field has again what the camera answers.
+  exposure->selectAll();
+  QTest::keyClicks(exposure, QStringLiteral("5000"));
+  QTest::keyClick(exposure, Qt::Key_Return);
+  EXPECT_TRUE(eventually([&] { return note().contains(QStringLiteral("allowed")); })) << note().toStdString();
+  EXPECT_TRUE(eventually([&] { return std::abs(exposure->value() - 0.004) < 1e-6; })) << exposure->value();
+
+  QTest::mouseClick(find<QPushButton>("camera_put"), Qt::LeftButton);
+  auto* editor = find<ExperimentEditor>("experiment_editor");
+  EXPECT_TRUE(editor->has_changes());
+  EXPECT_TRUE(editor->text().contains(QStringLiteral("source = \"aravis:"))) << editor->text().toStdString();
+  EXPECT_TRUE(editor->text().contains(QStringLiteral("exposure = 0.004"))) << editor->text().toStdString();
+  delete editor;
+  delete page;  // before the camera is gone: it would take the next one that comes by this name, another test's
+}
+
+}  // namespace
+}  // namespace skein::ui::test

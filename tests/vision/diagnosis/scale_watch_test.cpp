@@ -1,0 +1,93 @@
+// Tags that all look too large or too small, through the tracker.
+#include "vision/diagnosis/scale_watch.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/vision/support.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tracker/tracker.h"
+
+namespace skein::vision {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Four robots that drive circles under a camera, seen by a tracker whose calibration may say something else.
+struct DrivingTags {
+  Calibration truth = overhead_calibration(2.0, 1.5), believed = truth;
+  std::uint64_t seed = 5;
+
+  /// All that is told in `seconds` at 25 frames/s; `last` is the last stretch.
+  std::vector<std::string> told(double seconds) {
+    SyntheticCamera camera(truth, {}, seed);
+    TagTracker tracker(believed, {.tags = {1, 2, 3, 4}});
+    ScaleWatch watch(believed);
+    Frame frame;
+    std::vector<std::string> all;
+    for (int k = 0; k < static_cast<int>(seconds * 25.0); ++k) {
+      const double t = k / 25.0, turned = 0.4 * t + static_cast<double>(seed);
+      std::vector<SyntheticTag> tags;
+      for (int i = 0; i < 4; ++i) {
+        const double x = i % 2 == 0 ? -0.45 : 0.45, y = i < 2 ? -0.3 : 0.3;
+        tags.push_back({.tag = i + 1,
+                        .pose = {x + 0.2 * std::cos(turned + i), y + 0.2 * std::sin(turned + i), turned + i + 1.57},
+                        .size = truth.tag_size});
+      }
+      camera.render(tags, {}, t, frame);
+      tracker.process(frame);
+      last = tracker.stretch();
+      if (std::string sentence = watch.update(t, last); !sentence.empty()) all.push_back(std::move(sentence));
+    }
+    return all;
+  }
+  std::optional<double> last;
+};
+
+TEST(ScaleWatch, SaysNothingOfTagsThatAreAsTheCalibrationHasThem) {
+  DrivingTags tags;
+  for (tags.seed = 1; tags.seed <= 4; ++tags.seed) {
+    EXPECT_THAT(tags.told(4.0), IsEmpty());
+    ASSERT_TRUE(tags.last);
+    EXPECT_LT(std::abs(*tags.last), 0.3 * ScaleWatch::tolerance) << "seed " << tags.seed;
+  }
+}
+
+TEST(ScaleWatch, NamesTheHeightThatWouldFit) {
+  for (const double wrong : {-0.03, 0.03}) {
+    DrivingTags tags;
+    tags.truth.tag_height = 0.05;
+    tags.believed.tag_height = 0.05 + wrong;
+    const std::vector<std::string> told = tags.told(5.0);
+    ASSERT_EQ(told.size(), 1U) << "once";
+    EXPECT_THAT(told.front(), HasSubstr(wrong < 0.0 ? "% larger" : "% smaller"));
+    const std::string heights = "A height of about ";
+    const double height = std::stod(told.front().substr(told.front().find(heights) + heights.size()));
+    EXPECT_NEAR(height, 50.0, 10.0) << told.front();
+  }
+}
+
+TEST(ScaleWatch, NamesTheSizeThatWouldFit) {
+  DrivingTags tags;
+  tags.believed.tag_size = 0.0400;
+  tags.truth.tag_size = 0.0408;  // a printer's "fit to page"
+  const std::vector<std::string> told = tags.told(5.0);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told.front(), HasSubstr("% larger than [tags] size 40.0 mm"));
+  EXPECT_THAT(told.front(), HasSubstr("size of 40.8 mm would fit"));
+}
+
+TEST(ScaleWatch, SpeaksAgainOnlyAfterAllWasWell) {
+  ScaleWatch watch(overhead_calibration(2.0, 1.5));
+  EXPECT_THAT(watch.update(0.0, 0.03), IsEmpty());
+  EXPECT_THAT(watch.update(1.9, 0.03), IsEmpty()) << "not of a moment";
+  EXPECT_FALSE(watch.update(2.0, 0.03).empty());
+  EXPECT_THAT(watch.update(9.0, 0.03), IsEmpty());
+  EXPECT_THAT(watch.update(10.0, 0.001), IsEmpty());
+  EXPECT_THAT(watch.update(11.0, -0.03), IsEmpty());
+  EXPECT_THAT(watch.update(12.0, {}), IsEmpty());
+  EXPECT_FALSE(watch.update(13.0, -0.03).empty());
+}
+
+}  // namespace
+}  // namespace skein::vision

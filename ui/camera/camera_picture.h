@@ -1,0 +1,39 @@
+#pragma once
+
+#include <QImage>
+#include <QWidget>
+
+#include "app/tools/camera_viewer.h"
+#include "ui/base/palette.h"
+
+namespace skein::ui {
+
+/// Whose a tag is and what becomes of it, in a few words or, if it is not taken, in a sentence.
+QString verdict_on(const app::WatchedTag& tag);
+/// "38 px, 40.1 mm".
+QString size_of(const app::WatchedTag& tag);
+QColor colour_of(app::WatchedTag::State state, const Colours& colours);
+
+/// A camera's picture with every tag in it outlined.
+class CameraPicture final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit CameraPicture(QWidget* parent = nullptr);
+  void show_view(const app::CameraView& view);
+  void clear(const QString& why);  ///< no picture, and what is said in its place
+  QSize sizeHint() const override { return {560, 420}; }
+  QSize minimumSizeHint() const override { return {280, 210}; }
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+
+ private:
+  QString told() const;
+
+  QImage picture_;
+  std::vector<app::WatchedTag> tags_;
+  QString why_;
+};
+
+}  // namespace skein::ui

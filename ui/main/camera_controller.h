@@ -1,0 +1,36 @@
+#pragma once
+
+#include <QPointer>
+
+#include "ui/camera/camera_page.h"
+#include "ui/main/messages.h"
+
+namespace skein::ui {
+
+class EditorController;
+
+/// The page of the cameras: looks through one that is free, or shows the pictures of the run that has it.
+class CameraController final : public QObject {
+  Q_OBJECT
+
+ public:
+  CameraController(Runs& runs, EditorController& editor, const Messages& messages, QObject* parent = nullptr);
+  void show();
+  /// A session is about to be opened, which may want the camera.
+  void let_go();
+  bool wants_picture() const { return page_ && page_->wants_run(); }  ///< of the run
+  void hand(const app::Picture& picture);
+
+ private:
+  void look();
+  void put(const CameraPage::Values& values);
+  bool run_has_picture() const;
+
+  Runs& runs_;
+  LiveRun& live_;
+  EditorController& editor_;
+  const Messages& messages_;
+  QPointer<CameraPage> page_;
+};
+
+}  // namespace skein::ui
