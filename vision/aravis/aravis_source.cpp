@@ -1,6 +1,5 @@
 #include "vision/aravis/aravis_source.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -90,19 +89,6 @@ void sleep_for(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// The network address of a GigE camera's name, as it is now: opened by that, Aravis streams through the interface that
-/// leads there, not through whichever heard the camera first. Other names and addresses as they are.
-std::string address_of(const std::string& name) {
-  if (in_addr ip{}; ::inet_pton(AF_INET, name.c_str(), &ip) == 1) return name;
-  arv_update_device_list();
-  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
-    const char* const id = arv_get_device_id(i);
-    const char* const protocol = arv_get_device_protocol(i);
-    if (id && protocol && name == id && std::string_view(protocol) == "GigEVision") return arv_get_device_address(i);
-  }
-  return name;
-}
-
 class AravisSource final : public FrameSource {
  public:
   AravisSource(std::string name, SourceOptions options) : name_(std::move(name)), options_(std::move(options)) {}
@@ -115,7 +101,7 @@ class AravisSource final : public FrameSource {
     Failure failed;
     std::vector<std::string> notices;
     lost_.store(false, std::memory_order_relaxed);
-    camera_.reset(arv_camera_new(address_of(name_).c_str(), &failed));
+    camera_ = open_named(name_, failed);
     last_arrival_ = monotonic_now();
     std::string problem = camera_ ? std::string() : failed_to("cannot be opened", failed);
     if (problem.empty()) {
@@ -127,7 +113,7 @@ class AravisSource final : public FrameSource {
     if (problem.empty()) problem = choose_format();
     if (problem.empty()) problem = set_region();
     if (problem.empty()) problem = set_trigger();
-    if (problem.empty()) set_rate(notices);
+    if (problem.empty()) problem = set_rate(notices);
     if (problem.empty()) problem = start();
     if (!problem.empty()) {
       close();
@@ -172,7 +158,10 @@ class AravisSource final : public FrameSource {
 
   std::string address() const { return "aravis:" + name_; }
   std::string failed_to(const char* what, const Failure& failed) const {
-    return fmt::format("{}: {} ({})", address(), what, failed ? failed.text() : "no reason given");
+    return failed_to(what, failed ? failed.text() : "no reason given");
+  }
+  std::string failed_to(const char* what, const std::string& why) const {
+    return fmt::format("{}: {} ({})", address(), what, why);
   }
   bool software_trigger() const { return options_.trigger == "software"; }
 
@@ -214,7 +203,9 @@ class AravisSource final : public FrameSource {
     guint count = 0;
     const std::unique_ptr<gint64, Free> numbers(arv_camera_dup_available_pixel_formats(camera_.get(), &count, &failed));
     if (!numbers) return failed_to("does not tell its formats", failed);
-    const std::vector<std::string> names = words_of(camera_.get(), "PixelFormat");
+    Silence silence;
+    const std::vector<std::string> names = words_of(camera_.get(), "PixelFormat", silence);
+    if (const std::string why = silence.text(); !why.empty()) return failed_to("does not tell its formats", why);
     pixels_ = nullptr;
     for (const PixelKind& kind : formats) {
       for (guint i = 0; i < count && i < names.size() && pixels_ == nullptr; ++i)
@@ -241,19 +232,21 @@ class AravisSource final : public FrameSource {
       arv_camera_set_region(camera_.get(), 0, 0, -1, -1, &failed);  // its bounds depend on where it begins
       gint most = 0;
       gint least = 0;
-      arv_camera_get_width_bounds(camera_.get(), &least, &most, nullptr);
+      arv_camera_get_width_bounds(camera_.get(), &least, &most, &failed);
+      if (failed) return failed_to("does not tell its sizes", failed);
       if (options_.width < least || options_.width > most)
         return refused_size(fmt::format("width: {} to {}", least, most));
-      arv_camera_get_height_bounds(camera_.get(), &least, &most, nullptr);
+      arv_camera_get_height_bounds(camera_.get(), &least, &most, &failed);
+      if (failed) return failed_to("does not tell its sizes", failed);
       if (options_.height < least || options_.height > most)
         return refused_size(fmt::format("height: {} to {}", least, most));
       arv_camera_set_region(camera_.get(), 0, 0, options_.width, options_.height, &failed);
       if (failed) return refused_size(failed.text());
       const auto middle = [&](gint step) { return step > 0 ? most / 2 / step * step : 0; };
       arv_camera_get_x_offset_bounds(camera_.get(), &least, &most, &failed);
-      x = failed ? 0 : middle(arv_camera_get_x_offset_increment(camera_.get(), nullptr));
+      x = failed ? 0 : middle(arv_camera_get_x_offset_increment(camera_.get(), &failed));
       arv_camera_get_y_offset_bounds(camera_.get(), &least, &most, &failed);
-      y = failed ? 0 : middle(arv_camera_get_y_offset_increment(camera_.get(), nullptr));
+      y = failed ? 0 : middle(arv_camera_get_y_offset_increment(camera_.get(), &failed));
       arv_camera_set_region(camera_.get(), x, y, options_.width, options_.height, &failed);
       if (failed) return refused_size(failed.text());
     }
@@ -277,7 +270,9 @@ class AravisSource final : public FrameSource {
       arv_camera_clear_triggers(camera_.get(), &failed);  // a camera without any says so
       return {};
     }
-    const std::vector<std::string> lines = words_of(camera_.get(), "TriggerSource");
+    Silence silence;
+    const std::vector<std::string> lines = words_of(camera_.get(), "TriggerSource", silence);
+    if (const std::string why = silence.text(); !why.empty()) return failed_to("does not tell its triggers", why);
     const std::string wanted = software_trigger() ? "Software" : options_.trigger;
     if (std::find(lines.begin(), lines.end(), wanted) == lines.end())
       return fmt::format("{}: trigger \"{}\"; allowed: software, {}", address(), options_.trigger,
@@ -286,7 +281,8 @@ class AravisSource final : public FrameSource {
     return failed ? failed_to("does not take its trigger", failed) : std::string();
   }
 
-  void set_rate(std::vector<std::string>& notices) {
+  /// Sets the rate and reads the exposure, by which frames are dated.
+  std::string set_rate(std::vector<std::string>& notices) {
     Failure failed;
     const bool free = options_.trigger.empty();
     if (free && options_.rate > 0.0) arv_camera_set_frame_rate(camera_.get(), options_.rate, &failed);
@@ -296,9 +292,12 @@ class AravisSource final : public FrameSource {
     if (free && given > 0.0 && given < as_good * options_.rate)
       notices.push_back(fmt::format("{}: gives {:.3g} frames/s at {}x{} {}, not {:.3g}", address(), given, width_,
                                     height_, format_, options_.rate));
-    exposure_ = arv_camera_is_exposure_time_available(camera_.get(), nullptr)
-                    ? 1e-6 * arv_camera_get_exposure_time(camera_.get(), nullptr)
+    Silence silence;
+    exposure_ = arv_camera_is_exposure_time_available(camera_.get(), &silence)
+                    ? 1e-6 * arv_camera_get_exposure_time(camera_.get(), &silence)
                     : 0.0;
+    if (const std::string why = silence.text(); !why.empty()) return failed_to("does not tell its exposure", why);
+    return {};
   }
 
   std::string start() {
@@ -319,7 +318,8 @@ class AravisSource final : public FrameSource {
 
   /// The camera's clock beside the host's: the quickest of some answers.
   void read_clock(std::vector<std::string>& notices) {
-    const ClockFeatures features = clock_features(camera_.get());
+    Silence silence;  // seen at the first latch
+    const ClockFeatures features = clock_features(camera_.get(), silence);
     std::optional<double> offset;
     double quickest = std::numeric_limits<double>::infinity();
     for (int i = 0; features.latch != nullptr && i < 8; ++i) {

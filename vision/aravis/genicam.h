@@ -36,6 +36,38 @@ class Failure {
   GError* error_ = nullptr;
 };
 
+/// Whether a camera answers: given to calls by address as Failure is, and keeps the first that had no answer. A feature
+/// that the camera does not have is none of those.
+class Silence {
+ public:
+  Silence() = default;
+  ~Silence() { g_clear_error(&error_); }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+  GError** operator&() {
+    keep();
+    return &error_;
+  }
+  /// Empty, or why the first call had no answer.
+  std::string text() {
+    keep();
+    return first_;
+  }
+
+ private:
+  void keep() {
+    const bool silent = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT) ||
+                        g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) ||
+                        g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TRANSFER_ERROR);
+    if (silent && first_.empty()) first_ = error_->message;
+    g_clear_error(&error_);
+  }
+
+  GError* error_ = nullptr;
+  std::string first_;
+};
+
 /// A text that may be null.
 inline std::string text(const char* letters) {
   return letters == nullptr ? std::string() : letters;

@@ -14,24 +14,33 @@ std::vector<NetworkCamera> discover() {
   return cameras;
 }
 
+std::string no_answer(const std::string& name, const std::string& why) {
+  return "aravis:" + name + ": " + why;
+}
+
 std::vector<std::string> describe_camera(const std::string& name, std::string& error) {
   Failure failed;
-  const Object<ArvCamera> camera(arv_camera_new(name.c_str(), &failed));
-  if (camera) return describe(camera.get());
-  error = "aravis:" + name + ": " + failed.text();
+  const Object<ArvCamera> camera = open_named(name, failed);
+  Silence silence;
+  std::vector<std::string> lines;
+  if (camera) lines = describe(camera.get(), silence);
+  if (camera && silence.text().empty()) return lines;
+  error = no_answer(name, camera ? silence.text() : failed.text());
   return {};
 }
 
 CameraSettings set_and_read(const std::string& name, const ControlSettings& set, std::string& error) {
   Failure failed;
-  const Object<ArvCamera> camera(arv_camera_new(name.c_str(), &failed));
+  const Object<ArvCamera> camera = open_named(name, failed);
   if (!camera) {
-    error = "aravis:" + name + ": " + failed.text();
+    error = no_answer(name, failed.text());
     return {};
   }
   CameraSettings settings;
   error = set_controls(camera.get(), name, set, settings.notices);
-  settings.all = settings_of(camera.get());
+  Silence silence;
+  settings.all = settings_of(camera.get(), silence);
+  if (error.empty() && !silence.text().empty()) error = no_answer(name, silence.text());
   return settings;
 }
 
