@@ -12,6 +12,11 @@ namespace skein::app {
 namespace {
 
 struct Count {
+  bool none_within(std::chrono::duration<double> patience) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, patience, [this] { return running == 0; });
+  }
+
   std::mutex mutex;
   std::condition_variable changed;
   int running = 0;
@@ -20,16 +25,17 @@ struct Count {
 /// Waits at the end of the program: before what the libraries keep is taken down, which the work may use.
 class Running {
  public:
-  ~Running() {
-    constexpr std::chrono::seconds patience(2);
-    std::unique_lock lock(count_->mutex);
-    count_->changed.wait_for(lock, patience, [this] { return count_->running == 0; });
-  }
+  ~Running() { count_->none_within(std::chrono::seconds(2)); }
   const std::shared_ptr<Count>& count() const { return count_; }
 
  private:
   std::shared_ptr<Count> count_ = std::make_shared<Count>();  // the threads', too, which may outlive this
 };
+
+const std::shared_ptr<Count>& count_of_running() {
+  static const Running running;
+  return running.count();
+}
 
 /// Of a thread; it begins with that of the thread that starts it.
 int niceness(Aside priority) {
@@ -45,8 +51,7 @@ int niceness(Aside priority) {
 }  // namespace
 
 void run_aside(std::function<void()> work, Aside priority) {
-  static const Running running;
-  const std::shared_ptr<Count> count = running.count();
+  const std::shared_ptr<Count> count = count_of_running();
   {
     const std::lock_guard lock(count->mutex);
     ++count->running;
@@ -59,6 +64,10 @@ void run_aside(std::function<void()> work, Aside priority) {
     --count->running;
     count->changed.notify_all();
   }).detach();
+}
+
+bool aside_is_over(double patience) {
+  return count_of_running()->none_within(std::chrono::duration<double>(patience));
 }
 
 }  // namespace skein::app

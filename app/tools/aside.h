@@ -14,4 +14,7 @@ enum class Aside {
 /// throws nothing, and uses only what it owns.
 void run_aside(std::function<void()> work, Aside priority = Aside::behind);
 
+/// Waits until all work aside has ended. `patience` [s] over: false, some still runs.
+bool aside_is_over(double patience);
+
 }  // namespace skein::app

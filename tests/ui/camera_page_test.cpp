@@ -8,6 +8,7 @@
 #include <QLineEdit>
 
 #include "app/calibration/calibration_file.h"
+#include "app/tools/aside.h"
 #include "operator.h"
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
@@ -41,6 +42,9 @@ class CameraPageTest : public Operator {
         return tags->index(row, column).data().toString();
     return {};
   }
+  /// Once the page is closed. A fake camera may go only then: what still asks for it would take the next one that comes
+  /// by its name and address, that of another test.
+  static bool let_go_of_the_camera() { return app::aside_is_over(60.0); }
   static QString overhead() {
     return QString::fromStdString(skein::test::in_source("resources/cameras/overhead.toml"));
   }
@@ -132,6 +136,8 @@ TEST_F(CameraPageTest, IsClosedWhileItsCameraHangs) {
   EXPECT_TRUE(eventually([&] { return record().t > t + 0.2; })) << "the window hangs";
   key(Qt::Key_Space);
   EXPECT_TRUE(eventually([&] { return stopped(); }));
+  fake.go_on();
+  EXPECT_TRUE(let_go_of_the_camera());
 }
 
 TEST_F(CameraPageTest, SetsACameraAndPutsItIntoTheExperiment) {
@@ -174,7 +180,8 @@ TEST_F(CameraPageTest, SetsACameraAndPutsItIntoTheExperiment) {
   EXPECT_TRUE(editor->text().contains(QStringLiteral("source = \"aravis:"))) << editor->text().toStdString();
   EXPECT_TRUE(editor->text().contains(QStringLiteral("exposure = 0.004"))) << editor->text().toStdString();
   delete editor;
-  delete page;  // before the camera is gone: it would take the next one that comes by this name, another test's
+  delete page;
+  EXPECT_TRUE(let_go_of_the_camera());
 }
 
 }  // namespace

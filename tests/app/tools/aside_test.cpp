@@ -30,5 +30,13 @@ TEST(Aside, LetsGoOfWhatItOwnsAtItsEnd) {
   EXPECT_THROW(gone.get(), std::future_error) << "the promise is broken once its owner is gone";
 }
 
+TEST(Aside, IsOverWhenAllOfItHasEnded) {
+  std::promise<void> camera_answers;
+  run_aside([answer = camera_answers.get_future().share()] { answer.wait(); });
+  EXPECT_FALSE(aside_is_over(0.0));
+  camera_answers.set_value();
+  EXPECT_TRUE(aside_is_over(60.0));
+}
+
 }  // namespace
 }  // namespace skein::app

@@ -70,8 +70,9 @@ class FakeGige {
   FakeGige& operator=(const FakeGige&) = delete;
 
   bool running() const { return running_; }
-  /// Answers no more, until it is killed.
+  /// Answers no more, until it is killed or goes on.
   void hang() { ::kill(pid_, SIGSTOP); }
+  void go_on() { ::kill(pid_, SIGCONT); }
   /// Gone, as a camera whose cable was pulled.
   void kill() {
     if (pid_ != 0) {
