@@ -51,7 +51,7 @@ int niceness(Aside priority) {
 }  // namespace
 
 void run_aside(std::function<void()> work, Aside priority) {
-  const std::shared_ptr<Count> count = count_of_running();
+  const std::shared_ptr<Count>& count = count_of_running();
   {
     const std::lock_guard lock(count->mutex);
     ++count->running;

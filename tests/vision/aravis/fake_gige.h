@@ -53,6 +53,7 @@ class FakeGige {
     if (::pipe2(pipe, O_CLOEXEC) != 0) return;
     words.insert(words.begin(), fake_gige());
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;
