@@ -233,6 +233,9 @@ struct CameraSpec {
   /// `bump_time`, and stays so; empty: never. [s]
   std::optional<double> bump_at;
   double bump = 1.0, bump_time = 0.0;
+  /// Likewise: from then on its lens loses its focus, over `defocus_time`, until it blurs by `defocus` [s; px; s]
+  std::optional<double> defocus_at;
+  double defocus = 2.5, defocus_time = 0.0;
   /// Likewise: from then on the first mark of its calibration lies 50 mm farther to the right [s]
   std::optional<double> mark_moved_at;
   std::optional<double> lost_at;  ///< likewise: from then on the synthetic camera delivers nothing [s]

@@ -280,6 +280,15 @@ bool CameraRig::render() {
     if (tilt != tilt_) synthetic_->hang(*vision::tilted(calibration_, tilt).world_from_camera);
     tilt_ = tilt;
   }
+  if (spec_.defocus_at && now >= *spec_.defocus_at) {
+    constexpr double step = 0.05;  // the whole floor is blurred anew at each [px]
+    const double since = now - *spec_.defocus_at;
+    const double sharp = vision::SceneOptions{}.blur_px;
+    const double share = since < spec_.defocus_time ? since / spec_.defocus_time : 1.0;
+    const double blur = sharp + step * std::floor(share * (spec_.defocus - sharp) / step);
+    if (blur != blur_) synthetic_->focus(blur);
+    blur_ = blur;
+  }
   synthetic_->render(tags_, now, frame_);
   seen_.times = {now, clock_.now(), none, none};
   seen_.times.grey_at = seen_.times.arrived_at;
@@ -413,11 +422,14 @@ void CameraRig::look_at_marks(const vision::Frame& frame) {
   }
 }
 
-void CameraRig::watch_scale() {
-  std::string sentence = scale_watch_.update(frame_.captured_at, tracker_.stretch());
-  if (sentence.empty()) return;
-  const std::lock_guard lock(absence_mutex_);
-  alarms_.push_back(prefix_ + std::move(sentence));
+/// Whether they are as large and as sharp as they should be.
+void CameraRig::watch_tags() {
+  for (const std::string& sentence : {scale_watch_.update(frame_.captured_at, tracker_.stretch()),
+                                      focus_watch_.update(frame_.captured_at, tracker_.blur())}) {
+    if (sentence.empty()) continue;
+    const std::lock_guard lock(absence_mutex_);
+    alarms_.push_back(prefix_ + sentence);
+  }
 }
 
 MarksStatus CameraRig::marks() const {
@@ -470,7 +482,7 @@ void CameraRig::work_off() {
   ready_at_.store(seen_.times.ready_at, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
-  watch_scale();                                                            // the tick waits for poses, not for this
+  watch_tags();                                                             // the tick waits for poses, not for this
   // On the virtual clock there is time to wait for the disk.
   if (recorder_ && clock_.wall()) recorder_->offer(frame_);
   if (recorder_ && !clock_.wall()) recorder_->add(frame_);

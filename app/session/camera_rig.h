@@ -22,6 +22,7 @@
 #include "app/session/simulated_world.h"
 #include "vision/calibration/calibration.h"
 #include "vision/diagnosis/diagnosis.h"
+#include "vision/diagnosis/focus_watch.h"
 #include "vision/diagnosis/mark_watch.h"
 #include "vision/diagnosis/scale_watch.h"
 #include "vision/diagnosis/tag_absence.h"
@@ -125,7 +126,7 @@ class CameraRig {
   void explain_absences();
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
   void watch_marks();
-  void watch_scale();
+  void watch_tags();
   void look_at_marks(const vision::Frame& frame);
   void explainer(const std::stop_token& stop);
 
@@ -141,10 +142,11 @@ class CameraRig {
   std::vector<vision::SeenElsewhere> elsewhere_;  // in this frame
   vision::TagTracker tracker_;
   std::unique_ptr<vision::SyntheticCamera> synthetic_;
-  double tilt_ = 0.0;                            // of the synthetic camera [deg]
-  std::unique_ptr<vision::FrameSource> source_;  // null: synthetic, or not open yet
-  std::atomic<bool> awaited_{false};             // a real camera that has not opened yet; then the thread owns source_
-  std::string why_awaited_;                      // set before the thread begins
+  double tilt_ = 0.0;                             // of the synthetic camera [deg]
+  double blur_ = vision::SceneOptions{}.blur_px;  // likewise
+  std::unique_ptr<vision::FrameSource> source_;   // null: synthetic, or not open yet
+  std::atomic<bool> awaited_{false};              // a real camera that has not opened yet; then the thread owns source_
+  std::string why_awaited_;                       // set before the thread begins
   std::unique_ptr<vision::Recorder> recorder_;
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
@@ -177,6 +179,7 @@ class CameraRig {
   std::vector<vision::MissingTag> missing_;
   vision::MarkWatch mark_watch_;
   vision::ScaleWatch scale_watch_;
+  vision::FocusWatch focus_watch_;
   int own_looks_ = 0;                    // at the marks, by the camera's thread
   std::atomic<double> next_look_{-1e9};  // at the marks [s]
   mutable std::mutex absence_mutex_;     // of what follows

@@ -134,6 +134,8 @@ std::vector<BenchScene> bench_scenes() {
   scenes.push_back({"teleports 1 %", large, {}, 16, false, 8, false, Teleports(16)});
   scenes.push_back(
       {"motion blur 5 px", large, {}, 16, false, 4, true, [=](int k) { return smeared(sixteen(k), 5.0 * px); }});
+  // A lens out of focus, shortly before people are told.
+  scenes.push_back({"lens blur 1.1 px", large, {.blur_px = 1.1}, 16, false, 4, true, sixteen});
   scenes.push_back({"contrast 43 sigma 6", large, dim, 16, false, 4, true, sixteen});
   scenes.push_back({"occluder", large, {}, 16, false, 8, true, [=](int k) { return with_arm(sixteen(k), large, k); }});
   scenes.push_back({"640x480", halved(large), {}, 16, false, 4, true, sixteen});
@@ -158,6 +160,7 @@ std::vector<BenchScene> bench_scenes() {
       {"40 mm tags", {.xy_mm = 0.05, .deg = 0.1, .recall = 100.0}},
       {"teleports 1 %", {.p99_ms = 3.0, .recall = 99.5}},
       {"motion blur 5 px", {.recall = 99.5}},
+      {"lens blur 1.1 px", {.recall = 100.0}},
       {"contrast 43 sigma 6", {.recall = 99.5}},
       {"occluder", {.p99_ms = 3.0, .recall = 99.5}},
       {"640x480", {.recall = 100.0}},

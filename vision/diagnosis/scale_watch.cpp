@@ -7,16 +7,8 @@
 namespace skein::vision {
 
 std::string ScaleWatch::update(double t, std::optional<double> stretch) {
-  constexpr double long_enough = 2.0;  // [s]
   if (!stretch || !calibration_.world_from_camera) return {};
-  if (std::abs(*stretch) <= tolerance) {
-    off_since_.reset();
-    told_ = false;
-    return {};
-  }
-  if (!off_since_ || t < *off_since_) off_since_ = t;
-  if (told_ || t - *off_since_ < long_enough) return {};
-  told_ = true;
+  if (!fault_.update(t, std::abs(*stretch) > tolerance)) return {};
   const double distance = calibration_.world_from_camera->position.z() - calibration_.tag_height;
   const double height = calibration_.tag_height + distance * *stretch / (1.0 + *stretch);
   return fmt::format(

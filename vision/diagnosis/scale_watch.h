@@ -4,6 +4,7 @@
 #include <string>
 
 #include "vision/calibration/calibration.h"
+#include "vision/diagnosis/lasting_fault.h"
 
 namespace skein::vision {
 
@@ -23,8 +24,7 @@ class ScaleWatch {
 
  private:
   Calibration calibration_;
-  std::optional<double> off_since_;
-  bool told_ = false;
+  LastingFault fault_;
 };
 
 }  // namespace skein::vision

@@ -43,6 +43,14 @@ double shared_noise(double pitch_px) {
 // Of a pixel's noise, so much is left where a grey level is read between pixels, on average.
 constexpr double between_pixels = 2.0 / 3.0;
 
+/// How much an edge is blurred that differs by `bend` second derivatives from one blurred by sigma: the projection of
+/// the one edge less the other onto the second derivative, turned around. Edges that lie close together hide a part of
+/// a large blur. [modules]
+double blur_of(double sigma, double bend) {
+  const double left = std::max(0.1, 1.0 - 0.5 * bend / (sigma * sigma));
+  return sigma * std::sqrt(std::max(0.0, 2.0 / (left * left) - 1.0));
+}
+
 double tukey(double residual, double scale) {
   const double z = residual / (4.685 * scale);
   return std::abs(z) < 1.0 ? (1.0 - z * z) * (1.0 - z * z) : 0.0;
@@ -294,6 +302,9 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   result.stretch = 0.5 * (stretch[0] + stretch[1]);
   result.stretch_sigma = std::sqrt(0.25 * sigma2 * (f(in_x, in_x) + f(in_y, in_y) + 2.0 * f(in_x, in_y)));
   result.strain = std::abs(result.stretch) + std::hypot(0.5 * (stretch[0] - stretch[1]), stretch[2]);
+
+  const double sharper = std::min(free.solution[TagTemplate::blur_x], free.solution[TagTemplate::blur_y]);
+  result.blur_px = px_per_module_ * blur_of(tag.sigma, sharper / free.solution[TagTemplate::paper]);
 
   // In AprilTag's order.
   constexpr double corner[4][2] = {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}};

@@ -48,6 +48,7 @@ struct Fit {
   double stretch_sigma = 0.0;
   double strain = 0.0;   // the largest stretch in any direction
   double edge_px = 0.0;  // of the black square
+  double blur_px = 0.0;  // standard deviation, along the axis of the tag that is sharper: the other may be in motion
   Corners corners{};     // [px]
   int looks = 0;         // at the picture
 };

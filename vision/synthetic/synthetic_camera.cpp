@@ -67,6 +67,10 @@ struct SyntheticCamera::Parts {
     detail::paint_floor(painter, calibration, options.clutter, seed, floor);
     sharp = floor;
     blurred_floor.resize(pixels);
+    blur_floor();
+  }
+
+  void blur_floor() {
     blur.apply(floor, {0, 0, floor.width, floor.height}, blurred_floor.data());
     blurred = blurred_floor;
   }
@@ -93,6 +97,12 @@ SyntheticCamera& SyntheticCamera::operator=(SyntheticCamera&&) noexcept = defaul
 void SyntheticCamera::hang(const CameraPose& pose) {
   parts_->calibration.world_from_camera = pose;
   parts_->painter = Painter(parts_->calibration, light_over(parts_->calibration, parts_->options));
+}
+
+void SyntheticCamera::focus(double blur_px) {
+  parts_->clean();
+  parts_->blur = detail::Blur(blur_px);
+  parts_->blur_floor();
 }
 
 void SyntheticCamera::render(std::span<const SyntheticTag> tags, std::span<const SyntheticDisc> discs,

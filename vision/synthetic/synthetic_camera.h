@@ -59,6 +59,9 @@ class SyntheticCamera {
   /// Hangs elsewhere from now on. Only what `render` draws moves; the floor's texture stays where it was painted.
   void hang(const CameraPose& pose);
 
+  /// Blurs by so much from now on [px].
+  void focus(double blur_px);
+
   /// Tags and parts of tags outside the picture are not drawn; a later tag covers an earlier one.
   void render(std::span<const SyntheticTag> tags, double captured_at, Frame& out) {
     render(tags, {}, captured_at, out);

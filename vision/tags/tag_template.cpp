@@ -67,7 +67,7 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
   return blurred;
 }
 
-TagTemplate::TagTemplate(const TagPattern& pattern, double sigma) {
+TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(blur_sigma) {
   const Profiles profiles = profiles_at(sigma);
   for (std::size_t point = 0; point < SampleGrid::points; ++point) {
     const Profile& across = profiles[point % SampleGrid::side];

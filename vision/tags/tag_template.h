@@ -58,8 +58,10 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
 /// stretch and shear, too: no robot's tag does, one that is held up or tilted does. The last two blur it along its
 /// axes: focus and motion differ from what the template was made for, but move no edge.
 struct TagTemplate {
-  /// sigma: of the blur, in modules.
-  TagTemplate(const TagPattern& pattern, double sigma);
+  /// blur_sigma: in modules.
+  TagTemplate(const TagPattern& pattern, double blur_sigma);
+
+  double sigma;  // of its blur [modules]
 
   enum Column {
     along_x,

@@ -111,12 +111,20 @@ const TrackerCounters& TagTracker::counters() const {
   return parts_->counters;
 }
 
-std::optional<double> TagTracker::stretch() const {
+std::optional<double> TrackerParts::usual(double WantedTag::*mean) const {
   std::vector<double> usual;
-  for (const WantedTag& tag : parts_->wanted)
-    if (tag.stretches >= WantedTag::enough_stretches) usual.push_back(tag.usual_stretch);
+  for (const WantedTag& tag : wanted)
+    if (tag.stretches >= WantedTag::enough_stretches) usual.push_back(tag.*mean);
   if (usual.empty()) return {};
   return median(usual);
+}
+
+std::optional<double> TagTracker::stretch() const {
+  return parts_->usual(&WantedTag::usual_stretch);
+}
+
+std::optional<double> TagTracker::blur() const {
+  return parts_->usual(&WantedTag::usual_blur);
 }
 
 const StageTimes& TagTracker::stage_times() const {
@@ -228,6 +236,7 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
   tag.found = true;
   tag.stretch = fit.stretch;
   tag.stretch_sigma = fit.stretch_sigma;
+  tag.blur_px = fit.blur_px;
   tag.edge_px = fit.edge_px;
   tag.contrast = fit.contrast;
   tag.noise = fit.noise;
@@ -252,6 +261,7 @@ bool WantedTag::lifted(double tolerance) noexcept {
   if (off) stretches = 0;
   stretches = std::min(stretches + 1, remembered);
   usual_stretch += (*stretch - usual_stretch) / stretches;
+  usual_blur += (blur_px - usual_blur) / stretches;
   return false;
 }
 

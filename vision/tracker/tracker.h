@@ -35,6 +35,10 @@ class TagTracker {
   /// means over their last 100 fits. None: no tag has 25 fits yet.
   std::optional<double> stretch() const;
 
+  /// How much the camera blurs the tags, across the way that they drive: standard deviation [px], likewise. A lens in
+  /// focus: 0.9, of which 0.5 are the pixels' own.
+  std::optional<double> blur() const;
+
   /// Of the last frame; zeros without TrackerOptions::clock.
   const StageTimes& stage_times() const;
 

@@ -30,7 +30,8 @@ struct WantedTag {
   double contrast = 0.0;       // between its ink and its paper [grey levels]
   double noise = 0.0;          // of a pixel on it [grey levels]
   double usual_stretch = 0.0;  // of its fits, a moving mean
-  int stretches = 0;           // that went into it, as far as they matter
+  double usual_blur = 0.0;     // likewise [px]
+  int stretches = 0;           // that went into both, as far as they matter
   int off_stretch = 0;         // frames for which it was not as usual
 
   // of this frame
@@ -41,6 +42,7 @@ struct WantedTag {
   std::optional<core::Pose> elsewhere;  // where another camera sees it
   std::optional<double> stretch;        // of its fit
   double stretch_sigma = 0.0;
+  double blur_px = 0.0;
 
   WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
   bool missing() const { return !found && !ghost && !elsewhere; }
@@ -91,6 +93,7 @@ struct TrackerParts {
   void compare_shapes();
   void conclude(const Frame& frame);
 
+  std::optional<double> usual(double WantedTag::*mean) const;  // the median over those that were seen often enough
   double seen_at(const Frame& frame, const Corners& corners) const;
   core::Pose predict(const WantedTag& tag, double captured_at) const;
   bool missing() const;

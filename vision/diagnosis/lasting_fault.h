@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+
+namespace skein::vision {
+
+/// A fault that people are told of: not of a moment, and once until it has gone.
+class LastingFault {
+ public:
+  static constexpr double long_enough = 2.0;  // [s]
+
+  /// `there`: whether it is there at time `t` [s]. true: tell them now.
+  bool update(double t, bool there) {
+    if (!there) {
+      since_.reset();
+      told_ = false;
+      return false;
+    }
+    if (!since_ || t < *since_) since_ = t;
+    if (told_ || t - *since_ < long_enough) return false;
+    told_ = true;
+    return true;
+  }
+
+ private:
+  std::optional<double> since_;
+  bool told_ = false;
+};
+
+}  // namespace skein::vision
