@@ -33,6 +33,7 @@ std::shared_ptr<const core::Path> centred_path(const PathSpec& path) {
 
 std::vector<core::SpacingChange> spacings(const ReferenceSpec& reference) {
   std::vector<core::SpacingChange> changes;
+  changes.reserve(reference.changes.size());
   for (const ReferenceChange& change : reference.changes)
     changes.push_back({change.t, change.duration, change.shape.spacing});
   return changes;
@@ -97,11 +98,13 @@ std::unique_ptr<const core::Reference> make_reference(const Experiment& experime
     return std::make_unique<core::Platoon>(make_path(r.path), n, r.spacing, r.speed, r.start, spacings(r));
   if (r.kind == ReferenceSpec::Kind::independent) {
     std::vector<std::unique_ptr<const core::Trajectory>> trajectories;
+    trajectories.reserve(n);
     for (const RobotSpec& robot : experiment.robots)
       trajectories.push_back(make_trajectory(robot.trajectory.value_or(TrajectorySpec{}), r));
     return std::make_unique<core::Independent>(std::move(trajectories));
   }
   std::vector<core::ShapeChange> changes;
+  changes.reserve(r.changes.size());
   for (const ReferenceChange& change : r.changes)
     changes.push_back({change.t, change.duration, places(change.shape, n)});
   return std::make_unique<core::Formation>(make_path(r.path), r.speed, r.start, places(r.shape, n), std::move(changes));
@@ -155,6 +158,7 @@ core::AvoidanceParameters make_avoidance(const Experiment& experiment, std::size
 
 std::vector<double> sizes_beyond(const Experiment& experiment) {
   std::vector<double> beyond;
+  beyond.reserve(experiment.robots.size());
   for (const RobotSpec& robot : experiment.robots) beyond.push_back(robot.radius - core::standard_radius);
   return beyond;
 }

@@ -28,7 +28,8 @@ struct Roundabout {
     for (int i = 0; i < tags; ++i) {
       const double angle = 0.7 * i + 2.0 * std::numbers::pi * turns * k / bench_frames;
       const double x = arena_width * ((i % columns + 0.5) / columns - 0.5) + radius * std::cos(angle);
-      const double y = arena_height * ((i / columns + 0.5) / rows - 0.5) + radius * std::sin(angle);
+      const int line = i / columns;
+      const double y = arena_height * ((line + 0.5) / rows - 0.5) + radius * std::sin(angle);
       moment.tags.push_back({i, {x, y, core::wrap_angle(angle + std::numbers::pi / 2)}, size});
     }
     moment.in_sight.assign(moment.tags.size(), true);

@@ -106,9 +106,10 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
   for (int band = 0; band < Blocks::bands; ++band) {
     for (int line = Blocks::first_row(band); line < Blocks::first_row(band + 1); ++line) {
       for (int column = 0; column < SampleGrid::side; ++column) {
-        const auto values = row(static_cast<std::size_t>(line * SampleGrid::side + column));
-        blocks[static_cast<std::size_t>(band * Blocks::across + Blocks::of_column(column))] +=
-            values * values.head<3>().transpose();
+        const int point = line * SampleGrid::side + column;
+        const int block = band * Blocks::across + Blocks::of_column(column);
+        const auto values = row(static_cast<std::size_t>(point));
+        blocks[static_cast<std::size_t>(block)] += values * values.head<3>().transpose();
       }
     }
   }
