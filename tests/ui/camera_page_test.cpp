@@ -24,8 +24,7 @@ class CameraPageTest : public Operator {
   CameraPage* open_page() {
     find<QAction>("camera")->trigger();
     auto* page = find<CameraPage>("camera_page");
-    page->activateWindow();  // on an X server without a window manager nobody else does
-    EXPECT_TRUE(QTest::qWaitForWindowActive(page));
+    EXPECT_TRUE(bring_to_front(*page));
     return page;
   }
   void look_at(const QString& source, const QString& calibration = {}) {

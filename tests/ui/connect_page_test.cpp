@@ -67,8 +67,7 @@ class ConnectPageTest : public Operator {
   ConnectPage* open_page() {
     find<QAction>("connect_robots_page")->trigger();
     auto* page = find<ConnectPage>("connect_page");
-    page->activateWindow();  // on an X server without a window manager nobody else does
-    EXPECT_TRUE(QTest::qWaitForWindowActive(page));
+    EXPECT_TRUE(bring_to_front(*page));
     return page;
   }
   QAbstractItemModel* table() { return find<QAbstractItemView>("connect_robots")->model(); }

@@ -24,8 +24,7 @@ class Editor : public Operator {
     editor = window.findChild<ExperimentEditor*>();
     ASSERT_NE(editor, nullptr);
     ASSERT_TRUE(QTest::qWaitForWindowExposed(editor));
-    editor->activateWindow();
-    ASSERT_TRUE(QTest::qWaitForWindowActive(editor));
+    ASSERT_TRUE(bring_to_front(*editor));
     text = editor->findChild<TomlText*>(QStringLiteral("editor_text"));
   }
   QPushButton& button(const char* name) { return *editor->findChild<QPushButton*>(QString::fromLatin1(name)); }

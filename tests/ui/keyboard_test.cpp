@@ -51,8 +51,7 @@ class Keyboard : public Operator {
         return other->isVisible() && other != &window && other != &below && other->windowType() == Qt::Dialog;
       });
     })) << "a dialog is still there";
-    below.activateWindow();
-    ASSERT_TRUE(QTest::qWaitForWindowActive(&below));
+    ASSERT_TRUE(bring_to_front(below));
   }
   /// By Ctrl+W. Without a window manager the window may come to the front once more after the dialog did.
   void close(const QPointer<QDialog>& dialog) {
@@ -89,8 +88,7 @@ class Keyboard : public Operator {
       return dialog && dialog->isVisible();
     });
     if (!dialog) return nullptr;
-    dialog->activateWindow();
-    return QTest::qWaitForWindowActive(dialog) ? dialog : nullptr;
+    return bring_to_front(*dialog) ? dialog : nullptr;
   }
   /// Into a file dialog that a key has opened.
   void answer(const char* dialog, const QString& file) {
@@ -403,6 +401,7 @@ TEST_F(Keyboard, EditsAnExperimentWhileARunIsOn) {
 std::set<QWidget*> round_of(QWidget* window) {
   std::set<QWidget*> seen;
   for (int k = 0, again = 0; k < 300 && again < 5; ++k) {
+    if (!window->isActiveWindow() && !bring_to_front(*window)) break;
     QTest::keyClick(window->windowHandle(), Qt::Key_Tab);
     if (QWidget* focus = QApplication::focusWidget()) again = seen.insert(focus).second ? 0 : again + 1;
   }

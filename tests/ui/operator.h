@@ -5,6 +5,7 @@
 #include <QAbstractItemView>
 #include <QCoreApplication>
 #include <QDialog>
+#include <QElapsedTimer>
 #include <QFile>
 #include <QPushButton>
 #include <QTemporaryDir>
@@ -25,6 +26,22 @@ inline constexpr int deadline_ms = 60000;
 
 inline bool eventually(const std::function<bool()>& holds) {
   return QTest::qWaitFor(holds, deadline_ms);
+}
+
+/// Gives a window the keyboard, as a window manager would. On an X server without one, the window below may come to the
+/// front once more after it: until it stays there.
+inline bool bring_to_front(QWidget& window) {
+  constexpr int long_enough_ms = 50;
+  QElapsedTimer in_front;
+  return eventually([&] {
+    if (!window.isActiveWindow()) {
+      window.activateWindow();
+      in_front.invalidate();
+      return false;
+    }
+    if (!in_front.isValid()) in_front.start();
+    return in_front.hasExpired(long_enough_ms);
+  });
 }
 
 /// Somebody at the window: sees what is on it, and has a mouse and a keyboard.

@@ -51,8 +51,7 @@ TEST_F(StopEverywhere, BesideEveryDialog) {
     ASSERT_TRUE(eventually([&] { return beside().size() == 1; })) << name.toStdString();
     QWidget* dialog = beside().first();
     EXPECT_FALSE(dialog->isModal()) << name.toStdString() << ": nobody could click STOP beside it";
-    dialog->activateWindow();
-    ASSERT_TRUE(QTest::qWaitForWindowActive(dialog));
+    ASSERT_TRUE(bring_to_front(*dialog));
     const By way = ways[turn++ % ways.size()];  // each dialog another way, and every way by Stop.WithADialogOpen
     stop(way, dialog);
     ASSERT_TRUE(eventually([&] { return stopped(); })) << name.toStdString() << ", way " << static_cast<int>(way);

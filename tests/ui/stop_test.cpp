@@ -115,8 +115,7 @@ TEST_F(Stop, WithADialogOpen) {
       return dialog != nullptr && dialog->isVisible();
     })) << action;
     EXPECT_FALSE(dialog->isModal()) << action << ": nobody could click STOP beside it";
-    dialog->activateWindow();
-    ASSERT_TRUE(QTest::qWaitForWindowActive(dialog));
+    ASSERT_TRUE(bring_to_front(*dialog));
     key(Qt::Key_Space, dialog);
     ASSERT_TRUE(eventually([&] { return stopped(); })) << action;
     EXPECT_TRUE(dialog->isVisible()) << action << ": the key did more than stop";
@@ -136,8 +135,7 @@ TEST_F(Stop, WhileAPresetIsNamed) {
   auto* dialog = find<QDialog>("preset_dialog");
   ASSERT_TRUE(QTest::qWaitForWindowExposed(dialog));
   EXPECT_FALSE(dialog->isModal());
-  dialog->activateWindow();
-  ASSERT_TRUE(QTest::qWaitForWindowActive(dialog));
+  ASSERT_TRUE(bring_to_front(*dialog));
   key(Qt::Key_Escape, dialog);
   expect_stopped();
   EXPECT_TRUE(dialog->isVisible()) << "the key did more than stop";
