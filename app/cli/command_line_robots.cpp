@@ -1,5 +1,8 @@
 #include "app/cli/command_line_robots.h"
 
+#include <fmt/format.h>
+
+#include "app/experiment/experiment.h"
 #include "app/guard/stop_run.h"
 
 namespace skein::app {
@@ -43,6 +46,13 @@ void RobotCommands::add_to(CLI::App& program) {
       test_->add_option("--calibration", request_.calibration, "its calibration file")->type_name("CAL.TOML");
   camera->needs(calibration);
   calibration->needs(camera);
+  test_
+      ->add_option("--reply-timeout", request_.reply_timeout,
+                   fmt::format("a reply later than this counts as lost [s]; default: links.reply_timeout of the "
+                               "experiment file, else {:g}",
+                               LinksSpec{}.reply_timeout))
+      ->check(CLI::Range(0.02, 10.0))
+      ->type_name("SECONDS");
   test_->add_flag("--save", request_.save, "write tag, version, wheel diameter and track to the file of robots");
 
   ping_ = add("ping", "Measures the robots' round trips under the traffic of a run; they stand meanwhile");

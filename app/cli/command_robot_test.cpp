@@ -39,6 +39,7 @@ int test_robots(const RobotsRequest& request) {
   if (!named) return wrong_input;
   Experiment experiment = named->experiment.value_or(Experiment{});
   if (!named->experiment) experiment.robots = named->robots;
+  if (request.reply_timeout) experiment.links.reply_timeout = *request.reply_timeout;
   if (!request.camera.empty()) {
     experiment.camera.also.clear();
     experiment.camera.source = request.camera;

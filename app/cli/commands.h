@@ -82,13 +82,14 @@ int camera_latency(const CameraLatencyRequest& request);
 int list_cameras(const std::string& camera);
 
 struct RobotsRequest {
-  std::vector<std::string> words;   ///< which robots, see named_robots()
-  std::string file;                 ///< of robots; empty: known_robots_file() says which
-  std::string camera, calibration;  ///< source and calibration file; empty: that of the experiment, if there is one
-  std::string adapter;              ///< "hci1", or its address; empty: all
-  double seconds = 12.0;            ///< how long to look for robots
-  double minutes = 1.0;             ///< how long to measure links
-  bool save = false;                ///< into the file of robots; of `ping`: into the experiment file
+  std::vector<std::string> words;       ///< which robots, see named_robots()
+  std::string file;                     ///< of robots; empty: known_robots_file() says which
+  std::string camera, calibration;      ///< source and calibration file; empty: that of the experiment, if there is one
+  std::string adapter;                  ///< "hci1", or its address; empty: all
+  double seconds = 12.0;                ///< how long to look for robots
+  double minutes = 1.0;                 ///< how long to measure links
+  std::optional<double> reply_timeout;  ///< of `test`, instead of the file's links.reply_timeout [s]
+  bool save = false;                    ///< into the file of robots; of `ping`: into the experiment file
 };
 
 /// Robots by words of the command line, with errors on stderr: link addresses, names of the file of robots, files of

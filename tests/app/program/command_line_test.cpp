@@ -57,6 +57,7 @@ class Program {
     std::vector<std::string> all{program};
     all.insert(all.end(), words.begin(), words.end());
     std::vector<char*> arguments;
+    arguments.reserve(all.size() + 1);
     for (std::string& word : all) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;
@@ -495,6 +496,23 @@ TEST(CommandLine, JsonIsOneObject) {
   EXPECT_EQ(r.status, 0);
   EXPECT_EQ(r.out.front(), '{');
   EXPECT_TRUE(has(r.out, "\"perturbations\""));
+}
+
+/// A radio that answers after 0.1 s: with less patience the robot is stopped again and again.
+TEST(CommandLine, RobotsAreTestedWithThePatienceThatTheirRadioNeeds) {
+  const Folder folder;
+  std::ofstream(folder / "slow.toml") << "[[fault]]\nkind = \"latency\"\nmedian = 0.1\n";
+  Program emulator({"emulate", "--directory", folder.path, "--faults", folder / "slow.toml"});
+  const std::string robot = folder / "robot1";
+  ASSERT_TRUE(skein::test::eventually([&] { return std::filesystem::exists(robot); }, std::chrono::seconds(60)));
+  const Result impatient = skein({"robots", "test", "serial:" + robot, "--reply-timeout", "0.05"});
+  EXPECT_EQ(impatient.status, 3) << impatient.out;
+  EXPECT_TRUE(has(impatient.err, "the left wheel's encoder is silent: 0 steps")) << impatient.err;
+  const Result patient = skein({"robots", "test", "serial:" + robot});
+  EXPECT_EQ(patient.status, 0) << patient.err;
+  EXPECT_TRUE(has(patient.out, "faults: 0")) << patient.out;
+  emulator.send(SIGTERM);
+  emulator.wait();
 }
 
 TEST(CommandLine, HelpOfEveryCommand) {
