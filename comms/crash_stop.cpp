@@ -130,7 +130,11 @@ void stop_robots_on_crash() {
   action.sa_handler = on_crash;
   action.sa_flags = SA_ONSTACK;
   sigemptyset(&action.sa_mask);
-  for (std::size_t i = 0; i < crashes.size(); ++i) ::sigaction(crashes[i], &action, &before[i]);
+  for (std::size_t i = 0; i < crashes.size(); ++i) {
+    ::sigaction(crashes[i], &action, &before[i]);
+    // A script's background ignores SIGQUIT: the program ends by it all the same once its robots stand.
+    if (before[i].sa_handler == SIG_IGN) before[i].sa_handler = SIG_DFL;
+  }
 }
 
 CrashEntry::CrashEntry(int descriptor, const Protocol& protocol) noexcept : place_(claim(entries)) {

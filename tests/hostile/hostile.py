@@ -279,9 +279,22 @@ def program_replaced(lab):
     return robots.blind(since)
 
 
+def quits(lab, disposition):
+    def set_up():
+        signal.signal(signal.SIGQUIT, disposition)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+    return signalled(lab, signal.SIGQUIT, set_up)
+
+
 @case("SIGQUIT (Ctrl-\\)")
 def sigquit(lab):
-    return signalled(lab, signal.SIGQUIT, lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)))
+    return quits(lab, signal.SIG_DFL)
+
+
+@case("likewise, started with SIGQUIT ignored (in the background of a script)")
+def sigquit_ignored(lab):
+    return quits(lab, signal.SIG_IGN)
 
 
 @contextlib.contextmanager
