@@ -242,7 +242,11 @@ void read_cameras(TomlTable& document, Experiment& e, Problems& problems) {
 }  // namespace
 
 core::CouplingGains paper_couplings(std::size_t robots) {
-  const core::Gains paper = core::paper_gains(robots);
+  constexpr std::size_t most = 6;  // whose sums leave k_x a tenth of v_max at the default speed
+  core::Gains paper = core::paper_gains(robots);
+  if (robots > most)
+    for (core::PairTable* const k : {&paper.k_xx, &paper.k_tt, &paper.k_yy})
+      k->fill(k->largest() * static_cast<double>(most - 1) / static_cast<double>(robots - 1));
   return {paper.k_xx, paper.k_tt, paper.k_yy, paper.c_xx, paper.c_tt, paper.c_yy, paper.l_xx, paper.l_tt};
 }
 

@@ -15,7 +15,8 @@ namespace skein::app {
 std::string ask_for_priority(int priority) {
   sched_param wanted{};
   wanted.sched_priority = priority;
-  const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted);
+  // Threads that a library starts in this one are ordinary threads.
+  const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO | SCHED_RESET_ON_FORK, &wanted);
   if (error == 0) return {};
   return std::string(std::strerror(error)) + "; `skein doctor` has the remedy";
 }

@@ -17,8 +17,10 @@ struct Timing {
   std::string no_cpu_latency;      ///< why there is none
 };
 
-/// The priority of the control thread; links and guard have higher ones.
+/// The priority of the control thread; links and guard have higher ones, the threads that turn frames into poses a
+/// lower one, so that other programs do not delay poses and the tick never waits for a picture.
 inline constexpr int control_priority = 20;
+inline constexpr int camera_priority = 10;
 
 /// Requests real-time priority for the calling thread. Empty: granted; else the reason, and where the remedy is.
 std::string ask_for_priority(int priority);

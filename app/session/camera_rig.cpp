@@ -17,6 +17,7 @@
 
 #include "app/calibration/calibration_file.h"
 #include "app/experiment/control_settings.h"
+#include "app/run/timing.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
 
@@ -216,6 +217,7 @@ void CameraRig::end() {
 }
 
 void CameraRig::thread(const std::stop_token& stop) {
+  ask_for_priority(camera_priority);  // refused: the control thread's was as well, and says so
   try {
     await_source(stop);
     // Half a period out of step with the control thread, as far as a camera that nobody triggers can be.

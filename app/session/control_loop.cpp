@@ -346,8 +346,7 @@ void ControlLoop::thread(const std::stop_token& stop) {
       plant_.stop();
     }
     cycle(clock_.now(), elapsed);
-    const double due = new_frame_ ? std::clamp(frame_.ready_at, window.earliest, window.latest) : window.latest;
-    timing_.tick.add(std::max(0.0, woke - due));
+    timing_.tick.add(std::max(0.0, woke - window.due(frame_.ready_at)));
     if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
     // Deadlines that have passed by now are missed, and the next tick says how many.
     elapsed = timer.ticked(clock_.now());

@@ -25,6 +25,10 @@ TickTimer::Window TickTimer::window() const noexcept {
   return {deadline_ - 2.0 * pull * period_, deadline_ - pull * period_, deadline_, deadline_ + pull * period_};
 }
 
+double TickTimer::Window::due(double ready_at) const noexcept {
+  return ready_at >= since ? std::clamp(ready_at, earliest, latest) : latest;
+}
+
 void TickTimer::frame(double captured_at, double ready_at) noexcept {
   if (frames_ > 0) intervals_[frames_ % memory] = captured_at - captured_at_;
   ++frames_;

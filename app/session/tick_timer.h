@@ -18,6 +18,9 @@ class TickTimer {
   /// is known of the camera, else at `latest`.
   struct Window {
     double since, earliest, expected, latest;
+    /// When the tick should begin, given that its newest frame was ready at `ready_at` (NaN: none yet): a frame from
+    /// before `since` is not the one that it waits for.
+    double due(double ready_at) const noexcept;
   };
   Window window() const noexcept;
 

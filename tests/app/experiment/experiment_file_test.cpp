@@ -3,12 +3,15 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "app/experiment/certificate.h"
 #include "app/record/csv_writer.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/places.h"
@@ -182,6 +185,20 @@ TEST(ExperimentFile, SixtyFourRobotsAreAllowedAndNoMore) {
   };
   EXPECT_EQ(good(robots(64)).robots.size(), 64u);
   EXPECT_THAT(messages(robots(65)), ElementsAre(HasSubstr("robot: found 65 robots, allowed: 1 to 64")));
+}
+
+/// The paper's couplings of every pair would take all of v_max from eight robots on.
+TEST(ExperimentFile, AGroupOfAnySizeNeedsNoGains) {
+  for (const std::size_t n : {2u, 6u, 7u, 20u, 64u}) {
+    std::string text = "arena = { width = 50, height = 50 }\nreference.path = { width = 20, height = 20 }\n";
+    for (std::size_t i = 0; i < n; ++i) text += "[[robot]]\n";
+    const Experiment e = good(text);
+    EXPECT_TRUE(certify(e).sound()) << n << " robots";
+    const double partners = static_cast<double>(std::clamp<std::size_t>(n - 1, 1, 5));
+    EXPECT_NEAR(e.controller.gains.k_xx.row_sum(0), 0.008 * partners, 1e-12) << n << " robots";
+    EXPECT_NEAR(e.controller.gains.k_tt.row_sum(0), 0.025 * partners, 1e-12) << n << " robots";
+    EXPECT_NEAR(e.controller.gains.k_yy.row_sum(0), 0.08 * partners, 1e-12) << n << " robots";
+  }
 }
 
 TEST(ExperimentFile, ASingleRobotNeedsNoCouplings) {

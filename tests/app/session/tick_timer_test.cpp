@@ -93,6 +93,15 @@ TEST(TickTimer, LeavesItsDeadlinesAloneWithACameraOfAnotherRate) {
     EXPECT_NEAR(loop.begun[k], static_cast<double>(k + 1) * period, 1e-9);
 }
 
+TEST(TickTimer, ATickIsDueWhenItsFrameIsReady) {
+  constexpr TickTimer::Window window{.since = 0.996, .earliest = 0.998, .expected = 1.0, .latest = 1.002};
+  EXPECT_EQ(window.due(1.001), 1.001);
+  EXPECT_EQ(window.due(0.997), window.earliest) << "ready before the tick may begin";
+  EXPECT_EQ(window.due(1.003), window.latest) << "came while the tick began";
+  EXPECT_EQ(window.due(0.995), window.latest) << "the frame of the tick before, too late for it: another was awaited";
+  EXPECT_EQ(window.due(std::nan("")), window.latest) << "no frame yet";
+}
+
 TEST(TickTimer, AFrameThatDoesNotComeCostsATwentiethOfAPeriod) {
   Loop loop;
   loop.phase = 0.017;

@@ -1,5 +1,6 @@
 // The timing certificate of a run.
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -16,6 +18,7 @@
 #include "app/run/timing.h"
 #include "app/session/bare_thread.h"
 #include "app/session/session.h"
+#include "tests/app/experiment_texts.h"
 #include "tests/app/folder.h"
 
 namespace skein::app {
@@ -70,6 +73,36 @@ TEST(Timing, ARunThatDrivesRobotsAsksThatProcessorsWakeFast) {
   const auto timing = (*session)->timing();
   ASSERT_TRUE(timing);
   EXPECT_EQ(timing->cpu_latency.has_value(), timing->no_cpu_latency.empty()) << "no limit without a reason";
+}
+
+/// The real-time priorities of this process' threads.
+std::multiset<int> priorities() {
+  std::multiset<int> all;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    const pid_t thread = std::stoi(task.path().filename());
+    sched_param parameters{};
+    if ((::sched_getscheduler(thread) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO &&
+        ::sched_getparam(thread, &parameters) == 0)
+      all.insert(parameters.sched_priority);
+  }
+  return all;
+}
+
+/// Other programs that keep all processors busy must not delay the poses that a tick waits for.
+TEST(Timing, PosesAreMadeAtAPriorityOfTheirOwnBelowTheTicks) {
+  auto session = Session::open(good(paper_experiment().source, {"camera.source=synthetic", "duration=1", "perturb=[]"}),
+                               Session::Clock::wall);
+  ASSERT_TRUE(session) << session.error();
+  std::multiset<int> meanwhile;
+  (*session)->run([&] {
+    if (meanwhile.count(control_priority) == 0) meanwhile = priorities();
+    return true;
+  });
+  (*session)->close();
+  if ((*session)->timing()->priority == 0) GTEST_SKIP() << (*session)->timing()->no_priority;
+  EXPECT_EQ(meanwhile.count(camera_priority), 1u) << "one camera";
+  EXPECT_GE(meanwhile.count(control_priority), 1u);
+  EXPECT_LT(camera_priority, control_priority);
 }
 
 /// Files in the place of the kernel's.
