@@ -248,6 +248,51 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
                              more_room(e, closest) == 0.0 ? "" : ", less the excess of their bodies over an e-puck's"));
 }
 
+/// Where the file puts a robot at first, its body overlaps nothing: such a run would begin with a collision.
+void check_starts(const Experiment& e, const core::Reference& reference, Problems& problems) {
+  struct Body {
+    core::Pose pose;
+    double radius;
+    bool own_start;  // given, and not a place of the reference, which has been checked
+  };
+  std::vector<Body> bodies;
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    const RobotSpec& robot = e.robots[i];
+    const bool own = robot.start && robot.simulated();
+    bodies.push_back({own ? *robot.start : reference.at(i, 0.0).pose, robot.radius, own});
+  }
+  const auto refuse = [&](std::size_t i, const std::string& found_and_allowed) {
+    problems.add(fmt::format("robot.{}.start", i + 1),
+                 fmt::format("found ({:.4g}, {:.4g}) m, {}", bodies[i].pose.x, bodies[i].pose.y, found_and_allowed));
+  };
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto& [pose, radius, own_start] = bodies[i];
+    if (own_start &&
+        std::max(std::abs(pose.x) - 0.5 * e.arena_width, std::abs(pose.y) - 0.5 * e.arena_height) > -radius)
+      refuse(i, fmt::format("allowed: at least its radius, {:.4g} m, from the arena's edge", radius));
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!own_start && !bodies[j].own_start) continue;
+      const double touching = radius + bodies[j].radius, distance = core::distance(pose, bodies[j].pose);
+      if (distance < touching)
+        refuse(own_start ? i : j, fmt::format("{:.4g} m from where robot {} begins, allowed: at least {:.4g} m",
+                                              distance, (own_start ? j : i) + 1, touching));
+    }
+    for (std::size_t k = 0; k < e.obstacles.size(); ++k) {
+      const core::Obstacle& o = e.obstacles[k];
+      const double touching = radius + o.radius, distance = std::hypot(pose.x - o.x, pose.y - o.y);
+      if (distance >= touching) continue;
+      if (own_start)
+        refuse(i, fmt::format("{:.4g} m from the centre of obstacle {}, allowed: at least {:.4g} m", distance, k + 1,
+                              touching));
+      else
+        problems.add(fmt::format("obstacle.{}", k + 1),
+                     fmt::format("found ({:.4g}, {:.4g}) m, {:.4g} m from where robot {} begins, allowed: at least "
+                                 "{:.4g} m",
+                                 o.x, o.y, distance, i + 1, touching));
+    }
+  }
+}
+
 /// Gives the ends of the robots' lines to the robots so that the sum of the squares of the ways is the smallest: robots
 /// that drove them in the same time would not meet (`turpin2014`), and the longest way is short.
 void exchange_places(Experiment& e, Problems& problems) {
@@ -325,6 +370,7 @@ bool check_shape(const Experiment& e, Problems& problems) {
 void check_places(const Experiment& e, const core::Reference& reference, Problems& problems) {
   check_arena(e, reference, problems);
   check_spacing(e, reference, problems);
+  check_starts(e, reference, problems);
 }
 
 }  // namespace skein::app

@@ -141,6 +141,17 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     KeysTogether, RefusedText,
     testing::Values(
+        Refused{
+            "[[robot]]\nstart = [0, 0, 0]\n[[robot]]\nstart = [0.05, 0, 0]",
+            "e.toml:4:9: robot.2.start: found (0.05, 0) m, 0.05 m from where robot 1 begins, allowed: at least 0.07"},
+        Refused{"[[robot]]\n[[robot]]\nstart = [0.65, 0.05, 0]",
+                "e.toml:3:9: robot.2.start: found (0.65, 0.05) m, 0.02992 m from where robot 1 begins"},
+        Refused{"[[robot]]\nstart = [0.2, 0, 0]\n[[obstacle]]\nx = 0.2\ny = 0.1\nradius = 0.1",
+                "e.toml:2:9: robot.1.start: found (0.2, 0) m, 0.1 m from the centre of obstacle 1, allowed: at least"},
+        Refused{"[[obstacle]]\nx = 0.65\ny = 0.07\nradius = 0.05",
+                "e.toml:1:1: obstacle.1: found (0.65, 0.07) m, 0.04992 m from where robot 1 begins, allowed: at least"},
+        Refused{"[[robot]]\nstart = [0.99, 0, 0]",
+                "e.toml:2:9: robot.1.start: found (0.99, 0) m, allowed: at least its radius, 0.035 m, from the arena"},
         Refused{"[[robot]]\ntag = 4\n[[robot]]\ntag = 4",
                 "e.toml:4:7: robot.2.tag: found 4, which robot 1 already has, allowed: a different tag for each robot"},
         Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 already has"},
