@@ -107,7 +107,7 @@ class Planner {
 
   /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
   /// that yield or not. What is tried comes in a fixed order, over as many ticks as it takes, always from where
-  /// everybody is by then; the best is tried once more when its time has come.
+  /// everybody is by then; the best is tried once more when its time has come, with a whole tick's work.
   struct Merging {
     static constexpr std::size_t most = 2;
     struct Trial {
@@ -117,6 +117,7 @@ class Planner {
     std::array<std::size_t, most> robots{};
     std::size_t count = 0, searched = 0;  // searched: those of a search that goes on, or 0
     Trial next, best;
+    bool decided = false;                 // everything has been tried
     double began = 0.0, best_ends = 0.0;  // [s]
     std::array<Pose, most> from;
     std::array<double, most> v{}, soonest{};

@@ -92,7 +92,9 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   const double v = std::abs(scene.commands[i].v) < slowest ? 0.0 : scene.commands[i].v;
   const bool tracks = v != 0.0 && distance(pose, robot.reference.pose) < put_elsewhere &&
                       std::abs(wrap_angle(pose.theta - robot.reference.pose.theta)) < looks_elsewhere;
-  const Pose from = tracks ? robot.reference.pose : pose;
+  // One that brakes already has its reference of this tick still to come.
+  const Pose on = robot.state == State::waiting ? robot.route.at(robot.clock).pose : robot.reference.pose;
+  const Pose from = tracks ? on : pose;
   robot.route.brake(from, v, pace_);
   group_.from[i] = robot.route.end();
   group_.stands[i] = robot.route.duration();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/planning/planner.h"
 
@@ -12,7 +13,8 @@ constexpr double all_speed = 0.995;     // of what (18f) leaves
 constexpr double all_turning = 0.97;    // of what (18g) leaves
 constexpr double merge_horizon = 45.0;  // [s]
 constexpr double merges_within = 2.0;   // so long one without a way yet is taken to stand where it is [s]
-constexpr double may_be_better = 0.6;   // who is so much later than alone asks others to yield [s]
+constexpr double may_be_better = 0.6;   // who is so much later than alone looks for ways round, in both orders [s]
+constexpr double much_better = 2.5;     // only who is so much later than alone searches on for a better way [s]
 constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
 constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
 constexpr double near = 0.6;            // who is farther away is not asked to yield [m]
@@ -151,6 +153,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   if (m.searched != m.count) {  // a search begins
     m.searched = m.count;
     m.next = {};
+    m.decided = false;
     m.began = scene.t;
     m.best_ends = never;
     std::fill(m.last_yields.begin(), m.last_yields.end(), std::uint8_t{0});
@@ -191,9 +194,9 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       if (m.yields[j]) robots_[j].state = State::yielding;
   };
 
-  for (bool more = true; more;) {
+  for (bool more = !m.decided; more;) {
     const double best = m.best_ends - scene.t;
-    bool skip = false;
+    bool skip = false, enough = false;
     yields_in(m.next);
     if (m.next.hold > 0) {
       skip = m.yields == m.last_yields && !m.next.backwards;
@@ -202,19 +205,23 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     }
     if (!skip) {
       const double total = merge(m.next, scene, like, best);
+      // Whoever searches on stands there, and what was found may be gone by then.
+      const bool other_order_left = m.next.hold == 0 && !m.next.backwards && m.count > 1;
+      enough = !other_order_left && std::min(total, best) < soonest + much_better;
       if (total < best) {
         m.best = m.next;
         m.best_ends = scene.t + total;
-        if (total < soonest + may_be_better) return go();
+        if (enough || total < soonest + may_be_better) return go();
       }
     }
     const std::size_t care = m.next.care;
-    more = advance_trial(scene, nominal, clock_ == nullptr && !somebody_yields && hurry > least_hurry);
+    more = !enough && advance_trial(scene, nominal, clock_ == nullptr && !somebody_yields && hurry > least_hurry);
     if (m.next.care != care && m.best_ends < never) more = false;
     if (more && m.best_ends < never && scene.t > m.began + longest_search) more = false;
     if (more && spent_ >= work_each_tick) return;  // goes on in the next tick
   }
-  if (m.best_ends < never) {  // once more, from here
+  if (m.best_ends < never) {  // once more, from here: what took a tick's work is not found with what is left of it
+    if (!std::exchange(m.decided, true) && spent_ >= work_each_tick) return;
     yields_in(m.best);
     if (merge(m.best, scene, like, never) < never) return go();
   }

@@ -1,6 +1,10 @@
 // Planned routes in the tick: crowds arrive, kicked robots come back, and a run repeats to the bit.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <limits>
+#include <vector>
+
 #include "tests/app/experiment_texts.h"
 #include "tests/app/fixture.h"
 
@@ -57,15 +61,28 @@ TEST(PlannedRoutes, BringAKickedRobotBackAndReleaseItsCouplingsMeanwhile) {
   EXPECT_EQ(rows.back().pair_gain(core::GainName::k_xx, 0, 1), 0.008);
 }
 
-/// The paper's platoon, one robot of which is put elsewhere.
-std::vector<TickRecord> kicked(bool formation_waits) {
+/// The paper's platoon, of which one or two robots are put elsewhere.
+std::vector<TickRecord> kicked(bool formation_waits, double start, const std::vector<Perturbation>& hands) {
   Experiment e = paper_experiment();
   e.avoidance.kind = core::AvoidanceKind::plan;
   e.avoidance.formation_waits = formation_waits;
   e.duration = 60.0;
   e.gain_changes.clear();
-  e.perturbations = {{2.0, 1, 0.2, 0.15, 2.0}};
+  e.reference.start = start;
+  e.perturbations = hands;
   return test::simulate(e);
+}
+
+std::vector<TickRecord> kicked(bool formation_waits) {
+  return kicked(formation_waits, ReferenceSpec{}.start, {{2.0, 1, 0.2, 0.15, 2.0}});
+}
+
+/// Since when everybody is within 5 mm of its place; infinity: not at the end.
+double whole_from(const std::vector<TickRecord>& rows) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  double whole = never;
+  for (const TickRecord& row : rows) whole = farthest(row) > 0.005 ? never : std::fmin(whole, row.t);
+  return whole;
 }
 
 TEST(PlannedRoutes, AFormationWaitsForItsRobotAndCatchesUp) {
@@ -93,6 +110,48 @@ TEST(PlannedRoutes, AFormationWaitsForItsRobotAndCatchesUp) {
   EXPECT_LT(whole, 12.0);
   EXPECT_LT(farthest(rows.back()), 0.005);
   for (const TickRecord& row : kicked(false)) ASSERT_EQ(row.lag, 0.0) << "who is not told to wait does not";
+}
+
+TEST(PlannedRoutes, AWayThatTookATicksWorkIsNotLookedForWithTheRestOfIt) {
+  for (const auto& rows : {kicked(true, 1.151955, {{2.0, 0, -0.068279, -0.355861, -0.099167}}),
+                           kicked(true, 1.185628, {{2.0, 0, 0.054823, -0.371326, 0.79346}})}) {
+    EXPECT_LT(whole_from(rows), 12.0);
+    EXPECT_GE(nearest(rows), 0.078 - 1e-6);
+  }
+}
+
+TEST(PlannedRoutes, AFormationThatWaitsDoesNotStandInItsRobotsWayForAsLong) {
+  const std::array<double, 4> starts{1.6192, 2.1626, 1.3426, 1.4949};
+  const std::array<std::vector<Perturbation>, 4> hands{{{{2.0, 2, 0.24024, -0.29507, 2.99618}},
+                                                        {{2.0, 1, -0.27139, -0.0324, -1.95975}},
+                                                        {{2.0, 2, -0.0874, 0.27529, -0.80389},  //
+                                                         {2.0, 0, 0.15726, -0.31759, 0.7716}},
+                                                        {{2.0, 2, -0.04776, 0.34828, 3.05387}}}};
+  for (std::size_t k = 0; k < starts.size(); ++k) EXPECT_LT(whole_from(kicked(true, starts[k], hands[k])), 12.0);
+}
+
+TEST(PlannedRoutes, AGoodWayIsTakenBeforeItIsGone) {
+  for (const auto& rows : {kicked(false, 4.029543,
+                                  {{2.0, 2, 0.146489, -0.003801, -2.877501},  //
+                                   {2.0, 0, -0.243699, -0.064302, 2.939516}}),
+                           kicked(false, 2.467171,
+                                  {{2.0, 0, 0.2382, 0.234008, 2.703204},  //
+                                   {2.0, 1, 0.055793, 0.119813, 0.645372}})}) {
+    EXPECT_LT(whole_from(rows), 15.0);
+    EXPECT_GE(nearest(rows), 0.078 - 1e-6);
+  }
+}
+
+TEST(PlannedRoutes, WhoStandsWhileAWayIsSearchedIsNotDrivenBack) {
+  // The search takes several ticks, in each of which the robots brake from what they do by then.
+  const std::vector<TickRecord> rows = kicked(false, 0.289605,
+                                              {{2.0, 0, 0.287928, 0.106738, 0.233876},  //
+                                               {2.0, 1, -0.040543, -0.060942, 1.277793}});
+  for (const TickRecord& row : rows) {
+    if (row.t < 2.0 || row.t > 2.2) continue;
+    EXPECT_LT(std::abs(row.robots[0].error.x), 1e-3) << "at " << row.t << " s";
+    EXPECT_GE(row.robots[0].command.v, -1e-3) << "at " << row.t << " s";
+  }
 }
 
 TEST(PlannedRoutes, AFormationThatWaitsRepeatsToTheBit) {
