@@ -41,6 +41,7 @@ class Lattice {
   /// Whether a midpoint may stand at a point; whether it may drive straight between two points.
   bool free(double x, double y) const noexcept { return clearance(x, y) >= 0.0; }
   bool free(const Place& from, const Place& to) const noexcept;
+  bool has_obstacles() const noexcept { return !obstacles_.empty(); }
   /// The nearest point that keeps its distance from the arena's edges.
   Place inside(double x, double y) const noexcept;
 

@@ -15,16 +15,15 @@ constexpr double sight = 0.06;         // how far ahead a reference looks that c
 constexpr double turn_gain = 4.0;      // [1/s]
 constexpr double catch_up = 2.0;       // [1/s]
 
-constexpr double merge_look_ahead = 40.0;  // [s]
-constexpr double time_step = 0.25;         // [s]
-constexpr double drives = 0.005;           // whoever is slower stands [m/s]
-constexpr double slow_arc = 0.55;          // of the top speed: a tight arc is driven so fast
-constexpr double goes_straight = 0.12;     // who drives goes on as it does while its couplings are released [s]
-constexpr double merge_rounding = 1e-4;    // [m]
-constexpr double reach = 0.06;             // beyond what is to be kept nobody closes in too fast [m]
-constexpr std::array<double, 2> lane{0.11, -0.11};            // beside the place [m]
-constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};  // [m]
-constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};    // before a way by another point [s]
+constexpr double drives = 0.005;         // whoever is slower stands [m/s]
+constexpr double slow_arc = 0.55;        // of the top speed: a tight arc is driven so fast
+constexpr double goes_straight = 0.12;   // who drives goes on as it does while its couplings are released [s]
+constexpr double merge_rounding = 1e-4;  // [m]
+constexpr double reach = 0.06;           // beyond what is to be kept nobody closes in too fast [m]
+constexpr std::array<double, 2> lane{0.11, -0.11};                                      // beside the place [m]
+constexpr std::array<double, 6> past_obstacles{0.05, -0.05, 0.11, -0.11, 0.18, -0.18};  // beside the place [m]
+constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};                            // [m]
+constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};  // before a way by another point [s]
 // One that is blocked is tried again so much later. [s]
 constexpr std::array<double, 8> later{0.5, 0.5, 1.0, 1.0, 2.0, 3.0, 4.0, 8.0};
 constexpr std::array<double, 2> radii{0.13, 0.3};  // of the rings round the robot that a way round goes by [m]
@@ -65,6 +64,45 @@ ReferencePoint Merge::place(double t) const noexcept {
   const double rate = query_.delay.rate(at);
   point.twist = {rate * point.twist.v, rate * point.twist.omega};
   return point;
+}
+
+/// At which times its place is in an obstacle, or about to drive into one: who joined it then would have to leave it at
+/// once. If that is so for a long time, less of a free stretch must do.
+void Merge::find_ways_into_obstacles() noexcept {
+  constexpr double patience = 20.0, least = 0.5;  // [s]
+  leads_into_obstacle_.fill(0);
+  lane_blocked_ = false;
+  if (!query_.obstacles || !lattice_->has_obstacles() || query_.stays_free <= 0.0) return;
+  const auto free = [&](std::size_t k) {
+    const Pose at = place(time_step * static_cast<double>(k)).pose;
+    const Lattice::Place in = lattice_->inside(at.x, at.y);
+    return lattice_->free(in.x, in.y);
+  };
+  constexpr std::size_t never_yet = 2 * times;
+  for (double stretch = query_.stays_free; stretch > least; stretch *= 0.5) {
+    const auto steps = static_cast<std::size_t>(stretch / time_step) + 1;
+    std::size_t entry = never_yet, soonest = never_yet;  // the next, of the times that follow
+    bool free_then = free(times + steps);
+    for (std::size_t k = times + steps; k-- > 0;) {
+      const bool free_now = free(k);
+      if (free_now && !free_then) entry = k + 1;
+      free_then = free_now;
+      if (k >= times) continue;
+      leads_into_obstacle_[k] = !free_now || entry <= k + steps ? 1 : 0;
+      if (leads_into_obstacle_[k] == 0)
+        soonest = k;
+      else
+        lane_blocked_ = true;
+    }
+    samples_ += times + steps;
+    if (static_cast<double>(soonest) * time_step >= patience) continue;
+    const auto blocked = std::find(leads_into_obstacle_.begin(), leads_into_obstacle_.end(), 1);
+    const auto behind = std::find(blocked, leads_into_obstacle_.end(), 0);
+    lane_free_from_ = time_step * static_cast<double>(behind - leads_into_obstacle_.begin());
+    return;
+  }
+  leads_into_obstacle_.fill(0);
+  lane_blocked_ = false;
 }
 
 /// The curve from the end of a start to the place. The bend of its beginning and of its end are in `kind`: on the spot,
@@ -189,7 +227,7 @@ bool Merge::clear(const Route& route, double joins, double until) noexcept {
     const Pose here = t < joins ? route.at(t).pose : place(t).pose;
     ++samples_;
     if (query_.crowded && t >= query_.grace && !clear(k, before, here)) return false;
-    if (t < joins && !lattice_->free({before.x, before.y}, {here.x, here.y})) return false;
+    if (query_.obstacles && t < joins && !lattice_->free({before.x, before.y}, {here.x, here.y})) return false;
     before = here;
   }
   return true;
@@ -226,8 +264,9 @@ bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t mo
   std::fill(next_.begin(), next_.end(), 0.0);
   std::fill(tries_.begin(), tries_.end(), 0);
   Course course;
-  const double end = std::min({merge_look_ahead, best.joins, query_.before});
+  const double end = std::min({look_ahead, best.joins, query_.before});
   for (double t = time_step; t < end && work() < most; t += time_step) {
+    if (leads_into_obstacle_[static_cast<std::size_t>(t / time_step)] != 0) continue;
     const ReferencePoint to = place(t);
     if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + merge_rounding) continue;
     trials_.clear();
@@ -289,10 +328,11 @@ void Merge::go_aside() noexcept {
     }
 }
 
-/// The soonest way to a point beside the place, with its heading and top speed.
-bool Merge::come_beside(const Start& from, double back, double aside, Start& start) noexcept {
+/// The soonest way to a point beside the place, with its heading and top speed; beside where the place is `after` or
+/// later.
+bool Merge::come_beside(const Start& from, double back, double aside, double after, Start& start) noexcept {
   Course course, soonest;
-  for (double t = from.wait + time_step; t < std::min(merge_look_ahead, query_.before); t += time_step) {
+  for (double t = std::max(from.wait, after) + time_step; t < std::min(look_ahead, query_.before); t += time_step) {
     const Pose on = place(t).pose;
     const double c = std::cos(on.theta), n = std::sin(on.theta);
     const ReferencePoint beside{{on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta},
@@ -315,18 +355,29 @@ bool Merge::come_beside(const Start& from, double back, double aside, Start& sta
 
 /// Starts that end beside the place.
 void Merge::go_abreast(std::size_t direct, std::size_t most) noexcept {
+  const std::size_t end = start_count_ + lanes;
   for (const double aside : lane)
-    for (const double back : lane_back)
-      for (std::size_t s = 0; s < direct; ++s)
-        for (const double wait : waits) {
-          if (start_count_ == direct + lanes || work() >= most || (wait > 0.0 && !starts_[s].stands)) break;
-          starts_[s].wait = wait;
-          const bool found = come_beside(starts_[s], back, aside, starts_[start_count_]);
-          starts_[s].wait = 0.0;
-          if (!found) continue;
-          ++start_count_;
-          break;
-        }
+    for (const double back : lane_back) begin_beside(direct, end, most, back, aside, 0.0);
+}
+
+/// Starts that end beside where the place comes out behind an obstacle.
+void Merge::go_past_obstacle(std::size_t direct, std::size_t most) noexcept {
+  const std::size_t end = start_count_ + lanes;
+  for (const double aside : past_obstacles) begin_beside(direct, end, most, 0.0, aside, lane_free_from_);
+}
+
+void Merge::begin_beside(std::size_t direct, std::size_t end, std::size_t most, double back, double aside,
+                         double after) noexcept {
+  for (std::size_t s = 0; s < direct; ++s)
+    for (const double wait : waits) {
+      if (start_count_ == end || work() >= most || (wait > 0.0 && !starts_[s].stands)) break;
+      starts_[s].wait = wait;
+      const bool found = come_beside(starts_[s], back, aside, after, starts_[start_count_]);
+      starts_[s].wait = 0.0;
+      if (!found) continue;
+      ++start_count_;
+      break;
+    }
 }
 
 Merge::Way Merge::find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic,
@@ -342,6 +393,7 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   curvatures_ = {0.0, tight, -tight, wide, -wide};
   stop_ = Route::stop(query.from, query.v, query.pace);
   stops_ = Route::stop_time(query.v, query.pace);
+  find_ways_into_obstacles();
   start_count_ = 0;
   starts_[start_count_++] = {true, 0.0, {}, 0, stop_, 0.0};
   if (query.v > drives && query.v < query.pace.v) {
@@ -351,11 +403,16 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   }
   Way best;
   const std::size_t direct = start_count_;
-  search(0, direct, false, query.most_work / 2, best, route);
-  if (!query.crowded || (best.found && best.joins < query.enough)) return best;
+  search(0, direct, false, query.most_work / (lane_blocked_ ? 4 : 2), best, route);
+  if ((!query.crowded && !lane_blocked_) || (best.found && best.joins < query.enough)) return best;
+  if (lane_blocked_) {
+    go_past_obstacle(direct, query.most_work / 2);
+    search(direct, start_count_, true, 5 * query.most_work / 8, best, route);
+  }
+  const std::size_t behind = start_count_;
   go_abreast(direct, 3 * query.most_work / 4);
   const std::size_t abreast = start_count_;
-  search(direct, abreast, true, query.most_work, best, route);
+  search(behind, abreast, true, query.most_work, best, route);
   if (work() >= query.most_work) return best;
   go_aside();
   search(abreast, start_count_, true, query.most_work, best, route);

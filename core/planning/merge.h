@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -32,18 +33,20 @@ class Merge {
 
   struct Query {
     std::size_t robot = 0;
-    Pose from;              ///< now
-    double v = 0.0;         ///< now [m/s]
-    double t = 0.0;         ///< of the experiment, at the traffic's beginning [s]
-    double k_y = 11.0;      ///< of (18g) [rad/m]
-    Pace pace;              ///< v, and omega + k_y v: the most that (18f, g) leave without couplings
-    Delay delay;            ///< of the place's clock
-    double keep = 0.08;     ///< between two midpoints [m]
-    double gamma = 4.0;     ///< how fast what is left of that may shrink [1/s]
-    double grace = 0.0;     ///< so long others may come nearer than that [s]
-    bool crowded = true;    ///< there are others at all
-    double watched = 0.0;   ///< it looks at others so long, even if it is at its place sooner [s]
-    double before = never;  ///< no way that joins later than that [s]
+    Pose from;                ///< now
+    double v = 0.0;           ///< now [m/s]
+    double t = 0.0;           ///< of the experiment, at the traffic's beginning [s]
+    double k_y = 11.0;        ///< of (18g) [rad/m]
+    Pace pace;                ///< v, and omega + k_y v: the most that (18f, g) leave without couplings
+    Delay delay;              ///< of the place's clock
+    double keep = 0.08;       ///< between two midpoints [m]
+    double gamma = 4.0;       ///< how fast what is left of that may shrink [1/s]
+    double grace = 0.0;       ///< so long others may come nearer than that [s]
+    bool crowded = true;      ///< there are others at all
+    bool obstacles = true;    ///< there are obstacles and edges at all
+    double stays_free = 0.0;  ///< so long after it has joined, its place leads into no obstacle, where possible [s]
+    double watched = 0.0;     ///< it looks at others so long, even if it is at its place sooner [s]
+    double before = never;    ///< no way that joins later than that [s]
     std::size_t most_work = 2000;
     double enough = 0.0;  ///< no way round by a point to the side where a straight one joins sooner than that [s]
   };
@@ -93,22 +96,26 @@ class Merge {
   };
   static constexpr std::size_t bends = 5;  // none, two arcs to each side
   static constexpr std::size_t kinds = bends * bends;
-  static constexpr std::size_t ring = 16, lanes = 12, most_starts = 2 + ring + lanes;
+  static constexpr std::size_t ring = 16, lanes = 12, most_starts = 2 + ring + 2 * lanes;
   using Speeds = std::array<double, 8>;
 
   ReferencePoint place(double t) const noexcept;
+  void find_ways_into_obstacles() noexcept;
   bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, Course& course) noexcept;
   double duration(const Course& course, const ReferencePoint& place) const noexcept;
   bool speeds(const Course& course, double v_1, Speeds& u) const noexcept;
   bool lay(const Course& course, const ReferencePoint& place, double wait, Route& route) const noexcept;
   bool clear(const Route& route, double joins, double until) noexcept;
   bool begins_clear(const Start& start) noexcept;
-  bool come_beside(const Start& from, double back, double aside, Start& start) noexcept;
+  bool come_beside(const Start& from, double back, double aside, double after, Start& start) noexcept;
   bool clear(std::size_t k, const Pose& before, const Pose& here) const noexcept;
   bool search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best, Route& route) noexcept;
   bool try_at(const Trial& trial, Way& best, Route& route) noexcept;
   void go_aside() noexcept;
   void go_abreast(std::size_t direct, std::size_t most) noexcept;
+  void go_past_obstacle(std::size_t direct, std::size_t most) noexcept;
+  void begin_beside(std::size_t direct, std::size_t end, std::size_t most, double back, double aside,
+                    double after) noexcept;
 
   Query query_;
   const Reference* reference_ = nullptr;
@@ -124,6 +131,13 @@ class Merge {
   std::vector<Trial> trials_;
   Route laid_;
   std::size_t courses_ = 0, samples_ = 0;
+
+  static constexpr double look_ahead = 40.0;  // [s]
+  static constexpr double time_step = 0.25;   // [s]
+  static constexpr auto times = static_cast<std::size_t>(look_ahead / time_step) + 1;
+  std::array<std::uint8_t, times> leads_into_obstacle_{};  // at that many time steps, or soon after
+  bool lane_blocked_ = false;                              // at any of them
+  double lane_free_from_ = 0.0;                            // behind the first obstacle [s]
 };
 
 }  // namespace skein::core

@@ -23,7 +23,6 @@ constexpr double ramp = 0.3;                // of couplings that come back [s]
 constexpr double rate_slope = 2.0;          // of a clock [1/s]
 constexpr double error_free = 0.010;        // behind its route: clocks run on; at `error_stop` they stand [m]
 constexpr double error_stop = 0.025;        // [m]
-constexpr double sees_ahead = 3.0;          // who stands in its way [s]
 constexpr double looks_every = 5;           // ticks
 constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
 constexpr double stuck_for = 4.0;           // a clock that hardly runs so long: a new plan for everybody [s]

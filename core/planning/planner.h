@@ -118,6 +118,7 @@ class Planner {
     std::size_t count = 0, searched = 0;  // searched: those of a search that goes on, or 0
     Trial next, best;
     bool decided = false;                 // everything has been tried
+    bool around = false;                  // past all obstacles that are in the way of the place
     double began = 0.0, best_ends = 0.0;  // [s]
     std::array<Pose, most> from;
     std::array<double, most> v{}, soonest{};
@@ -152,6 +153,7 @@ class Planner {
 
   static constexpr double never = std::numeric_limits<double>::infinity();
   static constexpr double put_elsewhere = 0.03;    // from a moving place, or a route: a new plan [m]
+  static constexpr double sees_ahead = 3.0;        // who or what is in its way [s]
   static constexpr double looks_elsewhere = 0.35;  // heading error that causes one, as the law turns slowly [rad]
 
   const Reference* reference_;

@@ -150,8 +150,10 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
   }
 
-  if (m.searched != m.count) {  // a search begins
+  double soonest = 0.0;
+  const auto begin = [&](bool around) {
     m.searched = m.count;
+    m.around = around;
     m.next = {};
     m.decided = false;
     m.began = scene.t;
@@ -163,12 +165,18 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       query.from = m.from[k];
       query.v = m.v[k];
       query.crowded = false;
+      query.obstacles = !around;
       query.most_work = most_each_tick / (2 * m.count);
       m.soonest[k] = merge_.find(query, *reference_, lattice_, traffic_, m.routes[k]).joins;
       spent_ += merge_.work();
     }
-  }
-  const double soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
+  };
+  const auto settle = [&] {
+    like.stays_free = m.around ? sees_ahead + 0.5 : 0.0;
+    soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
+  };
+  if (m.searched != m.count) begin(lattice_.has_obstacles());
+  settle();
   const ReferenceDemand demand = reference_->demand(gains.k_y);
   const double hurry = demand.v > 0.0 && demand.turning > 0.0
                            ? std::min(like.pace.v / demand.v, like.pace.omega / demand.turning) - 1.0
@@ -205,6 +213,12 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     }
     if (!skip) {
       const double total = merge(m.next, scene, like, best);
+      const bool both_orders = m.next.backwards || m.count == 1;
+      if (m.around && total == never && best == never && both_orders) {  // as far as it gets, then
+        begin(false);
+        settle();
+        continue;
+      }
       // Whoever searches on stands there, and what was found may be gone by then.
       const bool other_order_left = m.next.hold == 0 && !m.next.backwards && m.count > 1;
       enough = !other_order_left && std::min(total, best) < soonest + much_better;
