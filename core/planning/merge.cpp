@@ -72,7 +72,7 @@ void Merge::find_ways_into_obstacles() noexcept {
   constexpr double patience = 20.0, least = 0.5;  // [s]
   leads_into_obstacle_.fill(0);
   lane_blocked_ = false;
-  if (!query_.obstacles || !lattice_->has_obstacles() || query_.stays_free <= 0.0) return;
+  if (!lattice_->has_obstacles() || query_.stays_free <= 0.0) return;
   const auto free = [&](std::size_t k) {
     const Pose at = place(time_step * static_cast<double>(k)).pose;
     const Lattice::Place in = lattice_->inside(at.x, at.y);

@@ -154,6 +154,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   const auto begin = [&](bool around) {
     m.searched = m.count;
     m.around = around;
+    like.stays_free = around ? sees_ahead + 0.5 : 0.0;
     m.next = {};
     m.decided = false;
     m.began = scene.t;
@@ -172,10 +173,12 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     }
   };
   const auto settle = [&] {
-    like.stays_free = m.around ? sees_ahead + 0.5 : 0.0;
     soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
   };
-  if (m.searched != m.count) begin(lattice_.has_obstacles());
+  if (m.searched != m.count)
+    begin(lattice_.has_obstacles());
+  else
+    like.stays_free = m.around ? sees_ahead + 0.5 : 0.0;
   settle();
   const ReferenceDemand demand = reference_->demand(gains.k_y);
   const double hurry = demand.v > 0.0 && demand.turning > 0.0
