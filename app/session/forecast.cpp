@@ -23,8 +23,6 @@ double next(double now, double period, double rate) noexcept {
 
 std::optional<std::string> Forecast::impossible(const Experiment& experiment) {
   if (experiment.controller.law.own()) return "the run has a controller of its own, which is asked in its turn only";
-  if (experiment.avoidance.enabled && experiment.avoidance.kind == core::AvoidanceKind::plan)
-    return "routes are planned, and a search under way has no copy";
   return {};
 }
 

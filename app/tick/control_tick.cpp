@@ -164,6 +164,7 @@ void ControlTick::go_on_from(const ControlTick& other) {
   const TickState& from = *other.state_;
   tick.clock = from.clock;
   static_cast<TickMemory&>(tick) = from;
+  if (tick.planner) tick.planner->go_on_from(*from.planner);
   std::copy_n(from.adrift.get(), from.robots(), tick.adrift.get());
   std::copy_n(from.shield_touched.get(), from.robots(), tick.shield_touched.get());
 }

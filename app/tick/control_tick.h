@@ -19,7 +19,7 @@ class ControlTick {
   ~ControlTick();
 
   /// Forgets what it has seen, and goes on from where `other` is, a tick of the same experiment: the same inputs give
-  /// the same bits. Not for planned routes (`avoidance.kind = "plan"`), whose search has no copy. Not part of a tick.
+  /// the same bits. Not part of a tick.
   void go_on_from(const ControlTick& other);
 
   /// One tick. The record is valid until the next call.

@@ -68,6 +68,15 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
   reset();
 }
 
+void Planner::go_on_from(const Planner& other) {
+  const Reference* const reference = reference_;
+  FormationClock* const clock = clock_;
+  *this = other;
+  reference_ = reference;
+  clock_ = clock;
+  search_.look_at(lattice_, traffic_);
+}
+
 void Planner::reset() noexcept {
   for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robots_.size();
   std::fill(shift_.begin(), shift_.end(), 0.0);

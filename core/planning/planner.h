@@ -56,6 +56,10 @@ class Planner {
   /// `clock`: of a formation that waits, which the reference goes by; null: it waits for nobody. The planner steps it.
   Planner(const Setup& setup, const Reference& reference, FormationClock* clock = nullptr);
 
+  /// Goes on from where `other` is, a planner of the same robots and the same arena, also in the middle of a search:
+  /// the same scenes give the same bits. Its reference and clock stay its own. Not part of a step: it copies megabytes.
+  void go_on_from(const Planner& other);
+
   struct Scene {
     double t = 0.0;          ///< of the experiment [s]
     bool to_starts = false;  ///< places stand where they are at t = 0

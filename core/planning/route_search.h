@@ -19,6 +19,11 @@ namespace skein::core {
 class RouteSearch {
  public:
   RouteSearch(const Lattice& lattice, std::size_t robots);
+  /// A copy goes on with its own lattice and traffic, which are copies themselves.
+  void look_at(const Lattice& lattice, const Traffic& traffic) noexcept {
+    lattice_ = &lattice;
+    traffic_ = &traffic;
+  }
 
   struct Query {
     std::size_t robot = 0;

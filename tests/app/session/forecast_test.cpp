@@ -89,6 +89,46 @@ TEST(Forecast, OfAnotherGainIsTheRunInWhichTheGainIsChanged) {
   EXPECT_NE(first_different(without, now, ahead), -1) << "the control: the other gain must matter";
 }
 
+TEST(Forecast, OfPlannedRoutesIsTheRunAlsoInTheMiddleOfASearch) {
+  const Experiment experiment =
+      platoon("", {"duration=30", "avoidance.kind=\"plan\"", "obstacle=[{x=0.55,y=0.33,radius=0.04}]"});
+  const std::vector<TickRecord> rows = rows_of(experiment);
+  EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const TickRecord& row) { return row.planning > 0; }));
+  Forecast forecast(experiment);
+  std::size_t followed = 0;
+  for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
+    forecast.follow(rows[k]);
+    const bool searches = rows[k].planning > 0;
+    if (rows[k].phase != Phase::running || (!searches && k % 100 != 0) || (searches && followed++ > 20)) continue;
+    const std::vector<TickRecord> ahead = forecast.ahead(50, {}, {});
+    ASSERT_FALSE(ahead.empty() && rows[k + 1].phase == Phase::running) << rows[k].t;
+    ASSERT_EQ(first_different(rows, k, ahead), -1) << "from " << rows[k].t << " s on";
+  }
+  EXPECT_TRUE(forecast.exact());
+}
+
+TEST(Forecast, OfAnotherParameterIsTheRunInWhichItIsChanged) {
+  const std::vector<std::string> law{"controller.kind=\"virtual_structure\""};
+  const Experiment experiment = platoon("", law);
+  const auto& declared = declared_parameters(experiment.controller.law);
+  ASSERT_FALSE(declared.empty());
+  const LawParameter& one = declared.front();
+  const double other = 0.5 * (one.value + one.high);
+  const std::string name = one.name;
+  const std::vector<TickRecord> without = rows_of(experiment);
+  const std::vector<TickRecord> with =
+      rows_of(platoon("\n[[operator]]\nt = 18.2\ndoes = \"" +
+                          describe(events::Parameter{ParameterName(name), one.value, other}) + "\"\n",
+                      law));
+  Forecast forecast(experiment);
+  follow(forecast, without, 18.16);
+  const OperatorCommand set = commands::SetParameter{ParameterName(name), one.value, other};
+  const std::vector<TickRecord> ahead = forecast.ahead(200, {&set, 1}, {});
+  ASSERT_EQ(ahead.size(), 200U);
+  EXPECT_EQ(first_different(with, row_at(with, 18.16), ahead), -1);
+  EXPECT_NE(first_different(without, row_at(with, 18.16), ahead), -1) << "the control: the other value must matter";
+}
+
 TEST(Forecast, EndsWithTheRunAndIsEmptyAfterIt) {
   const Experiment experiment = platoon("", {"duration=4"});
   const std::vector<TickRecord> rows = rows_of(experiment);
@@ -140,7 +180,7 @@ TEST(Forecast, ThatMissedARecordDrivesAsTheModelDoes) {
 
 TEST(Forecast, SaysWhatItCannotCompute) {
   EXPECT_FALSE(Forecast::impossible(platoon("")));
-  EXPECT_TRUE(Forecast::impossible(platoon("", {"avoidance.kind=\"plan\""})));
+  EXPECT_FALSE(Forecast::impossible(platoon("", {"avoidance.kind=\"plan\""})));
   EXPECT_TRUE(Forecast::impossible(platoon("", {"controller.command=\"true\""})));
 }
 
