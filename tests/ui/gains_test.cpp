@@ -196,6 +196,8 @@ TEST_F(Gains, OfAProcessAreTheParametersThatItDeclares) {
   start(*experiment);
   ASSERT_TRUE(eventually([&] { return window.findChild<QSlider*>(QStringLiteral("slider_speed")) != nullptr; }));
   EXPECT_EQ(window.findChild<QSlider*>(QStringLiteral("slider_anything")), nullptr) << "it has no range";
+  EXPECT_TRUE(find<QSlider>("slider_speed")->toolTip().contains(QStringLiteral("No preview: the run has a controller")))
+      << find<QSlider>("slider_speed")->toolTip().toStdString();
   EXPECT_EQ(spin("spin_anything"), 1.0);
   ASSERT_TRUE(eventually([&] { return record().robots[0].law.v == 0.0; }));
   set("spin_speed", 0.05);

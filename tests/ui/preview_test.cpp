@@ -125,15 +125,36 @@ TEST_F(Preview, OfRobotsThatAreNotSimulatedSaysSo) {
   let_knob_go();
 }
 
-TEST_F(Preview, OfPlannedRoutesSaysWhyThereIsNone) {
+TEST_F(Preview, OfPlannedRoutesIsDrawnToo) {
   const auto experiment =
       app::parse_experiment(app::paper_experiment().source, "plan.toml", {"avoidance.kind=\"plan\""});
   ASSERT_TRUE(experiment);
   start(*experiment);
   draw_knob(0.5);
-  EXPECT_TRUE(eventually([&] { return arena().scene().hint.startsWith(QStringLiteral("No preview: routes")); }));
-  EXPECT_FALSE(drawn());
+  EXPECT_TRUE(eventually([&] { return drawn() && plotted(); }));
+  EXPECT_FALSE(slider()->toolTip().contains(QStringLiteral("No preview"))) << slider()->toolTip().toStdString();
   let_knob_go();
+}
+
+TEST_F(Preview, OfALawsParameterIsDrawnToo) {
+  const auto experiment =
+      app::parse_experiment(app::paper_experiment().source, "other.toml", {"controller.kind=\"virtual_structure\""});
+  ASSERT_TRUE(experiment);
+  start(*experiment);
+  ASSERT_FALSE(live().parameters().empty());
+  const QString name = QString::fromStdString(live().parameters().front().name);
+  const std::string slider_name = "slider_" + name.toStdString();
+  ASSERT_TRUE(eventually([&] { return window.findChild<QSlider*>(QString::fromStdString(slider_name)) != nullptr; }));
+  auto* knob = find<QSlider>(slider_name.c_str());
+  ASSERT_TRUE(eventually([&] { return knob->isVisible() && knob->isEnabled(); }));
+  EXPECT_FALSE(knob->toolTip().contains(QStringLiteral("No preview"))) << knob->toolTip().toStdString();
+  knob->setFocus();
+  ASSERT_TRUE(eventually([&] { return knob->hasFocus(); }));
+  key(Qt::Key_Right);
+  ASSERT_TRUE(eventually([&] { return drawn() && plotted(); }));
+  EXPECT_TRUE(preview().hint().startsWith(QStringLiteral("Pale: the next 10 s with ") + name))
+      << preview().hint().toStdString();
+  EXPECT_TRUE(eventually([&] { return !drawn() && !plotted(); })) << "a second after the key";
 }
 
 TEST_F(Preview, LeavesNoThreadWhenCancelled) {

@@ -142,9 +142,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
 
   slider_->setObjectName(QStringLiteral("slider_") + name);
   slider_->setAccessibleName(tr("%1 slider").arg(gain_symbol(gain)));
-  slider_->setToolTip(tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere "
-                         "along the reference.")
-                          .arg(tr(w.what)));
+  set_no_preview({});
   spin_->setObjectName(QStringLiteral("spin_") + name);
   spin_->setAccessibleName(gain_symbol(gain));
   spin_->setDecimals(4);
@@ -190,6 +188,13 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
     emit let_go();
   });
   connect(spin_, &QDoubleSpinBox::valueChanged, this, [this](double value) { choose(value); });
+}
+
+void GainSlider::set_no_preview(const QString& why) {
+  const QString tip = tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere "
+                         "along the reference.")
+                          .arg(tr(words(gain_).what));
+  slider_->setToolTip(why.isEmpty() ? tip : tr("%1 No preview: %2.").arg(tip, why));
 }
 
 int GainSlider::step_of(double value) const {

@@ -48,6 +48,8 @@ class GainSlider final : public QWidget {
   void follow_target(double value);
   void set_target(double value);  ///< the same, at once
   double target() const { return spin_->value(); }
+  /// Why nothing is drawn ahead while the knob is held, for its tip; empty: something is.
+  void set_no_preview(const QString& why);
   QWidget* first_control() const { return slider_; }
 
  signals:

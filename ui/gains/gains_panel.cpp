@@ -66,6 +66,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   layout->addWidget(parameters_);
   connect(parameters_, &ParameterPanel::wanted, this, &GainsPanel::change_parameter);
   connect(parameters_, &ParameterPanel::refused, this, &GainsPanel::refused);
+  connect(parameters_, &ParameterPanel::held, this, &GainsPanel::parameter_held);
+  connect(parameters_, &ParameterPanel::let_go, this, &GainsPanel::let_go);
 
   auto* row = new QHBoxLayout;
   row->setSpacing(4);
@@ -263,6 +265,11 @@ void GainsPanel::change_parameter(const QString& name, double from, double to) {
     parameters_->set(name, value);
     emit parameter_wanted(name, value);
   }));
+}
+
+void GainsPanel::set_no_preview(const QString& why) {
+  for (GainSlider* slider : sliders_) slider->set_no_preview(why);
+  parameters_->set_no_preview(why);
 }
 
 bool GainsPanel::has_anything_to_set(const app::Experiment& experiment) {

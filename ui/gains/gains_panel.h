@@ -43,6 +43,8 @@ class GainsPanel final : public QWidget {
   void refresh_pairs();
   /// What the law declares, with the values in force.
   void follow_parameters(const std::vector<app::LawParameter>& all) { parameters_->show_parameters(all); }
+  /// Why nothing is drawn ahead while a knob is held, for the tips; empty: something is.
+  void set_no_preview(const QString& why);
   /// One robot alone has nobody to couple to; but its law may have parameters.
   static bool has_anything_to_set(const app::Experiment& experiment);
   /// To go to: the first slider of those that have an effect; null: there is none.
@@ -63,6 +65,7 @@ class GainsPanel final : public QWidget {
   /// A gain's knob is being moved, and is no longer; see GainSlider.
   void held(skein::core::GainName gain, double value);
   void let_go();
+  void parameter_held(const QString& name, double value);
   void pair_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
   void parameter_wanted(const QString& name, double value);

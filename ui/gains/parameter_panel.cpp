@@ -10,7 +10,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int wish_settles_ms = 120, wish_taken_ms = 1000;
+constexpr int wish_settles_ms = 120, wish_taken_ms = 1000, key_held_ms = 1000;
 constexpr double steepest = 4.0;      // exponent of a slider's scale
 constexpr double widest_range = 1e6;  // beyond, a slider has no useful place for any value
 
@@ -101,26 +101,9 @@ void ParameterPanel::add_row(const app::LawParameter& of) {
   if (has_range(of)) {
     row.exponent = exponent_for(of);
     row.field->setSingleStep(std::pow(10.0, std::floor(std::log10(of.high - of.low)) - 2.0));
-    row.slider = std::make_unique<LimitSlider>(this);
-    row.slider->setObjectName(QStringLiteral("slider_") + name);
-    row.slider->setAccessibleName(tr("%1 slider").arg(name));
-    layout_->addWidget(row.slider.get(), line + 1, 0, 1, 3);
-    connect(row.slider.get(), &QSlider::valueChanged, this, [this, &row](int step) {
-      const double share = std::pow(static_cast<double>(step) / LimitSlider::steps, row.exponent);
-      choose(row, std::min(row.of.high, row.of.low + share * (row.of.high - row.of.low)));
-    });
-    connect(row.slider.get(), &QSlider::sliderReleased, this, [&row] {
-      if (row.rest->isActive()) row.rest->start(0);
-    });
+    add_slider(row, line + 1);
   }
-  const QString help = QString::fromStdString(of.help).toHtmlEscaped();
-  const QString tip = allowed.isEmpty() ? help : tr("%1. Allowed: %2 %3").arg(help, allowed, unit.toHtmlEscaped());
-  for (QWidget* part :
-       std::initializer_list<QWidget*>{row.label.get(), row.range.get(), row.field.get(), row.slider.get()}) {
-    if (!part) continue;
-    part->setToolTip(tip.trimmed());
-    part->show();
-  }
+  dress(row);
   show_value(row, of.value);
   connect(row.field.get(), &QDoubleSpinBox::valueChanged, this, [this, &row](double typed) { choose(row, typed); });
   connect(row.rest.get(), &QTimer::timeout, this, [this, &row] {
@@ -128,6 +111,54 @@ void ParameterPanel::add_row(const app::LawParameter& of) {
     row.asked.start();
     if (from != row.wish) emit wanted(QString::fromStdString(row.of.name), from, row.wish);
   });
+}
+
+void ParameterPanel::add_slider(Row& row, int line) {
+  const QString name = QString::fromStdString(row.of.name);
+  row.slider = std::make_unique<LimitSlider>(this);
+  LimitSlider* slider = row.slider.get();
+  slider->setObjectName(QStringLiteral("slider_") + name);
+  slider->setAccessibleName(tr("%1 slider").arg(name));
+  layout_->addWidget(slider, line, 0, 1, 3);
+  row.last_key = std::make_unique<QTimer>();
+  row.last_key->setSingleShot(true);
+  row.last_key->setInterval(key_held_ms);
+  connect(row.last_key.get(), &QTimer::timeout, this, [this, slider] {
+    if (!slider->isSliderDown()) emit let_go();
+  });
+  connect(slider, &QSlider::valueChanged, this, [this, &row, name](int step) {
+    const double share = std::pow(static_cast<double>(step) / LimitSlider::steps, row.exponent);
+    choose(row, std::min(row.of.high, row.of.low + share * (row.of.high - row.of.low)));
+    if (!row.slider->isSliderDown()) row.last_key->start();
+    emit held(name, row.field->value());
+  });
+  connect(slider, &QSlider::sliderPressed, this, [this, &row, name] { emit held(name, row.field->value()); });
+  connect(slider, &QSlider::sliderReleased, this, [this, &row] {
+    if (row.rest->isActive()) row.rest->start(0);
+    row.last_key->stop();
+    emit let_go();
+  });
+}
+
+/// Its tips.
+void ParameterPanel::dress(const Row& row) const {
+  const QString help = QString::fromStdString(row.of.help).toHtmlEscaped();
+  const QString unit = QString::fromStdString(row.of.unit).toHtmlEscaped();
+  const QString allowed = row.range->text();
+  const QString tip = (allowed.isEmpty() ? help : tr("%1. Allowed: %2 %3").arg(help, allowed, unit)).trimmed();
+  for (QWidget* part : std::initializer_list<QWidget*>{row.label.get(), row.range.get(), row.field.get()}) {
+    part->setToolTip(tip);
+    part->show();
+  }
+  if (!row.slider) return;
+  row.slider->setToolTip(no_preview_.isEmpty() ? tip
+                                               : tr("%1<br>No preview: %2").arg(tip, no_preview_.toHtmlEscaped()));
+  row.slider->show();
+}
+
+void ParameterPanel::set_no_preview(const QString& why) {
+  no_preview_ = why;
+  for (const auto& row : rows_) dress(*row);
 }
 
 void ParameterPanel::choose(Row& row, double value) {

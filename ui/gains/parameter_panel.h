@@ -26,6 +26,8 @@ class ParameterPanel final : public QWidget {
   void show_parameters(const std::vector<app::LawParameter>& all);
   /// Forgets them, for a new experiment. `none`: what to say while there are none.
   void clear(const QString& none);
+  /// Why nothing is drawn ahead while a knob is held, for the tips; empty: something is.
+  void set_no_preview(const QString& why);
   /// At once, for undo.
   void set(const QString& name, double value);
   /// To go to; null: there is none.
@@ -34,6 +36,9 @@ class ParameterPanel final : public QWidget {
  signals:
   void wanted(const QString& name, double from, double to);
   void refused(const QString& why);
+  /// A parameter's knob is being moved, and is no longer; as a GainSlider's.
+  void held(const QString& name, double value);
+  void let_go();
 
  private:
   struct Row {
@@ -43,16 +48,20 @@ class ParameterPanel final : public QWidget {
     std::unique_ptr<NumberField> field;
     std::unique_ptr<LimitSlider> slider;  // null: no range
     std::unique_ptr<QTimer> rest;         // a drag along the slider is one wish
+    std::unique_ptr<QTimer> last_key;     // that moved the knob
     double wish = 0.0;
     QElapsedTimer asked{};  // since the last wish: the session has had time to take it when it has expired
   };
   void add_row(const app::LawParameter& of);
+  void add_slider(Row& row, int line);
+  void dress(const Row& row) const;
   void choose(Row& row, double value);
   void show_value(Row& row, double value);
 
   QGridLayout* layout_;
   QLabel* none_;
   std::vector<std::unique_ptr<Row>> rows_;
+  QString no_preview_;
 };
 
 }  // namespace skein::ui

@@ -1,5 +1,6 @@
 #include "ui/main/preview_controller.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ui/arena/arena_view.h"
@@ -20,22 +21,40 @@ PreviewController::PreviewController(const Runs& runs, GainsPanel* gains, ArenaV
     : QObject(parent), runs_(runs), gains_(gains), arena_(arena), plots_(plots) {
   connect(&runs.live(), &LiveRun::opened, this, [this] {
     let_go();
-    look_ahead_.begin(runs_.live().experiment());
+    const app::Experiment& experiment = runs_.live().experiment();
+    look_ahead_.begin(experiment);
+    gains_->set_no_preview(QString::fromStdString(app::Forecast::impossible(experiment).value_or(std::string())));
   });
   connect(&runs.live(), &LiveRun::row_added, this, [this](const app::TickRecord& record) {
     look_ahead_.follow(record);
     if (record.phase == app::Phase::stopped || record.phase == app::Phase::finished) let_go();
   });
   connect(&runs, &Runs::shown_changed, this, &PreviewController::let_go);
-  connect(gains, &GainsPanel::held, this, &PreviewController::hold);
+  connect(gains, &GainsPanel::held, this, &PreviewController::hold_gain);
+  connect(gains, &GainsPanel::parameter_held, this, &PreviewController::hold_parameter);
   connect(gains, &GainsPanel::let_go, this, &PreviewController::let_go);
   connect(&look_ahead_, &LookAhead::seen, this, &PreviewController::show);
 }
 
-void PreviewController::hold(core::GainName gain, double value) {
+void PreviewController::hold_gain(core::GainName gain, double value) {
+  hold(app::commands::SetGain{gain, value, gains_->ramp()},
+       QStringLiteral("%1 %2").arg(gain_symbol(gain)).arg(value, 0, 'f', 4));
+}
+
+void PreviewController::hold_parameter(const QString& name, double value) {
+  const std::string word = name.toStdString();
+  const std::vector<app::LawParameter>& all = runs_.live().parameters();
+  const auto now = std::find_if(all.begin(), all.end(), [&](const app::LawParameter& p) { return p.name == word; });
+  if (now == all.end()) return;
+  hold(app::commands::SetParameter{app::ParameterName(word), now->value, value},
+       QStringLiteral("%1 %2").arg(name).arg(value, 0, 'g', 4));
+}
+
+void PreviewController::hold(const app::OperatorCommand& wish, const QString& what) {
   const LiveRun& live = runs_.live();
   if (&runs_.shown() != &live || !live.is_open() || live.stop_asked()) return;
-  held_ = app::commands::SetGain{gain, value, gains_->ramp()};
+  held_ = wish;
+  what_ = what;
   if (const auto why = app::Forecast::impossible(live.experiment()))
     hint_ = tr("No preview: %1").arg(QString::fromStdString(*why));
   ask();
@@ -59,10 +78,7 @@ void PreviewController::let_go() {
 void PreviewController::show(const LookAhead::Rows& rows, bool exact) {
   if (!held_) return;
   shown_ = rows;
-  const QString what = tr("Pale: the next %1 s with %2 %3")
-                           .arg(LookAhead::seconds)
-                           .arg(gain_symbol(held_->gain))
-                           .arg(held_->value, 0, 'f', 4);
+  const QString what = tr("Pale: the next %1 s with %2").arg(LookAhead::seconds).arg(what_);
   hint_ = exact ? what : tr("%1, robots as the model has them").arg(what);
   plots_->foresee(*rows);
   refresh();

@@ -13,7 +13,8 @@ class ArenaView;
 class GainsPanel;
 class PlotsPanel;
 
-/// While a gain's slider is held, what the next seconds would be with its value: pale, in arena and plots.
+/// While the slider of a gain, or of a law's parameter, is held, what the next seconds would be with its value: pale,
+/// in arena and plots.
 class PreviewController final : public QObject {
   Q_OBJECT
 
@@ -27,7 +28,9 @@ class PreviewController final : public QObject {
   const LookAhead::Rows& shown() const { return shown_; }
 
  private:
-  void hold(core::GainName gain, double value);
+  void hold(const app::OperatorCommand& wish, const QString& what);
+  void hold_gain(core::GainName gain, double value);
+  void hold_parameter(const QString& name, double value);
   void let_go();
   void show(const LookAhead::Rows& rows, bool exact);
   void ask();
@@ -37,7 +40,8 @@ class PreviewController final : public QObject {
   ArenaView* arena_;
   PlotsPanel* plots_;
   LookAhead look_ahead_;
-  std::optional<app::commands::SetGain> held_;
+  std::optional<app::OperatorCommand> held_;
+  QString what_;  // is held, with its value
   QElapsedTimer since_asked_;
   LookAhead::Rows shown_;
   QString hint_;
