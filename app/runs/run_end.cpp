@@ -12,7 +12,7 @@ namespace skein::app {
 SessionFacts facts_of(const Session& session, Phase end) {
   const auto camera = session.camera();
   return {end,
-          session.timing(),
+          session.timing_so_far(),
           session.failure().value_or(""),
           camera.outages,
           camera.damaged,

@@ -15,7 +15,7 @@ namespace skein::app {
 /// What a session knows of its run and no row has.
 struct SessionFacts {
   Phase end = Phase::ready;
-  std::optional<Timing> timing;  ///< of a closed session
+  std::optional<Timing> timing;
   std::string failure;
   std::int64_t camera_outages = 0;  ///< times that it stopped delivering
   std::int64_t camera_damaged = 0;  ///< frames of it that could not be used

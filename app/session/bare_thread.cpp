@@ -20,6 +20,11 @@ std::string BareThread::no_priority() const {
   return no_priority_;
 }
 
+const Histogram& BareThread::so_far() noexcept {
+  newest_.take();
+  return newest_.value();
+}
+
 Histogram BareThread::end() {
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
@@ -38,6 +43,8 @@ void BareThread::wait_for_deadlines(const std::stop_token& stop, double period, 
     std::this_thread::sleep_until(deadline);
     const auto now = Clock::now();
     late_.add(std::max(0.0, std::chrono::duration<double>(now - deadline).count()));
+    newest_.draft() = late_;
+    newest_.publish();
     deadline += step * (1 + (now - deadline) / step);
   }
 }

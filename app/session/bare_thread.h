@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/run/histogram.h"
+#include "app/session/newest.h"
 
 namespace skein::app {
 
@@ -20,6 +21,9 @@ class BareThread {
   int priority() const;
   std::string no_priority() const;
 
+  /// How late it has woken until now. One thread may ask.
+  const Histogram& so_far() noexcept;
+
   /// Ends it, within a period. Returns how late it woke.
   Histogram end();
 
@@ -27,6 +31,7 @@ class BareThread {
   void wait_for_deadlines(const std::stop_token& stop, double period, int priority);
 
   Histogram late_;
+  Newest<Histogram> newest_;
   std::string no_priority_;
   int priority_ = 0;
   std::atomic<bool> knows_{false};

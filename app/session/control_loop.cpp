@@ -300,6 +300,19 @@ void ControlLoop::end_thread() {
   if (bare_) timing_.bare = bare_->end();
 }
 
+std::optional<Timing> ControlLoop::timing_so_far() {
+  if (!ticks_.load(std::memory_order_acquire)) return {};
+  late_.take();
+  Timing timing;
+  timing.tick = late_.value();
+  if (bare_) timing.bare = bare_->so_far();
+  timing.priority = timing_.priority;
+  timing.no_priority = timing_.no_priority;
+  timing.cpu_latency = timing_.cpu_latency;
+  timing.no_cpu_latency = timing_.no_cpu_latency;
+  return timing;
+}
+
 void ControlLoop::thread(const std::stop_token& stop) {
   // Real-time priority where the system grants it; without it the deadlines are kept as well as an ordinary thread can.
   timing_.no_priority = ask_for_priority(control_priority);
@@ -347,6 +360,9 @@ void ControlLoop::thread(const std::stop_token& stop) {
     }
     cycle(clock_.now(), elapsed);
     timing_.tick.add(std::max(0.0, woke - window.due(frame_.ready_at)));
+    late_.draft() = timing_.tick;
+    late_.publish();
+    ticks_.store(true, std::memory_order_release);
     if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
     // Deadlines that have passed by now are missed, and the next tick says how many.
     elapsed = timer.ticked(clock_.now());

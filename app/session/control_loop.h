@@ -15,6 +15,7 @@
 #include "app/run/session_clock.h"
 #include "app/run/timing.h"
 #include "app/session/bare_thread.h"
+#include "app/session/newest.h"
 #include "app/session/plant.h"
 #include "app/session/tick_timer.h"
 #include "app/tick/control_tick.h"
@@ -83,6 +84,8 @@ class ControlLoop {
   const std::string& reason() const noexcept { return reason_; }
   /// The thread's timing at real-time speed; after end_thread().
   const Timing& timing() const noexcept { return timing_; }
+  /// The same while the thread runs; none before its first tick. One thread may ask.
+  std::optional<Timing> timing_so_far();
   const TickRecord& prototype() const noexcept { return tick_.record(); }
 
  private:
@@ -142,6 +145,8 @@ class ControlLoop {
   std::unique_ptr<PairState[]> pairs_;
   std::string reason_;
   Timing timing_;
+  Newest<Histogram> late_;          // of timing_.tick
+  std::atomic<bool> ticks_{false};  // the rest of timing_ holds
   std::unique_ptr<BareThread> bare_;
   std::jthread thread_;
 };

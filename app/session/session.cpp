@@ -77,6 +77,11 @@ std::optional<Timing> Session::timing() const {
   return wiring_->clock.wall() && wiring_->closed ? std::optional(wiring_->loop->timing()) : std::nullopt;
 }
 
+std::optional<Timing> Session::timing_so_far() const {
+  if (!wiring_->clock.wall() || wiring_->closed) return timing();
+  return wiring_->loop->timing_so_far();
+}
+
 std::uint64_t Session::dropped_rows() const noexcept {
   return wiring_->recorder_channel ? wiring_->recorder_channel->dropped() : 0;
 }

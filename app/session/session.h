@@ -120,6 +120,8 @@ class Session {
 
   /// The timing of the run, after close(); empty on the virtual clock.
   std::optional<Timing> timing() const;
+  /// The same while it goes on, until now. One thread may ask.
+  std::optional<Timing> timing_so_far() const;
 
   /// Rows of the run that its sinks did not get, because they were too slow for 20 s; 0 on the virtual clock.
   std::uint64_t dropped_rows() const noexcept;

@@ -105,6 +105,21 @@ TEST_F(Run, SaysWhyARealTimeRunHasNoOtherSpeed) {
   EXPECT_EQ(live().speed(), 1.0);
 }
 
+TEST_F(Run, SaysHowLateItsTicksAreBesideABareThread) {
+  start();
+  const auto tip = [&] { return find<QLabel>("pace")->toolTip(); };
+  EXPECT_TRUE(eventually([&] { return tip().contains(QStringLiteral("; a bare thread by ")); })) << tip().toStdString();
+  EXPECT_TRUE(tip().contains(QStringLiteral("Ticks late by "))) << tip().toStdString();
+  EXPECT_TRUE(tip().contains(QStringLiteral("real-time priority"))) << tip().toStdString();
+  find<QDockWidget>("results_dock")->raise();
+  EXPECT_TRUE(
+      eventually([&] { return find<QLabel>("result_text")->text().contains(QStringLiteral("Ticks late by ")); }));
+  const auto timing = live().timing();
+  ASSERT_TRUE(timing);
+  EXPECT_GT(timing->tick.total(), 0U);
+  EXPECT_LE(timing->tick.total(), live().history().rows().size() + 1);
+}
+
 TEST_F(Run, RecordsARunThatCanBeReplayed) {
   start();
   choose_speed(10.0);

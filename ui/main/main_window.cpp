@@ -25,6 +25,7 @@
 #include "ui/base/compared.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
+#include "ui/base/timing_text.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/main/arena_actions.h"
 #include "ui/main/branch_controller.h"
@@ -128,7 +129,6 @@ void MainWindow::build_panels() {
   check_list_->hide();
   pace_ = new QLabel;
   pace_->setObjectName(QStringLiteral("pace"));
-  pace_->setToolTip(tr("Period of the control loop, and the duration of a tick"));
   pace_->setContentsMargins(8, 0, 8, 0);
 }
 
@@ -635,6 +635,7 @@ void MainWindow::show_state() {
   robot_buttons_->setEnabled(fixed.isEmpty());
   robot_buttons_->show_state({run.robots(), run.held(), phase, run.is_open(), run.is_busy()});
   plots_->set_playhead(run.is_complete() ? std::optional(run.t()) : std::nullopt);
+  show_timing();
   results_->refresh();
   show_numbers();
   if (!run.latest()) return;
@@ -646,6 +647,14 @@ void MainWindow::show_state() {
     if (robots[i].battery_low) low << QString::number(i + 1);
   alert_->warn_batteries(over ? QStringList() : low);
   pairs_->refresh();
+}
+
+void MainWindow::show_timing() {
+  const auto timing = runs_.shown().timing();
+  const QString text = timing ? timing_text(*timing) : QString();
+  const QString what = tr("Period of the control loop, and the duration of a tick");
+  pace_->setToolTip(text.isEmpty() ? what : what + QLatin1Char('\n') + text);
+  results_->show_timing(text);
 }
 
 void MainWindow::show_numbers() {

@@ -112,6 +112,7 @@ class MainWindow final : public QMainWindow {
 
   void show_run();    // another run, or another experiment
   void show_state();  // five times a second
+  void show_timing();
   void show_numbers();
   void on_opened();
   void on_open_failed(const QString& reason);

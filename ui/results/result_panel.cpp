@@ -103,6 +103,7 @@ void ResultPanel::show_experiment(const app::Experiment& experiment) {
   name_ = QString::fromStdString(experiment.name);
   results_ = std::make_unique<RunResults>(experiment);
   kept_.clear();
+  timing_.clear();
   dirty_ = true;
   refresh();
 }
@@ -128,6 +129,12 @@ void ResultPanel::refresh() {
 
 void ResultPanel::show_kept(const QString& folder) {
   kept_ = folder;
+  dirty_ = true;
+}
+
+void ResultPanel::show_timing(const QString& text) {
+  if (text == timing_) return;
+  timing_ = text;
   dirty_ = true;
 }
 
@@ -167,6 +174,7 @@ void ResultPanel::show_rest() {
   else
     lines << tr("Whole run: closest pair %1, largest error %2")
                  .arg(centimetres(results_->closest()), centimetres(results_->largest()));
+  if (!timing_.isEmpty()) lines << timing_.toHtmlEscaped();
   if (!kept_.isEmpty()) lines << tr("Kept in %1").arg(kept_.toHtmlEscaped());
   for (const Beside& other : others_) lines << tr("Beside %1: %2").arg(other.letter, other.name.toHtmlEscaped());
   for (const RunResults::Expectation& expected : results_->expectations()) {

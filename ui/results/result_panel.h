@@ -27,6 +27,7 @@ class ResultPanel final : public QWidget {
   };
   void compare(std::vector<Beside> others);  ///< none: the comparison is over
   void show_kept(const QString& folder);     ///< where this run is kept
+  void show_timing(const QString& text);     ///< how well it kept time; empty: nobody knows
   void refresh();                            ///< at intervals; costs nothing while hidden
   const RunResults* results() const { return results_ ? &*results_ : nullptr; }
   QSize sizeHint() const override { return {300, 140}; }
@@ -46,6 +47,7 @@ class ResultPanel final : public QWidget {
 
   QString name_;
   QString kept_;  // empty: nowhere
+  QString timing_;
   std::unique_ptr<RunResults> results_;
   std::vector<Beside> others_;
   QTableWidget* table_;

@@ -56,6 +56,9 @@ class LiveRun final : public RunSource {
   Notice lasting_alert() const override;
 
   std::optional<QString> failure() const { return failure_; }
+  std::optional<app::Timing> timing() const override {
+    return session_ ? session_->timing_so_far() : std::optional<app::Timing>();
+  }
   bool stop_asked() const override { return stop_asked_; }
   const std::set<int>& held() const override { return held_; }
   std::vector<std::size_t> may_be_driving() const override;

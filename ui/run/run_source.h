@@ -48,6 +48,8 @@ class RunSource : public QObject {
   /// What was found out when it was opened, for the log.
   virtual std::vector<Notice> findings() const = 0;
   virtual const std::vector<app::RobotStatus>& robots() const = 0;
+  /// How late its ticks were until now; none: nobody knows.
+  virtual std::optional<app::Timing> timing() const { return {}; }
   virtual bool stop_asked() const = 0;            ///< by the operator
   virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator has made to stand
   /// The robots, from 0, that were told to stop and have not acknowledged it: they may be driving.
