@@ -1,6 +1,8 @@
 // "Go on from here": the past comes out the same, and the rest is the operator's.
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "ui/gains/gains_panel.h"
+#include "ui/results/result_panel.h"
 
 namespace skein::ui::test {
 namespace {
@@ -69,6 +71,68 @@ TEST_F(Branch, OfAReplayGoesOnLiveFromItsPresentMoment) {
   EXPECT_NEAR(record().t, there.t, 1e-9);
   expect_same_places(record(), there, 1e-7);
   EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("Repeated up to")); })) << alert().toStdString();
+}
+
+TEST_F(Branch, OfARecordingIsNotOfTheFileThatWasOpenBefore) {
+  const QTemporaryDir dir;
+  const auto recorded =
+      app::parse_experiment(app::paper_experiment().source, "recorded", {"arena.width=2.4", "duration=6"});
+  ASSERT_TRUE(recorded) << recorded.error().front().message();
+  const QString file = dir.filePath(QStringLiteral("run.csv"));
+  app::CsvFile csv(file.toStdString(), *recorded);
+  auto session = app::Session::open(*recorded, app::Session::Clock::virtual_, {false, {&csv}});
+  (*session)->run();
+  csv.finish();
+  open_and_wait();
+  window.set_experiment_file(dir.filePath(QStringLiteral("another.toml")));
+  window.open_recording(file);
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded() && window.replay().latest()->t > 0.2; }));
+  window.go();
+  go_on_from_here();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  EXPECT_EQ(live().file().toStdString(), "") << "the kept run, and the editor, would take it for that";
+  EXPECT_EQ(live().experiment().name, recorded->name);
+  EXPECT_TRUE(window.windowTitle().startsWith(QString::fromStdString(live().experiment().name)));
+  EXPECT_EQ(live().experiment().arena_width, 2.4);
+
+  // Run anew it does not pause there.
+  const auto pauses = [&] {
+    const auto& actions = live().experiment().actions;
+    return std::count_if(actions.begin(), actions.end(),
+                         [](const app::OperatorAction& action) { return app::is<app::events::Pause>(action.event); });
+  };
+  EXPECT_EQ(pauses(), 1);
+  window.new_run();
+  EXPECT_EQ(pauses(), 0);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest(); }));
+}
+
+TEST_F(Branch, HasTheSameResultsAsTheRunAlsoOfWhatWasDoneBeforeItsStart) {
+  open_and_wait();
+  emit find<GainsPanel>("gains")->couple_wanted(0, 2, false);
+  ASSERT_TRUE(eventually([&] { return !live().coupled(0, 2); }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running() && record().t > 0.5; }));
+  drag(robot(2), robot(2) + QPoint(20, 15));
+  moved(2);
+  const double moved_at = record().t;
+  ASSERT_TRUE(eventually([&] { return record().t > moved_at + 0.5; }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  const auto listed = [&] {
+    QStringList lines;
+    for (const RunResults::Kick& kick : find<ResultPanel>("results")->results()->kicks())
+      lines << QStringLiteral("%1 %2").arg(kick.t, 0, 'f', 2).arg(kick.what);
+    return lines.join(QLatin1Char('\n')).toStdString();
+  };
+  const std::string before = listed();
+  const double t = record().t;
+  EXPECT_NE(before, "");
+  go_on_from_here();
+  ASSERT_TRUE(eventually([&] { return !live().is_open() || record().t < t; }));
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  EXPECT_EQ(listed(), before);
+  EXPECT_FALSE(live().coupled(0, 2));
 }
 
 TEST_F(Branch, NeedsARunAndSaysSo) {

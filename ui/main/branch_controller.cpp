@@ -21,6 +21,8 @@ void BranchController::build_menu(QMenu* run) {
   QAction* action = run->addAction(tr("&Go on from here"), this, &BranchController::go_on_from_here);
   action->setObjectName(QStringLiteral("go_on_from_here"));
   action->setShortcut(QKeySequence(tr("Ctrl+B")));
+  action->setToolTip(
+      tr("Repeats a simulation, or the replay of one, up to this moment and pauses: from there on it is yours"));
 }
 
 void BranchController::go_on_from_here() {
@@ -46,9 +48,15 @@ void BranchController::go_on_from_here() {
   std::erase_if(actions, [&](const app::OperatorAction& action) { return action.t > t; });
   actions.push_back({t, app::events::Pause{}});
   if (!pause_at_) speed_ = runs_.live().is_open() ? runs_.live().speed() : 1.0;
-  pause_at_ = t;
+  pause_at_ = began_at_ = t;
   emit experiment_wanted(*repeated);
   (void)runs_.live().set_speed(fastest);  // no session is open yet: it is kept for the one that comes
+}
+
+void BranchController::forget_pause(app::Experiment& experiment) const {
+  std::erase_if(experiment.actions, [this](const app::OperatorAction& action) {
+    return action.t == began_at_ && app::is<app::events::Pause>(action.event);
+  });
 }
 
 void BranchController::show_record(const app::TickRecord& record) {

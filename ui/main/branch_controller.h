@@ -17,6 +17,8 @@ class BranchController final : public QObject {
   BranchController(Runs& runs, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* run);
   void go_on_from_here();
+  /// A branch that is run anew does not pause where it began.
+  void forget_pause(app::Experiment& experiment) const;
 
  signals:
   /// Run this from its start. It pauses by itself at the present moment of the run that is shown now.
@@ -29,6 +31,7 @@ class BranchController final : public QObject {
   const Messages& messages_;
   double speed_ = 1.0;              // of the run before, which comes back after the pause
   std::optional<double> pause_at_;  // while the past is repeated [s]
+  std::optional<double> began_at_;  // the latest branch [s]
 };
 
 }  // namespace skein::ui

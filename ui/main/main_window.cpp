@@ -443,7 +443,9 @@ void MainWindow::connect_panels() {
   });
   connect(branch_, &BranchController::experiment_wanted, this, [this](const app::Experiment& experiment) {
     comparison_->compare_with_now();
+    const QString file = runs_.shown().file();  // a recording has none, whatever was open before it
     open(experiment, true);
+    set_experiment_file(file);
   });
   connect(recording_, &RecordingController::saved, this, &MainWindow::saved);
   connect(recording_, &RecordingController::keeping, results_, &ResultPanel::show_kept);
@@ -729,8 +731,9 @@ void MainWindow::new_run() {
   const bool teaches = teaches_;
   // A replay that the window began with has no live experiment behind it: then its own is set up.
   const app::Experiment& before = runs_.live().experiment();
-  const app::Experiment again(before.robots.empty() ? runs_.shown().experiment() : before);
+  app::Experiment again(before.robots.empty() ? runs_.shown().experiment() : before);
   if (again.robots.empty()) return messages_->say(tr("No experiment is open: open a file first"), Severity::notice);
+  branch_->forget_pause(again);
   open(again, false);
   teaches_ = teaches;
 }
