@@ -5,7 +5,9 @@
 #include <QAction>
 #include <QHeaderView>
 #include <QLabel>
+#include <QMenu>
 #include <QProcess>
+#include <QTabWidget>
 #include <QTableView>
 #include <QToolButton>
 #include <csignal>
@@ -13,6 +15,8 @@
 #include "operator.h"
 #include "tests/places.h"
 #include "ui/base/dialogs.h"
+#include "ui/plots/plot_view.h"
+#include "ui/plots/plots_panel.h"
 #include "ui/robots/robots_model.h"
 
 namespace skein::ui::test {
@@ -116,6 +120,102 @@ TEST_F(Robots, ThatAreSimulatedSayWhyTheyAreNotTested) {
   EXPECT_TRUE(actions[0]->text().contains(QLatin1Char('3')));
   actions[0]->trigger();
   EXPECT_TRUE(eventually([&] { return cell(2, RobotsModel::mode) == QStringLiteral("held"); }));
+}
+
+TEST_F(Robots, HaveCellsThatAreDraggedOntoPlots) {
+  start();
+  auto& plots = *find<PlotsPanel>("plots");
+  plots.show_plots({QStringLiteral("e_x"), QStringLiteral("V")});
+  ASSERT_TRUE(eventually([&] { return plots.view().axisRectCount() == 2 && plots.view().axisRect(1)->height() > 50; }));
+  auto* table = find<QTableView>("robots");
+  QWidget* cells = table->viewport();
+  const auto centre = [&](RobotsModel::Column column) {
+    return table->visualRect(table->model()->index(1, column)).center();
+  };
+  const auto press_and_move = [&](RobotsModel::Column column, const QPoint& to) {
+    const QPoint from = centre(column);
+    QTest::mousePress(cells, Qt::LeftButton, {}, from);
+    for (int k = 1; k <= 4; ++k) QTest::mouseMove(cells, from + (to - from) * k / 4);
+  };
+  const auto drag_to = [&](RobotsModel::Column column, const QPoint& on_screen) {
+    const QPoint to = cells->mapFromGlobal(on_screen);
+    press_and_move(column, to);
+    QTest::mouseRelease(cells, Qt::LeftButton, {}, to);
+  };
+  const QPoint upper = plots.view().mapToGlobal(plots.view().axisRect(0)->rect().center());
+  drag_to(RobotsModel::mode, upper);  // words
+  EXPECT_EQ(plots.shown(), (QStringList{QStringLiteral("e_x"), QStringLiteral("V")}));
+  drag_to(RobotsModel::tag_age, upper);
+  EXPECT_EQ(plots.shown(), (QStringList{QStringLiteral("e_x+pose_age"), QStringLiteral("V")}));
+  EXPECT_EQ(table->currentIndex().row(), 1) << "and the robot is selected";
+  const auto row = std::find_if(plots.rows().begin(), plots.rows().end(),
+                                [](const PlotRow& r) { return r.name == QStringLiteral("pose_age"); });
+  ASSERT_NE(row, plots.rows().end());
+  EXPECT_NEAR(plots.history().value(row->first + 1, record().t), 1000 * record().robots[1].pose_age, 1.0);
+
+  // Beside the plots: a plot of its own. Both wheels go there.
+  drag_to(RobotsModel::wheels, find("plot_span")->mapToGlobal(QPoint(3, 3)));
+  EXPECT_TRUE(plots.shown().contains(QStringLiteral("wheel_left+wheel_right")))
+      << plots.shown().join(' ').toStdString();
+
+  // STOP is not lost on the way.
+  const QStringList before = plots.shown();
+  press_and_move(RobotsModel::tag_age, cells->mapFromGlobal(upper));
+  key(Qt::Key_Space);
+  EXPECT_TRUE(eventually([&] { return stopped(); }));
+  QTest::mouseRelease(cells, Qt::LeftButton, {}, centre(RobotsModel::tag_age));
+  EXPECT_EQ(plots.shown(), before) << "dropped where it came from";
+  plots.show_plots({});
+}
+
+TEST_F(Robots, AndPairsHaveCellsThatArePlottedByTheKeyboard) {
+  start();
+  auto& plots = *find<PlotsPanel>("plots");
+  plots.show_plots({QStringLiteral("e_x"), QStringLiteral("v")});
+  find("plots_dock")->hide();
+  const auto menu_of = [&](QAbstractItemView* table, int column) -> QMenu* {
+    table->setFocus();
+    if (!eventually([&] { return table->hasFocus(); })) return nullptr;
+    table->setCurrentIndex(table->model()->index(0, column));
+    key(Qt::Key_F10, nullptr, Qt::ShiftModifier);
+    QMenu* menu = nullptr;
+    static_cast<void>(eventually([&] {
+      menu = table->findChild<QMenu*>(QStringLiteral("cell_menu"));
+      return menu && menu->isVisible();
+    }));
+    return menu;
+  };
+  const auto choose = [&](QMenu* menu, const QString& beginning) {
+    ASSERT_NE(menu, nullptr);
+    auto* plot = menu->findChild<QMenu*>(QStringLiteral("plot_cell"));
+    ASSERT_NE(plot, nullptr);
+    QAction* found = nullptr;
+    for (QAction* action : plot->actions())
+      if (action->text().startsWith(beginning)) found = action;
+    ASSERT_NE(found, nullptr) << beginning.toStdString();
+    found->trigger();
+    menu->close();
+    EXPECT_TRUE(eventually([&] { return window.findChild<QMenu*>(QStringLiteral("cell_menu")) == nullptr; }));
+  };
+  auto* robots = find<QAbstractItemView>("robots");
+  choose(menu_of(robots, RobotsModel::tag_age), QStringLiteral("In the plot of e_x"));
+  EXPECT_EQ(plots.shown(), (QStringList{QStringLiteral("e_x+pose_age"), QStringLiteral("v")}));
+  EXPECT_FALSE(find("plots_dock")->isHidden()) << "what is plotted is seen";
+  choose(menu_of(robots, RobotsModel::tag_age), QStringLiteral("In the plot of e_x"));
+  EXPECT_EQ(plots.shown(), (QStringList{QStringLiteral("e_x"), QStringLiteral("v")})) << "and no longer";
+
+  QMenu* words = menu_of(robots, RobotsModel::mode);
+  ASSERT_NE(words, nullptr);
+  EXPECT_FALSE(words->findChild<QMenu*>(QStringLiteral("plot_cell"))->menuAction()->isEnabled());
+  EXPECT_EQ(words->actions().first()->text(), robots->actions().first()->text()) << "what else can be done";
+  words->close();
+
+  auto* tabs = find<QTabWidget>("gain_tabs");
+  for (int k = 0; k < tabs->count(); ++k)
+    if (tabs->widget(k)->findChild<QWidget*>(QStringLiteral("pair_table"))) tabs->setCurrentIndex(k);
+  choose(menu_of(find<QAbstractItemView>("pair_table"), 1), QStringLiteral("In a plot of its &own"));
+  EXPECT_TRUE(plots.shown().contains(QStringLiteral("k_xx"))) << plots.shown().join(' ').toStdString();
+  plots.show_plots({});
 }
 
 TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {

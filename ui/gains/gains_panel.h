@@ -41,6 +41,7 @@ class GainsPanel final : public QWidget {
   /// How the pairs are asked for: now and whenever one of them is changed.
   void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
   void refresh_pairs();
+  QAbstractItemView* pair_cells() const { return pairs_->cells(); }
   /// What the law declares, with the values in force.
   void follow_parameters(const std::vector<app::LawParameter>& all) { parameters_->show_parameters(all); }
   /// Why nothing is drawn ahead while a knob is held, for the tips; empty: something is.

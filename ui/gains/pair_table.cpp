@@ -9,6 +9,7 @@
 #include "app/run/event.h"
 #include "ui/base/number_field.h"
 #include "ui/base/sentence.h"
+#include "ui/base/signal_drag.h"
 
 namespace skein::ui {
 namespace {
@@ -88,6 +89,8 @@ QVariant PairModel::data(const QModelIndex& index, int role) const {
           .arg(j + 1)
           .arg(pair.coupled ? QString::number(pair.target, 'g', 4) : tr("switched off"))
           .arg(pair.limit, 0, 'g', 4);
+    case plotted_role:
+      return QStringList{QString::fromLatin1(core::word(gain_).data())};
     case Qt::AccessibleTextRole:
       return tr("Robots %1 and %2: %3").arg(i + 1).arg(j + 1).arg(data(index, Qt::DisplayRole).toString());
     default:

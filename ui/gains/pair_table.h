@@ -64,6 +64,7 @@ class PairTable final : public QWidget {
   explicit PairTable(QWidget* parent = nullptr);
   void show_robots(std::size_t robots);
   void refresh(const PairModel::Ask& ask) { model_.refresh(ask); }
+  QAbstractItemView* cells() const { return table_; }
   void set_fixed(bool fixed) { model_.set_fixed(fixed); }  ///< the values can be read, not changed
 
  signals:

@@ -23,6 +23,7 @@ QString shortcuts_text() {
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
          row.arg(tr("Ctrl+1 … Ctrl+7"), tr("To arena, gains, plots, robots, events, results, time line")) +
          row.arg(QStringLiteral("Shift+F1"), tr("The tip of the focused control")) +
+         row.arg(QStringLiteral("Shift+F10"), tr("Its menu, as the menu key")) +
          row.arg(QStringLiteral("Ctrl+W"), tr("Closes a dialog, also during a run")) +
          section(tr("A simulated robot")) + row.arg(tr("Drag"), tr("Moves it; it keeps its heading")) +
          row.arg(tr("Wheel"), tr("Turns it by 15° a notch, with Shift by 1°")) +
@@ -42,6 +43,7 @@ QString shortcuts_text() {
          row.arg(tr("+, −, Page Up, Page Down"), tr("Zoom and move along the time")) +
          row.arg(tr("Double click, Home"), tr("Back to live")) +
          row.arg(tr("Right click"), tr("Save, measure, heights")) +
+         row.arg(tr("Drag a title, or a cell of a table"), tr("Draws it in another plot as well")) +
          row.arg(tr("D, Shift+D"), tr("Measure differences from the cursor's time on; no longer")) +
          row.arg(tr("Ctrl+wheel, Y, Shift+Y, A"), tr("A plot's height; all follow their curves again")) +
          section(tr("Files and window")) +

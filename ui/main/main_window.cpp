@@ -31,6 +31,7 @@
 #include "ui/main/branch_controller.h"
 #include "ui/main/calibration_controller.h"
 #include "ui/main/camera_controller.h"
+#include "ui/main/cell_plotter.h"
 #include "ui/main/check_controller.h"
 #include "ui/main/comparison_controller.h"
 #include "ui/main/connect_controller.h"
@@ -88,6 +89,20 @@ QAction* add_toggle(QMenu* menu, const QString& text, const QString& name, const
   made->setCheckable(true);
   QObject::connect(made, &QAction::toggled, menu, slot);
   return made;
+}
+
+/// As the menu key does, which many keyboards lack.
+void show_menu_of_focus() {
+  QWidget* focus = QApplication::focusWidget();
+  if (!focus) return;
+  const QPoint where = focus->inputMethodQuery(Qt::ImCursorRectangle).toRect().center();
+  QContextMenuEvent asked(QContextMenuEvent::Keyboard, where, focus->mapToGlobal(where));
+  QApplication::sendEvent(focus, &asked);
+}
+
+void bring_forward(QDockWidget* dock) {
+  dock->show();
+  dock->raise();
 }
 
 }  // namespace
@@ -208,8 +223,7 @@ QDockWidget* MainWindow::dock(QWidget* panel, const QString& title, const QStrin
 }
 
 void MainWindow::go_to(QDockWidget* dock, QWidget* first) {
-  dock->show();
-  dock->raise();
+  bring_forward(dock);
   first->setFocus(Qt::ShortcutFocusReason);
   // A table without a current cell shows nobody where the keys go.
   auto* table = qobject_cast<QAbstractItemView*>(first);
@@ -315,6 +329,8 @@ void MainWindow::build_menus(QMenuBar* menus) {
   });
   add(help, tr("&Tip of what has the focus"), QStringLiteral("focus_tip"), QKeySequence(tr("Shift+F1")),
       [this] { show_tip_of_focus(); });
+  add(help, tr("&Menu of what has the focus"), QStringLiteral("focus_menu"), QKeySequence(tr("Shift+F10")),
+      [] { show_menu_of_focus(); });
   add(help, tr("&About Skein"), QStringLiteral("about"), {}, [this] {
     show_beside(new MessageDialog(QStringLiteral("about_dialog"), tr("About Skein"), about_text(), this));
   });
@@ -419,7 +435,10 @@ void MainWindow::connect_panels() {
   connect(arena_, &ArenaView::selected, this, &MainWindow::select_robot);
   connect(arena_, &ArenaView::refused, this, [this](const QString& why) { messages_->say(why, Severity::notice); });
   robots_->addActions(robot_buttons_->actions());
-  robots_->setContextMenuPolicy(Qt::ActionsContextMenu);
+  auto* plotter = new CellPlotter(
+      plots_, [this] { bring_forward(plots_dock_); }, this);
+  plotter->serve(robots_);
+  plotter->serve(gains_->pair_cells());
   connect(robots_, &RobotsPanel::picked, arena_, &ArenaView::select);
   connect(robot_buttons_, &RobotButtons::connect_again, this, &MainWindow::new_run);
   connect(robot_, &RobotController::testing, checks_, &CheckController::set_testing);
@@ -763,12 +782,9 @@ void MainWindow::mend(app::Check::What what) {
     case What::links:
       return new_run();
     case What::gains:
-      gains_dock_->show();
-      gains_dock_->raise();
-      return;
+      return bring_forward(gains_dock_);
     case What::batteries: {
-      robots_dock_->show();
-      robots_dock_->raise();
+      bring_forward(robots_dock_);
       const auto& robots = runs_.live().robots();
       for (std::size_t i = 0; i < robots.size(); ++i)
         if (robots[i].battery_low) return arena_->select(static_cast<int>(i));

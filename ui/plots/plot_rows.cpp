@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/geometry/pose.h"
+#include "ui/base/modes.h"
 #include "ui/base/tr.h"
 
 namespace skein::ui {
@@ -21,6 +22,7 @@ std::vector<double> limits_of(const app::Experiment& experiment, Limit&& limit) 
 
 using app::TickRecord;
 constexpr double ms = 1e3;
+constexpr double oldest = 1e6;           // no pose yet, beyond it [s]
 constexpr double settled = 0.01;         // what the results call settled [m]
 constexpr std::size_t most_coupled = 6;  // robots whose 15 pairs can be told apart in one plot
 
@@ -78,6 +80,70 @@ std::vector<QString> curve_names(PlotRow::Of of, std::size_t n) {
       break;
   }
   return curves;
+}
+
+}  // namespace
+
+namespace {
+
+/// Of robot i, lost or not.
+template <typename Value>
+auto always(Value value) {
+  return [value](const TickRecord& record, std::size_t i) {
+    return i < record.robots.size() ? static_cast<double>(value(record.robots[i])) : app::none;
+  };
+}
+
+/// What the table of robots shows: from there it is dragged onto a plot.
+void add_of_table(std::vector<PlotRow>& rows) {
+  rows.push_back({
+      .name = "pose_age",
+      .symbol = "T",
+      .index = "age",
+      .unit = tr("[ms]"),
+      .what = tr("Age of the pose in use, and when it counts as old"),
+      .least = 10.0,
+      .from_zero = true,
+      .limits = {ms * old_pose},
+      .value = always([](const app::RobotRecord& r) { return r.pose_age < oldest ? ms * r.pose_age : app::none; }),
+  });
+  rows.push_back({
+      .name = "wheel_left",
+      .symbol = "w",
+      .index = "left",
+      .unit = tr("[steps/s]"),
+      .what = tr("Commanded speed of the left wheel"),
+      .least = 50.0,
+      .value = always([](const app::RobotRecord& r) { return r.wheels.left; }),
+  });
+  rows.push_back({
+      .name = "wheel_right",
+      .symbol = "w",
+      .index = "right",
+      .unit = tr("[steps/s]"),
+      .what = tr("Commanded speed of the right wheel"),
+      .least = 50.0,
+      .value = always([](const app::RobotRecord& r) { return r.wheels.right; }),
+  });
+  rows.push_back({
+      .name = "link_rtt",
+      .symbol = "T",
+      .index = "reply",
+      .unit = tr("[ms]"),
+      .what = tr("Round trip from a command to the robot's answer, median"),
+      .least = 5.0,
+      .from_zero = true,
+      .value = always([](const app::RobotRecord& r) { return ms * r.link.round_trip; }),
+  });
+  rows.push_back({
+      .name = "battery",
+      .symbol = "U",
+      .unit = tr("[V]"),
+      .what = tr("Voltage of the robot's battery"),
+      .least = 5.0,
+      .from_zero = true,
+      .value = always([](const app::RobotRecord& r) { return r.link.battery; }),
+  });
 }
 
 }  // namespace
@@ -251,6 +317,8 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .from_zero = true,
       .value = [](const TickRecord& record, std::size_t stage) { return ms * record.latency.of[stage]; },
   });
+
+  add_of_table(rows);
 
   std::size_t next = 0;
   for (PlotRow& row : rows) {

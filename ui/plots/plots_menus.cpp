@@ -159,14 +159,33 @@ void PlotsPanel::fill_add_menu(QMenu* menu, std::size_t plot) {
   add->setObjectName(QStringLiteral("add_signal"));
   for (std::size_t signal = 0; signal < rows_.size(); ++signal) {
     if (signal == plot) continue;
-    QAction* action = add->addAction(QStringLiteral("%1: %2").arg(rows_[signal].title(), rows_[signal].what));
-    action->setCheckable(true);
-    action->setChecked(std::find(added_[plot].begin(), added_[plot].end(), signal) != added_[plot].end());
-    connect(action, &QAction::toggled, this, [this, of = rows_[signal].name, in = rows_[plot].name](bool on) {
-      if (!on) return remove_signal(of, in);
-      if (const QString why = add_signal(of, in); !why.isEmpty()) QToolTip::showText(QCursor::pos(), why, view_);
-    });
+    add_choice(add, QStringLiteral("%1: %2").arg(rows_[signal].title(), rows_[signal].what), {rows_[signal].name},
+               rows_[plot].name);
   }
+}
+
+/// An action that draws the signals in another's plot, or no longer.
+void PlotsPanel::add_choice(QMenu* menu, const QString& text, const QStringList& signal, const QString& plot) {
+  const std::vector<std::size_t>& there = added_[*row_of(plot)];
+  QAction* action = menu->addAction(text);
+  action->setCheckable(true);
+  action->setChecked(std::all_of(signal.begin(), signal.end(), [&](const QString& name) {
+    return std::find(there.begin(), there.end(), row_of(name)) != there.end();
+  }));
+  connect(action, &QAction::toggled, this, [this, signal, plot](bool on) {
+    if (!on)
+      for (const QString& name : signal) remove_signal(name, plot);
+    else if (const QString why = add_signals(signal, plot); !why.isEmpty())
+      QToolTip::showText(QCursor::pos(), why, view_);
+  });
+}
+
+void PlotsPanel::fill_signal_menu(QMenu* menu, const QStringList& names) {
+  menu->addAction(tr("In a plot of its &own"), this, [this, names] { show_signals(names); });
+  menu->addSeparator();
+  for (std::size_t plot = 0; plot < rows_.size(); ++plot)
+    if (shown_[plot] && !names.contains(rows_[plot].name))
+      add_choice(menu, tr("In the plot of %1: %2").arg(rows_[plot].title(), rows_[plot].what), names, rows_[plot].name);
 }
 
 void PlotsPanel::context_menu(const QPoint& where) {

@@ -161,6 +161,44 @@ void PlotsPanel::remove_signal(const QString& signal, const QString& plot) {
   show_plots(names);
 }
 
+/// The answer says why none of them could be added.
+QString PlotsPanel::add_signals(const QStringList& names, const QString& plot) {
+  QString why;
+  bool added = false;
+  for (const QString& name : names) {
+    const QString not_this = add_signal(name, plot);
+    if (not_this.isEmpty()) added = true;
+    if (why.isEmpty()) why = not_this;
+  }
+  return added ? QString() : why;
+}
+
+QString PlotsPanel::titles_of(const QStringList& names) const {
+  QStringList titles;
+  for (const QString& name : names)
+    if (const auto row = row_of(name)) titles << rows_[*row].title();
+  return titles.join(QStringLiteral(", "));
+}
+
+void PlotsPanel::show_signals(const QStringList& names) {
+  const auto first = names.isEmpty() ? std::nullopt : row_of(names.front());
+  if (!first) return;
+  if (shown_[*first])
+    add_signals(names.mid(1), names.front());
+  else
+    show_plots(shown() << names.join(with));
+  // Once the plots have their places.
+  QMetaObject::invokeMethod(
+      this, [this, row = *first] { reveal(row); }, Qt::QueuedConnection);
+}
+
+void PlotsPanel::reveal(std::size_t row) {
+  constexpr int margin = 60;
+  replot_now();
+  const QPoint place = view_->place_of(row, view_->time().center());
+  scroll_->ensureVisible(place.x(), place.y(), margin, margin);
+}
+
 void PlotsPanel::show_plots(const QStringList& names) {
   wanted_ = names;
   rebuild();
@@ -410,20 +448,49 @@ bool PlotsPanel::drag_signal(QMouseEvent* event, QEvent::Type type) {
   const int onto = view_->row_at(where);
   const bool elsewhere = onto >= 0 && onto != dragged_;
   const PlotRow& signal = rows_[static_cast<std::size_t>(dragged_)];
+  const QPoint on_screen = event->globalPosition().toPoint();
   if (type == QEvent::MouseButtonRelease) {
     dragged_ = -1;
     show(Qt::ArrowCursor);
     QToolTip::hideText();
-    const QString why = elsewhere ? add_signal(signal.name, rows_[static_cast<std::size_t>(onto)].name) : QString();
-    if (!why.isEmpty()) QToolTip::showText(event->globalPosition().toPoint(), why, view_);
+    if (elsewhere) drop({signal.name}, on_screen);
     return true;
   }
   show(elsewhere ? Qt::DragCopyCursor : Qt::ClosedHandCursor);
-  const QString text =
-      elsewhere ? tr("%1 into the plot of %2").arg(signal.title(), rows_[static_cast<std::size_t>(onto)].title())
-                : tr("%1: drop it on another plot").arg(signal.title());
-  QToolTip::showText(event->globalPosition().toPoint(), text, view_);
+  if (elsewhere)
+    drag_over({signal.name}, on_screen);
+  else
+    QToolTip::showText(on_screen, tr("%1: drop it on another plot").arg(signal.title()), view_);
   return true;
+}
+
+/// The plot at a place of the screen that is seen there; -1: none is.
+int PlotsPanel::plot_at(const QPoint& where) const {
+  const QWidget* seen = scroll_->viewport();
+  if (!isVisible() || !seen->rect().contains(seen->mapFromGlobal(where))) return -1;
+  return view_->row_at(view_->mapFromGlobal(where));
+}
+
+bool PlotsPanel::drag_over(const QStringList& names, const QPoint& where) {
+  const int onto = plot_at(where);
+  const bool beside = onto < 0 && isVisible() && rect().contains(mapFromGlobal(where));
+  const QString what = titles_of(names);
+  const QString text = onto >= 0 ? tr("%1 into the plot of %2").arg(what, rows_[static_cast<std::size_t>(onto)].title())
+                       : beside  ? tr("%1 in a plot of its own").arg(what)
+                                 : tr("%1: drop it on a plot").arg(what);
+  QToolTip::showText(where, text, view_);
+  return onto >= 0 || beside;
+}
+
+void PlotsPanel::drop(const QStringList& names, const QPoint& where) {
+  QToolTip::hideText();
+  const int onto = plot_at(where);
+  if (onto >= 0) {
+    const QString why = add_signals(names, rows_[static_cast<std::size_t>(onto)].name);
+    if (!why.isEmpty()) QToolTip::showText(where, why, view_);
+  } else if (isVisible() && rect().contains(mapFromGlobal(where))) {
+    show_signals(names);
+  }
 }
 
 bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {

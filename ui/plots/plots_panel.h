@@ -81,6 +81,17 @@ class PlotsPanel final : public QWidget {
   /// and one unit. The answer says why that cannot be; empty: it is done.
   QString add_signal(const QString& signal, const QString& plot);
   void remove_signal(const QString& signal, const QString& plot);
+  /// Signals of these names in a plot of their own, which comes into view.
+  void show_signals(const QStringList& names);
+  /// What the menus call them.
+  QString titles_of(const QStringList& names) const;
+  /// Signals that are dragged here from elsewhere, to this place of the screen: what a drop would do is told beside it;
+  /// false: nothing.
+  bool drag_over(const QStringList& names, const QPoint& where);
+  /// Onto a plot, they are drawn in it as well; beside the plots, they have one of their own.
+  void drop(const QStringList& names, const QPoint& where);
+  /// The same by keys: every place where they can be drawn.
+  void fill_signal_menu(QMenu* menu, const QStringList& names);
   void show_all_plots();
 
   /// What is drawn and how, for another time.
@@ -126,6 +137,10 @@ class PlotsPanel final : public QWidget {
   void context_menu(const QPoint& where);
   void fill_over_menu(QMenu* menu, std::size_t y);
   void fill_add_menu(QMenu* menu, std::size_t plot);
+  void add_choice(QMenu* menu, const QString& text, const QStringList& signal, const QString& plot);
+  QString add_signals(const QStringList& names, const QString& plot);
+  int plot_at(const QPoint& where) const;
+  void reveal(std::size_t row);
   std::optional<std::size_t> row_of(const QString& name) const;
   bool drag_signal(QMouseEvent* event, QEvent::Type type);
   void draw_over();

@@ -6,6 +6,7 @@
 
 #include "ui/base/modes.h"
 #include "ui/base/sentence.h"
+#include "ui/base/signal_drag.h"
 #include "ui/base/why.h"
 
 namespace skein::ui {
@@ -17,6 +18,22 @@ int alignment(int column) {
   const bool words = column == RobotsModel::link || column == RobotsModel::mode || column == RobotsModel::found ||
                      column == RobotsModel::firmware;
   return static_cast<int>(Qt::AlignVCenter | (words ? Qt::AlignLeft : Qt::AlignRight));
+}
+
+/// The plots that have what a column shows.
+QStringList plotted(int column) {
+  switch (column) {
+    case RobotsModel::round_trip:
+      return {QStringLiteral("link_rtt")};
+    case RobotsModel::battery:
+      return {QStringLiteral("battery")};
+    case RobotsModel::tag_age:
+      return {QStringLiteral("pose_age")};
+    case RobotsModel::wheels:
+      return {QStringLiteral("wheel_left"), QStringLiteral("wheel_right")};
+    default:
+      return {};
+  }
 }
 
 }  // namespace
@@ -71,6 +88,8 @@ QVariant RobotsModel::data(const QModelIndex& index, int role) const {
       return {};
     case Qt::TextAlignmentRole:
       return alignment(index.column());
+    case plotted_role:
+      return plotted(index.column());
     default:
       return {};
   }

@@ -17,8 +17,7 @@ class KeepColours final : public QStyledItemDelegate {
  protected:
   void initStyleOption(QStyleOptionViewItem* option, const QModelIndex& index) const override {
     QStyledItemDelegate::initStyleOption(option, index);
-    option->state &= ~QStyle::State_HasFocus;
-    if (index.column() == RobotsModel::robot) option->state &= ~QStyle::State_Selected;
+    if (index.column() == RobotsModel::robot) option->state &= ~(QStyle::State_Selected | QStyle::State_HasFocus);
     option->palette.setBrush(QPalette::HighlightedText, option->palette.brush(QPalette::Text));
   }
 };
