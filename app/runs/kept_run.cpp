@@ -239,6 +239,13 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   return complete;
 }
 
+void remove_film(const Experiment& experiment, const std::string& film) {
+  for (const std::string& path : film_paths(experiment, film)) {
+    std::error_code gone_already;
+    fs::remove(path, gone_already);
+  }
+}
+
 Done add_to_kept_run(const std::string& folder, const std::vector<std::string>& files) {
   auto story = read_story(folder);
   if (!story) return tl::unexpected(story.error());

@@ -50,6 +50,9 @@ class KeptRun {
   std::string head_;  // run.json as it was written at the beginning
 };
 
+/// Removes the film of a run, of every camera of its experiment: its folder has its own.
+void remove_film(const Experiment& experiment, const std::string& film);
+
 /// Makes files in the folder of a run that has ended part of it: their hashes go into its run.json. The error names
 /// what cannot be read or written; a run that did not end takes nothing.
 tl::expected<void, std::string> add_to_kept_run(const std::string& folder, const std::vector<std::string>& files);

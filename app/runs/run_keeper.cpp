@@ -71,7 +71,7 @@ void RunKeeper::record(const TickRecord& record) {
   }
 }
 
-tl::expected<void, std::string> RunKeeper::end(const SessionFacts& facts) {
+tl::expected<void, std::string> RunKeeper::end(const SessionFacts& facts, const std::string& film) {
   {
     const std::lock_guard lock(mutex_);
     if (!takes_rows_) return {};
@@ -92,7 +92,7 @@ tl::expected<void, std::string> RunKeeper::end(const SessionFacts& facts) {
   std::vector<std::string> sets;
   for (const OperatorAction& action : done_->all())
     sets.push_back(set_of(action, experiment_->actions.size() + sets.size() + 1));
-  return run_->end(summary, {verdict.exit_status, std::move(verdict.problems), {}, std::move(sets)});
+  return run_->end(summary, {verdict.exit_status, std::move(verdict.problems), film, std::move(sets)});
 }
 
 }  // namespace skein::app

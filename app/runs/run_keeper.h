@@ -28,9 +28,9 @@ class RunKeeper final : public RecordSink {
 
   void record(const TickRecord& record) override;
 
-  /// No more rows; completes the folder with figures, summary and hashes, which takes seconds. The error says what is
-  /// missing.
-  tl::expected<void, std::string> end(const SessionFacts& facts);
+  /// No more rows; completes the folder with figures, summary and hashes, which takes seconds. `film`: of the run,
+  /// which is complete, and of which the folder gets one; empty: none. The error says what is missing.
+  tl::expected<void, std::string> end(const SessionFacts& facts, const std::string& film = {});
 
  private:
   mutable std::mutex mutex_;

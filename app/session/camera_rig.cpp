@@ -179,6 +179,26 @@ tl::expected<void, std::string> CameraRig::keep(const std::string& path) {
   return {};
 }
 
+std::function<VideoStatus()> CameraRig::end_film() {
+  const std::lock_guard lock(film_mutex_);
+  if (!recorder_ || film_ended_) return {};
+  film_ended_ = true;
+  return [recorder = recorder_] {
+    const vision::RecorderStatus status = recorder->finish();
+    return VideoStatus{status.written, status.dropped, status.problem};
+  };
+}
+
+void CameraRig::film_frame() {
+  if (!recorder_) return;
+  const std::lock_guard lock(film_mutex_);
+  if (film_ended_) return;
+  if (clock_.wall())
+    recorder_->offer(frame_);
+  else
+    recorder_->add(frame_);  // there is time to wait for the disk
+}
+
 VideoStatus CameraRig::video() const {
   if (!recorder_) return {};
   const vision::RecorderStatus status = recorder_->status();
@@ -213,7 +233,7 @@ void CameraRig::end() {
   if (thread_.joinable()) thread_.join();
   explainer_.request_stop();
   if (explainer_.joinable()) explainer_.join();
-  if (recorder_) recorder_->finish();
+  if (const auto complete = end_film()) static_cast<void>(complete());
 }
 
 void CameraRig::thread(const std::stop_token& stop) {
@@ -485,9 +505,7 @@ void CameraRig::work_off() {
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
   watch_tags();                                                             // the tick waits for poses, not for this
-  // On the virtual clock there is time to wait for the disk.
-  if (recorder_ && clock_.wall()) recorder_->offer(frame_);
-  if (recorder_ && !clock_.wall()) recorder_->add(frame_);
+  film_frame();
   if (!pictures_) return;
   Picture& picture = picture_.draft();
   picture.width = frame_.width;

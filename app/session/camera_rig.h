@@ -4,6 +4,7 @@
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -68,6 +69,9 @@ class CameraRig {
 
   /// Records every frame of the tracker in a film. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
+  /// No further frame goes into the film. The answer completes the file, on any thread, also when the rig is gone;
+  /// null: there is no film any more.
+  std::function<VideoStatus()> end_film();
   /// Any thread.
   VideoStatus video() const;
   vision::SourceStatus camera() const;
@@ -127,6 +131,7 @@ class CameraRig {
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
   void watch_marks();
   void watch_tags();
+  void film_frame();
   void look_at_marks(const vision::Frame& frame);
   void explainer(const std::stop_token& stop);
 
@@ -147,7 +152,9 @@ class CameraRig {
   std::unique_ptr<vision::FrameSource> source_;   // null: synthetic, or not open yet
   std::atomic<bool> awaited_{false};              // a real camera that has not opened yet; then the thread owns source_
   std::string why_awaited_;                       // set before the thread begins
-  std::unique_ptr<vision::Recorder> recorder_;
+  std::shared_ptr<vision::Recorder> recorder_;
+  std::mutex film_mutex_;      // of this; only who ends the film makes the camera's thread wait
+  bool film_ended_ = false;    // whoever ended it completes it
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
   bool pictures_;

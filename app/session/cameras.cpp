@@ -78,15 +78,32 @@ void Cameras::tell(EventList& events) noexcept {
   }
 }
 
+namespace {
+
+void add(VideoStatus& all, const VideoStatus& one) {
+  all.frames += one.frames;
+  all.dropped += one.dropped;
+  if (all.problem.empty()) all.problem = one.problem;
+}
+
+}  // namespace
+
 VideoStatus Cameras::video() const {
   VideoStatus all;
-  for (const Each& camera : all_) {
-    const VideoStatus one = camera.rig->video();
-    all.frames += one.frames;
-    all.dropped += one.dropped;
-    if (all.problem.empty()) all.problem = one.problem;
-  }
+  for (const Each& camera : all_) add(all, camera.rig->video());
   return all;
+}
+
+std::function<VideoStatus()> Cameras::end_film() {
+  std::vector<std::function<VideoStatus()>> each;
+  for (const Each& camera : all_)
+    if (auto complete = camera.rig->end_film()) each.push_back(std::move(complete));
+  if (each.empty()) return {};
+  return [each = std::move(each)] {
+    VideoStatus all;
+    for (const auto& complete : each) add(all, complete());
+    return all;
+  };
 }
 
 vision::SourceStatus Cameras::status() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -25,6 +26,8 @@ class Cameras {
   tl::expected<void, std::string> keep(const std::string& path);
   void start();
   void end();
+  /// As CameraRig's, of all; null: there is none.
+  std::function<VideoStatus()> end_film();
   /// Virtual clock: each takes and processes a frame now.
   void process_frames();
 

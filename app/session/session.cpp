@@ -120,6 +120,11 @@ MarksStatus Session::marks() const {
   return wiring_->plant->marks();
 }
 
+std::function<VideoStatus()> Session::end_film() {
+  Cameras* cameras = wiring_->plant->cameras();
+  return cameras ? cameras->end_film() : nullptr;
+}
+
 VideoStatus Session::video() const {
   const Cameras* cameras = wiring_->plant->cameras();
   return cameras ? cameras->video() : VideoStatus{};

@@ -147,6 +147,9 @@ class Session {
   MarksStatus marks() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
+  /// No further frame goes into the film; the run goes on. The answer completes the file, which may take a second, on
+  /// any thread, also when the session is gone; null: there is no film any more.
+  std::function<VideoStatus()> end_film();
   /// The run's own controller, null: it has none. After close() it has its statistics.
   const OwnController* controller() const noexcept;
   /// Why there is no guard although one was requested: if this program is killed, nothing stops the robots.

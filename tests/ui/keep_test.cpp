@@ -9,6 +9,7 @@
 #include "app/runs/run_folder.h"
 #include "app/runs/verify.h"
 #include "operator.h"
+#include "tests/places.h"
 #include "ui/base/settings.h"
 
 namespace skein::ui::test {
@@ -21,6 +22,7 @@ class Keep : public Operator {
     find<QAction>("keep_runs")->setChecked(true);
   }
   void TearDown() override {
+    find<QAction>("keep_films")->setChecked(false);
     find<QAction>("keep_runs")->setChecked(false);  // the other tests' setting
     Operator::TearDown();
   }
@@ -31,6 +33,11 @@ class Keep : public Operator {
   }
   QStringList folders() const {
     return QDir(QString::fromStdString(app::runs_directory({}))).entryList(QDir::Dirs | QDir::NoDotAndDotDot);
+  }
+  /// Beside the folders of runs.
+  static QStringList other_films() {
+    return QDir(QString::fromStdString(app::runs_directory({})))
+        .entryList({QStringLiteral("*.mkv")}, QDir::Files | QDir::Hidden);
   }
   static std::string state_of(const QString& folder) {
     const auto story = app::read_story(folder.toStdString());
@@ -70,6 +77,44 @@ TEST_F(Keep, ARunThatAnotherOneEndsIsCompletedToo) {
   EXPECT_EQ(state_of(kept[0][0].toString()), "stopped");
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() && !live().is_busy(); }));
   EXPECT_EQ(folders().size(), 1) << "the new one has not begun";
+}
+
+TEST_F(Keep, ARunWithACameraHasItsFilmIfThatIsWanted) {
+  const auto experiment =
+      app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"), {"duration=2"});
+  ASSERT_TRUE(experiment);
+  EXPECT_FALSE(find<QAction>("keep_films")->isChecked()) << "it is large";
+  EXPECT_TRUE(find<QAction>("keep_films")->toolTip().contains(QStringLiteral("GB a minute")));
+  find<QAction>("keep_films")->setChecked(true);
+  EXPECT_TRUE(MainWindow().findChild<QAction*>(QStringLiteral("keep_films"))->isChecked()) << "remembered";
+  QSignalSpy kept(&live(), &LiveRun::kept);
+  start(*experiment);
+  ASSERT_TRUE(eventually([&] { return kept.size() == 1; })) << "while the camera still looks";
+  EXPECT_EQ(kept[0][1].toString().toStdString(), "");
+  const QString folder = kept[0][0].toString();
+  EXPECT_TRUE(QFile::exists(folder + QStringLiteral("/film.mkv")));
+  EXPECT_TRUE(other_films().isEmpty()) << other_films().join(' ').toStdString();
+  const auto found = app::verify_run(folder.toStdString());
+  ASSERT_TRUE(found) << found.error();
+  bool from_film = false;
+  for (const auto& step : found->steps) {
+    EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+    from_film = from_film || step.finding.find("frames of the film") != std::string::npos;
+  }
+  EXPECT_TRUE(from_film);
+}
+
+TEST_F(Keep, AFilmOfARunThatNeverBeganIsRemoved) {
+  const auto experiment =
+      app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"), {"duration=2"});
+  ASSERT_TRUE(experiment);
+  find<QAction>("keep_films")->setChecked(true);
+  open_and_wait(*experiment);
+  EXPECT_EQ(other_films().size(), 1);
+  window.open(seconds("duration=60"), false);
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() && !live().is_busy(); }));
+  EXPECT_TRUE(other_films().isEmpty()) << other_films().join(' ').toStdString();
+  EXPECT_TRUE(folders().isEmpty());
 }
 
 TEST_F(Keep, IsSwitchedOffAndThatIsRemembered) {

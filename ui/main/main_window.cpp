@@ -317,7 +317,10 @@ void MainWindow::build_menus(QMenuBar* menus) {
 
   build_run_menu(menus->addMenu(tr("&Run")));
   QMenu* robots = menus->addMenu(tr("Ro&bots"));
-  add(robots, tr("&Connect robots …"), QStringLiteral("connect_robots_page"), {}, [this] { connect_->show(); });
+  robots->setToolTipsVisible(true);
+  add(robots, tr("&Connect robots …"), QStringLiteral("connect_robots_page"), {}, [this] {
+    connect_->show();
+  })->setToolTip(tr("Finds, pairs, pings and tests the robots, and says of each what is next"));
   robots->addSeparator();
   robots->addActions(robot_buttons_->actions());
   build_view_menu(menus->addMenu(tr("&View")));
@@ -337,42 +340,75 @@ void MainWindow::build_menus(QMenuBar* menus) {
 }
 
 void MainWindow::build_run_menu(QMenu* run) {
+  run->setToolTipsVisible(true);
   go_action_ =
       add(run, tr("Start / &pause / resume"), QStringLiteral("go_action"), QKeySequence(tr("F5")), [this] { go(); });
-  add(run, tr("One &tick on"), QStringLiteral("step_action"), QKeySequence(tr("F6")), [this] { step(); });
-  add(run, tr("&Faster"), QStringLiteral("faster"), QKeySequence(tr("Ctrl+Up")), [this] { run_bar_->pick_speed(1); });
-  add(run, tr("Sl&ower"), QStringLiteral("slower"), QKeySequence(tr("Ctrl+Down")),
-      [this] { run_bar_->pick_speed(-1); });
+  go_action_->setToolTip(tr("Starts the run; later pauses and resumes it: the robots stand, and its clock too"));
+  add(run, tr("One &tick on"), QStringLiteral("step_action"), QKeySequence(tr("F6")), [this] {
+    step();
+  })->setToolTip(tr("One period of the control loop, then a pause. Simulations and replays only"));
+  add(run, tr("&Faster"), QStringLiteral("faster"), QKeySequence(tr("Ctrl+Up")), [this] {
+    run_bar_->pick_speed(1);
+  })->setToolTip(tr("The next higher speed of a simulation or a replay, up to 50 times real time"));
+  add(run, tr("Sl&ower"), QStringLiteral("slower"), QKeySequence(tr("Ctrl+Down")), [this] {
+    run_bar_->pick_speed(-1);
+  })->setToolTip(tr("The next lower speed of a simulation or a replay, down to a tenth of real time"));
   new_run_action_ =
       add(run, tr("&New run"), QStringLiteral("new_run_action"), QKeySequence::New, [this] { new_run(); });
+  new_run_action_->setToolTip(tr("Ends this run, and sets the same experiment up again; it waits for its start"));
   branch_->build_menu(run);
   QAction* rehearse =
       add(run, tr("Re&hearse without hardware"), QStringLiteral("rehearse"), {}, [this] { files_->rehearse(); });
   rehearse->setToolTip(tr("The same experiment with emulated robots and rendered pictures in place of the real ones"));
   run->addSeparator();
+  build_files_of_run(run);
+  run->addSeparator();
+  // The keys stand in the text only: StopGuard takes them before any shortcut could.
+  add(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] {
+    stop();
+  })->setToolTip(tr("Stops every robot at once, and ends the run"));
+  run->addSeparator();
+  QAction* undo = gains_->undo_stack().createUndoAction(this, tr("&Undo gain:"));
+  undo->setShortcut(QKeySequence::Undo);
+  undo->setToolTip(tr("Takes the last change of a gain, a coupling or a parameter back"));
+  QAction* redo = gains_->undo_stack().createRedoAction(this, tr("&Redo gain:"));
+  redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
+  redo->setToolTip(tr("Makes the change again that was taken back last"));
+  run->addActions({undo, redo});
+  run->addSeparator();
+  QAction* checks =
+      add_toggle(run, tr("&Check list"), QStringLiteral("view_checks"), [this](bool on) { checks_->set_wanted(on); });
+  checks->setShortcut(QKeySequence(tr("Ctrl+L")));
+  checks->setToolTip(tr("What has to hold before a start, and what does not yet"));
+  add(run, tr("C&amera …"), QStringLiteral("camera"), {}, [this] {
+    camera_->show();
+  })->setToolTip(tr("Looks through a camera: which tags it sees, how large, and how fast"));
+  add(run, tr("Calibrate ca&mera …"), QStringLiteral("calibrate_camera"), {}, [this] {
+    calibration_->calibrate();
+  })->setToolTip(tr("Measures the lens with a board that you show, then the floor with tags that lie on it"));
+}
+
+/// What of a run becomes files.
+void MainWindow::build_files_of_run(QMenu* run) {
   add(run, tr("&Record as CSV"), QStringLiteral("record_action"), QKeySequence(tr("Ctrl+R")),
-      [this] { record(!recording_->records()); });
+      [this] { record(!recording_->records()); })
+      ->setToolTip(tr("Writes this run and later ones to CSV files in %1, later ones with their film")
+                       .arg(RecordingController::directory()));
   QAction* keep =
       add_toggle(run, tr("&Keep runs"), QStringLiteral("keep_runs"), [this](bool on) { recording_->keep(on); });
   keep->setChecked(recording_->keeps());
   keep->setToolTip(
       tr("Every run that begins from now on has a folder of its own, with everything that it needs to be "
          "repeated: `skein runs list` finds it"));
-  run->addSeparator();
-  // The keys stand in the text only: StopGuard takes them before any shortcut could.
-  add(run, tr("STOP\tSpace, Esc"), QStringLiteral("stop_action"), {}, [this] { stop(); });
-  run->addSeparator();
-  QAction* undo = gains_->undo_stack().createUndoAction(this, tr("&Undo gain:"));
-  undo->setShortcut(QKeySequence::Undo);
-  QAction* redo = gains_->undo_stack().createRedoAction(this, tr("&Redo gain:"));
-  redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
-  run->addActions({undo, redo});
-  run->addSeparator();
-  add_toggle(run, tr("&Check list"), QStringLiteral("view_checks"), [this](bool on) {
-    checks_->set_wanted(on);
-  })->setShortcut(QKeySequence(tr("Ctrl+L")));
-  add(run, tr("C&amera …"), QStringLiteral("camera"), {}, [this] { camera_->show(); });
-  add(run, tr("Calibrate ca&mera …"), QStringLiteral("calibrate_camera"), {}, [this] { calibration_->calibrate(); });
+  QAction* films = add_toggle(run, tr("Keep the f&ilm of each run"), QStringLiteral("keep_films"),
+                              [this](bool on) { recording_->keep_films(on); });
+  films->setChecked(recording_->keeps_films());
+  films->setEnabled(recording_->keeps());
+  films->setToolTip(
+      tr("With a camera, the folder of a kept run has every frame, so that `skein runs verify` measures every pose "
+         "again.\nAbout 1 GB a minute at 1280x960 and 25 Hz; camera.film = \"small\" in the experiment takes a tenth. "
+         "From the next New run on"));
+  connect(keep, &QAction::toggled, films, &QAction::setEnabled);
 }
 
 void MainWindow::build_view_menu(QMenu* view) {
@@ -521,7 +557,7 @@ void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
   }
   teaches_ = start_at_once;
   camera_->let_go();
-  runs_.live().open(experiment, start_at_once, recording_->film_path(experiment));
+  runs_.live().open(experiment, start_at_once, recording_->film(experiment));
   runs_.show_live();
   checks_->begin();
   show_state();

@@ -100,6 +100,7 @@ class MainWindow final : public QMainWindow {
   void connect_session();
   void build_menus(QMenuBar* menus);
   void build_run_menu(QMenu* run);
+  void build_files_of_run(QMenu* run);
   void build_view_menu(QMenu* view);
   void default_layout();
   /// The docks as the operator has sized them, smaller in a smaller window: shrunk and grown, it is as it was.

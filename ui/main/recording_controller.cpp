@@ -15,12 +15,28 @@
 namespace skein::ui {
 namespace {
 
-const QString keep_key = QStringLiteral("keep_runs");
+const QString keep_key = QStringLiteral("keep_runs"), films_key = QStringLiteral("keep_films");
+
+/// A free name in this folder, of the experiment and the moment.
+QString free_name(const QDir& folder, const QString& beginning, const app::Experiment& experiment,
+                  const QString& ending) {
+  QString name = QString::fromStdString(experiment.name);
+  name.replace(QRegularExpression(QStringLiteral("[^\\w-]+")), QStringLiteral("_"));
+  const QString stamp = QDateTime::currentDateTime().toString(QStringLiteral("yyyyMMdd-HHmmss"));
+  QString file = folder.filePath(QStringLiteral("%1-%2%3").arg(beginning + name, stamp, ending));
+  for (int k = 2; QFile::exists(file); ++k)
+    file = folder.filePath(QStringLiteral("%1-%2-%3%4").arg(beginning + name, stamp).arg(k).arg(ending));
+  return file;
+}
 
 }  // namespace
 
 RecordingController::RecordingController(LiveRun& live, const Messages& messages, QObject* parent)
-    : QObject(parent), live_(live), messages_(messages), keeps_(settings().value(keep_key, true).toBool()) {
+    : QObject(parent),
+      live_(live),
+      messages_(messages),
+      keeps_(settings().value(keep_key, true).toBool()),
+      keeps_films_(settings().value(films_key, false).toBool()) {
   connect(&live_, &LiveRun::starting, this, &RecordingController::record_if_wanted);
   connect(&live_, &LiveRun::starting, this, &RecordingController::keep_if_wanted);
   connect(&live_, &LiveRun::kept, this, [this](const QString& folder, const QString& problem) {
@@ -46,6 +62,11 @@ RecordingController::RecordingController(LiveRun& live, const Messages& messages
 void RecordingController::keep(bool on) {
   keeps_ = on;
   settings().setValue(keep_key, on);
+}
+
+void RecordingController::keep_films(bool on) {
+  keeps_films_ = on;
+  settings().setValue(films_key, on);
 }
 
 void RecordingController::keep_if_wanted() {
@@ -87,18 +108,18 @@ void RecordingController::record(bool on) {
 QString RecordingController::path(const app::Experiment& experiment, const QString& ending) {
   const QDir folder(directory());
   if (!folder.mkpath(QStringLiteral("."))) return {};
-  QString name = QString::fromStdString(experiment.name);
-  name.replace(QRegularExpression(QStringLiteral("[^\\w-]+")), QStringLiteral("_"));
-  const QString stamp = QDateTime::currentDateTime().toString(QStringLiteral("yyyyMMdd-HHmmss"));
-  QString file = folder.filePath(QStringLiteral("%1-%2%3").arg(name, stamp, ending));
-  for (int k = 2; QFile::exists(file); ++k)
-    file = folder.filePath(QStringLiteral("%1-%2-%3%4").arg(name, stamp).arg(k).arg(ending));
-  return file;
+  return free_name(folder, {}, experiment, ending);
 }
 
-QString RecordingController::film_path(const app::Experiment& experiment) const {
-  return records_ && experiment.camera.kind() != app::CameraKind::absent ? path(experiment, QStringLiteral(".mkv"))
-                                                                         : QString();
+/// One that is only kept grows beside the folders of the runs, so that its folder gets the same bytes by another name.
+FilmOfRun RecordingController::film(const app::Experiment& experiment) const {
+  if (experiment.camera.kind() == app::CameraKind::absent) return {};
+  const QString ending = QStringLiteral(".mkv");
+  const bool of_kept_run = keeps_ && keeps_films_;
+  if (records_) return {path(experiment, ending), of_kept_run, false};
+  const QDir runs(QString::fromStdString(app::runs_directory({})));
+  if (!of_kept_run || !runs.mkpath(QStringLiteral("."))) return {};
+  return {free_name(runs, QStringLiteral(".film-"), experiment, ending), true, true};
 }
 
 void RecordingController::record_if_wanted() {

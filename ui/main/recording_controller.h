@@ -21,8 +21,11 @@ class RecordingController final : public QObject {
   void keep(bool on);                    ///< remembered
   /// Records this run to the file live, including its beginning, and later runs to files beside it.
   void record_to(const QString& file);
-  /// Where the film of a run of this experiment goes, if runs are recorded; empty: there is none.
-  QString film_path(const app::Experiment& experiment) const;
+  /// The folder of a kept run gets the film of its camera, from the next session on.
+  bool keeps_films() const { return keeps_films_; }
+  void keep_films(bool on);  ///< remembered
+  /// Where the film of a run of this experiment goes.
+  FilmOfRun film(const app::Experiment& experiment) const;
   static QString directory();
   /// A free name there for a file or a folder of this experiment's; empty: there is no place for it.
   static QString path(const app::Experiment& experiment, const QString& ending);
@@ -48,7 +51,7 @@ class RecordingController final : public QObject {
   };
   std::optional<Saving> saving_;
   bool records_ = false;
-  bool keeps_;
+  bool keeps_, keeps_films_;
 };
 
 }  // namespace skein::ui

@@ -32,6 +32,8 @@ struct LiveRun::Left {
   std::shared_ptr<app::RunKeeper> keeper;
   std::unique_ptr<app::Session> session;  // null: there was none; goes before the sinks
   app::Phase end;
+  app::Experiment experiment;
+  std::string film_that_goes;  // empty: none
   std::promise<app::SessionFacts> facts;
 
   void close() {
@@ -41,6 +43,7 @@ struct LiveRun::Left {
     }
     complete(recorder.get());
     session.reset();  // before a new one: both want the same camera and robots
+    if (!film_that_goes.empty()) app::remove_film(experiment, film_that_goes);
   }
 };
 
@@ -55,7 +58,7 @@ LiveRun::~LiveRun() {
   if (changing_.valid()) changing_.wait();
 }
 
-void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const QString& video) {
+void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const FilmOfRun& film) {
   if (is_busy()) return;
   stop();
   Left left = leave();
@@ -83,7 +86,8 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   keeper_ends_ = told_of_keeper_ = false;
   record_file_.clear();
   options.sinks = {recorder_.get(), keeper_.get()};
-  options.video = video.toStdString();
+  film_ = film;
+  options.video = film.file.toStdString();
   changing_ = std::async(std::launch::async,
                          [left = std::move(left), experiment, options, recorder = recorder_,
                           keeper = keeper_]() mutable -> std::optional<Opened> {
@@ -123,6 +127,7 @@ QString LiveRun::close_now() {
   if (!session_) return {};
   session_->close();
   take_robots();
+  if (const std::string film = film_that_goes(); !film.empty()) app::remove_film(experiment_, film);
   if (keeps()) finish_keeping();
   for (Keeping& one : keepings_)
     if (const QString problem = one.problem.get(); !problem.isEmpty()) app::complain(problem.toStdString());
@@ -208,8 +213,8 @@ void LiveRun::finish_files() {
 
 /// The session is no longer this one's.
 LiveRun::Left LiveRun::leave() {
-  Left left{recorder_, keeper_, nullptr, how_it_ends(), {}};
-  if (session_ && keeps()) finish_keeping(left.facts.get_future());
+  Left left{recorder_, keeper_, nullptr, how_it_ends(), experiment_, film_that_goes(), {}};
+  if (session_ && keeps()) finish_keeping(left.facts.get_future(), {});
   left.session = std::move(session_);
   return left;
 }
@@ -218,16 +223,28 @@ LiveRun::Left LiveRun::leave() {
 void LiveRun::finish_keeping() {
   std::promise<app::SessionFacts> facts;
   facts.set_value(app::facts_of(*session_, how_it_ends()));
-  finish_keeping(facts.get_future());
+  finish_keeping(facts.get_future(), film_.of_kept_run ? session_->end_film() : nullptr);
+}
+
+/// Of a run that no folder has got, nor will get; empty: there is none.
+std::string LiveRun::film_that_goes() const {
+  const bool is_kept = keeper_ && !keeper_->folder().empty();
+  return film_.only_there && !is_kept ? film_.file.toStdString() : std::string();
 }
 
 /// Aside: figures and hashes take seconds. The facts come when the session knows them.
-void LiveRun::finish_keeping(std::future<app::SessionFacts> facts) {
+void LiveRun::finish_keeping(std::future<app::SessionFacts> facts, std::function<app::VideoStatus()> end_film) {
   keeper_ends_ = true;
   const QString folder = kept_folder();
-  keepings_.push_back({folder, std::async(std::launch::async, [keeper = keeper_, facts = std::move(facts)]() mutable {
+  keepings_.push_back({folder, std::async(std::launch::async, [keeper = keeper_, facts = std::move(facts),
+                                                               end_film = std::move(end_film), film = film_,
+                                                               experiment = experiment_]() mutable {
                          try {
-                           const auto ended = keeper->end(facts.get());
+                           app::SessionFacts known = facts.get();
+                           if (end_film) known.video = end_film();
+                           const std::string file = film.file.toStdString();
+                           const auto ended = keeper->end(known, film.of_kept_run ? file : std::string());
+                           if (film.only_there && ended) app::remove_film(experiment, file);
                            return ended ? QString() : QString::fromStdString(ended.error());
                          } catch (const std::exception& error) {
                            return QString::fromStdString(error.what());

@@ -15,6 +15,13 @@
 
 namespace skein::ui {
 
+/// Where the camera's frames go.
+struct FilmOfRun {
+  QString file;              ///< empty: nowhere
+  bool of_kept_run = false;  ///< the run's folder gets a film
+  bool only_there = false;   ///< the file itself does not last
+};
+
 /// The session in the window's thread: thirty times per second it passes on the control thread's records. Opening and
 /// closing, which may wait for cameras and robots, happen aside, so that the window never waits.
 class LiveRun final : public RunSource {
@@ -24,9 +31,8 @@ class LiveRun final : public RunSource {
   explicit LiveRun(QObject* parent = nullptr);
   ~LiveRun() override;  ///< stops the robots, and waits until the session is closed
 
-  /// Ends the session that there is, robots first, and opens one on this experiment. `video`: keep the camera's frames
-  /// in this film; empty: do not.
-  void open(const app::Experiment& experiment, bool start_at_once, const QString& video = {});
+  /// Ends the session that there is, robots first, and opens one on this experiment.
+  void open(const app::Experiment& experiment, bool start_at_once, const FilmOfRun& film = {});
   /// Ends the session; there is none then.
   void end();
   /// Ends the session for good; `closed` follows.
@@ -150,7 +156,8 @@ class LiveRun final : public RunSource {
   struct Left;
   Left leave();
   void finish_keeping();
-  void finish_keeping(std::future<app::SessionFacts> facts);
+  void finish_keeping(std::future<app::SessionFacts> facts, std::function<app::VideoStatus()> end_film);
+  std::string film_that_goes() const;
   void tell_of_kept();
   app::Phase how_it_ends() const { return is_over() ? phase() : app::Phase::stopped; }
   bool is_opening() const { return session_ ? !latest_ : is_busy(); }
@@ -171,6 +178,7 @@ class LiveRun final : public RunSource {
   QElapsedTimer since_stop_, since_poll_, since_over_;
   double wanted_speed_ = 1.0;
   QString record_file_;
+  FilmOfRun film_;
   std::optional<app::TickRecord> latest_;
   std::vector<app::RobotStatus> robots_;
   std::set<int> held_;
