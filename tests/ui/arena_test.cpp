@@ -172,5 +172,26 @@ TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {
   EXPECT_EQ(gestures, 0);
 }
 
+TEST(ArenaHint, SaysAllOfALongHintInANarrowWindow) {
+  const auto ink_at = [](int width) {
+    ArenaView view;
+    view.show_experiment(app::paper_experiment());
+    view.set_hint(
+        QStringLiteral("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it"));
+    view.resize(width, 500);
+    const QImage picture = view.grab().toImage();
+    const QColor notice = colours(view.palette()).notice;
+    int inked = 0;
+    for (int y = 0; y < picture.height(); ++y)
+      for (int x = 0; x < picture.width(); ++x)
+        inked += std::abs(picture.pixelColor(x, y).hue() - notice.hue()) < 4 &&
+                 picture.pixelColor(x, y).saturation() > notice.saturation() / 2;
+    return inked;
+  };
+  const int wide = ink_at(1000), narrow = ink_at(240);
+  EXPECT_GT(wide, 5000);
+  EXPECT_GT(narrow, wide * 3 / 4) << "in one line there is room for a third of it";
+}
+
 }  // namespace
 }  // namespace skein::ui::test

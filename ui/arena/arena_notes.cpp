@@ -9,6 +9,12 @@
 #include "ui/base/tr.h"
 
 namespace skein::ui {
+namespace {
+
+constexpr double chip_beside = 10.0, chip_above = 6.0;  // between a message and its card's edges
+constexpr int chip_flags = Qt::AlignHCenter | Qt::TextWordWrap;
+
+}  // namespace
 
 void ArenaPainter::ghost() {
   if (!scene_.ghost) return;
@@ -133,36 +139,56 @@ void ArenaPainter::legend(const QRectF& widget) {
   }
 }
 
-void ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
-                        bool bold) {
+/// In as many lines as it takes; returns where it ends. In a place without a height it begins at its top, else it ends
+/// at its bottom.
+double ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
+                          bool bold) {
   p_.save();
   QFont font = p_.font();
   font.setBold(bold);
   if (bold) font.setPointSizeF(font.pointSizeF() * 1.25);
   p_.setFont(font);
-  const QFontMetricsF metrics(font);
-  const double width = std::min(where.width(), metrics.horizontalAdvance(text) + 28);
-  const QRectF card(where.center().x() - width / 2, where.top(), width, metrics.height() + 12);
+  const QSizeF size = chip_size(text, where.width());
+  const double top = where.height() > 0.0 ? where.bottom() - size.height() : where.top();
+  const QRectF card(QPointF(where.center().x() - size.width() / 2, top), size);
   p_.setPen(Qt::NoPen);
   p_.setBrush(background);
   p_.drawRoundedRect(card, 6, 6);
   p_.setPen(ink);
-  p_.drawText(card.adjusted(10, 0, -10, 0), Qt::AlignCenter, metrics.elidedText(text, Qt::ElideRight, width - 20));
+  p_.drawText(card.adjusted(chip_beside, chip_above, -chip_beside, 0), chip_flags, text);
   p_.restore();
+  return card.bottom();
+}
+
+/// With the painter's font, in a place of this width.
+QSizeF ArenaPainter::chip_size(const QString& text, double width) const {
+  constexpr double highest = 1e4, more = 8.0;  // more: than the text has, so that it is not wrapped anew
+  const QRectF room(0, 0, width - 2 * chip_beside, highest);
+  const QSizeF size = QFontMetricsF(p_.font()).boundingRect(room, chip_flags, text).size();
+  return {std::min(width, size.width() + 2 * chip_beside + more), size.height() + 2 * chip_above};
 }
 
 void ArenaPainter::banner_and_hint(const QRectF& widget) {
+  constexpr double gap = 12.0, under_tools = 44.0;
+  const double left = widget.left() + 20, width = widget.width() - 40;
+  double top = widget.top() + under_tools;
   if (!scene_.banner.isEmpty())
-    chip(QRectF(widget.left() + 20, widget.top() + 44, widget.width() - 40, 0), scene_.banner,
-         scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
-         scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
-  const double below = scene_.banner.isEmpty() ? 44 : 88;
+    top = gap + chip({left, top, width, 0}, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
+                     scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
   if (!scene_.alert.isEmpty())
-    chip(QRectF(widget.left() + 20, widget.top() + below, widget.width() - 40, 0), scene_.alert, scene_.alert_colour,
-         ink_on(scene_.alert_colour), false);
-  if (!scene_.hint.isEmpty())
-    chip(QRectF(widget.left() + 20, (map_.sheet() & widget).bottom() - 64, widget.width() - 40, 0), scene_.hint,
-         faded(c_.notice, 0.92), ink_on(c_.notice), false);
+    chip({left, top, width, 0}, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
+  if (!scene_.hint.isEmpty()) hint(widget, left, width);
+}
+
+/// Below the floor, where there is room, so that it hides no robot; else on it, above the scale.
+void ArenaPainter::hint(const QRectF& widget, double left, double width) {
+  constexpr double gap = 8.0, over_scale = 64.0;
+  const double floor_ends = (map_.sheet() & widget).bottom();
+  const bool below = floor_ends + chip_size(scene_.hint, width).height() + 2 * gap <= widget.bottom();
+  const double one_line = QFontMetricsF(p_.font()).height() + 2 * chip_above;
+  const QRectF where =
+      below ? QRectF(left, floor_ends + gap, width, 0) : QRectF(left, 0, width, floor_ends - over_scale + one_line);
+  chip(where, scene_.hint, faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 
 }  // namespace skein::ui

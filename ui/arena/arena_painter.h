@@ -35,8 +35,10 @@ class ArenaPainter {
   void note(QPointF centre, const QString& text);
   void scale_bar(const QRectF& widget);
   void legend(const QRectF& widget);
-  void chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
+  double chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
+  QSizeF chip_size(const QString& text, double width) const;
   void banner_and_hint(const QRectF& widget);
+  void hint(const QRectF& widget, double left, double width);
 
   QPointF at(double x, double y) const { return map_.to_screen({x, y}); }
 
