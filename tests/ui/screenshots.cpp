@@ -3,6 +3,7 @@
 #include <QAction>
 #include <QApplication>
 #include <QDir>
+#include <QMenu>
 #include <QSettings>
 #include <QSlider>
 #include <QTemporaryDir>
@@ -72,6 +73,19 @@ bool preview(skein::ui::MainWindow& window, const QDir& dir) {
   return shown && saved;
 }
 
+/// The menu of what can be done with robots, as it opens.
+bool menu(skein::ui::MainWindow& window, const QDir& dir) {
+  QTest::keyClick(window.findChild<skein::ui::ArenaView*>(), Qt::Key_2);  // of robot 2
+  QTest::qWait(300);                                                      // it is said five times a second
+  QMenu* robots = nullptr;
+  for (QMenu* one : window.findChildren<QMenu*>())
+    if (one->actions().contains(window.findChild<QAction*>(QStringLiteral("connect_robots_page")))) robots = one;
+  if (!robots) return false;
+  robots->ensurePolished();
+  robots->resize(robots->sizeHint());
+  return robots->grab().save(dir.filePath(QStringLiteral("menu-robots.png")));
+}
+
 /// Before a start, with a robot that is not where it should be.
 bool checks(skein::ui::MainWindow& window, const QDir& dir) {
   auto& arena = *window.findChild<skein::ui::ArenaView*>();
@@ -120,7 +134,7 @@ int main(int argc, char** argv) {
   const QDir dir(words[1]);
   const bool done = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("window.png"))) &&
                     save(window, skein::ui::Theme::dark, dir.filePath(QStringLiteral("window-dark.png"))) &&
-                    preview(window, dir) && gestures(window, dir) && checks(window, dir);
+                    preview(window, dir) && menu(window, dir) && gestures(window, dir) && checks(window, dir);
   if (!done) std::fprintf(stderr, "could not write to %s\n", argv[1]);
   window.close();
   static_cast<void>(QTest::qWaitFor([&] { return !window.isVisible(); }, 3000));
