@@ -44,6 +44,8 @@ struct Bench {
   bool unasked = true;  ///< is measured when no word is given
 };
 
+int cold_frames = 300;
+
 int report_vision(double) {
   return vision::print_vision_targets() ? done : expectation_failed;
 }
@@ -89,7 +91,7 @@ constexpr Bench table[] = {
     {"tick", "one control tick, and the law alone", [](double) { register_tick_benchmarks(); }},
     {"control", "law, avoidance and shield for 4 to 1,000 robots", [](double) { register_control_benchmarks(); }},
     {"run", "`skein run platoon.toml --csv`", [](double) { register_run_benchmark(); }},
-    {"vision", "the tag tracker, AprilTag and ArUco", [](double) { vision::register_vision_benchmarks(); },
+    {"vision", "the tag tracker, AprilTag and ArUco", [](double) { vision::register_vision_benchmarks(cold_frames); },
      report_vision},
     {"cameras", "several cameras: four frames to 64 poses, robots that cross a seam", [](double) {}, report_cameras,
      /*unasked=*/false},
@@ -150,6 +152,11 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   program.add_option("--hours", hours, "ui: its memory in a run of so many hours instead, 50 times as fast")
       ->check(CLI::Range(0.0, 24.0));
   program.add_option("--faults", radio.faults, "radio: random fault sequences; 0: none")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  program
+      .add_option("--frames", cold_frames,
+                  "vision: frames of each scene that is measured with cold caches, too; 0: none of these")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   std::uint64_t seed = 1;

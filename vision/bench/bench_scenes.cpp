@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "vision/synthetic/random.h"
 #include "vision/tags/tag_plane.h"
@@ -18,15 +19,16 @@ constexpr double arena_height = 1.5;
 struct Roundabout {
   int tags;
   double size;
+  double lap = bench_frames;  // frames of a round
 
   BenchMoment operator()(int k) const {
     const int columns = static_cast<int>(std::ceil(std::sqrt(tags)));
     const int rows = (tags + columns - 1) / columns;
-    const int turns = columns > 4 ? 3 : 1;  // in a round of the film: small cells, small circles
-    const double radius = 0.13 * bench_frames * bench_period / (2.0 * std::numbers::pi * turns);
+    const int turns = columns > 4 ? 3 : 1;  // in a lap: small cells, small circles
+    const double radius = 0.13 * lap * bench_period / (2.0 * std::numbers::pi * turns);
     BenchMoment moment;
     for (int i = 0; i < tags; ++i) {
-      const double angle = 0.7 * i + 2.0 * std::numbers::pi * turns * k / bench_frames;
+      const double angle = 0.7 * i + 2.0 * std::numbers::pi * turns * k / lap;
       const double x = arena_width * ((i % columns + 0.5) / columns - 0.5) + radius * std::cos(angle);
       const int line = i / columns;
       const double y = arena_height * ((line + 0.5) / rows - 0.5) + radius * std::sin(angle);
@@ -57,6 +59,71 @@ class Teleports {
   Roundabout roundabout_;
   std::vector<std::size_t> cell_of_;
   Random random_{11};
+};
+
+/// How far it is from the arena's middle to the picture's border. [m]
+double to_the_border(const Calibration& calibration, double along_x, double along_y) {
+  constexpr double step = 1e-3;
+  double way = 0.0;
+  for (;; way += step) {
+    const auto at = pixel_from_world(calibration, {way * along_x, way * along_y, calibration.tag_height});
+    const bool inside = at && at->x() >= 0.0 && at->y() >= 0.0 && at->x() <= calibration.width - 1.0 &&
+                        at->y() <= calibration.height - 1.0;
+    if (!inside) return way;
+  }
+}
+
+/// All robots move outwards, each by the same part of its way, until the outer ones drive along the picture's border,
+/// which cuts the paper of their tags there. A tag is in sight while all of its paper is.
+class AlongTheBorder {
+ public:
+  AlongTheBorder(const Roundabout& robots, const Calibration& calibration)
+      : robots_(robots), calibration_(calibration) {
+    // The black square stays in the picture; of the paper around it, which is an eighth wide, a half is cut off.
+    constexpr double cut_at = 0.5 + 0.125 / 2.0;
+    double most_x = 0.0, most_y = 0.0;
+    for (int k = 0; k < bench_frames; ++k)
+      for (const SyntheticTag& tag : robots_(k).tags) {
+        most_x = std::max(most_x, std::abs(tag.pose.x));
+        most_y = std::max(most_y, std::abs(tag.pose.y));
+      }
+    const auto least = [&](double x, double y) {
+      return std::min(to_the_border(calibration, x, y), to_the_border(calibration, -x, -y)) - cut_at * robots_.size;
+    };
+    out_x_ = least(1.0, 0.0) - most_x;
+    out_y_ = least(0.0, 1.0) - most_y;
+  }
+
+  BenchMoment operator()(int k) const {
+    BenchMoment moment = robots_(k);
+    for (std::size_t i = 0; i < moment.tags.size(); ++i) {
+      SyntheticTag& tag = moment.tags[i];
+      tag.pose.x += std::copysign(out_x_, tag.pose.x);
+      tag.pose.y += std::copysign(out_y_, tag.pose.y);
+      moment.in_sight[i] = in_sight(tag);
+    }
+    return moment;
+  }
+
+ private:
+  bool in_sight(const SyntheticTag& tag) const {
+    const double half = 0.5 * 1.25 * tag.size;
+    const double c = std::cos(tag.pose.theta) * half, s = std::sin(tag.pose.theta) * half;
+    for (const double x : {-1.0, 1.0})
+      for (const double y : {-1.0, 1.0}) {
+        const auto at = pixel_from_world(
+            calibration_, {tag.pose.x + c * x - s * y, tag.pose.y + s * x + c * y, calibration_.tag_height});
+        if (!at || at->x() < 1.0 || at->y() < 1.0 || at->x() > calibration_.width - 2.0 ||
+            at->y() > calibration_.height - 2.0)
+          return false;
+      }
+    return true;
+  }
+
+  Roundabout robots_;
+  Calibration calibration_;
+  double out_x_ = 0.0;  // [m]
+  double out_y_ = 0.0;
 };
 
 BenchMoment smeared(BenchMoment moment, double metres) {
@@ -173,6 +240,38 @@ std::vector<BenchScene> bench_scenes() {
       {"first frame", {.median_ms = 15.0, .recall = 100.0}},
   };
   for (BenchScene& scene : scenes) scene.targets = targets.at(scene.name);
+  return scenes;
+}
+
+std::vector<BenchScene> cold_scenes() {
+  // No simple part of a round: on its next lap a robot is elsewhere between the pixels.
+  constexpr double lap = bench_frames * std::numbers::phi / 1.5;
+  const Calibration calibration = with_tags(0.06);
+  const Roundabout sixteen{16, 0.06, lap};
+  const auto scene = [&](const std::string& name, int tags, std::function<BenchMoment(int k)> moment,
+                         const ColdTargets& targets) {
+    BenchScene made;
+    made.name = name;
+    made.calibration = calibration;
+    made.tags = tags;
+    made.periodic = false;
+    made.moment = std::move(moment);
+    made.cold = targets;
+    return made;
+  };
+  const ColdTargets usual{.times_faster = 100.0, .times_faster_p99 = 50.0};
+  const ColdTargets hard{.times_faster = 50.0, .times_faster_p99 = 15.0};
+  std::vector<BenchScene> scenes;
+  scenes.push_back(scene("n=4", 4, Roundabout{4, 0.06, lap}, {}));
+  scenes.push_back(scene("n=16", 16, sixteen, usual));
+  scenes.push_back(scene("n=64", 64, Roundabout{64, 0.06, lap}, {}));
+  scenes.push_back(scene("border", 16, AlongTheBorder(sixteen, calibration), hard));
+  scenes.push_back(scene(
+      "moving shadows", 16, [=](int k) { return with_shadows(sixteen(k), calibration, k); }, hard));
+  scenes.push_back(scene(
+      "glare", 16, [=](int k) { return with_glare(sixteen(k), calibration, k); }, hard));
+  scenes.push_back(scene("MJPEG", 16, sixteen, {.p99_ms = 3.0}));
+  scenes.back().mjpeg = true;
   return scenes;
 }
 

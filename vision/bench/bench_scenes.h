@@ -28,6 +28,13 @@ struct BenchTargets {
   double recall = nothing;        // of the tags in sight [%]; nowhere less than AprilTag's as it comes
 };
 
+/// What the tracker has to reach with cold caches, on frames that never repeat. AprilTag: tuned, likewise cold.
+struct ColdTargets {
+  double times_faster = BenchTargets::nothing;      // than AprilTag, of the medians
+  double times_faster_p99 = BenchTargets::nothing;  // of the slowest hundredth
+  double p99_ms = BenchTargets::nothing;
+};
+
 struct BenchScene {
   std::string name;
   Calibration calibration;
@@ -39,6 +46,8 @@ struct BenchScene {
   /// Frame k of a 25 Hz film; called in order.
   std::function<BenchMoment(int k)> moment;
   BenchTargets targets{};
+  ColdTargets cold{};
+  bool mjpeg = false;  // frames come as an MJPEG camera's, and are decoded first
 };
 
 inline constexpr int bench_frames = 125;      // of a round: 5 s
@@ -46,5 +55,9 @@ inline constexpr double bench_period = 0.04;  // between frames [s]
 
 /// The table of docs/vision.md.
 std::vector<BenchScene> bench_scenes();
+
+/// As users have it: no frame comes twice, for no robot ever comes back to where it was to the fraction of a pixel. To
+/// be measured with cold caches.
+std::vector<BenchScene> cold_scenes();
 
 }  // namespace skein::vision::detail

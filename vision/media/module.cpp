@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <vector>
 
 #include "vision/media/jpeg.h"
 #include "vision/media/sources.h"
@@ -28,10 +30,23 @@ bool decode_jpeg(const std::uint8_t* bytes, std::size_t size, Frame& frame) {
   }
 }
 
+bool encode_jpeg(const Frame& frame, int quality, std::vector<std::uint8_t>& bytes) {
+  const cv::Mat grey(frame.height, frame.width, CV_8U, const_cast<std::uint8_t*>(frame.grey.data()));
+  try {
+    const std::array<cv::Mat, 3> same{grey, grey, grey};
+    cv::Mat colours;
+    cv::merge(same, colours);
+    return cv::imencode(".jpg", colours, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  } catch (const cv::Exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 }  // namespace skein::vision::media
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Media skein_media_5 = {.open = skein::vision::media::open,
+const skein::vision::Media skein_media_6 = {.open = skein::vision::media::open,
                                             .decode_jpeg = skein::vision::media::decode_jpeg,
+                                            .encode_jpeg = skein::vision::media::encode_jpeg,
                                             .create_film = skein::vision::media::create_film};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "vision/frames/film.h"
 #include "vision/frames/frame.h"
@@ -24,6 +25,9 @@ struct Media {
   /// A JPEG of a camera's MJPEG stream into frame.grey, width and height. false: it is damaged.
   bool (*decode_jpeg)(const std::uint8_t* bytes, std::size_t size, Frame& frame);
 
+  /// The other way round, in colour, as cameras have it: for measurements. quality: 1 to 100. false: it is refused.
+  bool (*encode_jpeg)(const Frame& frame, int quality, std::vector<std::uint8_t>& bytes);
+
   /// See film.h.
   std::unique_ptr<FilmWriter> (*create_film)(const std::string& path, const FilmNotes& notes, FilmCoding coding,
                                              std::string& error);
@@ -31,6 +35,6 @@ struct Media {
 
 /// The one name that is looked up in the module. It carries a number, to be raised whenever Media, Frame, FrameSource
 /// or FilmWriter change, so that a module left over from another version is refused.
-inline constexpr const char* media_symbol = "skein_media_5";
+inline constexpr const char* media_symbol = "skein_media_6";
 
 }  // namespace skein::vision

@@ -7,6 +7,7 @@
 #include "vision/bench/bench_methods.h"
 #include "vision/bench/bench_scenes.h"
 #include "vision/synthetic/random.h"
+#include "vision/tags/tag_plane.h"
 #include "vision/tracker/tracker.h"
 
 namespace skein::vision {
@@ -259,6 +260,37 @@ double nees_of(const detail::BenchScene& scene, int frames) {
   }
   EXPECT_GT(count, frames) << scene.name;
   return sum / count;
+}
+
+TEST(TrackerInHardScenes, EveryColdSceneHasFramesOfItsOwnAndNoWrongPose) {
+  for (const detail::BenchScene& scene : detail::cold_scenes()) {
+    const Tally tally = run(scene, test::sanitized ? 5 : 30);
+    EXPECT_EQ(tally.recall(), 1.0) << scene.name;
+    EXPECT_EQ(tally.wrong, 0) << scene.name;
+    auto moment = scene.moment;
+    const core::Pose first = moment(0).tags[0].pose;
+    for (int k = 1; k < 400; ++k) EXPECT_GT(core::distance(moment(k).tags[0].pose, first), 1e-5) << scene.name;
+  }
+}
+
+TEST(TrackerInHardScenes, AlongTheBorderThePictureCutsPaperAndNeverAWholeTag) {
+  const auto scenes = detail::cold_scenes();
+  const auto scene = std::find_if(scenes.begin(), scenes.end(), [](const auto& s) { return s.name == "border"; });
+  ASSERT_NE(scene, scenes.end());
+  int cut = 0;
+  for (int k = 0; k < detail::bench_frames; ++k) {
+    const detail::BenchMoment moment = scene->moment(k);
+    for (std::size_t i = 0; i < moment.tags.size(); ++i) {
+      const core::Pose& pose = moment.tags[i].pose;
+      const auto at = pixel_from_world(scene->calibration, {pose.x, pose.y, scene->calibration.tag_height});
+      ASSERT_TRUE(at);
+      const double half = 0.4 * tag_edge_px(scene->calibration);
+      EXPECT_TRUE(at->x() > half && at->y() > half && at->x() < scene->calibration.width - half &&
+                  at->y() < scene->calibration.height - half);
+      cut += moment.in_sight[i] ? 0 : 1;
+    }
+  }
+  EXPECT_GT(cut, detail::bench_frames / 2);
 }
 
 TEST(TrackerInHardScenes, AnHonestCovarianceInEveryScene) {
