@@ -61,10 +61,17 @@ double tukey(double residual, double scale) {
 const TagTemplate& TagModel::sharp(double px_per_module) {
   const int level = static_cast<int>(std::lround(std::log(px_per_module) / std::log(level_ratio)));
   for (const auto& [known, tag] : sharp_)
-    if (known == level) return *tag;
+    if (known == level) return *(last_sharp_ = tag.get());
   const double sigma = sharp_sigma_px / std::pow(level_ratio, level);
   sharp_.emplace_back(level, std::make_unique<TagTemplate>(pattern_, sigma));
-  return *sharp_.back().second;
+  return *(last_sharp_ = sharp_.back().second.get());
+}
+
+void TagModel::fetch() const {
+  constexpr std::size_t line = 64;
+  if (last_sharp_ == nullptr) return;
+  const auto* const bytes = reinterpret_cast<const char*>(last_sharp_);
+  for (std::size_t at = 0; at < sizeof(TagTemplate); at += line) __builtin_prefetch(bytes + at);
 }
 
 const TagTemplate& TagModel::smooth() {

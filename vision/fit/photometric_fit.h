@@ -23,9 +23,12 @@ class TagModel {
   const TagTemplate& sharp(double px_per_module);
   /// Blurred by most of a module: a fit to it converges from further away.
   const TagTemplate& smooth();
+  /// The sharp one that was used last is on its way from memory to the caches.
+  void fetch() const;
 
  private:
   TagPattern pattern_;
+  const TagTemplate* last_sharp_ = nullptr;
   std::vector<std::pair<int, std::unique_ptr<TagTemplate>>> sharp_;
   std::unique_ptr<TagTemplate> smooth_;
 };

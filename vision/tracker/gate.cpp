@@ -1,13 +1,15 @@
 #include "vision/tracker/gate.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <numbers>
 
 #if defined(__x86_64__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 namespace skein::vision::detail {
@@ -28,8 +30,9 @@ bool near(const Gate::Place& a, const Gate::Place& b, double distance) {
 
 }  // namespace
 
-Gate::Gate(int width, int height, double edge_px)
-    : step_(std::max(2, static_cast<int>(std::lround(edge_px / 8.0)))),
+Gate::Gate(int width, int height, double edge_px, Instructions instructions)
+    : instructions_(instructions),
+      step_(std::max(2, static_cast<int>(std::lround(edge_px / 8.0)))),
       row_step_(edge_px >= 28.0 ? 2 : 1),
       columns_(width >= 2 * step_ + cell ? width / cell : 0),
       rows_(height >= 2 * step_ + cell ? height / cell : 0),
@@ -38,19 +41,75 @@ Gate::Gate(int width, int height, double edge_px)
       busy_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
       across_(busy_.size()) {}
 
-/// How many of a pixel's two comparisons, with its neighbour a step to the right and with the one a step below (to the
-/// left and above where the picture ends), find more than the threshold: 16 pixels at once, added to `count`.
 #if defined(__x86_64__)
-__m128i add_busy(__m128i count, const std::uint8_t* pixel, const std::uint8_t* below, int step, __m128i threshold) {
+#define SKEIN_GATE_AVX2 __attribute__((target("avx2")))
+
+/// What the vector instructions need of a row of cells: the pixels that are compared, and what makes a cell busy.
+struct CellRow {
+  const Frame& frame;
+  int top;        // its first row of pixels
+  int step;       // to the pixel on the right that is compared
+  int down;       // and to the one below
+  int row_step;   // rows that are looked at
+  int threshold;  // of a comparison
+  int need;       // comparisons that make a cell busy
+};
+
+/// How many of a pixel's two comparisons, with its neighbour a step to the right and with the one a step below (to the
+/// left and above where the picture ends), find more than the threshold: 16 pixels at once, four cells, which are
+/// returned as four bytes.
+inline std::uint32_t busy_of_four(const CellRow& row, int left) {
   const auto load = [](const std::uint8_t* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); };
-  const __m128i here = load(pixel);
+  const __m128i limit = _mm_set1_epi8(static_cast<char>(row.threshold));
   const __m128i one = _mm_set1_epi8(1);
-  for (const std::uint8_t* other : {pixel + step, below}) {
-    const __m128i there = load(other);
-    const __m128i apart = _mm_or_si128(_mm_subs_epu8(here, there), _mm_subs_epu8(there, here));
-    count = _mm_add_epi8(count, _mm_min_epu8(_mm_subs_epu8(apart, threshold), one));
+  __m128i count = _mm_setzero_si128();
+  for (int v = row.top; v < row.top + cell; v += row.row_step) {
+    const std::uint8_t* const pixel = row.frame.row(v) + left;
+    const __m128i here = load(pixel);
+    for (const std::uint8_t* other : {pixel + row.step, row.frame.row(v + row.down) + left}) {
+      const __m128i there = load(other);
+      const __m128i apart = _mm_or_si128(_mm_subs_epu8(here, there), _mm_subs_epu8(there, here));
+      count = _mm_add_epi8(count, _mm_min_epu8(_mm_subs_epu8(apart, limit), one));
+    }
   }
-  return count;
+  // Eight pixels make a sum of 64 bits; the even cells' become the lower half of such a lane, the odd ones' the upper.
+  const __m128i even = _mm_set1_epi64x(0xffffffffLL);
+  const __m128i zero = _mm_setzero_si128();
+  const __m128i sums = _mm_or_si128(_mm_sad_epu8(_mm_and_si128(count, even), zero),
+                                    _mm_slli_epi64(_mm_sad_epu8(_mm_andnot_si128(even, count), zero), 32));
+  const __m128i words = _mm_packs_epi32(_mm_cmpgt_epi32(sums, _mm_set1_epi32(row.need - 1)), zero);
+  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_and_si128(_mm_packs_epi16(words, zero), one)));
+}
+
+/// The same with 32 pixels at once, for as many columns of cells as fit; the next one is returned.
+SKEIN_GATE_AVX2 int busy_avx2(const CellRow& row, int columns, std::uint8_t* busy) {
+  const __m256i limit = _mm256_set1_epi8(static_cast<char>(row.threshold));
+  const __m256i one = _mm256_set1_epi8(1);
+  const __m256i even = _mm256_set1_epi64x(0xffffffffLL);
+  const __m256i zero = _mm256_setzero_si256();
+  const __m256i least = _mm256_set1_epi32(row.need - 1);
+  constexpr int cells = 8;
+  int column = 0;
+  for (; column + cells <= columns && (column + cells) * cell + row.step <= row.frame.width; column += cells) {
+    __m256i count = zero;
+    for (int v = row.top; v < row.top + cell; v += row.row_step) {
+      const std::uint8_t* const pixel = row.frame.row(v) + column * cell;
+      const __m256i here = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(pixel));
+      for (const std::uint8_t* other : {pixel + row.step, row.frame.row(v + row.down) + column * cell}) {
+        const __m256i there = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(other));
+        const __m256i apart = _mm256_or_si256(_mm256_subs_epu8(here, there), _mm256_subs_epu8(there, here));
+        count = _mm256_add_epi8(count, _mm256_min_epu8(_mm256_subs_epu8(apart, limit), one));
+      }
+    }
+    const __m256i sums =
+        _mm256_or_si256(_mm256_sad_epu8(_mm256_and_si256(count, even), zero),
+                        _mm256_slli_epi64(_mm256_sad_epu8(_mm256_andnot_si256(even, count), zero), 32));
+    const __m256i over = _mm256_cmpgt_epi32(sums, least);
+    const __m128i words = _mm_packs_epi32(_mm256_castsi256_si128(over), _mm256_extracti128_si256(over, 1));
+    const __m128i bytes = _mm_and_si128(_mm_packs_epi16(words, words), _mm_set1_epi8(1));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(busy + column), bytes);
+  }
+  return column;
 }
 #endif
 
@@ -62,21 +121,12 @@ void Gate::count_busy(const Frame& frame, int first, int last, int threshold) {
     const int down = (r + 1) * cell + step_ <= frame.height ? step_ : -step_;
     int column = 0;
 #if defined(__x86_64__)
-    const __m128i limit = _mm_set1_epi8(static_cast<char>(threshold));
-    const __m128i even = _mm_set1_epi64x(0xffffffffLL);  // of the cells
-    for (; (column + 4) * cell + step_ <= frame.width; column += 4) {
-      __m128i count = _mm_setzero_si128();
-      for (int v = r * cell; v < (r + 1) * cell; v += row_step_) {
-        count = add_busy(count, frame.row(v) + column * cell, frame.row(v + down) + column * cell, step_, limit);
-      }
-      const __m128i zero = _mm_setzero_si128();
-      alignas(16) std::uint64_t sums[4];
-      _mm_store_si128(reinterpret_cast<__m128i*>(sums), _mm_sad_epu8(_mm_and_si128(count, even), zero));
-      _mm_store_si128(reinterpret_cast<__m128i*>(sums + 2), _mm_sad_epu8(_mm_andnot_si128(even, count), zero));
-      busy[column] = static_cast<int>(sums[0]) >= need;
-      busy[column + 1] = static_cast<int>(sums[2]) >= need;
-      busy[column + 2] = static_cast<int>(sums[1]) >= need;
-      busy[column + 3] = static_cast<int>(sums[3]) >= need;
+    const CellRow row{frame, r * cell, step_, down, row_step_, threshold, need};
+    if (instructions_ == Instructions::avx2) column = busy_avx2(row, columns_, busy);
+    constexpr int cells = 4;
+    for (; column + cells <= columns_ && (column + cells) * cell + step_ <= frame.width; column += cells) {
+      const std::uint32_t four = busy_of_four(row, column * cell);
+      std::memcpy(busy + column, &four, sizeof four);
     }
 #endif
     for (; column < columns_; ++column) {
@@ -102,24 +152,41 @@ void Gate::scan(const Frame& frame, int first, int last, int threshold) {
   for (int r = first; r < last; ++r) {
     const std::uint8_t* busy = busy_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
     std::uint8_t* across = across_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
-    int sum = 0;
-    for (int c = 0; c < columns_; ++c) {
-      sum += busy[c] - (c >= square_ ? busy[c - square_] : 0);
-      if (c + 1 >= square_) across[c + 1 - square_] = static_cast<std::uint8_t>(sum);
-    }
+    const int squares = columns_ - square_ + 1;
+    if (squares <= 0) continue;
+    std::copy_n(busy, squares, across);
+    for (int k = 1; k < square_; ++k)
+      for (int c = 0; c < squares; ++c) across[c] = static_cast<std::uint8_t>(across[c] + busy[c + k]);
   }
+}
+
+/// The next column from `c` on, before `end`, with at least so many busy cells; `end`: there is none.
+int next_column(const std::uint8_t* across, int c, int end, int least) {
+#if defined(__x86_64__)
+  constexpr int columns = 16;
+  const __m128i wanted = _mm_set1_epi8(static_cast<char>(least));
+  for (; c + columns <= end; c += columns) {
+    const __m128i here = _mm_loadu_si128(reinterpret_cast<const __m128i*>(across + c));
+    const int found = _mm_movemask_epi8(_mm_cmpeq_epi8(_mm_max_epu8(here, wanted), here));
+    if (found != 0) return c + std::countr_zero(static_cast<unsigned>(found));
+  }
+#endif
+  while (c < end && across[c] < least) ++c;
+  return c;
 }
 
 const std::vector<Gate::Place>& Gate::places(int first, int last, const std::vector<Place>& known, double apart) {
   marks_.clear();
   places_.clear();
   const int need = static_cast<int>(std::ceil(filled * square_ * square_ - 1e-9));
-  const int least_across = square_ - (square_ * square_ - need);  // or too much is missing in one row already
+  // Or too much is missing in one row already.
+  const int least_across = std::max(0, square_ - (square_ * square_ - need));
   const double middle = 0.5 * square_ * cell - 0.5;
   for (int r = std::max(0, first); r < std::min(last, rows_ - square_ + 1); ++r) {
     const std::uint8_t* across = across_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
-    for (int c = 0; c + square_ <= columns_; ++c) {
-      if (across[c] < least_across) continue;
+    const int end = columns_ - square_ + 1;
+    for (int c = next_column(across, 0, end, least_across); c < end;
+         c = next_column(across, c + 1, end, least_across)) {
       int sum = 0;
       for (int k = 0; k < square_; ++k) sum += across[c + k * columns_];
       if (sum < need) continue;

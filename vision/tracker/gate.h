@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "vision/fit/sampling.h"
 #include "vision/frames/frame.h"
 
 namespace skein::vision::detail {
@@ -19,8 +20,8 @@ class Gate {
     double v = 0.0;
   };
 
-  /// edge_px: of a tag's black square, at the least.
-  Gate(int width, int height, double edge_px);
+  /// edge_px: of a tag's black square, at the least. The places are the same with all instructions.
+  Gate(int width, int height, double edge_px, Instructions instructions = best_instructions());
 
   /// Rows of cells.
   int rows() const { return rows_; }
@@ -37,6 +38,7 @@ class Gate {
  private:
   void count_busy(const Frame& frame, int first, int last, int threshold);
 
+  Instructions instructions_;
   int step_;      // between the two pixels that are compared: about a module [px]
   int row_step_;  // rows that are looked at: all, or every other
   int columns_;

@@ -88,7 +88,8 @@ TrackerParts::TrackerParts(Calibration c, TrackerOptions o)
       detector(DetectorOptions{.threads = options.threads}),
       edge_px(tag_edge_px(calibration)),
       decimate(options.decimate > 0.0 ? options.decimate : decimate_for_edge(edge_px)),
-      gate(calibration.width, calibration.height, std::max(8.0, edge_px)),
+      gate(calibration.width, calibration.height, std::max(8.0, edge_px),
+           options.baseline ? detail::Instructions::baseline : detail::best_instructions()),
       wanted(make_wanted(options.tags)),
       search_parts(overlapping_parts(calibration.width, calibration.height, std::max(1, options.search_parts),
                                      options.window * std::max(8.0, edge_px))) {
@@ -190,16 +191,47 @@ void TrackerParts::begin(std::span<const SeenElsewhere> elsewhere) {
   }
 }
 
+/// A robot drives where it is heading: its velocity turns with it, by what it turns from the middle of the last two
+/// sights to the middle of the last one and this. On a circle, what is left is too little for a second look.
 core::Pose TrackerParts::predict(const WantedTag& tag, double captured_at) const {
   const double elapsed = std::clamp(captured_at - tag.last_seen_at, 0.0, follow_for);
-  return {tag.last.x + tag.velocity.x * elapsed, tag.last.y + tag.velocity.y * elapsed,
+  const double turned = tag.velocity.theta * 0.5 * (tag.velocity_over + elapsed);
+  const double c = std::cos(turned) * elapsed, s = std::sin(turned) * elapsed;
+  return {tag.last.x + c * tag.velocity.x - s * tag.velocity.y, tag.last.y + s * tag.velocity.x + c * tag.velocity.y,
           core::wrap_angle(tag.last.theta + tag.velocity.theta * elapsed)};
 }
 
+/// What a fit to this tag will read is on its way from memory while others are fitted: since the last frame, other work
+/// has had the caches.
+void TrackerParts::fetch(const Frame& frame, const WantedTag& tag) {
+  constexpr double around = 0.12;  // the fit's reach and how far a robot drives in a frame, in edges
+  constexpr int line = 64;         // of a cache [bytes]
+  const Corners& corners = tag.pose.corners;
+  const auto [left, right] = std::minmax({corners[0][0], corners[1][0], corners[2][0], corners[3][0]});
+  const auto [top, bottom] = std::minmax({corners[0][1], corners[1][1], corners[2][1], corners[3][1]});
+  const double more = around * tag.edge_px;
+  const int first = std::max(0, static_cast<int>(left - more));
+  const int last = std::min(frame.width - 1, static_cast<int>(right + more));
+  const int end = std::min(frame.height, static_cast<int>(bottom + more) + 1);
+  for (int row = std::max(0, static_cast<int>(top - more)); row < end; ++row) {
+    const std::uint8_t* const pixels = frame.row(row);
+    for (int at = first; at < last; at += line) __builtin_prefetch(pixels + at);
+    __builtin_prefetch(pixels + last);
+  }
+  tag.model.fetch();
+}
+
 void TrackerParts::follow(const Frame& frame) {
-  for (WantedTag& tag : wanted) {
+  // So many tags ahead: the memory is as busy as it can be.
+  constexpr std::size_t ahead = 2;
+  for (std::size_t i = 0; i < std::min(ahead, wanted.size()); ++i)
+    if (wanted[i].following) fetch(frame, wanted[i]);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (i + ahead < wanted.size() && wanted[i + ahead].following) fetch(frame, wanted[i + ahead]);
+    WantedTag& tag = wanted[i];
     if (!tag.following) continue;
     detail::Fit fit = fitter.fit(frame, tag.model, predict(tag, frame.captured_at));
+    counters.looks += fit.looks;
     // It may have stopped short.
     const bool moved = tag.velocity.x != 0.0 || tag.velocity.y != 0.0 || tag.velocity.theta != 0.0;
     switch (fit.verdict) {
@@ -317,7 +349,10 @@ void TrackerParts::conclude(const Frame& frame) {
       // Put elsewhere, or turned by hand: no prediction then.
       const bool plausible =
           std::hypot(velocity.x, velocity.y) <= 2.0 * options.max_speed && std::abs(velocity.theta) <= fastest_turn;
-      if (plausible) tag.velocity = velocity;
+      if (plausible) {
+        tag.velocity = velocity;
+        tag.velocity_over = elapsed;
+      }
     }
     tag.pose.how = !tag.ever_seen ? How::detected : tag.predicted ? How::tracked : How::recovered;
     poses.push_back(tag.pose);

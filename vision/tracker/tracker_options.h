@@ -87,6 +87,7 @@ struct TrackerCounters {
   std::int64_t wrong_frames = 0;   // frames whose size is not the calibration's: nothing is looked for in them
   std::int64_t fits = 0;           // photometric fits that found their tag
   std::int64_t failed_fits = 0;    // and that did not
+  std::int64_t looks = 0;          // at the picture, that fits from predicted poses took
   std::int64_t gates = 0;          // frames in which the gate looked over the whole picture
   std::int64_t windows = 0;        // small parts of a frame that AprilTag has searched
 
@@ -105,6 +106,7 @@ struct TrackerCounters {
     wrong_frames += more.wrong_frames;
     fits += more.fits;
     failed_fits += more.failed_fits;
+    looks += more.looks;
     gates += more.gates;
     windows += more.windows;
     return *this;

@@ -24,8 +24,9 @@ struct WantedTag {
   bool ambiguous = false;  // two of it were seen: nobody knows which is the robot until a full search finds one alone
   core::Pose last;         // where it was last seen
   double last_seen_at = 0.0;
-  int missed = 0;       // frames since
-  core::Pose velocity;  // per second, from the last two poses; zero where there are no two
+  int missed = 0;              // frames since
+  core::Pose velocity;         // per second, from the last two poses; zero where there are no two
+  double velocity_over = 0.0;  // the time between these two [s]
   double edge_px = 0.0;
   double contrast = 0.0;       // between its ink and its paper [grey levels]
   double noise = 0.0;          // of a pixel on it [grey levels]
@@ -89,6 +90,7 @@ struct TrackerParts {
   void look_at_gate(const Frame& frame);  // the gate, and AprilTag where it points to
   void search(const Frame& frame);        // AprilTag over the full frame or a part of it, where it is due
   void audit(const Frame& frame);         // a strip of the gate, for second copies
+  static void fetch(const Frame& frame, const WantedTag& tag);
   void reject(std::int64_t& reason);
   void compare_shapes();
   void conclude(const Frame& frame);

@@ -262,6 +262,13 @@ double nees_of(const detail::BenchScene& scene, int frames) {
   return sum / count;
 }
 
+TEST(TrackerInHardScenes, ARobotOnACircleIsWhereItIsExpected) {
+  const Tally tally = run(scene_called("n=16"), 60);
+  ASSERT_GT(tally.counters.fits, 500);
+  EXPECT_LT(static_cast<double>(tally.counters.looks), 1.25 * static_cast<double>(tally.counters.fits))
+      << "2 looks at the picture where the velocity does not turn with the robot";
+}
+
 TEST(TrackerInHardScenes, EveryColdSceneHasFramesOfItsOwnAndNoWrongPose) {
   for (const detail::BenchScene& scene : detail::cold_scenes()) {
     const Tally tally = run(scene, test::sanitized ? 5 : 30);
