@@ -56,7 +56,7 @@ detail::BenchScene scene_called(const std::string& name) {
   return {};
 }
 
-Tally run(detail::BenchScene scene, int frames, bool baseline = false) {
+Tally run(const detail::BenchScene& scene, int frames, bool baseline = false) {
   if (test::sanitized) frames = std::min(frames, 66);  // long enough for whatever a scene does to be over
   SyntheticCamera camera(scene.calibration, scene.options, 3);
   TrackerOptions options;
@@ -65,8 +65,9 @@ Tally run(detail::BenchScene scene, int frames, bool baseline = false) {
   TagTracker tracker(scene.calibration, options);
   Tally tally;
   Frame frame;
+  const auto moment_of = scene.moment;  // a copy, which may have a memory
   for (int k = 0; k < frames; ++k) {
-    const detail::BenchMoment moment = scene.moment(k);
+    const detail::BenchMoment moment = moment_of(k);
     camera.render(moment.tags, moment.discs, detail::bench_period * k, frame);
     tally.add(moment, tracker.process(frame));
   }
@@ -137,7 +138,7 @@ TEST(TrackerInHardScenes, TheSameTwiceAndWithoutAvx2) {
 }
 
 /// Twelve robots stand or drive; something else is done to them.
-detail::BenchScene with(std::function<void(detail::BenchMoment&, int)> change) {
+detail::BenchScene with(const std::function<void(detail::BenchMoment&, int)>& change) {
   detail::BenchScene scene = scene_called("n=16");
   scene.moment = [moment = scene.moment, change](int k) {
     detail::BenchMoment m = moment(k);
