@@ -37,7 +37,7 @@ namespace {
 struct Bench {
   const char *name, *what;
   /// Registers with Google Benchmark, which runs all of it. `seconds`: how long each measurement takes that does not
-  /// know by itself.
+  /// know by itself. Null: it has none.
   void (*add)(double seconds);
   /// After they have run: what was to be reached, or measurements of its own, on stdout; an exit status. May be null.
   int (*report)(double seconds) = nullptr;
@@ -93,24 +93,22 @@ constexpr Bench table[] = {
     {"run", "`skein run platoon.toml --csv`", [](double) { register_run_benchmark(); }},
     {"vision", "the tag tracker, AprilTag and ArUco", [](double) { vision::register_vision_benchmarks(cold_frames); },
      report_vision},
-    {"cameras", "several cameras: four frames to 64 poses, robots that cross a seam", [](double) {}, report_cameras,
+    {"cameras", "several cameras: four frames to 64 poses, robots that cross a seam", nullptr, report_cameras,
      /*unasked=*/false},
-    {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", [](double) {},
+    {"controllers", "users' controllers: what one adds to the tick; --runs under adversaries", nullptr,
      report_controllers, /*unasked=*/false},
-    {"identify", "what `skein identify` finds of 1,000 robots that are known", [](double) {}, report_identify,
+    {"identify", "what `skein identify` finds of 1,000 robots that are known", nullptr, report_identify,
      /*unasked=*/false},
-    {"latency", "what `skein camera latency` finds of stamps that are late by a known time", [](double) {},
+    {"latency", "what `skein camera latency` finds of stamps that are late by a known time", nullptr,
      [](double) { return bench_latency(); },
      /*unasked=*/false},
-    {"planner", "what planning costs a tick: 30 robots anywhere, kicks of the platoon", [](double) {}, report_planner},
-    {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", [](double) {},
-     report_swaps,
+    {"planner", "what planning costs a tick: 30 robots anywhere, kicks of the platoon", nullptr, report_planner},
+    {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", nullptr, report_swaps,
      /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios; --faults at random", [](double) { register_radio_benchmarks(); },
      report_radio},
-    {"motors", "steady tracking error of emulated e-pucks at 0.05 m/s", [](double) {},
-     [](double) { return bench_motors(); }},
+    {"motors", "steady tracking error of emulated e-pucks at 0.05 m/s", nullptr, [](double) { return bench_motors(); }},
     {"publish", "`--publish` to a receiver that stalls, 30 robots in real time", register_publish_benchmark},
     {"runs", "a search in 10,000 kept runs", [](double) { register_runs_benchmark(); }},
     {"loopback", "camera, tracker and protocol in real time (84 s)", [](double) { register_loopback_benchmark(); }},
@@ -198,8 +196,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     return wrong_input;
   }
   const auto asked = [&](const Bench& bench) { return what.empty() ? bench.unasked : what == bench.name; };
+  bool any = false;
   for (const Bench& bench : table)
-    if (asked(bench)) bench.add(seconds);
+    if (asked(bench) && bench.add != nullptr) bench.add(seconds), any = true;
 
   std::string name = "skein-bench";
   std::vector<std::string> extras = program.remaining();
@@ -209,7 +208,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   words.push_back(nullptr);
   benchmark::Initialize(&count, words.data());
   if (benchmark::ReportUnrecognizedArguments(count, words.data())) return wrong_input;
-  benchmark::RunSpecifiedBenchmarks();
+  if (any) benchmark::RunSpecifiedBenchmarks();  // says that none was found otherwise
   int status = done;
   for (const Bench& bench : table)
     if (asked(bench) && bench.report != nullptr) status = std::max(status, bench.report(seconds));

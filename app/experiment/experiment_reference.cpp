@@ -64,7 +64,7 @@ void for_each_moment(const Experiment& e, const core::Reference& reference, Visi
     constexpr double most_moments = 20000;
     const double end = std::min(e.duration, last_arrival(e));
     const double moments = std::clamp(std::ceil(end * reference.demand(0.0).v / way), 1.0, most_moments);
-    for (double k = 0.0; k <= moments; ++k) visit(end * k / moments);
+    for (int k = 0; k <= static_cast<int>(moments); ++k) visit(end * k / moments);
     return;
   }
   constexpr int samples = 1000;
@@ -315,6 +315,7 @@ void exchange_places(Experiment& e, Problems& problems) {
     }
   const std::vector<std::size_t> place = core::cheapest_assignment(squared);
   std::vector<core::Point> ends;
+  ends.reserve(e.robots.size());
   for (const RobotSpec& robot : e.robots) ends.push_back(robot.trajectory->path.points.back());
   for (std::size_t i = 0; i < e.robots.size(); ++i) e.robots[i].trajectory->path.points.back() = ends[place[i]];
 }

@@ -91,8 +91,9 @@ void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
       double to_obstacles = std::numeric_limits<double>::infinity();
       for (const Obstacle& o : close_)
         to_obstacles = std::min(to_obstacles, std::hypot(best.x - o.x, best.y - o.y) - o.radius - keep_);
-      if (to_obstacles < beside && to_obstacles > -cell_)
-        for (double step = 0.25 * cell_; step > 0.02 * cell_; step *= 0.5)
+      if (to_obstacles < beside && to_obstacles > -cell_) {
+        double step = 0.5 * cell_;
+        while ((step *= 0.5) > 0.02 * cell_)
           for (bool moved = true; moved;) {
             moved = false;
             const Place from = best;
@@ -103,6 +104,7 @@ void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
               if (more > room + 1e-6) best = there, room = more, moved = true;
             }
           }
+      }
       places_[v] = best;
       free_[v] = room >= 0.0;
     }

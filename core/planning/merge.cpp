@@ -79,7 +79,8 @@ void Merge::find_ways_into_obstacles() noexcept {
     return lattice_->free(in.x, in.y);
   };
   constexpr std::size_t never_yet = 2 * times;
-  for (double stretch = query_.stays_free; stretch > least; stretch *= 0.5) {
+  double stretch = 2.0 * query_.stays_free;
+  while ((stretch *= 0.5) > least) {
     const auto steps = static_cast<std::size_t>(stretch / time_step) + 1;
     std::size_t entry = never_yet, soonest = never_yet;  // the next, of the times that follow
     bool free_then = free(times + steps);
@@ -332,7 +333,8 @@ void Merge::go_aside() noexcept {
 /// later.
 bool Merge::come_beside(const Start& from, double back, double aside, double after, Start& start) noexcept {
   Course course, soonest;
-  for (double t = std::max(from.wait, after) + time_step; t < std::min(look_ahead, query_.before); t += time_step) {
+  double t = std::max(from.wait, after);
+  while ((t += time_step) < std::min(look_ahead, query_.before)) {
     const Pose on = place(t).pose;
     const double c = std::cos(on.theta), n = std::sin(on.theta);
     const ReferencePoint beside{{on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta},

@@ -103,7 +103,8 @@ void Planner::watch(std::size_t i, const Scene& scene, std::span<const Reference
   if (!follows && robot.state != State::driving) return;
   constexpr double step = 0.2;
   Pose before = scene.poses[i];
-  for (double ahead = step; ahead < sees_ahead; ahead += step) {
+  double ahead = 0.0;
+  while ((ahead += step) < sees_ahead) {
     const Pose there = follows ? reference_->at(i, scene.t + ahead).pose : robot.route.at(robot.clock + ahead).pose;
     bool meets = false;
     if (const Lattice::Place in = lattice_.inside(there.x, there.y);

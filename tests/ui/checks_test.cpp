@@ -59,6 +59,20 @@ TEST_F(Checks, NameARobotOutOfItsPlaceAndBringItBack) {
   EXPECT_TRUE(eventually([&] { return running(); }));
 }
 
+TEST_F(Checks, ShowWholeWhatFails) {
+  open_and_wait();
+  drag(robot(1), floor(0.0, 0.0));
+  ASSERT_TRUE(eventually([&] { return seen(); }));
+  const auto whole = [&](const char* name) {
+    return eventually([&] { return find(name)->visibleRegion() == QRegion(find(name)->rect()); });
+  };
+  for (const char* name : {"check_camera", "check_gains", "check_places", "mend_places"})
+    EXPECT_TRUE(whole(name)) << name << " at 1280x800";
+  window.resize(800, 600);
+  EXPECT_TRUE(whole("check_places")) << "where there is no room for all";
+  EXPECT_TRUE(whole("mend_places"));
+}
+
 TEST_F(Checks, AreOverruledWhereThatEndangersNobody) {
   open_and_wait();
   drag(robot(1), floor(0.0, 0.0));

@@ -2,10 +2,13 @@
 
 #include <QEvent>
 #include <QGridLayout>
-#include <QScrollArea>
+#include <QResizeEvent>
+#include <QTimer>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <array>
 #include <tuple>
+#include <utility>
 
 #include "ui/base/palette.h"
 
@@ -39,19 +42,21 @@ constexpr std::array entries{
 }  // namespace
 
 CheckList::CheckList(QWidget* parent)
-    : QWidget(parent), anyway_(new QPushButton(tr("Start anyway"), this)), list_(new QWidget) {
+    : QWidget(parent),
+      anyway_(new QPushButton(tr("Start anyway"), this)),
+      scroll_(new QScrollArea(this)),
+      list_(new QWidget) {
   setObjectName(QStringLiteral("check_list"));
   setAccessibleName(tr("Before the start"));
   setAutoFillBackground(true);
-  auto* scroll = new QScrollArea(this);
-  scroll->setWidget(list_);
-  scroll->setWidgetResizable(true);
-  scroll->setFrameShape(QFrame::NoFrame);
-  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  scroll->setFocusPolicy(Qt::NoFocus);
+  scroll_->setWidget(list_);
+  scroll_->setWidgetResizable(true);
+  scroll_->setFrameShape(QFrame::NoFrame);
+  scroll_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scroll_->setFocusPolicy(Qt::NoFocus);
   auto* outer = new QVBoxLayout(this);
   outer->setContentsMargins(0, 0, 0, 0);
-  outer->addWidget(scroll);
+  outer->addWidget(scroll_);
   setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Maximum);
   auto* layout = new QGridLayout(list_);
   layout->setContentsMargins(10, 6, 10, 6);
@@ -93,8 +98,10 @@ CheckList::CheckList(QWidget* parent)
   layout->addWidget(anyway_, static_cast<int>(entries.size()) - 2, 3);
 }
 
+/// High enough for reasons of several lines.
 QSize CheckList::sizeHint() const {
-  return list_->sizeHint();
+  const QSize hint = list_->sizeHint();
+  return {hint.width(), width() > 0 ? list_->layout()->totalHeightForWidth(width()) : hint.height()};
 }
 
 void CheckList::show_checks(const std::vector<app::Check>& checks) {
@@ -135,6 +142,25 @@ void CheckList::dress() {
     if (row.mend) row.mend->setVisible(fails);
   }
   anyway_->setVisible(app::may_start(checks_) && !app::all_hold(checks_));
+  updateGeometry();
+  const auto fails = [](const app::Check& check) { return check.state == app::Check::State::fails; };
+  const auto first = std::find_if(checks_.begin(), checks_.end(), fails);
+  const auto amiss = first == checks_.end() ? std::nullopt : std::optional(first->what);
+  if (amiss != std::exchange(amiss_, amiss)) scroll_to_amiss();
+}
+
+/// Once the rows have their places.
+void CheckList::scroll_to_amiss() {
+  if (!amiss_) return;
+  const Row& row = rows_[static_cast<std::size_t>(*amiss_)];
+  QWidget* const highest = row.mend ? static_cast<QWidget*>(row.mend) : row.reason;
+  QTimer::singleShot(0, this, [this, highest] { scroll_->ensureWidgetVisible(highest, 0, 4); });
+}
+
+void CheckList::resizeEvent(QResizeEvent* event) {
+  if (event->size().width() != event->oldSize().width()) updateGeometry();
+  scroll_to_amiss();
+  QWidget::resizeEvent(event);
 }
 
 void CheckList::changeEvent(QEvent* event) {

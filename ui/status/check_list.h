@@ -2,7 +2,9 @@
 
 #include <QLabel>
 #include <QPushButton>
+#include <QScrollArea>
 #include <QWidget>
+#include <optional>
 #include <vector>
 
 #include "app/session/readiness.h"
@@ -26,6 +28,7 @@ class CheckList final : public QWidget {
 
  protected:
   void changeEvent(QEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
 
  private:
   struct Row {
@@ -33,11 +36,14 @@ class CheckList final : public QWidget {
     QPushButton* mend;  // none: nothing to press
   };
   void dress();
+  void scroll_to_amiss();
 
   std::vector<app::Check> checks_;
   std::vector<Row> rows_;
   QPushButton* anyway_;
-  QWidget* list_;  // scrolls where there is little room
+  QScrollArea* scroll_;  // where there is little room
+  QWidget* list_;
+  std::optional<app::Check::What> amiss_;  // the first that is, which is scrolled to
 };
 
 }  // namespace skein::ui
