@@ -141,6 +141,7 @@ void ResultPanel::show_timing(const QString& text) {
 void ResultPanel::show_kicks() {
   const std::vector<RunResults::Kick> kicks = results_->kicks();
   std::vector<std::vector<RunResults::Kick>> others;
+  others.reserve(others_.size());
   for (const Beside& other : others_) others.push_back(other.results->kicks());
   table_->setColumnHidden(against, others_.empty());
   table_->setRowCount(static_cast<int>(kicks.size()));

@@ -408,7 +408,7 @@ RunSource::Done LiveRun::hold_robot(std::size_t robot, bool hold) {
 }
 
 RunSource::Done LiveRun::test_robot(std::size_t robot) {
-  const Done begun = post([&](app::Session& session) { return session.check_wheels(robot); });
+  Done begun = post([&](app::Session& session) { return session.check_wheels(robot); });
   tests_ = tests_ || begun.has_value();
   return begun;
 }
