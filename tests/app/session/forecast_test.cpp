@@ -3,7 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "app/experiment/experiment_file.h"
 #include "app/session/session.h"
@@ -47,7 +53,10 @@ void follow(Forecast& forecast, const std::vector<TickRecord>& rows, double t) {
 
 /// The first row of `ahead` that is not that of the run, bit for bit; -1: none is.
 int first_different(const std::vector<TickRecord>& rows, std::size_t after, const std::vector<TickRecord>& ahead) {
-  const auto same = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  const auto bits = [](const auto& value) {
+    return std::bit_cast<std::array<std::uint64_t, sizeof(value) / sizeof(std::uint64_t)>>(value);
+  };
+  const auto same = [&](const auto& a, const auto& b) { return bits(a) == bits(b); };
   for (std::size_t k = 0; k < ahead.size(); ++k) {
     const TickRecord &is = rows.at(after + 1 + k), &was = ahead[k];
     if (!same(is.t, was.t) || !same(is.k_xx, was.k_xx) || !same(is.V, was.V)) return static_cast<int>(k);
