@@ -73,19 +73,21 @@ void Merge::find_ways_into_obstacles() noexcept {
   leads_into_obstacle_.fill(0);
   lane_blocked_ = false;
   if (!lattice_->has_obstacles() || query_.stays_free <= 0.0) return;
-  const auto free = [&](std::size_t k) {
+  const double longest = std::min(query_.stays_free, look_ahead - time_step);
+  const auto last = times + static_cast<std::size_t>(longest / time_step) + 1;
+  for (std::size_t k = 0; k <= last; ++k) {
     const Pose at = place(time_step * static_cast<double>(k)).pose;
     const Lattice::Place in = lattice_->inside(at.x, at.y);
-    return lattice_->free(in.x, in.y);
-  };
+    free_at_[k] = lattice_->free(in.x, in.y) ? 1 : 0;
+  }
   constexpr std::size_t never_yet = 2 * times;
-  double stretch = 2.0 * query_.stays_free;
+  double stretch = 2.0 * longest;
   while ((stretch *= 0.5) > least) {
     const auto steps = static_cast<std::size_t>(stretch / time_step) + 1;
     std::size_t entry = never_yet, soonest = never_yet;  // the next, of the times that follow
-    bool free_then = free(times + steps);
+    bool free_then = free_at_[times + steps] != 0;
     for (std::size_t k = times + steps; k-- > 0;) {
-      const bool free_now = free(k);
+      const bool free_now = free_at_[k] != 0;
       if (free_now && !free_then) entry = k + 1;
       free_then = free_now;
       if (k >= times) continue;

@@ -135,6 +135,7 @@ class Merge {
   static constexpr double look_ahead = 40.0;  // [s]
   static constexpr double time_step = 0.25;   // [s]
   static constexpr auto times = static_cast<std::size_t>(look_ahead / time_step) + 1;
+  std::array<std::uint8_t, 2 * times> free_at_{};          // of obstacles is the place, after that many time steps
   std::array<std::uint8_t, times> leads_into_obstacle_{};  // at that many time steps, or soon after
   bool lane_blocked_ = false;                              // at any of them
   double lane_free_from_ = 0.0;                            // behind the first obstacle [s]

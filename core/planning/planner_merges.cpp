@@ -150,11 +150,14 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
   }
 
+  // Longer than it looks ahead, or it would leave its place again at once.
+  const auto stays_free = [&m] { return m.around ? sees_ahead + 0.5 : 0.0; };
+  like.stays_free = stays_free();
   double soonest = 0.0;
   const auto begin = [&](bool around) {
     m.searched = m.count;
     m.around = around;
-    like.stays_free = around ? sees_ahead + 0.5 : 0.0;
+    like.stays_free = stays_free();
     m.next = {};
     m.decided = false;
     m.began = scene.t;
@@ -175,10 +178,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   const auto settle = [&] {
     soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
   };
-  if (m.searched != m.count)
-    begin(lattice_.has_obstacles());
-  else
-    like.stays_free = m.around ? sees_ahead + 0.5 : 0.0;
+  if (m.searched != m.count) begin(lattice_.has_obstacles());
   settle();
   const ReferenceDemand demand = reference_->demand(gains.k_y);
   const double hurry = demand.v > 0.0 && demand.turning > 0.0
