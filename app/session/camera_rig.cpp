@@ -190,9 +190,7 @@ std::function<VideoStatus()> CameraRig::end_film() {
 }
 
 void CameraRig::film_frame() {
-  if (!recorder_) return;
-  const std::lock_guard lock(film_mutex_);
-  if (film_ended_) return;
+  if (!recorder_ || film_ended_) return;
   if (clock_.wall())
     recorder_->offer(frame_);
   else
@@ -498,6 +496,9 @@ void CameraRig::work_off() {
   answer_question();
   explain_absences();
   watch_marks();
+  // A film that ends while the tick has these poses already, and their frame is not in the film, would lack a frame of
+  // the run.
+  const std::lock_guard lock(film_mutex_);
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();

@@ -153,8 +153,8 @@ class CameraRig {
   std::atomic<bool> awaited_{false};              // a real camera that has not opened yet; then the thread owns source_
   std::string why_awaited_;                       // set before the thread begins
   std::shared_ptr<vision::Recorder> recorder_;
-  std::mutex film_mutex_;      // of this; only who ends the film makes the camera's thread wait
-  bool film_ended_ = false;    // whoever ended it completes it
+  std::mutex film_mutex_;      // held from a frame's poses until it is in the film; free but for who ends the film
+  bool film_ended_ = false;    // under the mutex; whoever ended it completes it
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
   bool pictures_;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/experiment/experiment_file.h"
+#include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::app {
@@ -64,6 +65,33 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
   EXPECT_TRUE(why[0].sentence.starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << why[0].sentence;
   EXPECT_EQ(why[1].sentence, "no tag 2 is in the picture");
+}
+
+TEST(CameraRig, AFilmThatIsEndedHasEveryFrameWhosePosesWereGiven) {
+  const Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml");
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    SessionClock clock(true);
+    SimulatedWorld world(experiment);
+    auto rig = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
+    ASSERT_TRUE(rig) << rig.error();
+    const std::string path = lab.folder / fmt::format("ended-{}.mkv", repeat);
+    ASSERT_TRUE((*rig)->keep(path));
+    (*rig)->start();
+    std::vector<core::Measurement> measurements(experiment.robots.size());
+    FrameTimes times;
+    while (!(*rig)->newest(measurements, times)) {
+    }
+    const auto complete = (*rig)->end_film();  // at once, as a run may end with the tick that takes these poses
+    ASSERT_TRUE(complete);
+    EXPECT_EQ(complete().dropped, 0);
+    (*rig)->end();
+    auto film = vision::open_source("video:" + path);
+    ASSERT_TRUE(film) << film.error();
+    double last = -1.0;
+    for (vision::Frame frame; (*film)->read(frame).value();) last = frame.captured_at;
+    EXPECT_GE(last, times.captured_at) << "repeat " << repeat;
+  }
 }
 
 TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
