@@ -37,15 +37,16 @@ int host_library(const std::string& path) {
   if (!controller || controller->version != SKEIN_CONTROLLER_VERSION || !controller->step)
     return refuse(*memory, fmt::format("controller.library: {} is not for version {}", path, SKEIN_CONTROLLER_VERSION));
 
+  // More than there is room for is refused by the run, which sees the numbers.
   if (controller->parameters) {
-    const std::uint32_t count = std::min<std::uint32_t>(controller->parameter_count, SKEIN_PARAMETERS);
-    std::copy_n(controller->parameters, count, memory->parameter);
-    memory->parameters = count;
+    memory->parameters = controller->parameter_count;
+    std::copy_n(controller->parameters, std::min<std::uint32_t>(memory->parameters, SKEIN_PARAMETERS),
+                memory->parameter);
     memory->declared = 1;
   }
   if (controller->logs) {
-    memory->logs = std::min<std::uint32_t>(controller->log_count, SKEIN_LOGS);
-    for (std::uint32_t k = 0; k < memory->logs; ++k)
+    memory->logs = controller->log_count;
+    for (std::uint32_t k = 0; k < std::min<std::uint32_t>(memory->logs, SKEIN_LOGS); ++k)
       std::strncpy(memory->log_name[k], controller->logs[k], sizeof memory->log_name[k] - 1);
   }
   skein_ready();

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <thread>
@@ -211,7 +212,7 @@ tl::expected<void, std::string> OwnController::become_ready(const Experiment& ex
 /// What it takes, on a copy: it may go on writing. The file's values and the file's changes have to be among it.
 tl::expected<void, std::string> OwnController::take_parameters(const Experiment& experiment) {
   skein_memory& memory = *memory_->at;
-  const auto count = std::min<std::size_t>(memory.parameters, SKEIN_PARAMETERS);
+  const std::size_t count = memory.parameters;
   const bool ranges = memory.declared != 0;
   constexpr double any = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < count; ++k) {
@@ -244,6 +245,9 @@ tl::expected<void, std::string> OwnController::take_parameters(const Experiment&
 }
 
 tl::expected<void, std::string> OwnController::take_declarations(const Experiment& experiment) {
+  if (memory_->at->parameters > SKEIN_PARAMETERS || memory_->at->logs > SKEIN_LOGS)
+    return tl::unexpected(fmt::format("the controller declares {} parameters and {} logs, allowed: at most {} and {}",
+                                      memory_->at->parameters, memory_->at->logs, SKEIN_PARAMETERS, SKEIN_LOGS));
   if (auto taken = take_parameters(experiment); !taken) return taken;
   const LawSpec& law = experiment.controller.law;
   const skein_memory& memory = *memory_->at;
@@ -281,6 +285,8 @@ void OwnController::write_question(const core::ControllerInput& input) noexcept 
     robot.error[0] = input.errors[i].x, robot.error[1] = input.errors[i].y, robot.error[2] = input.errors[i].theta;
     robot.v_max = input.gains->v_max[i], robot.omega_max = input.gains->omega_max[i];
     robot.out = input.out[i] ? 1.0 : 0.0;
+    memory.command[i] = {none, none};  // what is not written at this question is no command: the robot stands
+    std::fill(std::begin(memory.log[i]), std::end(memory.log[i]), none);
   }
   const std::size_t obstacles = std::min<std::size_t>(input.obstacles.size(), SKEIN_OBSTACLES);
   for (std::size_t k = 0; k < obstacles; ++k)

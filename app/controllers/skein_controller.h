@@ -1,7 +1,8 @@
 /* Your own controller for Skein, in C or in any language that C can be called from: docs/controllers.md.
  *
  * Version 1. This header stands alone: C99, no dependency but stdint.h; define SKEIN_CLIENT before it is included to
- * get the functions of a controller that is a program of its own (POSIX).
+ * get the functions of a controller that is a program of its own (POSIX; with -std=c99 define _POSIX_C_SOURCE as
+ * 200809L before the first header).
  *
  * Units: SI (m, s, rad). World frame: the floor, x right, y up, theta counter-clockwise from +x. Robots in the order of
  * the experiment file. The same memory is mapped by Skein and by the controller; numbers are the machine's own (64-bit
@@ -39,7 +40,8 @@ typedef struct skein_obstacle {
   double x, y, radius;
 } skein_obstacle;
 
-/* What a robot shall do: forward [m/s] and turning [rad/s]. What is no number makes it stand. */
+/* What a robot shall do: forward [m/s] and turning [rad/s]. What is no number makes it stand; so does what is not
+ * written: every question comes with NaN in all commands and logs. */
 typedef struct skein_command {
   double v, omega;
 } skein_command;

@@ -59,7 +59,8 @@ class Tick:
     pose[n, 3]: x, y, theta · covariance[n, 9] · twist[n, 2]: v, omega as driven now ·
     nominal[n, 5], reference[n, 5]: x, y, theta, v, omega · error[n, 3]: ahead, left, heading · limits[n, 2] ·
     out[n]: 1: lost or held · obstacles[m, 3]: x, y, radius · t, dt [s], tick, period [s], half_width, half_height [m] ·
-    parameters: name -> number, as the operator has set them by now. To be written: v[n], omega[n], log[name][n].
+    parameters: name -> number, as the operator has set them by now. To be written: v[n], omega[n], log[name][n]; they are
+    NaN at the beginning of every tick, and a robot whose v or omega stays NaN stands.
     """
 
     def __init__(self, memory):
@@ -77,7 +78,7 @@ class Tick:
                 setattr(self, name, robots[:, first] if count == 1 else robots[:, first:first + count])
             self._obstacles = doubles(_OBSTACLE, 3 * OBSTACLES).reshape(OBSTACLES, 3)
             command = doubles(_COMMAND, 2 * ROBOTS).reshape(ROBOTS, 2)[:n]
-            self.v, self.omega = command[:, 0], command[:, 1]
+            self._v, self._omega = command[:, 0], command[:, 1]
             self._logs = doubles(_LOG, ROBOTS * LOGS).reshape(ROBOTS, LOGS)[:n]
         else:
             view = lambda at, count: memoryview(memory)[at:at + 8 * count].cast("d")
@@ -91,8 +92,21 @@ class Tick:
             obstacles = view(_OBSTACLE, 3 * OBSTACLES)
             self._obstacles = [obstacles[3 * k:3 * k + 3] for k in range(OBSTACLES)]
             command = view(_COMMAND, 2 * ROBOTS)
-            self.v, self.omega = command[0:2 * n:2], command[1:2 * n:2]
+            self._v, self._omega = command[0:2 * n:2], command[1:2 * n:2]
             self._logs = view(_LOG, ROBOTS * LOGS)
+
+    v = property(lambda self: self._v, lambda self, values: self._write(self._v, values))
+    omega = property(lambda self: self._omega, lambda self, values: self._write(self._omega, values))
+
+    def _write(self, view, values):  # tick.v = ... is tick.v[:] = ...
+        if numpy is not None:
+            view[:] = values
+        else:
+            values = list(values)
+            if len(values) != self.robots:
+                raise ValueError("%d numbers for %d robots" % (len(values), self.robots))
+            for i, value in enumerate(values):
+                view[i] = value
 
     @property
     def obstacles(self):
@@ -112,6 +126,13 @@ def _text(text, size):
 
 def _declare(memory, step, tick):
     declared = getattr(step, "skein_parameters", None)
+    logs = getattr(step, "skein_logs", [])
+    if len(declared or ()) > PARAMETERS or len(logs) > LOGS:
+        sys.exit("skein.controller: the law declares %d parameters and %d logs, allowed: at most %d and %d"
+                 % (len(declared or ()), len(logs), PARAMETERS, LOGS))
+    for name in (*(declared or ()), *logs):
+        if not 0 < len(name.encode("utf-8", "replace")) < 32:
+            sys.exit("skein.controller: the name %r, allowed: 1 to 31 bytes" % name)
     if declared is not None:
         for k, (name, (value, unit, low, high, text)) in enumerate(declared.items()):
             at = _PARAMETER + 184 * k
@@ -119,7 +140,6 @@ def _declare(memory, step, tick):
             struct.pack_into("<3d", memory, at + 160, low, high, value)
         struct.pack_into("<I", memory, 88, len(declared))
         struct.pack_into("<I", memory, 96, 1)
-    logs = getattr(step, "skein_logs", [])
     for k, name in enumerate(logs):
         memory[_LOG_NAME + 32 * k:_LOG_NAME + 32 * (k + 1)] = _text(name, 32)
         tick.log[name] = tick._column(k)
@@ -168,6 +188,7 @@ def run(step):
             places = _parameter_places(memory)
         for name, at in places.items():  # the operator may have changed them
             tick.parameters[name], = struct.unpack_from("<d", memory, at)
-        step(tick)
+        if step(tick) is not None:
+            sys.exit("skein.controller: the law returned something, which nobody reads: write tick.v[:] and tick.omega[:]")
         struct.pack_into("<Q", memory, 80, question)
         os.write(ANSWER_FD, b"a")

@@ -403,6 +403,57 @@ TEST(OwnController, WhatIsNoNumberMakesItsRobotStandAndIsSaid) {
   EXPECT_GT(stood, 100);
 }
 
+/// A law in Python without numpy, after `import skein.controller`.
+std::string python_law(const std::string& name, const std::string& text) {
+  const std::string path = testing::TempDir() + name;
+  std::ofstream(path) << "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n" << text;
+  return command("python3 '" + path + "'");
+}
+
+TEST(OwnController, WhatIsNotWrittenIsNoCommand) {
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
+    GTEST_SKIP() << "no python3";
+  const Outcome run = outcome_of(experiment_of({python_law("partial_law.py",
+                                                           "def step(tick):\n"
+                                                           "    if tick.t > 1.0: return\n"
+                                                           "    tick.v = [0.02] * tick.robots\n"
+                                                           "    tick.omega = [0.0] * tick.robots\n"
+                                                           "skein.controller.run(step)\n"),
+                                                "duration=3"}));
+  EXPECT_EQ(run.error, "");
+  EXPECT_EQ(run.failure, "");
+  EXPECT_TRUE(run.rows.told("no_number r1"));
+  for (const TickRecord& row : run.rows.rows)
+    for (const RobotRecord& robot : row.robots) {
+      if (row.t < 0.99) {
+        EXPECT_EQ(robot.law.v, 0.02) << row.t;
+      }
+      if (row.t < 1.01) continue;
+      EXPECT_TRUE(std::isnan(robot.law.v)) << row.t << " s: " << robot.law.v;
+      EXPECT_EQ(robot.command, core::Twist{}) << row.t;
+    }
+}
+
+TEST(OwnController, WhatNobodyReadsIsRefused) {
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
+    GTEST_SKIP() << "no python3";
+  const Outcome returned = outcome_of(experiment_of({python_law("returning_law.py",
+                                                                "def step(tick):\n"
+                                                                "    return [(0.02, 0.0)] * tick.robots\n"
+                                                                "skein.controller.run(step)\n"),
+                                                     "duration=3"}));
+  EXPECT_EQ(returned.end, Phase::stopped);
+  EXPECT_THAT(returned.failure, HasSubstr("the law returned something, which nobody reads: write tick.v[:]"));
+  // Beyond the parameters' room lie the commands.
+  const Outcome many =
+      outcome_of(experiment_of({python_law("greedy_law.py",
+                                           "@skein.controller.law(**{'p%d' % i: 0.08 for i in range(70)})\n"
+                                           "def step(tick): pass\n"
+                                           "skein.controller.run(step)\n"),
+                                "duration=3"}));
+  EXPECT_THAT(many.error, HasSubstr("declares 70 parameters and 0 logs, allowed: at most 64 and 16"));
+}
+
 TEST(OwnController, OneThatCrashesEndsTheRunOrLeavesItToTheBuiltInLaw) {
   ASSERT_EQ(adversary_of(7), Adversary::crash);
   const Outcome held = outcome_of(experiment_of({host("--adversary 7")}));
