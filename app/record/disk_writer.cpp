@@ -66,6 +66,19 @@ int open_draft(const std::string& draft) {
   }
 }
 
+/// Whether a program is writing the file of this name, under the lock of its draft.
+bool being_written(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file < 0) return false;
+  const bool locked = ::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  return locked;
+}
+
+std::string written_by_another(const std::string& path) {
+  return fmt::format("{}: another program is writing it now", path);
+}
+
 /// A FIFO is opened when its reader is there, which may take a moment.
 int open_as_it_is(const std::string& path) {
   int file = -1;
@@ -131,6 +144,8 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
   } else if (exists && !rules.force) {
     return tl::unexpected(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force",
                                       path, free_name(path)));
+  } else if (exists && being_written(path)) {
+    return tl::unexpected(written_by_another(path));
   } else {
     // A link to where runs are kept stays a link.
     std::error_code ignored;
@@ -139,7 +154,7 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
     state->draft = state->path + draft_end;
     state->file = open_draft(state->draft);
     if (state->file < 0 && errno == EWOULDBLOCK)
-      return tl::unexpected(fmt::format("{}: another program is writing it now", path));
+      return tl::unexpected(written_by_another(path));
   }
   if (state->file < 0) return tl::unexpected(cannot(path, errno));
   std::thread([state] { state->run(); }).detach();
@@ -220,6 +235,11 @@ bool DiskWriter::State::write_all(std::string_view text) {
 }
 
 void DiskWriter::State::give_name() {
+  if (force && being_written(path)) {  // since the draft was opened
+    const std::lock_guard lock(mutex);
+    published = true;
+    return fail(fmt::format("{}; what was written is in {}", written_by_another(path), draft));
+  }
   const unsigned flags = force ? 0u : static_cast<unsigned>(RENAME_NOREPLACE);
   int result = ::renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, path.c_str(), flags);
   // Not every file system knows how not to replace.

@@ -475,7 +475,7 @@ TEST(OwnController, OneThatHangsIsEndedAndCostsTheTickItsDeadlineAlone) {
         outcome_of(experiment_of({host(fmt::format("--adversary {}", seed)), "controller.deadline=0.02"}));
     EXPECT_EQ(run.end, Phase::stopped);
     EXPECT_THAT(run.failure, HasSubstr("was late 25 times in a row")) << word(adversary_of(seed));
-    EXPECT_EQ(run.report.late, 25);
+    EXPECT_GE(run.report.late, 25);  // more where the machine is busy before it hangs
   }
 }
 

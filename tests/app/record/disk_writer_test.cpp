@@ -104,6 +104,21 @@ TEST_F(DiskWriting, TwoProgramsDoNotWriteOneFile) {
   EXPECT_NE(two.error().find("another program"), std::string::npos) << two.error();
 }
 
+TEST_F(DiskWriting, ARunThatGoesOnIsNotOverwrittenEvenByForce) {
+  auto one = DiskWriter::open(*this / "run.csv");
+  ASSERT_TRUE(one);
+  one->write("head\n");
+  one->publish();
+  ASSERT_TRUE(one->flush(10.0));
+  const auto two = DiskWriter::open(*this / "run.csv", {.force = true});
+  ASSERT_FALSE(two);
+  EXPECT_NE(two.error().find("another program is writing it now"), std::string::npos) << two.error();
+  one->write("row\n");
+  ASSERT_TRUE(one->finish(10.0));
+  EXPECT_EQ(text(*this / "run.csv"), "head\nrow\n");
+  EXPECT_TRUE(DiskWriter::open(*this / "run.csv", {.force = true})) << "once it has ended";
+}
+
 TEST_F(DiskWriting, AStalledReaderHoldsUpNobodyAndWhatIsNotWrittenIsSaid) {
   const std::string fifo = *this / "fifo";
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
