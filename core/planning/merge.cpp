@@ -20,9 +20,13 @@ constexpr double slow_arc = 0.55;        // of the top speed: a tight arc is dri
 constexpr double goes_straight = 0.12;   // who drives goes on as it does while its couplings are released [s]
 constexpr double merge_rounding = 1e-4;  // [m]
 constexpr double reach = 0.06;           // beyond what is to be kept nobody closes in too fast [m]
+constexpr std::size_t coarse = 8;        // samples
 constexpr std::array<double, 2> lane{0.11, -0.11};                                      // beside the place [m]
 constexpr std::array<double, 6> past_obstacles{0.05, -0.05, 0.11, -0.11, 0.18, -0.18};  // beside the place [m]
-constexpr std::array<double, 3> lane_back{0.0, 0.06, -0.05};                            // [m]
+constexpr std::array<double, 3> lane_back{0.06, 0.0, -0.05};                            // [m]
+constexpr std::array<double, 3> entries{1.0, 2.5, 4.0};  // of a lane, where the place is so much after it was near [s]
+constexpr double look_back = 12.0;                       // so long ago it may have been [s]
+constexpr double same_curvature = 0.05;                  // [1/m]
 constexpr std::array<double, 4> waits{0.0, 0.7, 1.5, 3.0};  // before a way by another point [s]
 // One that is blocked is tried again so much later. [s]
 constexpr std::array<double, 8> later{0.5, 0.5, 1.0, 1.0, 2.0, 3.0, 4.0, 8.0};
@@ -140,10 +144,11 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
     course.pieces[course.count++] = {curvature, length, limit};
   };
   for (std::size_t k = 0; k < start.count; ++k) course.pieces[course.count++] = start.pieces[k];
+  courses_ += start.count / 4;
   if (first != 0.0) add(first, std::abs(r_1) * turned_to(std::copysign(1.0, r_1), heading - start.at.theta));
   add(0.0, straight);
   if (last != 0.0) add(last, std::abs(r_2) * turned_to(std::copysign(1.0, r_2), end.theta - heading));
-  return first != 0.0 || start.count == 0;  // whoever drives does not turn on the spot
+  return first != 0.0 || turns_at_its_end(start);
 }
 
 /// The speeds between the pieces, with bounded acceleration. False where the first or last cannot be met.
@@ -153,7 +158,8 @@ bool Merge::speeds(const Course& course, double v_1, Speeds& u) const noexcept {
   u[0] = course.start->stands ? 0.0 : query_.v;
   for (std::size_t k = 0; k < n; ++k) {
     const Piece& piece = course.pieces[k];
-    const double next = k + 1 < n ? course.share * std::min(piece.limit, course.pieces[k + 1].limit) : v_1;
+    double next = k + 1 < n ? course.share * std::min(piece.limit, course.pieces[k + 1].limit) : v_1;
+    if (course.start->rests && k + 1 == course.start->count) next = 0.0;
     if (u[k] > piece.limit + 1e-9) return false;
     u[k + 1] = std::min(next, std::sqrt(u[k] * u[k] + 2.0 * a * piece.length));
   }
@@ -190,9 +196,14 @@ bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Rou
     route.brake(query_.from, query_.v, query_.pace);
   else
     route.stand(query_.from);
-  bool fits = route.wait(course.start->wait + wait) && route.turn(course.start->turn, query_.pace) &&
-              route.turn(course.turn, query_.pace);
+  const std::size_t waits_before = course.start->rests ? course.start->count : 0;  // that piece
+  bool fits =
+      route.wait(course.start->wait + (waits_before == 0 ? wait : 0.0)) && route.turn(course.start->turn, query_.pace);
+  const auto set_off_again = [&] {
+    fits = fits && (waits_before == 0 || route.wait(wait)) && route.turn(course.turn, query_.pace);
+  };
   for (std::size_t k = 0; k < course.count; ++k) {
+    if (k == waits_before) set_off_again();
     const Piece& piece = course.pieces[k];
     const double peak = std::min(std::max({course.share * piece.limit, u[k], u[k + 1]}),
                                  std::sqrt(piece.length * a + 0.5 * (u[k] * u[k] + u[k + 1] * u[k + 1])));
@@ -201,6 +212,7 @@ bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Rou
            route.roll(piece.length - up - down, piece.curvature, peak, peak) &&
            route.roll(down, piece.curvature, peak, u[k + 1]);
   }
+  if (course.count <= waits_before) set_off_again();
   fits = fits && route.turn(course.last_turn, query_.pace);
   const double bend = v_1 > drives ? to.twist.omega / v_1 : 0.0;
   if (course.turns_last) fits = fits && route.roll(0.5 * v_1 * v_1 / a, bend, 0.0, v_1);
@@ -223,17 +235,41 @@ bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noe
 }
 
 bool Merge::clear(const Route& route, double joins, double until) noexcept {
-  Pose before = query_.from;
-  for (std::size_t k = 1; k < Traffic::steps; ++k) {
+  const auto last = std::min(Traffic::steps - 1, static_cast<std::size_t>(until / Traffic::step + 1e-9));
+  const auto pose = [&](std::size_t k) {
     const double t = Traffic::step * static_cast<double>(k);
-    if (t > until) break;
-    const Pose here = t < joins ? route.at(t).pose : place(t).pose;
-    ++samples_;
+    return t < joins ? route.at(t).pose : place(t).pose;
+  };
+  const auto clear_at = [&](std::size_t k, const Pose& before, const Pose& here) {
+    const double t = Traffic::step * static_cast<double>(k);
     if (query_.crowded && t >= query_.grace && !clear(k, before, here)) return false;
-    if (query_.obstacles && t < joins && !lattice_->free({before.x, before.y}, {here.x, here.y})) return false;
+    return !query_.obstacles || t >= joins || lattice_->free({before.x, before.y}, {here.x, here.y});
+  };
+  // Most ways that are blocked are blocked for a while: looked at here and there, few of their samples tell.
+  for (std::size_t k = coarse; k <= last; k += coarse) {
+    samples_ += 2;
+    if (!clear_at(k, pose(k - 1), pose(k))) return false;
+  }
+  Pose before = query_.from;
+  for (std::size_t k = 1; k <= last; ++k) {
+    const Pose here = pose(k);
+    ++samples_;
+    if (!clear_at(k, before, here)) return false;
     before = here;
   }
   return true;
+}
+
+/// When the first of the others comes to where the robot stands. [s]
+double Merge::stands_until() noexcept {
+  if (!query_.crowded) return never;
+  const auto first = static_cast<std::size_t>(std::max(stops_ / Traffic::step + 1.0, query_.grace / Traffic::step));
+  constexpr auto last = static_cast<std::size_t>(look_ahead / Traffic::step);
+  for (std::size_t k = first + 1; k <= last; ++k) {
+    ++samples_;
+    if (!clear(k, stop_, stop_)) return Traffic::step * static_cast<double>(k);
+  }
+  return never;
 }
 
 /// One way that is at its place at that time. What it would be there too soon, it waits at first, or drives slower.
@@ -244,6 +280,11 @@ bool Merge::try_at(const Trial& trial, Way& best, Route& route) noexcept {
   if (!plan(start, trial.kind, to, course)) return false;
   double left = trial.joins - duration(course, to);
   if (!(left >= -1e-6)) return false;
+  const double turns = query_.pace.turn_time(start.turn) + query_.pace.turn_time(course.turn);
+  if (start.stands && !start.rests && stops_ + start.wait + left + turns > stands_until_) {
+    next_[trial.start * kinds + trial.kind] = never;  // later it would stand there even longer
+    return false;
+  }
   if (!start.stands && left > 1e-3) {
     double low = 0.2, high = 1.0;  // share of the speeds
     for (int k = 0; k < 12; ++k) {
@@ -274,9 +315,9 @@ bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t mo
     if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + merge_rounding) continue;
     trials_.clear();
     for (std::size_t s = first; s < last; ++s)
-      for (std::size_t kind = 0; kind < kinds; ++kind) {
+      for (std::size_t kind = turns_at_its_end(starts_[s]) ? 0 : bends; kind < kinds; ++kind) {
         const std::size_t both = s * kinds + kind;
-        if (t < next_[both] || (few && (kind / bends > 2 || kind % bends > 2))) continue;
+        if (t < next_[both] || t < starts_[s].takes || (few && (kind / bends > 2 || kind % bends > 2))) continue;
         if (!plan(starts_[s], kind, to, course) || duration(course, to) > t) continue;
         double joins = t;
         if (tries_[both] == 0) {  // since when?
@@ -305,7 +346,7 @@ bool Merge::begins_clear(const Start& start) noexcept {
   course.pieces = {};
   std::copy_n(start.pieces.begin(), start.count, course.pieces.begin());
   course.count = start.count;
-  const ReferencePoint to{start.at, {start.pieces[start.count - 1].limit, 0.0}};
+  const ReferencePoint to{start.at, {start.rests ? 0.0 : start.pieces[start.count - 1].limit, 0.0}};
   if (!lay(course, to, 0.0, laid_)) return false;
   const double ends = laid_.duration() - goes_on;
   return clear(laid_, never, ends);
@@ -320,39 +361,45 @@ void Merge::go_aside() noexcept {
       const Pose to{stop_.x + radius * std::cos(heading), stop_.y + radius * std::sin(heading), wrap_angle(heading)};
       if (!lattice_->free(to.x, to.y) || !lattice_->free({stop_.x, stop_.y}, {to.x, to.y})) continue;
       Start& start = starts_[start_count_];
-      start = {true, wrap_angle(heading - stop_.theta), {}, 1, to, 0.0};
+      start = {true, wrap_angle(heading - stop_.theta), {}, 1, to, 0.0, 0.0, true};
       start.pieces[0] = {0.0, radius, query_.pace.v};
       for (const double wait : waits) {
         start.wait = wait;
-        if (!begins_clear(start)) continue;
+        if (wait > stands_until_ || !begins_clear(start)) continue;
         ++start_count_;
         break;
       }
     }
 }
 
-/// The soonest way to a point beside the place, with its heading and top speed; beside where the place is `after` or
-/// later.
-bool Merge::come_beside(const Start& from, double back, double aside, double after, Start& start) noexcept {
+/// So far beside the place and behind it, with its heading.
+Pose Merge::beside(double t, double aside, double back) const noexcept {
+  const Pose on = place(t).pose;
+  const double c = std::cos(on.theta), n = std::sin(on.theta);
+  return {on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta};
+}
+
+/// The soonest way to a pose at top speed, sooner than `before`.
+bool Merge::come_to(const Start& from, const Pose& to, double before, Start& start) noexcept {
   Course course, soonest;
+  double least = before;
+  for (std::size_t kind = 0; kind < kinds; ++kind) {
+    if (kind % bends == 0 || !plan(from, kind, {to, {query_.pace.v, 0.0}}, course)) continue;
+    if (const double takes = duration(course, {to, {query_.pace.v, 0.0}}); takes < least)
+      least = takes, soonest = course;
+  }
+  if (least == before) return false;
+  start = {from.stands, soonest.turn, soonest.pieces, soonest.count, to, from.wait, least, false};
+  return true;
+}
+
+/// The soonest way to a point beside the place; beside where the place is `after` or later.
+bool Merge::come_beside(const Start& from, double back, double aside, double after, Start& start) noexcept {
   double t = std::max(from.wait, after);
   while ((t += time_step) < std::min(look_ahead, query_.before)) {
-    const Pose on = place(t).pose;
-    const double c = std::cos(on.theta), n = std::sin(on.theta);
-    const ReferencePoint beside{{on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta},
-                                {query_.pace.v, 0.0}};
-    if (std::hypot(beside.pose.x - stop_.x, beside.pose.y - stop_.y) > query_.pace.v * t + merge_rounding) continue;
-    if (!lattice_->free(beside.pose.x, beside.pose.y)) continue;
-    double least = t;
-    for (std::size_t kind = 0; kind < kinds; ++kind) {
-      if (kind % bends == 0 || !plan(from, kind, beside, course)) continue;
-      if (const double takes = duration(course, beside); takes < least) least = takes, soonest = course;
-    }
-    if (least == t) continue;
-    if (soonest.count > start.pieces.size()) return false;
-    start = {from.stands, soonest.turn, {}, soonest.count, beside.pose, from.wait};
-    std::copy_n(soonest.pieces.begin(), soonest.count, start.pieces.begin());
-    return begins_clear(start);
+    const Pose to = beside(t, aside, back);
+    if (std::hypot(to.x - stop_.x, to.y - stop_.y) > query_.pace.v * t + merge_rounding) continue;
+    if (lattice_->free(to.x, to.y) && come_to(from, to, t, start)) return begins_clear(start);
   }
   return false;
 }
@@ -362,6 +409,71 @@ void Merge::go_abreast(std::size_t direct, std::size_t most) noexcept {
   const std::size_t end = start_count_ + lanes;
   for (const double aside : lane)
     for (const double back : lane_back) begin_beside(direct, end, most, back, aside, 0.0);
+}
+
+/// When its place was nearest to where the robot is, at most `look_back` ago. [s]
+double Merge::was_nearest() const noexcept {
+  double least = never, nearest = 0.0;
+  for (std::size_t k = 0; time_step * static_cast<double>(k) <= look_back; ++k) {
+    const double t = -time_step * static_cast<double>(k);
+    const Pose on = place(t).pose;
+    const double away = std::hypot(on.x - stop_.x, on.y - stop_.y);
+    if (away < least) least = away, nearest = t;
+  }
+  return nearest;
+}
+
+/// Starts that overtake those who follow the place: in a lane beside its path, from near the robot on.
+void Merge::overtake(std::size_t direct, std::size_t most) noexcept {
+  const std::size_t end = start_count_ + lanes;
+  const double nearest = was_nearest();
+  if (nearest >= -entries[0]) return;
+  for (std::size_t s = 0; s < direct; ++s)
+    for (const double aside : lane) {
+      const std::size_t before = start_count_;
+      for (const double wait : waits)
+        for (const double entry : entries) {
+          if (start_count_ > before || start_count_ + lane_back.size() > end || work() >= most) break;
+          if (wait > 0.0 && (!starts_[s].stands || wait > stands_until_)) break;
+          Start enters;
+          starts_[s].wait = wait;
+          const Pose to = beside(nearest + entry, aside, 0.0);
+          const bool found = lattice_->free(to.x, to.y) && come_to(starts_[s], to, look_ahead, enters);
+          starts_[s].wait = 0.0;
+          if (found && begins_clear(enters)) follow_lane(nearest + entry, aside, enters);
+        }
+    }
+}
+
+/// Follows the lane from where the place was at time t, until it is abreast of the place, a little before and a little
+/// later: a start for each.
+void Merge::follow_lane(double t, double aside, Start start) noexcept {
+  const std::size_t entered = start.count;
+  for (const double back : lane_back) {
+    for (;;) {
+      const double v = place(t).twist.v;
+      if (v < drives || start.takes > look_ahead) return;
+      if (t >= start.takes - back / v) break;
+      const Pose here = beside(t, aside, 0.0), there = beside(t + time_step, aside, 0.0);
+      const double ahead = std::cos(here.theta) * (there.x - here.x) + std::sin(here.theta) * (there.y - here.y);
+      const double turn = wrap_angle(there.theta - here.theta);
+      if (ahead < 1e-4) return;  // a corner narrower than the lane
+      const double length = std::abs(turn) < 1e-6 ? ahead : ahead * turn / std::sin(turn), curvature = turn / length;
+      const double limit = std::min(query_.pace.v, query_.pace.omega / (query_.k_y + std::abs(curvature)));
+      if (start.count == entered || std::abs(start.pieces[start.count - 1].curvature - curvature) > same_curvature) {
+        if (start.count + 1 + curve_pieces > start.pieces.size()) return;
+        start.pieces[start.count++] = {curvature, 0.0, limit};
+      }
+      Piece& last = start.pieces[start.count - 1];
+      last.length += length;
+      start.at = advance(start.at, {length, last.curvature * length}, 1.0);
+      start.takes += length / last.limit;
+      t += time_step;
+      samples_ += 2;
+    }
+    if (!begins_clear(start)) return;
+    starts_[start_count_++] = start;
+  }
 }
 
 /// Starts that end beside where the place comes out behind an obstacle.
@@ -374,7 +486,7 @@ void Merge::begin_beside(std::size_t direct, std::size_t end, std::size_t most, 
                          double after) noexcept {
   for (std::size_t s = 0; s < direct; ++s)
     for (const double wait : waits) {
-      if (start_count_ == end || work() >= most || (wait > 0.0 && !starts_[s].stands)) break;
+      if (start_count_ == end || work() >= most || (wait > 0.0 && (!starts_[s].stands || wait > stands_until_))) break;
       starts_[s].wait = wait;
       const bool found = come_beside(starts_[s], back, aside, after, starts_[start_count_]);
       starts_[s].wait = 0.0;
@@ -398,11 +510,12 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   stop_ = Route::stop(query.from, query.v, query.pace);
   stops_ = Route::stop_time(query.v, query.pace);
   find_ways_into_obstacles();
+  stands_until_ = stands_until();
   start_count_ = 0;
-  starts_[start_count_++] = {true, 0.0, {}, 0, stop_, 0.0};
+  starts_[start_count_++] = {true, 0.0, {}, 0, stop_, 0.0, 0.0, false};
   if (query.v > drives && query.v < query.pace.v) {
     const double way = goes_straight * query.v;
-    Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0), 0.0};
+    Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0), 0.0, 0.0, false};
     start.pieces[0] = {0.0, way, query.v};
   }
   Way best;
@@ -414,12 +527,15 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
     search(direct, start_count_, true, 5 * query.most_work / 8, best, route);
   }
   const std::size_t behind = start_count_;
-  go_abreast(direct, 3 * query.most_work / 4);
-  const std::size_t abreast = start_count_;
-  search(behind, abreast, true, query.most_work, best, route);
-  if (work() >= query.most_work) return best;
+  overtake(direct, 3 * query.most_work / 4);
+  const std::size_t overtakes = start_count_;
+  search(behind, overtakes, true, 7 * query.most_work / 8, best, route);
   go_aside();
-  search(abreast, start_count_, true, query.most_work, best, route);
+  const std::size_t aside = start_count_;
+  search(overtakes, aside, true, query.most_work, best, route);
+  if (work() >= query.most_work) return best;
+  go_abreast(direct, query.most_work);
+  search(aside, start_count_, true, query.most_work, best, route);
   return best;
 }
 

@@ -65,6 +65,7 @@ class Merge {
   static constexpr double goes_on = 0.4;  ///< so long a route goes on with its place [s]
 
  private:
+  static constexpr std::size_t curve_pieces = 3, most_pieces = 13 + curve_pieces;
   struct Piece {
     double curvature, length, limit;  // [1/m], [m], [m/s]
   };
@@ -72,15 +73,17 @@ class Merge {
   struct Start {
     bool stands = true;
     double turn = 0.0;  // on the spot, at first [rad]
-    std::array<Piece, 4> pieces{};
+    std::array<Piece, most_pieces> pieces{};
     std::size_t count = 0;
-    Pose at;            // where the curve to the place begins
-    double wait = 0.0;  // at first [s]
+    Pose at;             // where the curve to the place begins
+    double wait = 0.0;   // at first [s]
+    double takes = 0.0;  // at least [s]
+    bool rests = false;  // at its end, and waits there
   };
   struct Course {
     const Start* start = nullptr;
     double turn = 0.0, last_turn = 0.0;  // on the spot [rad]
-    std::array<Piece, 7> pieces;
+    std::array<Piece, most_pieces> pieces;
     std::size_t count = 0;
     bool turns_last = false;
     double share = 1.0;  // of the speeds that could be driven
@@ -96,11 +99,14 @@ class Merge {
   };
   static constexpr std::size_t bends = 5;  // none, two arcs to each side
   static constexpr std::size_t kinds = bends * bends;
-  static constexpr std::size_t ring = 16, lanes = 12, most_starts = 2 + ring + 2 * lanes;
-  using Speeds = std::array<double, 8>;
+  static constexpr std::size_t ring = 16, lanes = 12, most_starts = 2 + ring + 3 * lanes;
+  using Speeds = std::array<double, most_pieces + 1>;
 
   ReferencePoint place(double t) const noexcept;
+  double stands_until() noexcept;
   void find_ways_into_obstacles() noexcept;
+  /// On the spot; whoever drives does not.
+  static bool turns_at_its_end(const Start& start) noexcept { return start.count == 0 || start.rests; }
   bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, Course& course) noexcept;
   double duration(const Course& course, const ReferencePoint& place) const noexcept;
   bool speeds(const Course& course, double v_1, Speeds& u) const noexcept;
@@ -113,6 +119,11 @@ class Merge {
   bool try_at(const Trial& trial, Way& best, Route& route) noexcept;
   void go_aside() noexcept;
   void go_abreast(std::size_t direct, std::size_t most) noexcept;
+  void overtake(std::size_t direct, std::size_t most) noexcept;
+  double was_nearest() const noexcept;
+  Pose beside(double t, double aside, double back) const noexcept;
+  bool come_to(const Start& from, const Pose& to, double before, Start& start) noexcept;
+  void follow_lane(double t, double aside, Start start) noexcept;
   void go_past_obstacle(std::size_t direct, std::size_t most) noexcept;
   void begin_beside(std::size_t direct, std::size_t end, std::size_t most, double back, double aside,
                     double after) noexcept;
@@ -122,7 +133,7 @@ class Merge {
   const Lattice* lattice_ = nullptr;
   const Traffic* traffic_ = nullptr;
   Pose stop_;
-  double stops_ = 0.0;  // [s]
+  double stops_ = 0.0, stands_until_ = never;  // [s]
   std::array<double, bends> curvatures_{};
   std::array<Start, most_starts> starts_;
   std::size_t start_count_ = 0;

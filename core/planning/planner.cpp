@@ -64,7 +64,9 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
   group_.routes.resize(setup.robots);
   group_.best.resize(setup.robots);
   merging_.yields.resize(setup.robots);
-  merging_.last_yields.resize(setup.robots);
+  for (auto& last : merging_.last_yields) last.resize(setup.robots);
+  merging_.order.resize(setup.robots);
+  merging_.comes.resize(setup.robots);
   reset();
 }
 

@@ -86,6 +86,8 @@ class Planner {
   std::size_t nodes() const noexcept { return spent_; }
   void reset() noexcept;
 
+  static constexpr std::size_t holds = 5;  ///< durations of yielding that are tried
+
  private:
   struct Start {
     Pose from;
@@ -122,13 +124,16 @@ class Planner {
     std::size_t count = 0, searched = 0;  // searched: those of a search that goes on, or 0
     Trial next, best;
     bool decided = false;                 // everything has been tried
+    std::array<bool, most> urgent{};      // somebody comes soon upon it, where it stands until it has a way
     bool around = false;                  // past all obstacles that are in the way of the place
     double began = 0.0, best_ends = 0.0;  // [s]
     std::array<Pose, most> from;
     std::array<double, most> v{}, soonest{};
     std::array<Route, most> routes;
     std::array<double, most> joins{};
-    std::vector<std::uint8_t> yields, last_yields;
+    std::vector<std::uint8_t> yields;
+    std::array<std::vector<std::uint8_t>, holds> last_yields;  // for each duration, with the robot asked before
+    std::vector<std::size_t> order, comes;  // who is asked to yield; when it comes upon who stands [Traffic::step]
     Delay delay;
   };
 
@@ -145,6 +150,7 @@ class Planner {
   void plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   double merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept;
   bool advance_trial(const Scene& scene, std::span<const ReferencePoint> nominal, bool may_yield) noexcept;
+  void sort_who_comes(const Scene& scene) noexcept;
   void who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept;
   void follow_yielding(std::size_t i, double t) noexcept;
   void set_off(std::size_t i, double due) noexcept;

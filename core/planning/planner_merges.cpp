@@ -17,10 +17,15 @@ constexpr double may_be_better = 0.6;   // who is so much later than alone looks
 constexpr double much_better = 2.5;     // only who is so much later than alone searches on for a better way [s]
 constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
 constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
-constexpr double near = 0.6;            // who is farther away is not asked to yield [m]
+constexpr double may_come = 0.02;       // beyond the shield's distance: who comes so near must yield soon [m]
+constexpr double worth_taking = 5.0;  // where somebody comes soon, a way so much later than alone is taken at once [s]
+constexpr std::size_t soon = 10;      // [Traffic::step]
+constexpr double near = 0.6;          // who is farther away is not asked to yield [m]
 constexpr double longest_search = 0.5;  // where there is a way at all [s]
-// A tick begins no other trial beyond the first, and none takes more than what is then left of the second. [nodes]
-constexpr std::size_t work_each_tick = 600, most_each_tick = 4000;
+// A tick begins no other trial beyond the first, and none takes more than what is then left of the second. Where
+// somebody comes soon, many trials with little work each are made before thorough ones, as what yields would solve now
+// is lost in half a second. [nodes]
+constexpr std::size_t work_each_tick = 600, most_each_tick = 4000, quick_work = 1000;
 
 /// How much room is kept beyond the shield's distance [m], and for how long at first others may come nearer [s]: with
 /// room to spare, then as near as the shield allows, then whatever the shield makes of it.
@@ -28,7 +33,7 @@ struct Care {
   double room, grace;
 };
 constexpr std::array<Care, 4> cares{Care{0.004, 0.0}, Care{0.001, 0.0}, Care{0.003, 2.5}, Care{-1.0, 0.0}};
-constexpr std::array<double, 5> stands_for{0.5, 1.2, 2.0, 3.0, 4.5};  // [s]
+constexpr std::array<double, Planner::holds> stands_for{1.2, 2.0, 0.5, 3.0, 4.5};  // [s]
 
 }  // namespace
 
@@ -63,6 +68,28 @@ void Planner::who_yields(std::size_t first, const Scene& scene, const Delay& del
   }
 }
 
+/// Who comes soonest upon a robot that stands, until it has a way, is the first to be asked to yield.
+void Planner::sort_who_comes(const Scene& scene) noexcept {
+  Merging& m = merging_;
+  const double keep = setup_.shield_distance + may_come + 2.0 * scene.doubt;
+  constexpr auto last = static_cast<std::size_t>(sees_ahead / Traffic::step);
+  m.urgent.fill(false);
+  for (std::size_t j = 0; j < robots_.size(); ++j) {
+    m.order[j] = j;
+    m.comes[j] = last;
+    for (std::size_t k = 0; k < m.count && expected_.present(j); ++k)
+      for (std::size_t step = 0; step < last; ++step)
+        if (robots_[j].state == State::nominal &&
+            std::hypot(expected_.x(j, step) - m.from[k].x, expected_.y(j, step) - m.from[k].y) < keep) {
+          m.comes[j] = std::min(m.comes[j], step);
+          m.urgent[k] = m.urgent[k] || step < soon;
+          break;
+        }
+  }
+  std::sort(m.order.begin(), m.order.end(),
+            [&m](std::size_t a, std::size_t b) { return m.comes[a] != m.comes[b] ? m.comes[a] < m.comes[b] : a < b; });
+}
+
 /// One robot after the other. Whoever has no way yet is taken to stand for a while, and to be away then. Returns when
 /// all are back at their places, after now, or infinity. [s]
 double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept {
@@ -92,6 +119,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
     query.v = m.v[at];
     query.enough = m.soonest[at] + may_be_better;
     query.most_work = (most_each_tick - std::min(spent_, most_each_tick)) / (m.count - k);
+    if (m.urgent[at]) query.most_work = std::min(query.most_work, quick_work);
     const Merge::Way way = merge_.find(query, *reference_, lattice_, traffic_, m.routes[at]);
     spent_ += merge_.work();
     if (!way.found) return never;
@@ -111,15 +139,14 @@ bool Planner::advance_trial(const Scene& scene, std::span<const ReferencePoint> 
   if (!t.backwards && m.count > 1) return t.backwards = true;
   t.backwards = false;
   if (may_yield && t.care + 1 < cares.size())
-    for (t.hold == 0 ? (t.hold = 1, t.first = 0) : ++t.first; t.hold <= stands_for.size(); ++t.hold, t.first = 0)
-      for (; t.first < n; ++t.first) {
-        const std::size_t j = t.first;
-        if (robots_[j].state != State::nominal || stands(j, scene) || std::isnan(scene.poses[j].x) ||
-            nominal[j].twist == Twist{})
-          continue;
-        for (std::size_t k = 0; k < m.count; ++k)
-          if (distance(scene.poses[j], m.from[k]) < near) return true;
-      }
+    for (t.hold == 0 ? (t.hold = 1, t.first = 0) : ++t.hold; t.first < n; ++t.first, t.hold = 1) {
+      const std::size_t j = m.order[t.first];
+      if (t.hold > stands_for.size() || robots_[j].state != State::nominal || stands(j, scene) ||
+          std::isnan(scene.poses[j].x) || nominal[j].twist == Twist{})
+        continue;
+      for (std::size_t k = 0; k < m.count; ++k)
+        if (distance(scene.poses[j], m.from[k]) < near) return true;
+    }
   t = {t.care + 1, 0, 0, false};
   return t.care < cares.size();
 }
@@ -162,7 +189,9 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     m.decided = false;
     m.began = scene.t;
     m.best_ends = never;
-    std::fill(m.last_yields.begin(), m.last_yields.end(), std::uint8_t{0});
+    sort_who_comes(scene);
+    spent_ += n;
+    for (auto& last : m.last_yields) std::fill(last.begin(), last.end(), std::uint8_t{0});
     for (std::size_t k = 0; k < m.count; ++k) {  // were nobody there
       Merge::Query query = like;
       query.robot = m.robots[k];
@@ -175,6 +204,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       spent_ += merge_.work();
     }
   };
+  const auto urgent = [&m] { return m.urgent[0] || m.urgent[1]; };
   const auto settle = [&] {
     soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
   };
@@ -187,7 +217,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   const auto yields_in = [&](const Merging::Trial& trial) {
     if (trial.hold == 0) return;
     m.delay = Delay(scene.t, stands_for[trial.hold - 1], hurry, pace_.acceleration / demand.v);
-    who_yields(trial.first, scene, m.delay);
+    who_yields(m.order[trial.first], scene, m.delay);
     spent_ += 5 * n;
   };
   const auto go = [&] {
@@ -210,9 +240,10 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     bool skip = false, enough = false;
     yields_in(m.next);
     if (m.next.hold > 0) {
-      skip = m.yields == m.last_yields && !m.next.backwards;
+      std::vector<std::uint8_t>& last = m.last_yields[m.next.hold - 1];
+      skip = m.yields == last && !m.next.backwards;
       skip = skip || m.delay.ends() - scene.t > best - worth_it;
-      m.last_yields = m.yields;
+      last = m.yields;
     }
     if (!skip) {
       const double total = merge(m.next, scene, like, best);
@@ -225,6 +256,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       // Whoever searches on stands there, and what was found may be gone by then.
       const bool other_order_left = m.next.hold == 0 && !m.next.backwards && m.count > 1;
       enough = !other_order_left && std::min(total, best) < soonest + much_better;
+      enough = enough || (urgent() && total < soonest + worth_taking);
       if (total < best) {
         m.best = m.next;
         m.best_ends = scene.t + total;
@@ -232,10 +264,13 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       }
     }
     const std::size_t care = m.next.care;
+    const bool was_quick = urgent();
     more = !enough && advance_trial(scene, nominal, clock_ == nullptr && !somebody_yields && hurry > least_hurry);
     if (m.next.care != care && m.best_ends < never) more = false;
+    if (m.next.care != care && was_quick && more) m.next = {}, m.urgent.fill(false);  // once more, thoroughly
     if (more && m.best_ends < never && scene.t > m.began + longest_search) more = false;
-    if (more && spent_ >= work_each_tick) return;  // goes on in the next tick
+    const std::size_t enough_work = urgent() ? most_each_tick - quick_work : work_each_tick;
+    if (more && spent_ >= enough_work) return;  // goes on in the next tick
   }
   if (m.best_ends < never) {  // once more, from here: what took a tick's work is not found with what is left of it
     if (!std::exchange(m.decided, true) && spent_ >= work_each_tick) return;
