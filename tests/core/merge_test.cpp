@@ -101,5 +101,55 @@ TEST(Merge, MeetsThePlaceInPositionHeadingAndSpeedInsideTheBounds) {
   }
 }
 
+/// Robots on the x axis, each 12 cm behind the next; the place of robot 1 begins at the origin.
+class Column final : public core::Reference {
+ public:
+  static constexpr std::size_t count = 4;
+  using core::Reference::at;
+  std::size_t robots() const noexcept override { return count; }
+  ReferencePoint at(std::size_t i, double t) const noexcept override {
+    return {{0.05 * t + 0.12 * (1.0 - static_cast<double>(i)), 0.0, 0.0}, {0.05, 0.0}};
+  }
+  core::ReferenceDemand demand(double k_y) const noexcept override { return {0.05, k_y * 0.05}; }
+  bool smooth() const noexcept override { return true; }
+  std::vector<std::vector<Pose>> lines() const override { return {}; }
+};
+
+/// When robot `i` of the column joins its place, from where it stands, past the others, who begin on a delayed clock.
+double joins(std::size_t i, const Pose& from, std::size_t most_work, const Delay& delay) {
+  const Column column;
+  const core::Lattice lattice({4.0, 1.0}, 0.0435, 0);
+  core::Traffic traffic(Column::count);
+  for (std::size_t j = 0; j < Column::count; ++j)
+    if (j != i) traffic.follows(j, column, 0.0, 45.0, delay);
+  core::Merge merge;
+  core::Merge::Query query;
+  query.robot = i;
+  query.from = from;
+  query.pace = {0.0945, 1.566, 0.55, 12.0};
+  query.keep = 0.082;
+  query.watched = delay.ends();
+  query.most_work = most_work;
+  Route route;
+  const core::Merge::Way way = merge.find(query, column, lattice, traffic, route);
+  if (!way.found) return core::Merge::never;
+  for (std::size_t k = 0; 0.1 * static_cast<double>(k) < way.joins; ++k)
+    for (std::size_t j = 0; j < Column::count; ++j) {
+      const Pose here = route.at(0.1 * static_cast<double>(k)).pose;
+      const double apart = std::hypot(here.x - traffic.x(j, k), here.y - traffic.y(j, k));
+      EXPECT_TRUE(j == i || apart > 0.08) << apart;
+    }
+  return way.joins;
+}
+
+TEST(Merge, StepsAsideForThoseWhoComeAndWaitsThereUntilTheyHavePassed) {
+  constexpr double yields = 2.0;  // those who come [s]
+  for (const double aside : {-0.05, 0.0, 0.05})
+    for (const double ahead : {0.23, 0.25, 0.28}) {
+      const Pose facing{ahead, aside, 3.0};
+      EXPECT_LT(joins(2, facing, 1000, Delay(0.0, yields, 0.6, 11.0)), 8.0) << ahead << " " << aside;
+    }
+}
+
 }  // namespace
 }  // namespace skein::test

@@ -182,6 +182,20 @@ TEST(Sweep, ARobotHasArrivedWhereTheStudySaysItHas) {
   EXPECT_FALSE(run_one(shipped("kicks.toml"), 1).straight) << "these drive on";
 }
 
+/// Once 23.7 s (three of the platoon to overtake), 10.3 s (in the way of who follows), 17.2 s (both) and 15.3 s (set
+/// down facing those who come), with up to 8 reversals and a jump of v.
+TEST(Sweep, KickedRobotsAreBackInTimeAndNeverReverse) {
+  const Study study = shipped("kicks.toml");
+  for (const std::uint64_t seed : {1036u, 3160u, 1307u, 3881u}) {
+    const RunOutcome o = run_one(study, seed);
+    EXPECT_EQ(o.collisions, 0) << seed;
+    EXPECT_EQ(o.reversals, 0) << seed;
+    EXPECT_EQ(o.v_jumps, 0) << seed;
+    ASSERT_TRUE(o.recovery) << seed;
+    EXPECT_LT(*o.recovery, 14.0) << seed;
+  }
+}
+
 /// Of the others: they are on their places, and a runaway is nowhere expected.
 TEST(Sweep, NobodyCollidesWithARunawayThatIsKnown) {
   Study study = shipped("runaways.toml");
