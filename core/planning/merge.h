@@ -24,7 +24,8 @@ Twist homing(const ReferencePoint& place, const ReferencePoint& from, const Refe
 /// arc, so that it is where its place is, with its heading and its speed, at the soonest moment that there is (Dubins'
 /// paths with turns on the spot, against a clock). Each is driven in thought against the others' traffic, under the
 /// shield's own condition; where nobody can be met, the first is the soonest of its kind. Past others it goes by a
-/// point to the side, or beside them until it is abreast of its place. Allocates in its constructor only.
+/// point to the side, where it may wait, or in a lane beside them until it is abreast of its place. Allocates in its
+/// constructor only.
 class Merge {
  public:
   static constexpr double never = std::numeric_limits<double>::infinity();
