@@ -153,8 +153,7 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
     if (state->path.empty()) state->path = path;
     state->draft = state->path + draft_end;
     state->file = open_draft(state->draft);
-    if (state->file < 0 && errno == EWOULDBLOCK)
-      return tl::unexpected(written_by_another(path));
+    if (state->file < 0 && errno == EWOULDBLOCK) return tl::unexpected(written_by_another(path));
   }
   if (state->file < 0) return tl::unexpected(cannot(path, errno));
   std::thread([state] { state->run(); }).detach();
