@@ -51,6 +51,9 @@ TEST_F(StopEverywhere, BesideEveryDialog) {
     ASSERT_TRUE(eventually([&] { return beside().size() == 1; })) << name.toStdString();
     QWidget* dialog = beside().first();
     EXPECT_FALSE(dialog->isModal()) << name.toStdString() << ": nobody could click STOP beside it";
+    const auto* button = find<QPushButton>("stop");
+    EXPECT_FALSE(dialog->frameGeometry().intersects(QRect(button->mapToGlobal(QPoint()), button->size())))
+        << name.toStdString() << " hides STOP";
     ASSERT_TRUE(bring_to_front(*dialog));
     const By way = ways[turn++ % ways.size()];  // each dialog another way, and every way by Stop.WithADialogOpen
     stop(way, dialog);

@@ -10,9 +10,14 @@
 #include <QTextDocument>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <cmath>
 
 namespace skein::ui {
+
+namespace {
+
+constexpr int title_bar = 48, edges = 16;  // what a window manager adds
+
+}  // namespace
 
 void close_by_key(QDialog* dialog) {
   QObject::connect(new QShortcut(QKeySequence(QStringLiteral("Ctrl+W")), dialog), &QShortcut::activated, dialog,
@@ -49,9 +54,39 @@ void ask_name(QWidget* parent, const QString& name, const QString& title,
 }
 
 QSize fitting(const QSize& wanted, const QWidget* parent) {
-  constexpr int title_bar = 48, edges = 16;  // what a window manager adds
   const QScreen* screen = parent && parent->screen() ? parent->screen() : QGuiApplication::primaryScreen();
   return screen ? wanted.boundedTo(screen->availableSize() - QSize(edges, title_bar)) : wanted;
+}
+
+QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen) {
+  if (!dialog.intersects(button)) return dialog;
+  QRect left = screen, below = screen, right = screen, above = screen;
+  left.setRight(button.left() - 1);
+  below.setTop(button.bottom() + 1);
+  right.setLeft(button.right() + 1);
+  above.setBottom(button.top() - 1);
+  const auto kept = [&](const QRect& room) {
+    const QSize size = dialog.size().boundedTo(room.size());
+    return size.isEmpty() ? 0 : size.width() * size.height();
+  };
+  const QRect room =
+      std::max({left, below, right, above}, [&](const QRect& a, const QRect& b) { return kept(a) < kept(b); });
+  QRect clear(dialog.topLeft(), dialog.size().boundedTo(room.size()));
+  clear.moveLeft(std::clamp(clear.left(), room.left(), room.right() - clear.width() + 1));
+  clear.moveTop(std::clamp(clear.top(), room.top(), room.bottom() - clear.height() + 1));
+  return clear;
+}
+
+void keep_clear_of(QWidget* dialog, const QWidget& button) {
+  const QWidget& main = *button.window();
+  const QMargins frame(edges / 2, title_bar - edges / 2, edges / 2, edges / 2);
+  QRect there = dialog->geometry();
+  // Qt puts a dialog that nobody has placed over the middle of its parent.
+  if (!dialog->testAttribute(Qt::WA_Moved)) there.moveCenter(main.geometry().center());
+  there += frame;
+  const QRect stop(button.mapToGlobal(QPoint()), button.size());
+  const QRect clear = clear_of(there, stop, main.screen()->availableGeometry());
+  if (clear != there) dialog->setGeometry(clear - frame);
 }
 
 MessageDialog::MessageDialog(const QString& name, const QString& title, const QString& rich_text, QWidget* parent)
@@ -74,11 +109,12 @@ MessageDialog::MessageDialog(const QString& name, const QString& title, const QS
   auto* layout = new QVBoxLayout(this);
   layout->addWidget(text_, 1);
   layout->addWidget(buttons);
-  // As large as the text asks for, within reason.
-  constexpr int narrowest = 380, widest = 720;
+  // As wide as it takes for the text to be no higher than wide, within reason.
+  constexpr int narrowest = 380, widest = 720, step = 20;
   QTextDocument* document = text_->document();
-  const int width = std::clamp(static_cast<int>(std::ceil(document->idealWidth())), narrowest, widest);
-  document->setTextWidth(width);
+  int width = narrowest;
+  for (document->setTextWidth(width); width < widest && document->size().height() > width;)
+    document->setTextWidth(width += step);
   const QMargins margins = layout->contentsMargins();
   const int frame = 28;  // scroll bar and edges
   resize(fitting({width + margins.left() + margins.right() + frame,

@@ -38,6 +38,12 @@ void ask_name(QWidget* parent, const QString& name, const QString& title,
 /// No larger than the screen that the parent is on: what is longer scrolls.
 QSize fitting(const QSize& wanted, const QWidget* parent);
 
+/// Where a dialog stands so that it hides no part of the button: where it would stand anyhow if it may, else as near to
+/// that as there is room; smaller only where there is no room for all of it.
+QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen);
+/// The same, with what a window manager adds to it, for a dialog that is about to be shown.
+void keep_clear_of(QWidget* dialog, const QWidget& button);
+
 /// A text with a Close button; a long one scrolls. The parent's shortcuts work in it too: a message must not make F5
 /// dead.
 class MessageDialog final : public QDialog {

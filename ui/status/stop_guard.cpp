@@ -2,12 +2,15 @@
 
 #include <QAbstractButton>
 #include <QApplication>
+#include <QDialog>
 #include <QKeyEvent>
 #include <QLineEdit>
 #include <QMouseEvent>
 #include <QPlainTextEdit>
 #include <QToolButton>
 #include <QWindow>
+
+#include "ui/base/dialogs.h"
 
 namespace skein::ui {
 
@@ -56,6 +59,10 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
     if (key->key() != Qt::Key_Space || types) return false;
     if (!key->isAutoRepeat()) calls_.space();
     return true;
+  }
+  if (event->type() == QEvent::Show && !event->spontaneous() && button_ && button_->isVisible()) {
+    auto* dialog = qobject_cast<QDialog*>(watched);
+    if (dialog && dialog->isWindow()) keep_clear_of(dialog, *button_);
   }
   if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
     // An open menu would take the press only to close itself.

@@ -9,7 +9,8 @@ namespace skein::ui {
 
 /// Sees every key and every press of the mouse before any widget does, and turns Space, Esc and a press on the STOP
 /// button into STOP: whatever has the focus, whatever dialog or menu is open. A shortcut would not do: a spin box, a
-/// menu or a button with the focus may take the key first. Since Space presses no button then, Return does.
+/// menu or a button with the focus may take the key first. Since Space presses no button then, Return does. No dialog
+/// opens over the STOP button.
 class StopGuard final : public QObject {
   Q_OBJECT
 
