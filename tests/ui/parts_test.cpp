@@ -1,6 +1,9 @@
 // The window's parts on their own.
 #include <gtest/gtest.h>
 
+#include <QApplication>
+#include <QClipboard>
+#include <QRegularExpression>
 #include <QSignalSpy>
 #include <QTest>
 #include <cmath>
@@ -8,6 +11,7 @@
 #include "app/experiment/experiment_file.h"
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_view.h"
+#include "ui/base/dialogs.h"
 #include "ui/base/modes.h"
 #include "ui/base/why.h"
 #include "ui/robots/robots_model.h"
@@ -64,6 +68,41 @@ TEST(EventLog, CutsNoSentenceOff) {
   log.filter().set_words({});
   EXPECT_GE(log.rowHeight(1), needed(sentence)) << "after it was filtered away and came back";
   EXPECT_TRUE(log.model()->index(1, EventModel::event).data(Qt::ToolTipRole).toString().startsWith(sentence));
+}
+
+TEST(EventLog, BreaksLongNamesOfFiles) {
+  EventLog log;
+  log.resize(280, 400);
+  log.show();
+  const QString folder = QStringLiteral("/home/operator/.local/share/skein/runs/2026-11-22_143133_platoon-loopback");
+  log.note(1.0, QStringLiteral("kept in ") + folder, Severity::good);
+  const QModelIndex cell = log.model()->index(0, EventModel::event);
+  const int room = log.columnWidth(EventModel::event) - 8;
+  for (const QString& piece : cell.data().toString().split(QRegularExpression(QStringLiteral("[ \u200b]"))))
+    EXPECT_LE(log.fontMetrics().horizontalAdvance(piece), room) << piece.toStdString();
+  EXPECT_EQ(cell.data(Qt::AccessibleTextRole).toString(), QStringLiteral("kept in ") + folder);
+  log.selectAll();
+  QTest::keyClick(&log, Qt::Key_C, Qt::ControlModifier);
+  EXPECT_TRUE(QApplication::clipboard()->text().endsWith(folder)) << "what is copied is the folder's name";
+}
+
+TEST(Dialogs, StandClearOfStopOnEveryScreen) {
+  for (const QSize size : {QSize(800, 600), QSize(1280, 800), QSize(2560, 1440)}) {
+    const QRect screen(QPoint(), size), stop(size.width() - 160, 56, 150, 56);
+    for (const QSize wanted : {QSize(380, 200), QSize(784, 552), QSize(980, 744), QSize(2560, 1440)}) {
+      QRect dialog(QPoint(), wanted);
+      dialog.moveCenter(screen.center());
+      const QRect clear = clear_of(dialog, stop, screen);
+      EXPECT_FALSE(clear.intersects(stop)) << size.width() << ": " << wanted.width();
+      EXPECT_TRUE(screen.contains(clear) || clear == dialog);
+      EXPECT_TRUE(clear.size() == wanted || !dialog.intersects(stop) || clear.width() == stop.left() ||
+                  clear.height() == size.height() - stop.bottom() - 1)
+          << "smaller than need be";
+      if (!dialog.intersects(stop)) {
+        EXPECT_EQ(clear, dialog) << "moved without need";
+      }
+    }
+  }
 }
 
 TEST(ArenaMap, GoesThereAndBack) {

@@ -93,6 +93,8 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   connect(text_, &QPlainTextEdit::textChanged, this, [this] { pause_.start(typing_pause_ms); });
   connect(text_->document(), &QTextDocument::modificationChanged, this, &ExperimentEditor::show_title);
   connect(form_, &EditorForm::set_wanted, this, &ExperimentEditor::set_value);
+  list_->setWordWrap(true);  // a problem is read to its end
+  list_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   connect(list_, &QListWidget::itemActivated, this, [this](const QListWidgetItem* item) {
     const QPoint place = item->data(place_role).toPoint();
     text_->go_to(place.x(), place.y());

@@ -7,7 +7,7 @@ namespace skein::ui {
 QString shortcuts_text() {
   const QString row = QStringLiteral(
       "<tr><td style=\"padding: 2px 18px 2px 0; white-space: nowrap\"><b>%1</b></td>"
-      "<td style=\"padding: 2px 0; white-space: nowrap\">%2</td></tr>");
+      "<td style=\"padding: 2px 0\">%2</td></tr>");
   const auto section = [](const QString& title) {
     return QStringLiteral("<tr><td colspan=\"2\" style=\"padding-top: 8px\"><i>%1</i></td></tr>").arg(title);
   };

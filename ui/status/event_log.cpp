@@ -26,6 +26,22 @@ QString shortened(QString text) {
   return text;
 }
 
+constexpr QChar may_break(0x200B);  // a blank of no width
+
+/// Long words, such as the names of files, may go on in the next line.
+QString breakable(const QString& text) {
+  static const QRegularExpression long_word(QStringLiteral("\\S{16,}")), joint(QStringLiteral("([/_.-])"));
+  QString broken;
+  qsizetype done = 0;
+  for (auto words = long_word.globalMatch(text); words.hasNext();) {
+    const QRegularExpressionMatch word = words.next();
+    broken +=
+        text.mid(done, word.capturedStart() - done) + word.captured().replace(joint, QStringLiteral("\\1") + may_break);
+    done = word.capturedEnd();
+  }
+  return broken + text.mid(done);
+}
+
 }  // namespace
 
 void EventModel::clear() {
@@ -58,12 +74,14 @@ QVariant EventModel::data(const QModelIndex& index, int role) const {
     case Qt::DisplayRole:
       return column == time    ? tr("%1 s").arg(line.t, 0, 'f', 2)
              : column == level ? symbol(line.severity)
-                               : shortened(line.text);
+                               : breakable(shortened(line.text));
     case Qt::ToolTipRole:
       if (column == level) return severity_text(line.severity);
       return line.word.isEmpty() ? line.text : tr("%1\nIn the CSV: %2").arg(line.text, line.word);
     case Qt::AccessibleTextRole:
-      return column == level ? QVariant(severity_text(line.severity)) : QVariant();
+      return column == level   ? severity_text(line.severity)
+             : column == event ? QVariant(shortened(line.text))
+                               : QVariant();
     case Qt::TextAlignmentRole:
       if (column == time) return static_cast<int>(Qt::AlignRight | Qt::AlignVCenter);
       return column == level ? QVariant(Qt::AlignCenter) : QVariant();
@@ -196,7 +214,7 @@ void EventLog::keyPressEvent(QKeyEvent* event) {
   QStringList lines;
   for (const QModelIndex& row : rows)
     lines << row.data().toString() + QLatin1Char('\t') + row.siblingAtColumn(EventModel::event).data().toString();
-  QApplication::clipboard()->setText(lines.join(QLatin1Char('\n')));
+  QApplication::clipboard()->setText(lines.join(QLatin1Char('\n')).remove(may_break));
 }
 
 }  // namespace skein::ui
