@@ -95,7 +95,7 @@ Check batteries(std::span<const RobotStatus> robots) {
 }
 
 Check gains(const Certificate* certificate) {
-  if (!certificate) return {What::gains, State::waits, "being computed", true};
+  if (!certificate) return {What::gains, State::waits, "whether (18) holds is being computed", true};
   if (!certificate->other_law.empty())
     return {What::gains, State::holds,
             fmt::format("not checked: (18) holds for (15), and {} drives", certificate->other_law), true};
@@ -114,7 +114,7 @@ Check gains(const Certificate* certificate) {
 }
 
 Check reference(const Certificate* certificate) {
-  if (!certificate) return {What::reference, State::waits, "being computed", true};
+  if (!certificate) return {What::reference, State::waits, "what it asks of the wheels is being computed", true};
   double v = 0.0, omega = 0.0, wheel = 0.0;
   for (const Certificate::Robot& r : certificate->robots) {
     v = std::max(v, r.v.value);
@@ -140,7 +140,10 @@ Check places(const Experiment& e, const TickRecord* record) {
     if (!at_start(robot.pose, robot.nominal.pose, start_tolerance(e.staging))) away.push_back(i);
   }
   if (away.empty() && !unseen.empty())
-    return {What::places, State::fails, fmt::format("{} not seen: its position is not known", numbers(unseen)), false};
+    return {What::places, State::fails,
+            fmt::format("{} not seen: {} not known", numbers(unseen),
+                        unseen.size() == 1 ? "its position is" : "their positions are"),
+            false};
   if (away.empty())
     return {What::places, State::holds, fmt::format("all robots within {:.0f} mm", std::ceil(1000 * farthest)), false};
   return {What::places, State::fails,

@@ -2,6 +2,8 @@
 #include <QAbstractItemView>
 #include <QAction>
 #include <QLabel>
+#include <QScrollArea>
+#include <QScrollBar>
 #include <QTabWidget>
 
 #include "operator.h"
@@ -71,6 +73,22 @@ TEST_F(Checks, ShowWholeWhatFails) {
   window.resize(800, 600);
   EXPECT_TRUE(whole("check_places")) << "where there is no room for all";
   EXPECT_TRUE(whole("mend_places"));
+}
+
+TEST_F(Checks, NeedNoScrollBarWhereTheArenaHasRoomToSpare) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.camera.source = "v4l2:/dev/no-such-camera";
+  experiment.camera.calibration = "overhead.toml";
+  experiment.directory = skein::test::in_source("resources/cameras");
+  open_and_wait(experiment);
+  ASSERT_TRUE(eventually([&] { return seen(); }));
+  const auto* bar = find("check_list")->findChild<QScrollArea*>()->verticalScrollBar();
+  for (const int width : {1280, 1240, 1200, 1320, 1360, 1400, 1280}) {
+    window.resize(width, 800);
+    EXPECT_TRUE(eventually([&] { return window.width() == width && bar->maximum() == 0; }))
+        << bar->maximum() << " px are hidden at " << width;
+    EXPECT_GE(arena().height(), 130) << width;
+  }
 }
 
 TEST_F(Checks, AreOverruledWhereThatEndangersNobody) {

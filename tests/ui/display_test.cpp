@@ -176,6 +176,10 @@ TEST_F(Display, ARunThatCannotStartIsNotSaidToBeReady) {
   EXPECT_TRUE(eventually([&] { return arena().scene().banner.startsWith(QStringLiteral("Not ready: ")); }))
       << arena().scene().banner.toStdString();
   EXPECT_TRUE(arena().scene().banner.contains(QStringLiteral("tag"))) << arena().scene().banner.toStdString();
+  EXPECT_TRUE(find<QLabel>("phase")->text().contains(QStringLiteral("Not ready")))
+      << find<QLabel>("phase")->text().toStdString();
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().startsWith(QStringLiteral("Not ready: ")); }))
+      << "while it says: " << find<QLabel>("alert")->text().toStdString();
   EXPECT_FALSE(find<QLabel>("check_mark_places")->text().contains(QStringLiteral("✓")))
       << find<QLabel>("check_places")->text().toStdString();
   EXPECT_FALSE(find<QLabel>("check_places")->text().contains(QStringLiteral("all robots")));
@@ -191,6 +195,17 @@ TEST_F(Display, OfAReplayIsThatOfTheRun) {
   EXPECT_TRUE(eventually([&] { return pairs->index(0, 1).data().toString() == QStringLiteral("0.008"); }))
       << pairs->index(0, 1).data().toString().toStdString();
   EXPECT_FALSE(pairs->flags(pairs->index(0, 1)) & Qt::ItemIsEditable);
+}
+
+TEST_F(Display, NumbersThatAreNotKnownAreNotShown) {
+  QStringList said;
+  const auto listen = [&] { said << find<QLabel>("pace")->text(); };
+  QObject::connect(&window.live(), &LiveRun::frame, &window, listen);
+  start();
+  replay(recorded());
+  listen();
+  for (const QString& text : said) EXPECT_FALSE(text.contains(QStringLiteral("nan"))) << text.toStdString();
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("pace")->text().contains(QStringLiteral("Hz")); }));
 }
 
 TEST_F(Display, ARobotThatIsHeldIsDrawnCoupledToNobody) {

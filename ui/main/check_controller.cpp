@@ -82,7 +82,9 @@ Notice CheckController::banner() const {
 
 void CheckController::start(bool overrule) {
   if (testing_) return messages_.say(tr("Not started: a robot is being tested"), Severity::warning);
-  if (certifying_.valid()) certifying_.wait();  // it has had since the opening; this is the last of it
+  // It has had since the opening: often this is the last of it. The window must not hang for longer.
+  constexpr std::chrono::seconds patience{1};
+  if (certifying_.valid()) certifying_.wait_for(patience);
   const std::vector<app::Check>& checks = judge();
   if (app::may_start(checks) && (overrule || app::all_hold(checks))) return messages_.tell(live_.start());
   list_->show_checks(checks);

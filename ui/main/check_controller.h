@@ -18,10 +18,11 @@ class CheckController final : public QObject {
  public:
   CheckController(Runs& runs, const Messages& messages, CheckList* list, GainsPanel* gains, QObject* parent = nullptr);
 
-  void begin();                                 ///< for the experiment that the live run has now
-  void set_wanted(bool on);                     ///< the operator requests the list, whatever its results
-  void refresh();                               ///< five times a second
-  Notice banner() const;                        ///< before a start: whether it can be started, and else why not
+  void begin();              ///< for the experiment that the live run has now
+  void set_wanted(bool on);  ///< the operator requests the list, whatever its results
+  void refresh();            ///< five times a second
+  Notice banner() const;     ///< before a start: whether it can be started, and else why not
+  bool all_hold() const { return first_amiss() == nullptr; }
   void start(bool overrule);                    ///< if all checks hold, or the operator overrides the soft ones
   void set_testing(bool on) { testing_ = on; }  ///< a robot turns its wheels: no start meanwhile
 

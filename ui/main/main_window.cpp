@@ -100,6 +100,14 @@ void show_menu_of_focus() {
   QApplication::sendEvent(focus, &asked);
 }
 
+/// What the action does, and to which change, if there is one.
+void name_change(QAction* action, const QString& what, QUndoStack& changes, void (QUndoStack::*told)(const QString&)) {
+  action->setText(what);
+  QObject::connect(&changes, told, action, [action, what](const QString& change) {
+    action->setText(change.isEmpty() ? what : QStringLiteral("%1: %2").arg(what, change));
+  });
+}
+
 void bring_forward(QDockWidget* dock) {
   dock->show();
   dock->raise();
@@ -251,6 +259,7 @@ void MainWindow::default_layout() {
     dock->setFloating(false);
     dock->show();
   }
+  stacked_ = false;
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
   setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
   addDockWidget(Qt::LeftDockWidgetArea, gains_dock_);
@@ -265,7 +274,24 @@ void MainWindow::default_layout() {
   fit_docks();
 }
 
+void MainWindow::stack_columns() {
+  constexpr int room_for_two = 1000;  // columns beside the arena [px]
+  const bool narrow = width() < room_for_two;
+  if (narrow == stacked_) return;
+  const bool usual = stacked_ ? tabifiedDockWidgets(gains_dock_).contains(plots_dock_)
+                              : dockWidgetArea(gains_dock_) == Qt::LeftDockWidgetArea &&
+                                    dockWidgetArea(plots_dock_) == Qt::RightDockWidgetArea;
+  if (usual && narrow) {
+    tabifyDockWidget(gains_dock_, plots_dock_);
+    gains_dock_->raise();
+  } else if (usual) {
+    addDockWidget(Qt::RightDockWidgetArea, plots_dock_);
+  }
+  stacked_ = narrow && usual;
+}
+
 void MainWindow::fit_docks() {
+  stack_columns();
   const double x = std::min(1.0, static_cast<double>(width()) / sized_in_.width());
   const double y = std::min(1.0, static_cast<double>(height()) / sized_in_.height());
   const auto wide = [&](QDockWidget* dock) { return static_cast<int>(x * dock_sizes_.at(dock).width()); };
@@ -368,10 +394,13 @@ void MainWindow::build_run_menu(QMenu* run) {
     stop();
   })->setToolTip(tr("Stops every robot at once, and ends the run"));
   run->addSeparator();
-  QAction* undo = gains_->undo_stack().createUndoAction(this, tr("&Undo gain:"));
+  QUndoStack& changes = gains_->undo_stack();
+  QAction* undo = changes.createUndoAction(this);
+  name_change(undo, tr("&Undo gain"), changes, &QUndoStack::undoTextChanged);
   undo->setShortcut(QKeySequence::Undo);
   undo->setToolTip(tr("Takes the last change of a gain, a coupling or a parameter back"));
-  QAction* redo = gains_->undo_stack().createRedoAction(this, tr("&Redo gain:"));
+  QAction* redo = changes.createRedoAction(this);
+  name_change(redo, tr("&Redo gain"), changes, &QUndoStack::redoTextChanged);
   redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
   redo->setToolTip(tr("Makes the change again that was taken back last"));
   run->addActions({undo, redo});
@@ -666,15 +695,20 @@ void MainWindow::on_frame() {
 
 void MainWindow::show_state() {
   const RunSource& run = runs_.shown();
-  const RunState state = run.state();
+  RunState state = run.state();
   const app::Phase phase = shown_phase_ = run.phase();
-  run_bar_->show_state(state);
   go_action_->setEnabled(state.may_go);
   new_run_action_->setEnabled(state.new_run.possible);
   save_csv_action_->setEnabled(state.may_save && !recording_->is_saving());
   checks_->refresh();
 
-  const Notice banner = run.is_open() && run.latest() && run.is_before_start() ? checks_->banner() : run.banner();
+  const bool may_be_ready = run.is_open() && run.latest() && run.is_before_start();
+  const Notice banner = may_be_ready ? checks_->banner() : run.banner();
+  const bool unready = may_be_ready && phase == app::Phase::ready && !checks_->all_hold();
+  if (unready) state.words = tr("Not ready");
+  if (unready) state.tone = Severity::warning;
+  run_bar_->show_state(state);
+  alert_->rest_on(unready ? banner.text : tr("All well"));
   arena_->set_banner(banner.text, banner.severity == Severity::alarm);
   if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
@@ -719,7 +753,7 @@ void MainWindow::show_numbers() {
   if (!record) return pace_->clear();
   QStringList known;
   if (std::isfinite(record->min_distance)) known << tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1);
-  known << tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);
+  if (record->period > 0.0) known << tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);  // the first tick has none
   if (std::isfinite(record->compute_time)) known << tr("tick %1 µs").arg(record->compute_time * 1e6, 0, 'f', 0);
   pace_->setText(known.join(QStringLiteral("   ·   ")));
 }
@@ -926,6 +960,7 @@ void MainWindow::restore_settings() {
   if (stored.contains(QStringLiteral("geometry"))) {
     restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
     restored_ = restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
+    if (restored_) stacked_ = stored.value(QStringLiteral("stacked")).toBool();
   }
   plots_->show_plots(stored.value(QStringLiteral("plots")).toStringList());
   arena_actions_->restore(stored);
@@ -940,6 +975,7 @@ void MainWindow::store_settings() {
     stored.remove(QStringLiteral("theme"));
   if (!isFullScreen()) stored.setValue(QStringLiteral("geometry"), saveGeometry());
   stored.setValue(QStringLiteral("layout"), saveState(layout_version));
+  stored.setValue(QStringLiteral("stacked"), stacked_);
   stored.setValue(QStringLiteral("plots"), plots_->shown());
   arena_actions_->store(stored);
   stored.setValue(QStringLiteral("speak_alarms"), voice_->is_on());

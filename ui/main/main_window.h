@@ -105,6 +105,9 @@ class MainWindow final : public QMainWindow {
   void default_layout();
   /// The docks as the operator has sized them, smaller in a smaller window: shrunk and grown, it is as it was.
   void fit_docks();
+  /// In a narrow window the plots are a tab behind the gains, where both are where they usually are: the arena has
+  /// their place.
+  void stack_columns();
   /// Brings a panel to the front, and the keyboard to its first control.
   void go_to(QDockWidget* dock, QWidget* first);
   /// The tip that a mouse would find over the control with the focus.
@@ -167,6 +170,7 @@ class MainWindow final : public QMainWindow {
 
   std::map<QDockWidget*, QSize> dock_sizes_;  // as they were made, in a window of this size:
   QSize sized_in_, settled_;
+  bool stacked_ = false;                            // plots behind the gains, by stack_columns
   bool restored_ = false;                           // the sizes of the last time hold, once the window is seen
   bool may_close_ = false;                          // all robots are stopped and the session is gone
   const Theme desktop_at_start_ = desktop_theme();  // before any palette of ours

@@ -4,6 +4,7 @@
 #include <QPainter>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ui/base/sentence.h"
 
@@ -172,12 +173,16 @@ void AlertStrip::choose() {
   show_text();
 }
 
+void AlertStrip::rest_on(const QString& text) {
+  if (std::exchange(at_rest_, text) != text) show_text();
+}
+
 void AlertStrip::refresh() {
   choose();
 }
 
 void AlertStrip::show_text() {
-  const QString text = text_.isEmpty() ? tr("All well") : text_;
+  const QString text = text_.isEmpty() ? at_rest_ : text_;
   setText(text);
   setToolTip(text);
   setAccessibleName(tr("Latest alert: %1").arg(text));  // it would be read instead of the text

@@ -26,6 +26,8 @@ class AlertStrip final : public QLabel {
   void warn_batteries(const QStringList& robots);
   /// Nothing stops the robots if this program is killed: shown unless something more severe is, until `clear`.
   void warn_unguarded(const QString& text) { stand(State::unguarded, text, Severity::warning); }
+  /// What is said while there is nothing else to say.
+  void rest_on(const QString& text);
   void clear_alert();
   /// The warning or alarm that is shown now; empty: there is none.
   QString loud() const { return severity_ >= Severity::warning ? text_ : QString(); }
@@ -60,6 +62,7 @@ class AlertStrip final : public QLabel {
   QElapsedTimer since_;  // the news; invalid: none
   bool held_ = false;
   QString text_;  // what is shown
+  QString at_rest_ = tr("All well");
   Severity severity_ = Severity::note;
 };
 

@@ -3,6 +3,7 @@
 #include <QEvent>
 #include <QGridLayout>
 #include <QResizeEvent>
+#include <QScrollBar>
 #include <QTimer>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -98,10 +99,11 @@ CheckList::CheckList(QWidget* parent)
   layout->addWidget(anyway_, static_cast<int>(entries.size()) - 2, 3);
 }
 
-/// High enough for reasons of several lines.
+/// High enough for reasons of several lines, also beside a scroll bar: else one that is there would stay for ever.
 QSize CheckList::sizeHint() const {
   const QSize hint = list_->sizeHint();
-  return {hint.width(), width() > 0 ? list_->layout()->totalHeightForWidth(width()) : hint.height()};
+  const int beside_bar = width() - scroll_->verticalScrollBar()->sizeHint().width();
+  return {hint.width(), beside_bar > 0 ? list_->layout()->totalHeightForWidth(beside_bar) : hint.height()};
 }
 
 void CheckList::show_checks(const std::vector<app::Check>& checks) {
