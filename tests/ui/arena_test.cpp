@@ -193,5 +193,52 @@ TEST(ArenaHint, SaysAllOfALongHintInANarrowWindow) {
   EXPECT_GT(narrow, wide * 3 / 4) << "in one line there is room for a third of it";
 }
 
+/// How much of a robot's body is seen in the arena, among these messages. [px]
+int body_seen(const QString& banner, const QString& hint, double x, double y) {
+  ArenaView view;
+  view.resize(620, 460);
+  view.show_experiment(app::paper_experiment());
+  app::TickRecord record;
+  record.robots.resize(4);
+  for (std::size_t i = 0; i < 4; ++i) record.robots[i].truth = {-0.9, 0.1 * static_cast<double>(i), 0.0};
+  record.robots[1].truth = {x, y, 0.0};
+  view.show_record(record);
+  view.set_banner(banner, false);
+  view.set_hint(hint);
+  const QImage picture = view.grab().toImage();
+  const QPoint of = view.map().to_screen({x, y}).toPoint();
+  int seen = 0;
+  for (int dy = -8; dy <= 8; ++dy)
+    for (int dx = -8; dx <= 8; ++dx)
+      seen += picture.pixelColor(of + QPoint(dx, dy)) == colours(view.palette()).robot(1);
+  return seen;
+}
+
+TEST(ArenaHint, AndBannerHideNoRobotWhereThereIsRoomBesideIt) {
+  const QString banner = QStringLiteral("Paused \u2013 reference and robots stand");
+  const QString hint = QStringLiteral("Drag a robot out of the formation; turn it with the mouse wheel");
+  for (const double y : {0.71, 0.6, 0.5, 0.0, -0.45, -0.55, -0.65}) {
+    const int bare = body_seen({}, {}, 0.0, y);
+    ASSERT_GT(bare, 20);
+    EXPECT_GT(body_seen(banner, hint, 0.0, y), bare * 9 / 10) << "a message lies over the robot at " << y;
+  }
+}
+
+TEST_F(Arena, OfASmallWindowIsWiderThanThePanelsBesideIt) {
+  start();
+  const int plots = find("plots_dock")->width();
+  window.resize(800, 600);
+  EXPECT_TRUE(eventually([&] { return window.width() == 800 && arena().width() >= 480; })) << arena().width();
+  EXPECT_TRUE(eventually([&] { return find("log_dock")->width() >= 240; })) << "the events cannot be read";
+  EXPECT_FALSE(find("gains_dock")->visibleRegion().isEmpty());
+  find<QAction>("go_to_plots")->trigger();
+  EXPECT_TRUE(eventually([&] { return !find("plots_dock")->visibleRegion().isEmpty(); }));
+  window.resize(1280, 800);
+  EXPECT_TRUE(eventually([&] {
+    return window.width() == 1280 && std::abs(find("plots_dock")->width() - plots) < 3 &&
+           !find("plots_dock")->visibleRegion().isEmpty() && !find("gains_dock")->visibleRegion().isEmpty();
+  })) << "plots and gains are beside the arena again";
+}
+
 }  // namespace
 }  // namespace skein::ui::test

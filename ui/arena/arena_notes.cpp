@@ -14,6 +14,12 @@ namespace {
 constexpr double chip_beside = 10.0, chip_above = 6.0;  // between a message and its card's edges
 constexpr int chip_flags = Qt::AlignHCenter | Qt::TextWordWrap;
 
+QFont banner_font(QFont font) {
+  font.setBold(true);
+  font.setPointSizeF(font.pointSizeF() * 1.25);
+  return font;
+}
+
 }  // namespace
 
 void ArenaPainter::ghost() {
@@ -134,61 +140,83 @@ void ArenaPainter::legend(const QRectF& widget) {
     p_.drawRoundedRect(card, 4, 4);
     p_.setPen(c_.text);
     p_.drawText(QPointF(right - width, middle + metrics.ascent() / 2 - 1), style.name);
-    badge({right - width - 14, middle}, style.symbol, style.colour);
+    badge({right - width - 14, middle}, style.symbol, style.colour, metrics.height());
     right -= width + 46;
   }
 }
 
-/// In as many lines as it takes; returns where it ends. In a place without a height it begins at its top, else it ends
-/// at its bottom.
-double ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
+/// In as many lines as it takes, from the top of the place on; returns what it covers.
+QRectF ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
                           bool bold) {
+  const QSizeF size = chip_size(text, where.width(), bold);
+  const QRectF card(QPointF(where.center().x() - size.width() / 2, where.top()), size);
   p_.save();
-  QFont font = p_.font();
-  font.setBold(bold);
-  if (bold) font.setPointSizeF(font.pointSizeF() * 1.25);
-  p_.setFont(font);
-  const QSizeF size = chip_size(text, where.width());
-  const double top = where.height() > 0.0 ? where.bottom() - size.height() : where.top();
-  const QRectF card(QPointF(where.center().x() - size.width() / 2, top), size);
+  if (bold) p_.setFont(banner_font(p_.font()));
   p_.setPen(Qt::NoPen);
   p_.setBrush(background);
   p_.drawRoundedRect(card, 6, 6);
   p_.setPen(ink);
   p_.drawText(card.adjusted(chip_beside, chip_above, -chip_beside, 0), chip_flags, text);
   p_.restore();
-  return card.bottom();
+  return card;
 }
 
-/// With the painter's font, in a place of this width.
-QSizeF ArenaPainter::chip_size(const QString& text, double width) const {
+/// In a place of this width.
+QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) const {
   constexpr double highest = 1e4, more = 8.0;  // more: than the text has, so that it is not wrapped anew
+  if (text.isEmpty()) return {0, 0};
   const QRectF room(0, 0, width - 2 * chip_beside, highest);
-  const QSizeF size = QFontMetricsF(p_.font()).boundingRect(room, chip_flags, text).size();
+  const QFontMetricsF metrics(bold ? banner_font(p_.font()) : p_.font());
+  const QSizeF size = metrics.boundingRect(room, chip_flags, text).size();
   return {std::min(width, size.width() + 2 * chip_beside + more), size.height() + 2 * chip_above};
 }
 
-void ArenaPainter::banner_and_hint(const QRectF& widget) {
-  constexpr double gap = 12.0, under_tools = 44.0;
-  const double left = widget.left() + 20, width = widget.width() - 40;
-  double top = widget.top() + under_tools;
-  if (!scene_.banner.isEmpty())
-    top = gap + chip({left, top, width, 0}, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
-                     scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
-  if (!scene_.alert.isEmpty())
-    chip({left, top, width, 0}, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
-  if (!scene_.hint.isEmpty()) hint(widget, left, width);
+/// The first of the tops where a message of this size hides fewest robots and no message.
+double ArenaPainter::freest(const QSizeF& size, double middle, std::initializer_list<double> tops) const {
+  const auto hidden = [&](double top) {
+    const QRectF card(QPointF(middle - size.width() / 2, top), size);
+    std::size_t count = card.intersects(said_) ? scene_.experiment.robots.size() + 1 : 0;
+    for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
+      const auto pose = scene_.pose(i);
+      if (!pose) continue;
+      const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
+      count += card.adjusted(-radius, -radius, radius, radius).contains(at(pose->x, pose->y)) ? 1 : 0;
+    }
+    return count;
+  };
+  return std::min(tops, [&](double a, double b) { return hidden(a) < hidden(b); });
 }
 
-/// Below the floor, where there is room, so that it hides no robot; else on it, above the scale.
-void ArenaPainter::hint(const QRectF& widget, double left, double width) {
-  constexpr double gap = 8.0, over_scale = 64.0;
-  const double floor_ends = (map_.sheet() & widget).bottom();
-  const bool below = floor_ends + chip_size(scene_.hint, width).height() + 2 * gap <= widget.bottom();
-  const double one_line = QFontMetricsF(p_.font()).height() + 2 * chip_above;
-  const QRectF where =
-      below ? QRectF(left, floor_ends + gap, width, 0) : QRectF(left, 0, width, floor_ends - over_scale + one_line);
-  chip(where, scene_.hint, faded(c_.notice, 0.92), ink_on(c_.notice), false);
+/// The banner with its alert high up and the hint low down, beside the floor where there is room, and where they hide
+/// no robot.
+void ArenaPainter::messages(const QRectF& widget) {
+  constexpr double gap = 8.0, under_top = 44.0, over_scale = 50.0;
+  const double left = widget.left() + 20, width = widget.width() - 40, middle = widget.center().x();
+  const QRectF floor = map_.sheet() & widget;
+  const auto fits = [&](double top, const QSizeF& size, double otherwise) {
+    return top >= widget.top() + gap && top + size.height() + gap <= widget.bottom() ? top : otherwise;
+  };
+  const auto best = [&](const QSizeF& size, bool low) {
+    const double in_floor = low ? floor.bottom() - over_scale - size.height() : widget.top() + under_top;
+    const double above = fits(floor.top() - gap - size.height(), size, in_floor);
+    const double below = fits(floor.bottom() + gap, size, in_floor);
+    const double high = fits(widget.top() + under_top, size, in_floor);
+    const double centre = fits(widget.center().y() - size.height() / 2, size, in_floor);
+    return low ? freest(size, middle, {below, in_floor, above, high, centre})
+               : freest(size, middle, {above, in_floor, below, centre});
+  };
+  const QSizeF banner = chip_size(scene_.banner, width, true), alert = chip_size(scene_.alert, width, false);
+  double top = best({std::max(banner.width(), alert.width()), banner.height() + gap + alert.height()}, false);
+  if (!scene_.banner.isEmpty()) {
+    said_ = chip({left, top, width, 0}, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
+                 scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
+    top = said_.bottom() + gap;
+  }
+  if (!scene_.alert.isEmpty())
+    said_ |= chip({left, top, width, 0}, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
+  if (!scene_.hint.isEmpty())
+    chip({left, best(chip_size(scene_.hint, width, false), true), width, 0}, scene_.hint, faded(c_.notice, 0.92),
+         ink_on(c_.notice), false);
 }
 
 }  // namespace skein::ui

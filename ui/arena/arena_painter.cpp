@@ -13,7 +13,8 @@
 namespace skein::ui {
 namespace {
 
-constexpr std::size_t many = 8;  // robots: of more, thin lines
+constexpr std::size_t many = 8;      // robots: of more, thin lines
+constexpr double small_robot = 7.0;  // radius [px]: of a smaller one, number and badge are smaller as well
 
 }  // namespace
 
@@ -36,7 +37,7 @@ void ArenaPainter::paint(const QRectF& widget) {
   ruler();
   scale_bar(widget);
   legend(widget);
-  banner_and_hint(widget);
+  messages(widget);
   keyboard(widget);
 }
 
@@ -156,8 +157,11 @@ void ArenaPainter::trails() {
 /// back.
 void ArenaPainter::couplings() {
   const std::size_t n = scene_.experiment.robots.size();
-  // A crowd's web must not hide the crowd, nor cost a frame: thin lines, whose strength is how well they are seen.
+  // A crowd's web must not hide the crowd, nor cost a frame: thin lines, whose strength is how well they are seen. The
+  // more there are, the paler; not those of the selected robot.
   const bool crowd = n > many;
+  constexpr double pairs_of_20 = 190.0, palest = 0.25;
+  const double share = std::clamp(2.0 * pairs_of_20 / static_cast<double>(n * n), palest, 1.0);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       QPolygonF line;
@@ -167,7 +171,9 @@ void ArenaPainter::couplings() {
       const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
       const double strength = out ? 0.0 : scene_.couplings[i * n + j];
       constexpr double thinnest = 0.8, widest = 9.0;  // [px]
-      const double opacity = crowd ? std::clamp(0.15 + 0.5 * strength, 0.15, 0.5) : 0.55;
+      const bool selected = scene_.selected == static_cast<int>(i) || scene_.selected == static_cast<int>(j);
+      const double paler = selected ? 1.0 : share;
+      const double opacity = crowd ? paler * std::clamp(0.15 + 0.5 * strength, 0.15, 0.5) : 0.55;
       QPen pen = strength > 0.0
                      ? cosmetic(faded(c_.coupling, hovered ? 0.9 : opacity),
                                 crowd ? 1.0 : std::clamp(thinnest + widest * strength, thinnest, widest))
@@ -244,7 +250,7 @@ void ArenaPainter::robots() {
       p_.setBrush(Qt::NoBrush);
       p_.setPen(cosmetic(style.colour, 2.6));
       p_.drawEllipse(centre, radius + 2.2, radius + 2.2);
-      badge(centre + QPointF(0.8, -0.8) * (radius + 5), style.symbol, style.colour);
+      badge(centre + QPointF(0.8, -0.8) * (radius + 5), style.symbol, style.colour, radius);
     }
   }
 }
@@ -270,7 +276,8 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
   QFont font = p_.font();
   font.setBold(true);
   const double radius = body_radius * map_.scale_at({pose.x, pose.y});
-  font.setPointSizeF(std::max(font.pointSizeF(), 0.45 * radius));  // zoomed in, the number grows with its robot
+  // Zoomed in, the number grows with its robot; in a crowd seen from afar it leaves room for its neighbours'.
+  font.setPointSizeF(std::max(font.pointSizeF() * (radius < small_robot ? 0.75 : 1.0), 0.45 * radius));
   p_.setFont(font);
   p_.setPen(ink);
   const QPointF back = (centre - rim(body_radius, 0.0)) * 0.16;  // the number stands clear of the notch
@@ -283,9 +290,11 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
   p_.restore();
 }
 
-void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& colour) {
+/// `robot`: the radius of its robot [px]. Beside a small one it is smaller too, so that it hides no other's number.
+void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& colour, double robot) {
   p_.save();
-  const double r = p_.fontMetrics().height() * 0.5;
+  const bool small = robot < small_robot;
+  const double r = p_.fontMetrics().height() * (small ? 0.3 : 0.5);
   p_.setPen(cosmetic(c_.floor, 1.2));
   p_.setBrush(colour);
   p_.drawEllipse(centre, r, r);
@@ -295,8 +304,9 @@ void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& co
     p_.setPen(ink_on(colour));
     QFont font = p_.font();
     font.setBold(true);
+    if (small) font.setPointSizeF(0.6 * font.pointSizeF());
     p_.setFont(font);
-    p_.drawText(QRectF(centre - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter, symbol);
+    p_.drawText(QRectF(centre - QPointF(r, r), QSizeF(2 * r, 2 * r)), Qt::AlignCenter | Qt::TextDontClip, symbol);
   }
   p_.restore();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QPainter>
+#include <initializer_list>
 
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_scene.h"
@@ -27,7 +28,7 @@ class ArenaPainter {
   void references();
   void robots();
   void robot(const core::Pose& pose, std::size_t i, double opacity);
-  void badge(QPointF centre, const QString& symbol, const QColor& colour);
+  void badge(QPointF centre, const QString& symbol, const QColor& colour, double robot);
   void ghost();
   void kick();
   void ruler();
@@ -35,10 +36,10 @@ class ArenaPainter {
   void note(QPointF centre, const QString& text);
   void scale_bar(const QRectF& widget);
   void legend(const QRectF& widget);
-  double chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
-  QSizeF chip_size(const QString& text, double width) const;
-  void banner_and_hint(const QRectF& widget);
-  void hint(const QRectF& widget, double left, double width);
+  QRectF chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
+  QSizeF chip_size(const QString& text, double width, bool bold) const;
+  void messages(const QRectF& widget);
+  double freest(const QSizeF& size, double middle, std::initializer_list<double> tops) const;
 
   QPointF at(double x, double y) const { return map_.to_screen({x, y}); }
 
@@ -46,6 +47,7 @@ class ArenaPainter {
   const ArenaScene& scene_;
   const ArenaMap& map_;
   const Colours& c_;
+  QRectF said_;  // where messages are
 };
 
 }  // namespace skein::ui

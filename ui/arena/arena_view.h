@@ -53,7 +53,8 @@ class ArenaView final : public QWidget {
   const ArenaMap& map() const { return map_; }
   const ArenaScene& scene() const { return scene_; }
   QSize minimumSizeHint() const override { return {200, 150}; }
-  QSize sizeHint() const override { return {620, 500}; }
+  /// Low: it takes what room there is, but not that of the check list.
+  QSize sizeHint() const override { return {620, 150}; }
 
  public slots:
   void select(int robot);  ///< from 0; -1: none
