@@ -2,9 +2,11 @@
 // alone.
 #include <QAction>
 #include <QLabel>
+#include <QSettings>
 #include <cmath>
 
 #include "operator.h"
+#include "ui/base/settings.h"
 
 namespace skein::ui::test {
 namespace {
@@ -222,6 +224,25 @@ TEST(ArenaHint, AndBannerHideNoRobotWhereThereIsRoomBesideIt) {
     ASSERT_GT(bare, 20);
     EXPECT_GT(body_seen(banner, hint, 0.0, y), bare * 9 / 10) << "a message lies over the robot at " << y;
   }
+}
+
+TEST_F(Arena, HasThePlotsBesideItInAWindowThatWasNarrowTheLastTime) {
+  settings().clear();
+  MainWindow first;
+  first.resize(800, 600);
+  first.show();
+  const auto* behind = first.findChild<QWidget*>(QStringLiteral("plots_dock"));
+  ASSERT_TRUE(eventually([&] { return first.isVisible() && behind->visibleRegion().isEmpty(); }));
+  first.close();
+  ASSERT_TRUE(eventually([&] { return !first.isVisible(); }));
+
+  MainWindow second;  // begins with the first one's layout, and has more room
+  second.show();
+  second.resize(1280, 800);
+  const auto* beside = second.findChild<QWidget*>(QStringLiteral("plots_dock"));
+  const auto* gains = second.findChild<QWidget*>(QStringLiteral("gains_dock"));
+  EXPECT_TRUE(eventually([&] { return !beside->visibleRegion().isEmpty() && !gains->visibleRegion().isEmpty(); }));
+  second.close();
 }
 
 TEST_F(Arena, OfASmallWindowIsWiderThanThePanelsBesideIt) {

@@ -305,8 +305,13 @@ void MainWindow::resizeEvent(QResizeEvent* event) {
   QMainWindow::resizeEvent(event);
   QTimer::singleShot(0, this, [this] {  // once the layout is done
     if (restored_ && isVisible()) {
-      for (auto& [dock, made] : dock_sizes_) made = dock->size();
-      sized_in_ = settled_ = size();
+      const bool was_stacked = stacked_;
+      stack_columns();
+      settled_ = QSize();
+      if (stacked_ == was_stacked) {  // else the window was narrow the last time, and the usual sizes hold
+        for (auto& [dock, made] : dock_sizes_) made = dock->size();
+        sized_in_ = settled_ = size();
+      }
       restored_ = false;
     }
     if (settled_ != size()) fit_docks();
