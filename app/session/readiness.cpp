@@ -57,6 +57,7 @@ Check tags(const Experiment& e, const TickRecord* record) {
   if (unseen.empty())
     return {What::tags, State::holds, fmt::format("all {} robots have a fresh pose", e.robots.size()), true};
   std::vector<int> ids;
+  ids.reserve(unseen.size());
   for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
   return {What::tags, State::fails, fmt::format("{}: no tag {} in the picture", numbers(unseen), fmt::join(ids, ", ")),
           true};
