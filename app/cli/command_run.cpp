@@ -22,7 +22,7 @@
 #include "app/runs/kept_run.h"
 #include "app/runs/run_end.h"
 #include "app/runs/run_folder.h"
-#include "app/session/cameras.h"
+#include "app/session/camera_film.h"
 #include "app/session/session.h"
 
 namespace skein::app {

@@ -28,10 +28,10 @@ bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// When the newest frame that a tick knew of was taken; a frame in which nobody was seen need not be known.
-double newest_capture(const TickRecord& row) noexcept {
+/// When the newest frame of a camera that a tick knew of was taken; a frame in which nobody was seen need not be known.
+double newest_capture(std::span<const core::Measurement> by_camera) noexcept {
   double newest = core::Measurement{}.captured_at;
-  for (const RobotRecord& robot : row.robots) newest = std::fmax(newest, robot.measurement.captured_at);
+  for (const core::Measurement& seen : by_camera) newest = std::fmax(newest, seen.captured_at);
   return newest;
 }
 
@@ -40,22 +40,26 @@ struct Value {
   double recorded, again;
 };
 
-/// Compares values of one robot at one tick, notes the first that differs; false: one did.
+/// Compares values of one robot at one tick, notes the first that differs; false: one did. `camera`: "c2_" or nothing.
 template <std::size_t N>
-bool same(const Value (&values)[N], const TickRecord& row, std::size_t robot, ReplayResult& result) {
+bool same(const Value (&values)[N], const TickRecord& row, std::size_t robot, ReplayResult& result,
+          const std::string& camera = {}) {
   for (const Value& value : values) {
     if (same_bits(value.recorded, value.again)) continue;
     if (result.first.empty())
-      result.first = fmt::format("tick {} (t = {} s), r{}_{}: recorded {}, replayed {}", row.tick, row.t, robot + 1,
-                                 value.name, value.recorded, value.again);
+      result.first = fmt::format("tick {} (t = {} s), r{}_{}{}: recorded {}, replayed {}", row.tick, row.t, robot + 1,
+                                 camera, value.name, value.recorded, value.again);
     return false;
   }
   return true;
 }
 
-void compare_poses(const TickRecord& recorded, std::span<const core::Measurement> again, ReplayResult& result) {
+/// Of all cameras, the first one's poses first.
+void compare_poses(const TickRecord& row, std::span<const core::Measurement> recorded,
+                   std::span<const core::Measurement> again, ReplayResult& result) {
+  const std::size_t robots = row.robots.size();
   for (std::size_t i = 0; i < again.size(); ++i) {
-    const core::Measurement &a = recorded.robots[i].measurement, &b = again[i];
+    const core::Measurement &a = recorded[i], &b = again[i];
     ++result.poses;
     if (std::isnan(a.captured_at)) continue;  // nobody had seen it yet
     const Value values[] = {{"x_meas", a.pose.x, b.pose.x},
@@ -64,17 +68,18 @@ void compare_poses(const TickRecord& recorded, std::span<const core::Measurement
                             {"t_meas", a.captured_at, b.captured_at},
                             {"sigma_xy", a.sigma_xy, b.sigma_xy},
                             {"sigma_theta", a.sigma_theta, b.sigma_theta}};
-    result.poses_different += same(values, recorded, i, result) ? 0 : 1;
+    const std::string camera = again.size() > robots ? fmt::format("c{}_", i / robots + 1) : "";
+    result.poses_different += same(values, row, i % robots, result, camera) ? 0 : 1;
   }
 }
 
 /// What the poses of a film with losses differ by from the recorded ones.
 class FilmLoss {
  public:
-  void add(const TickRecord& recorded, std::span<const core::Measurement> seen, ReplayResult& result) {
+  void add(std::span<const core::Measurement> recorded, std::span<const core::Measurement> seen, ReplayResult& result) {
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      const core::Measurement &a = recorded.robots[i].measurement, &b = seen[i];
-      if (std::isnan(a.captured_at)) continue;  // nobody had seen it yet
+      const core::Measurement &a = recorded[i], &b = seen[i];
+      if (!(a.captured_at > core::Measurement{}.captured_at)) continue;  // this camera had not seen it yet
       ++result.poses;
       if (a.captured_at != b.captured_at) {
         ++result.poses_missing;
@@ -155,13 +160,14 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     result.warnings.push_back(fmt::format("recorded by skein {}, replayed by " SKEIN_VERSION, reader->head().version));
 
   if (run) run->experiment = *experiment;
-  std::optional<ReplayFilm> frames;
-  if (!film.empty()) {
-    auto opened = ReplayFilm::open(film, *experiment);
-    if (!opened) return tl::unexpected(opened.error());
-    frames = std::move(*opened);
+  const std::vector<std::string> paths = film_paths(*experiment, film);
+  std::vector<ReplayFilm> films;  // of each camera
+  for (std::size_t k = 0; !film.empty() && k < paths.size(); ++k) {
+    auto opened = ReplayFilm::open(paths[k], *experiment);
+    if (!opened) return tl::unexpected(camera_prefix(*experiment, k) + opened.error());
+    films.push_back(std::move(*opened));
     result.filmed = true;
-    result.lossless = frames->lossless();
+    result.lossless = result.lossless && films.back().lossless();
   }
 
   std::unique_ptr<OwnController> asked;
@@ -178,16 +184,22 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   ControlTick tick(*experiment);
   FilmLoss loss;
   RecordedInput recorded(*experiment);
-  std::vector<core::Measurement> filmed(frames ? experiment->robots.size() : 0);
+  const std::size_t robots = experiment->robots.size();
+  std::vector<core::Measurement> filmed(films.size() * robots);
   TickRecord row;
   while (true) {
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
     TickInput input = recorded.of(row);
-    if (frames) {
-      if (const auto seen = frames->advance(newest_capture(row), filmed); !seen) return tl::unexpected(seen.error());
-      result.lossless ? compare_poses(row, filmed, result) : loss.add(row, filmed, result);
+    for (std::size_t k = 0; k < films.size(); ++k) {
+      const double newest = newest_capture(input.measurements.subspan(k * robots, robots));
+      if (const auto seen = films[k].advance(newest, std::span(filmed).subspan(k * robots, robots)); !seen)
+        return tl::unexpected(camera_prefix(*experiment, k) + seen.error());
+    }
+    if (!films.empty()) {
+      result.lossless ? compare_poses(row, input.measurements, filmed, result)
+                      : loss.add(input.measurements, filmed, result);
       if (result.lossless) input.measurements = filmed;
     }
     tick.see(input);
@@ -205,13 +217,17 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     ++result.ticks;
   }
   if (reader->torn()) result.warnings.push_back(*reader->torn());
-  if (frames) {
-    result.frames = frames->frames();
-    loss.finish(result);
-    result.missing_frames = frames->missing();
-    if (result.missing_frames > 0)
-      result.warnings.push_back(
-          fmt::format("the film lacks {} frames that its recorder dropped", result.missing_frames));
+  loss.finish(result);
+  for (std::size_t k = 0; k < films.size(); ++k) {
+    constexpr double unusual = 0.1;  // more than a frame's read-out [s]
+    result.frames += films[k].frames();
+    result.missing_frames += films[k].missing();
+    if (films[k].missing() > 0)
+      result.warnings.push_back(fmt::format("{} lacks {} frames that its recorder dropped",
+                                            films.size() > 1 ? paths[k] : "the film", films[k].missing()));
+    if (films[k].short_by() > unusual)
+      result.warnings.push_back(fmt::format("{} ends {:.1f} s before the poses of its camera do",
+                                            films.size() > 1 ? paths[k] : "the film", films[k].short_by()));
   }
   return result;
 }

@@ -41,7 +41,8 @@ struct ReplayResult {
 /// Feeds the measurements, times and operator's commands of a run's CSV to a new tick and compares every command (v,
 /// omega and both wheels) with the recorded one. `file` is the stream's name in messages. The error has the place of
 /// invalid input.
-/// With the film of the run (`skein run --video`), the measurements come from it instead, through the same tracker, and
+/// With the film of the run (`skein run --video`; of several cameras the first one's, film_paths names the others), the
+/// measurements come from it instead, through the same tracker, and
 /// are compared with the recorded ones too. Poses from a film that is not lossless are only compared: `pose_error_rms`.
 /// Empty: none.
 /// The answers of the run's own controller are taken from the record. With `controller` that controller is also

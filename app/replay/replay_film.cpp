@@ -1,32 +1,17 @@
 #include "app/replay/replay_film.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 
-#include "app/calibration/calibration_file.h"
 #include "app/session/camera_rig.h"
-#include "vision/sources/open_source.h"
 
 namespace skein::app {
 
 tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, const Experiment& experiment) {
-  if (experiment.cameras() > 1)
-    return tl::unexpected(
-        fmt::format("{}: the run had {} cameras, and a replay from frames takes those of one alone; "
-                    "without a film it takes the poses that the cameras measured",
-                    path, experiment.cameras()));
-  auto source = vision::open_source("video:" + path);
-  if (!source) return tl::unexpected(source.error());
-  const auto calibration_note = (*source)->notes().find("CALIBRATION");
-  if (!(*source)->recorded() || calibration_note == (*source)->notes().end())
-    return tl::unexpected(fmt::format(
-        "{}: has no capture times and no calibration; allowed: a film recorded by `skein run --video`", path));
-  const auto calibration = parse_calibration(calibration_note->second, path + " (CALIBRATION)");
-  if (!calibration) return tl::unexpected(calibration.error());
-  if (!calibration->world_from_camera)
-    return tl::unexpected(fmt::format("{}: its calibration has no world frame", path));
+  auto film = open_film(path);
+  if (!film) return tl::unexpected(film.error());
   std::vector<int> wanted = wanted_tags(experiment);
-  vision::TagTracker tracker(*calibration, {.tags = wanted});
-  return ReplayFilm(std::move(*source), std::move(tracker), std::move(wanted));
+  vision::TagTracker tracker(film->calibration, {.tags = wanted});
+  return ReplayFilm(std::move(film->source), std::move(tracker), std::move(wanted));
 }
 
 bool ReplayFilm::lossless() const {
@@ -46,10 +31,12 @@ tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core:
     if (next_.captured_at > time) break;
     missing_ += next_.index - last_index_ - 1;
     last_index_ = next_.index;
-    update_newest(tracker_.process(next_), wanted_, newest);
+    last_at_ = next_.captured_at;
+    update_newest(tracker_.process(next_, elsewhere_of(next_.note)), wanted_, newest);
     ++frames_;
     has_next_ = false;
   }
+  if (ended_ && frames_ > 0) short_by_ = std::max(short_by_, time - last_at_);
   return {};
 }
 

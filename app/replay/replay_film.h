@@ -9,26 +9,28 @@
 #include <tl/expected.hpp>
 
 #include "app/experiment/experiment.h"
+#include "app/session/camera_film.h"
 #include "core/estimation/measurement.h"
 #include "vision/frames/frame_source.h"
 #include "vision/tracker/tracker.h"
 
 namespace skein::app {
 
-/// Runs the film of a run through the same tracker again.
+/// Runs the film of one of a run's cameras through the same tracker again.
 class ReplayFilm {
  public:
   /// The error says why this is not a film recorded by `skein run --video`.
   static tl::expected<ReplayFilm, std::string> open(const std::string& path, const Experiment& experiment);
 
   /// Processes every further frame that was captured until `time` (session's clock); then every robot's newest
-  /// measurement is in `newest`.
+  /// measurement by this camera is in `newest`.
   tl::expected<void, std::string> advance(double time, std::span<core::Measurement> newest);
 
   /// Whether its pixels are those that the tracker saw during the run.
   bool lossless() const;
 
   std::int64_t frames() const noexcept { return frames_; }    ///< worked off
+  double short_by() const noexcept { return short_by_; }      ///< its end lies so long before the last `time` [s]
   std::int64_t missing() const noexcept { return missing_; }  ///< that the recorder had dropped before those
 
  private:
@@ -41,6 +43,7 @@ class ReplayFilm {
   vision::Frame next_;
   bool has_next_ = false, ended_ = false;
   std::int64_t frames_ = 0, missing_ = 0, last_index_ = -1;
+  double last_at_ = 0.0, short_by_ = 0.0;  // [s]
 };
 
 }  // namespace skein::app

@@ -23,7 +23,7 @@
 #include "app/runs/machine.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/sha256.h"
-#include "app/session/cameras.h"
+#include "app/session/camera_film.h"
 
 namespace skein::app {
 namespace {

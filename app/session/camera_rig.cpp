@@ -18,6 +18,7 @@
 #include "app/calibration/calibration_file.h"
 #include "app/experiment/control_settings.h"
 #include "app/run/timing.h"
+#include "app/session/camera_film.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
 
@@ -191,6 +192,7 @@ std::function<VideoStatus()> CameraRig::end_film() {
 
 void CameraRig::film_frame() {
   if (!recorder_ || film_ended_) return;
+  frame_.note = note_of(elsewhere_);
   if (clock_.wall())
     recorder_->offer(frame_);
   else

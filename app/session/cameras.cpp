@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
+
+#include "app/session/camera_film.h"
 
 namespace skein::app {
 
@@ -19,15 +20,6 @@ tl::expected<std::unique_ptr<Cameras>, std::string> Cameras::open(const Experime
     cameras->all_[k].rig = std::move(*rig);
   }
   return cameras;
-}
-
-std::vector<std::string> film_paths(const Experiment& experiment, const std::string& path) {
-  std::vector<std::string> paths{path};
-  const std::filesystem::path whole(path);
-  for (std::size_t k = 2; k <= experiment.cameras(); ++k)
-    paths.push_back(
-        (whole.parent_path() / fmt::format("{}-{}{}", whole.stem().string(), k, whole.extension().string())).string());
-  return paths;
 }
 
 tl::expected<void, std::string> Cameras::keep(const std::string& path) {

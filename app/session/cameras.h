@@ -71,8 +71,4 @@ class Cameras {
   std::vector<std::string> alarms_;  // guarded by it
 };
 
-/// The film of each camera of an experiment: the path itself, and for the others the same with -2, -3... before its
-/// end.
-std::vector<std::string> film_paths(const Experiment& experiment, const std::string& path);
-
 }  // namespace skein::app

@@ -187,7 +187,7 @@ std::vector<bool> marker(int bits, int id) {
 }  // namespace skein::vision
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Boards skein_boards_2 = {.detect = skein::vision::detect,
+const skein::vision::Boards skein_boards_3 = {.detect = skein::vision::detect,
                                               .find = skein::vision::find,
                                               .calibrate = skein::vision::calibrate,
                                               .locate = skein::vision::locate,

@@ -16,6 +16,7 @@ struct Frame {
   double arrived_at = 0.0;         // s, CLOCK_MONOTONIC: when a camera's driver handed it over; 0: nobody knows
   std::string source;              // file name of a picture, number of the frame in a stream
   std::int64_t index = 0;          // counts the frames of its source from 0
+  std::string note;                // a line that a film keeps with it, and gives back; as a rule empty
 
   /// Makes room for width x height pixels; their values are left as they happen to be.
   void resize(int new_width, int new_height) {

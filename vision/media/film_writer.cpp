@@ -161,6 +161,7 @@ class MatroskaFilm final : public FilmWriter {
     if (result < 0) return result;
     read_.index = frame.index;
     read_.captured_at = frame.captured_at;
+    read_.note = frame.note;
     return to_grey(*decoded_, scaler_, read_) ? 0 : AVERROR_INVALIDDATA;
   }
 

@@ -43,24 +43,31 @@ Stamp stamp_of(const Frame& frame) {
   };
   std::uint32_t sum = add(add(~0U, frame.index), frame.captured_at);
   sum = add(add(sum, frame.width), frame.height);
-  return {frame.index, frame.captured_at, av_crc(table, sum, frame.grey.data(), frame.grey.size())};
+  sum = av_crc(table, sum, frame.grey.data(), frame.grey.size());
+  sum = av_crc(table, sum, reinterpret_cast<const std::uint8_t*>(frame.note.data()), frame.note.size());
+  return {frame.index, frame.captured_at, sum, frame.note};
 }
 
 std::string to_text(const Stamp& stamp) {
-  return fmt::format("{} {} {}", stamp.index, stamp.captured_at, stamp.checksum);
+  return fmt::format("{} {} {}{}{}", stamp.index, stamp.captured_at, stamp.checksum, stamp.note.empty() ? "" : " ",
+                     stamp.note);
 }
 
 std::optional<Stamp> parse_stamp(std::string_view text) {
   Stamp stamp;
   const char* at = text.data();
   const char* const end = at + text.size();
-  const auto number = [&](auto& value, bool last) {
+  const auto number = [&](auto& value) {
     const auto [behind, error] = std::from_chars(at, end, value);
-    if (error != std::errc{} || (last ? behind != end : behind == end || *behind != ' ')) return false;
-    at = behind + (last ? 0 : 1);
-    return true;
+    at = behind;
+    return error == std::errc{};
   };
-  if (!number(stamp.index, false) || !number(stamp.captured_at, false) || !number(stamp.checksum, true)) return {};
+  const auto space = [&] { return at != end && *at++ == ' '; };
+  if (!number(stamp.index) || !space() || !number(stamp.captured_at) || !space() || !number(stamp.checksum)) return {};
+  if (at != end) {
+    if (!space() || at == end) return {};
+    stamp.note.assign(at, end);
+  }
   if (!std::isfinite(stamp.captured_at) || stamp.index < 0) return {};
   return stamp;
 }

@@ -53,9 +53,10 @@ struct Stamp {
   double captured_at = 0.0;    // [s]
   std::uint32_t checksum = 0;  // CRC-32 of all this and the pixels, as they are read back: a codec's own, where it has
                                // one, covers only what it has coded
+  std::string note{};          // of the frame, not empty where there is one
 };
 Stamp stamp_of(const Frame& frame);
-/// "index captured_at checksum"; numbers are the shortest that read back to the same bits.
+/// "index captured_at checksum", and a note behind them; numbers are the shortest that read back to the same bits.
 std::string to_text(const Stamp& stamp);
 std::optional<Stamp> parse_stamp(std::string_view text);
 

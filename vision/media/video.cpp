@@ -123,6 +123,7 @@ class Video final : public FrameSource {
       if (!stamp) return "has lost its capture time";
       frame.index = stamp.mapped().index;
       frame.captured_at = stamp.mapped().captured_at;
+      frame.note = std::move(stamp.mapped().note);
       if (stamp_of(frame).checksum != stamp.mapped().checksum) return "is damaged";
     } else {
       frame.index = number;

@@ -36,6 +36,6 @@ struct Aravis {
 };
 
 /// Carries a number for the same reason as media_symbol; SourceOptions counts too.
-inline constexpr const char* aravis_symbol = "skein_aravis_2";
+inline constexpr const char* aravis_symbol = "skein_aravis_3";
 
 }  // namespace skein::vision

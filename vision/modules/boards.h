@@ -44,6 +44,6 @@ struct Boards {
 };
 
 /// Carries a number for the same reason as media_symbol.
-inline constexpr const char* boards_symbol = "skein_boards_2";
+inline constexpr const char* boards_symbol = "skein_boards_3";
 
 }  // namespace skein::vision

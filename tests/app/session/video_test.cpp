@@ -1,4 +1,5 @@
 // The film that a session keeps: it holds what the tracker saw, to the bit.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
+#include "tests/app/folder.h"
 #include "tests/app/rows.h"
 #include "vision/sources/open_source.h"
 #include "vision/tracker/tracker.h"
@@ -116,6 +118,44 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
   const auto none = replay(again, "run.csv", path.string());
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().find(path.string()), std::string::npos) << none.error();
+}
+
+/// Two cameras that tell each other where robots are, a film each: all poses and commands are the same to the bit. A
+/// film that ends early is named.
+TEST(Video, ReplaysTheFilmsOfTwoCamerasBitForBit) {
+  const test::Folder folder;
+  const Experiment experiment =
+      short_film_run({"camera.also=[{source=\"synthetic\"}]", "reference.start=2.45", "duration=1.5"});
+  const std::string csv = csv_of(experiment, folder / "run.mkv");
+  std::istringstream in(csv);
+  const auto result = replay(in, "run.csv", folder / "run.mkv");
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_TRUE(result->filmed);
+  EXPECT_EQ(result->poses, 8 * result->ticks);
+  EXPECT_EQ(result->poses_different, 0) << result->first;
+  EXPECT_EQ(result->different, 0) << result->first;
+  EXPECT_THAT(result->warnings, testing::IsEmpty());
+  bool told = false;
+  auto film = vision::open_source("video:" + folder / "run-2.mkv");
+  ASSERT_TRUE(film) << film.error();
+  for (vision::Frame frame; (*film)->read(frame).value();) told = told || !frame.note.empty();
+  EXPECT_TRUE(told) << "the film says what the tracker knew of the other camera";
+
+  // Of a shorter run, in the place of the second camera's.
+  const Experiment shorter =
+      short_film_run({"camera.also=[{source=\"synthetic\"}]", "reference.start=2.45", "duration=0.4"});
+  csv_of(shorter, folder / "short.mkv");
+  std::filesystem::rename(folder / "short-2.mkv", folder / "run-2.mkv");
+  std::istringstream again(csv);
+  const auto early = replay(again, "run.csv", folder / "run.mkv");
+  ASSERT_TRUE(early) << early.error();
+  EXPECT_GT(early->poses_different, 0);
+  EXPECT_THAT(early->first, testing::HasSubstr("_c2_"));
+  EXPECT_THAT(early->warnings,
+              testing::Contains(testing::HasSubstr("run-2.mkv ends 1.1 s before the poses of its camera")));
+  std::filesystem::remove(folder / "run-2.mkv");
+  std::istringstream once_more(csv);
+  EXPECT_THAT(replay(once_more, "run.csv", folder / "run.mkv").error(), testing::HasSubstr("camera 2: "));
 }
 
 /// The film has the corrected times of capture, as the log has, and a replay corrects nothing again.
