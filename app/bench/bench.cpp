@@ -14,6 +14,7 @@
 #include "app/bench/bench_cameras.h"
 #include "app/bench/bench_control.h"
 #include "app/bench/bench_controllers.h"
+#include "app/bench/bench_joint.h"
 #include "app/bench/bench_latency.h"
 #include "app/bench/bench_links.h"
 #include "app/bench/bench_motors.h"
@@ -99,6 +100,8 @@ constexpr Bench table[] = {
      report_controllers, /*unasked=*/false},
     {"identify", "what `skein identify` finds of 1,000 robots that are known", nullptr, report_identify,
      /*unasked=*/false},
+    {"joint", "what `skein calibrate joint` mends of calibrations that are wrong in known ways", nullptr,
+     [](double) { return bench_joint(); }, /*unasked=*/false},
     {"latency", "what `skein camera latency` finds of stamps that are late by a known time", nullptr,
      [](double) { return bench_latency(); },
      /*unasked=*/false},
@@ -130,7 +133,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   std::string what;
   program
       .add_option("what", what,
-                  "one of those below; default: all but cameras, controllers, identify, latency, swaps and ui")
+                  "one of those below; default: all but cameras, controllers, identify, joint, latency, swaps and ui")
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,16 @@ struct FloorRequest {
 };
 int calibrate_floor(const FloorRequest& request);
 int calibrate_check(const FloorRequest& request);
+
+struct JointRequest {
+  std::string experiment;     ///< its file
+  std::string film;           ///< of a run of it: camera 1's; those of the others lie beside it
+  std::string out;            ///< folder for the corrected calibrations; empty: none are written
+  std::size_t reference = 1;  ///< the camera that stays as it is, from 1
+  bool save = false;          ///< over the experiment's own calibrations instead
+  bool quiet = false;
+};
+int calibrate_joint(const JointRequest& request);
 
 struct TagsRequest {
   std::string out = "tags.pdf";  ///< .pdf or .svg

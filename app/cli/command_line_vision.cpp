@@ -4,8 +4,10 @@
 
 #include <cstdio>
 
+#include "app/experiment/experiment.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/resources.h"
 #include "vision/tags/tag_family.h"
 
 namespace skein::app {
@@ -89,6 +91,30 @@ void VisionCommands::add_to(CLI::App& program) {
       ->type_name("MM")
       ->check(CLI::Range(0.001, 10000.0));
 
+  joint_ = calibrate.add_subcommand("joint",
+                                    "Makes the world frames of several cameras agree, from the films of a run in which "
+                                    "robots drove where two of them "
+                                    "look; prints by how much they differed");
+  joint_->add_option("experiment", joint_request_.experiment, "experiment file with its cameras ([[camera.also]])")
+      ->transform([](const std::string& name) { return find_resource("experiments", name); })
+      ->required();
+  joint_
+      ->add_option("--video", joint_request_.film,
+                   "film of a run of this experiment (`skein run --video`); the other cameras' films lie beside it")
+      ->type_name("FILM.MKV")
+      ->required();
+  joint_->add_option("--reference", joint_request_.reference, "the camera that stays as it is, from 1")
+      ->check(CLI::Range(std::size_t{1}, most_cameras))
+      ->capture_default_str();
+  CLI::Option* const out = joint_
+                               ->add_option("--out", joint_request_.out,
+                                            "folder for the corrected calibrations, under the names that they have")
+                               ->type_name("FOLDER");
+  joint_
+      ->add_flag("--save", joint_request_.save, "write them over the experiment's calibrations; the old ones are kept")
+      ->excludes(out);
+  joint_->add_flag("--quiet", joint_request_.quiet, "no summary");
+
   tags_ = program.add_subcommand("tags", "Writes sheets to print: tags for robots, or a calibration board");
   tags_->require_subcommand(0, 1);
   tags_->add_option("ids", tags_request_.ids, "tags of the family 36h11, such as 1-4,7")->capture_default_str();
@@ -111,6 +137,7 @@ std::optional<int> VisionCommands::run() {
   check_request_.limit = 1e-3 * limit_mm_;
   if (*floor_) return calibrate_floor(floor_request_);
   if (*check_) return calibrate_check(check_request_);
+  if (*joint_) return calibrate_joint(joint_request_);
   if (!*tags_) return {};
   tags_request_.is_board = static_cast<bool>(*board_);
   return printed_board_.read(tags_request_.board) ? print_tags(tags_request_) : wrong_input;

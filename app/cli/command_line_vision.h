@@ -26,9 +26,11 @@ class VisionCommands {
     void add_to(CLI::App& command);
     bool read(vision::Board& board) const;
   };
-  CLI::App *intrinsics_ = nullptr, *floor_ = nullptr, *check_ = nullptr, *tags_ = nullptr, *board_ = nullptr;
+  CLI::App *intrinsics_ = nullptr, *floor_ = nullptr, *check_ = nullptr, *joint_ = nullptr, *tags_ = nullptr,
+           *board_ = nullptr;
   IntrinsicsRequest intrinsics_request_;
   FloorRequest floor_request_, check_request_;
+  JointRequest joint_request_;
   TagsRequest tags_request_;
   BoardWords calibration_board_, printed_board_;
   double tag_height_mm_ = -1.0, tag_size_mm_ = -1.0, limit_mm_ = 0.0;

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "app/experiment/experiment.h"
+#include "vision/calibrate/joint_calibration.h"
+
+namespace skein::app {
+
+struct JointFilms {
+  vision::JointCalibration joint;
+  std::vector<std::string> files{};    ///< of each camera's calibration; empty: the synthetic camera's own
+  std::vector<std::int64_t> frames{};  ///< of each film
+  std::vector<std::size_t> sights{};   ///< of robots, likewise
+};
+
+/// vision::solve_joint from the films that a run of an experiment has left (`skein run --video`), one a camera. Every
+/// frame is searched by AprilTag, so that nothing depends on what one camera was told of another. `reference`: a
+/// camera, from 0. The error: a film or calibration is not that of the experiment, two cameras have one calibration
+/// file, solve_joint's own, or it was ended (`keep_on`).
+tl::expected<JointFilms, std::string> joint_films(const Experiment& experiment, const std::string& film,
+                                                  std::size_t reference, const std::function<bool()>& keep_on = {});
+
+}  // namespace skein::app
