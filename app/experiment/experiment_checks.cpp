@@ -67,10 +67,29 @@ void check_robots(const Experiment& e, Problems& problems) {
                       "it",
                       e.camera.source, vision::source_forms(), i + 1, robot.address));
   }
-  for (std::size_t k = 0; k < e.cameras(); ++k)
-    if (const CameraSpec& camera = e.camera_at(k); is_hardware(camera.kind()) && camera.calibration.empty())
-      problems.add(k == 0 ? std::string("camera.calibration") : fmt::format("camera.also.{}.calibration", k),
+  for (std::size_t k = 0; k < e.cameras(); ++k) {
+    const CameraSpec& camera = e.camera_at(k);
+    const auto key = [k](const char* name) {
+      return k == 0 ? fmt::format("camera.{}", name) : fmt::format("camera.also.{}.{}", k, name);
+    };
+    if (is_hardware(camera.kind()) && camera.calibration.empty())
+      problems.add(key("calibration"),
                    fmt::format("missing, allowed: the file that `skein calibrate` wrote for \"{}\"", camera.source));
+    for (std::size_t other = 0; other < k; ++other) {
+      const CameraSpec& before = e.camera_at(other);
+      if (camera.kind() == CameraKind::synthetic || camera.kind() == CameraKind::absent) continue;
+      if (camera.source == before.source)
+        problems.add(
+            key("source"),
+            fmt::format("found \"{}\", which camera {} already has, allowed: a different source for each camera",
+                        camera.source, other + 1));
+      else if (!camera.calibration.empty() && camera.calibration == before.calibration)
+        problems.add(key("calibration"),
+                     fmt::format("found \"{}\", which camera {} already has, allowed: a calibration for each camera, "
+                                 "since no two hang at one place",
+                                 camera.calibration, other + 1));
+    }
+  }
 }
 
 /// What (18a) asks of the tracking gains of (36): that the reference and the couplings leave something of `whole`.

@@ -154,6 +154,14 @@ INSTANTIATE_TEST_SUITE_P(
                 "e.toml:2:9: robot.1.start: found (0.99, 0) m, allowed: at least its radius, 0.035 m, from the arena"},
         Refused{"[[robot]]\ntag = 4\n[[robot]]\ntag = 4",
                 "e.toml:4:7: robot.2.tag: found 4, which robot 1 already has, allowed: a different tag for each robot"},
+        Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'a.toml'\n[[camera.also]]\n"
+                "source = 'v4l2:/dev/video0'\ncalibration = 'b.toml'",
+                "e.toml:5:10: camera.also.1.source: found \"v4l2:/dev/video0\", which camera 1 already has, allowed: a "
+                "different source for each camera"},
+        Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'a.toml'\n[[camera.also]]\n"
+                "source = 'v4l2:/dev/video1'\ncalibration = 'a.toml'",
+                "e.toml:6:15: camera.also.1.calibration: found \"a.toml\", which camera 1 already has, allowed: a "
+                "calibration for each camera"},
         Refused{"[[robot]]\ntag = 2\n[[robot]]", "e.toml:3:1: robot.2.tag: found 2, which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'\n[[robot]]\nlink = 'serial:/dev/a'\n[camera]\nsource='v4l2:x'\n"
                 "calibration='c'",
