@@ -255,13 +255,20 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   ExperimentOptions latency_experiment;
   latency_experiment.add_to(camera_latency_command, true);
   CameraLatencyRequest latency_request;
-  camera_latency_command.add_option("--robot", latency_request.robot, "which robot turns, from 1")
+  camera_latency_command
+      .add_option(
+          "--robot", latency_request.robots,
+          "which robot turns, from 1; repeatable: several, one after the other, at different rows of the picture, "
+          "tell the row time of a rolling shutter, too")
       ->check(CLI::Range(1, 1000))
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->capture_default_str();
   camera_latency_command.add_option("--seconds", latency_request.seconds, "how long it turns [s]")
       ->check(CLI::Range(4.0, 120.0))
       ->capture_default_str();
-  camera_latency_command.add_flag("--save", latency_request.save, "write the result to the experiment file");
+  camera_latency_command.add_flag("--save", latency_request.save,
+                                  "write the result to the experiment file, and a row time to the calibration");
 
   VisionCommands vision_commands;
   vision_commands.add_to(program);

@@ -69,7 +69,7 @@ int camera_doctor(const CameraDoctorRequest& request);
 
 struct CameraLatencyRequest {
   ExperimentRequest experiment;
-  std::size_t robot = 1;  ///< from 1
+  std::vector<std::size_t> robots{1};  ///< from 1
   double seconds = 12.0;
   bool save = false;  ///< into the experiment file
 };

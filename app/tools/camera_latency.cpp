@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "app/session/camera_rig.h"
 #include "app/tools/plant_loop.h"
 #include "core/kinematics/step_rate.h"
 #include "core/safety/limits.h"
@@ -94,11 +95,25 @@ class Recording {
       turn.poses = poses_[camera];
       result.cameras.push_back(judge_latency(turn));
       result.cameras.back().camera = camera;
+      result.cameras.back().row = mean_row(camera);
     }
     return result;
   }
 
  private:
+  /// The row at which a camera saw the robot's tag. [px]
+  double mean_row(std::size_t camera) const {
+    const auto calibration = camera_calibration(experiment_, camera);
+    if (!calibration || poses_[camera].empty()) return none;
+    double sum = 0.0;
+    for (const core::SeenPose& seen : poses_[camera]) {
+      const auto pixel = vision::pixel_from_world(*calibration, {seen.pose.x, seen.pose.y, calibration->tag_height});
+      if (!pixel) return none;
+      sum += pixel->y();
+    }
+    return sum / static_cast<double>(poses_[camera].size());
+  }
+
   const Experiment& experiment_;
   const std::size_t robot_;
   std::vector<WheelCount> counts_;
@@ -157,6 +172,69 @@ CameraLatency judge_latency(const core::TurnRecord& turn) {
         "the first half says {:.1f} ms and the second {:.1f} ms: the camera's stamps or the "
         "robot's answers are irregular",
         1e3 * result.halves[0], 1e3 * result.halves[1]);
+  return result;
+}
+
+CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, int height) {
+  constexpr double z = 1.959963984540054;   // of the 95 % interval
+  constexpr double least_sigma = 1e-4;      // counters say no better when a wheel was where [s]
+  constexpr double least_part = 1.0 / 3.0;  // of the picture's height, from the highest tag to the lowest
+  constexpr double useful = 1e-3;           // half of the interval, over the whole picture [s]
+  CameraRows result;
+  double weights = 0.0, row = 0.0, late = 0.0, top = none, bottom = none;
+  std::size_t n = 0;
+  const auto weight = [&](const CameraLatency& turn) { return 1.0 / std::pow(std::max(turn.sigma, least_sigma), 2); };
+  const auto told = [](const CameraLatency& turn) { return turn.doubt.empty() && std::isfinite(turn.late + turn.row); };
+  for (const CameraLatency& turn : turns) {
+    if (!told(turn)) continue;
+    weights += weight(turn);
+    row += weight(turn) * turn.row;
+    late += weight(turn) * turn.late;
+    top = std::fmin(top, turn.row);
+    bottom = std::fmax(bottom, turn.row);
+    ++n;
+  }
+  if (n < 2) {
+    result.doubt = fmt::format("{} of {} turns tell a latency; needed for the row time: two or more", n, turns.size());
+    return result;
+  }
+  row /= weights, late /= weights;
+  if (bottom - top < least_part * height) {
+    result.doubt = fmt::format(
+        "the tags were at the rows {:.0f} to {:.0f} of {}; needed for the row time: {:.0f} rows apart or more: one "
+        "robot "
+        "near the upper border of the picture, one near the lower",
+        top, bottom, height, least_part * height);
+    return result;
+  }
+  double moment = 0.0, product = 0.0;
+  for (const CameraLatency& turn : turns)
+    if (told(turn)) {
+      moment += weight(turn) * (turn.row - row) * (turn.row - row);
+      product += weight(turn) * (turn.row - row) * (turn.late - late);
+    }
+  const double slope = product / moment;
+  double squares = 0.0;
+  for (const CameraLatency& turn : turns)
+    if (told(turn)) squares += weight(turn) * std::pow(turn.late - late - slope * (turn.row - row), 2);
+  // Turns that do not lie on a line say less than each claims.
+  const double worse = n > 2 ? std::max(1.0, squares / static_cast<double>(n - 2)) : 1.0;
+  result.row_time = row_time - slope;  // a row that is read later than was thought makes its stamps less late
+  result.row_time_sigma = std::sqrt(worse / moment);
+  result.late = late - slope * row;
+  result.late_sigma = std::sqrt(worse / weights + row * row * worse / moment);
+  if (z * result.row_time_sigma * height > useful)
+    result.doubt = fmt::format("the turns leave a row time of {:.1f} to {:.1f} us: turn for longer (--seconds)",
+                               1e6 * (result.row_time - z * result.row_time_sigma),
+                               1e6 * (result.row_time + z * result.row_time_sigma));
+  else if (result.row_time < -z * result.row_time_sigma)
+    result.doubt = fmt::format(
+        "a row time of {:.1f} us means rows that are read from the bottom up; allowed: from the top down: does the "
+        "camera "
+        "or its driver turn the picture over?",
+        1e6 * result.row_time);
+  else
+    result.row_time = std::max(0.0, result.row_time);
   return result;
 }
 

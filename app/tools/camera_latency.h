@@ -18,10 +18,23 @@ struct CameraLatency : core::LatencyFit {
   std::size_t poses = 0;
   std::string doubt{};     ///< why the data do not determine it; empty: they do
   std::size_t camera = 0;  ///< from 0
+  double row = none;       ///< of the picture at which the robot's tag was, mean [px]
 };
 
 /// The fit to a turn, and whether it is to be believed.
 CameraLatency judge_latency(const core::TurnRecord& turn);
+
+/// A camera's latency and row time, from robots that turned at different rows of its picture.
+struct CameraRows {
+  double row_time = none, row_time_sigma = none;  ///< what the calibration should say, and its standard deviation [s]
+  double late = none;                             ///< as CameraLatency::late, at the first row [s]
+  double late_sigma = none;                       ///< [s]
+  std::string doubt{};                            ///< why the turns do not determine them; empty: they do
+};
+
+/// The line through the latencies of one camera over the rows. `row_time`: by which its poses were dated; `height`: of
+/// its pictures [s, px].
+CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, int height);
 
 struct LatencyMeasurement {
   std::vector<CameraLatency> cameras;  ///< in their order

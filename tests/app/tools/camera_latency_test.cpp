@@ -9,10 +9,14 @@
 #include <cmath>
 #include <iostream>
 
+#include "app/calibration/calibration_file.h"
 #include "app/session/session.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/app/folder.h"
 #include "tests/app/rows.h"
 #include "tests/core/wandering_stamps.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tracker/tracker.h"
 
 namespace skein::app {
 namespace {
@@ -97,6 +101,128 @@ TEST(CameraLatency, IsFoundOfEachCamera) {
   ASSERT_TRUE(one_sees_it) << one_sees_it.error();
   EXPECT_THAT(one_sees_it->cameras[0].doubt, IsEmpty());
   EXPECT_THAT(one_sees_it->cameras[1].doubt, HasSubstr("is the robot in this camera's view"));
+}
+
+CameraLatency turn_at(double row, double late, double sigma = 1e-4) {
+  CameraLatency turn;
+  turn.row = row, turn.late = late, turn.sigma = sigma;
+  return turn;
+}
+
+/// Stamps that are 10 ms late, and rows of 25 us of which the calibration knows 10.
+TEST(CameraRows, AreTheSlopeOfTheLatencyOverTheRows) {
+  const auto late = [](double row) { return 0.010 + (10e-6 - 25e-6) * row; };
+  const CameraRows two = judge_rows({turn_at(100, late(100)), turn_at(860, late(860))}, 10e-6, 960);
+  EXPECT_THAT(two.doubt, IsEmpty());
+  EXPECT_NEAR(two.row_time, 25e-6, 1e-9);
+  EXPECT_NEAR(two.late, 0.010, 1e-9);
+  EXPECT_NEAR(two.row_time_sigma, 1e-4 * std::sqrt(2.0) / 760.0, 1e-9);
+
+  CameraLatency odd = turn_at(480, late(480) + 1e-3);
+  const CameraRows off_the_line = judge_rows({turn_at(100, late(100)), odd, turn_at(860, late(860))}, 10e-6, 960);
+  EXPECT_GT(off_the_line.row_time_sigma, 4.0 * two.row_time_sigma) << "turns that disagree say less";
+  odd.doubt = "nothing";
+  EXPECT_NEAR(judge_rows({turn_at(100, late(100)), odd, turn_at(860, late(860))}, 10e-6, 960).row_time, 25e-6, 1e-9);
+
+  const CameraRows global = judge_rows({turn_at(100, 0.010), turn_at(860, 0.01005)}, 0.0, 960);
+  EXPECT_THAT(global.doubt, IsEmpty());
+  EXPECT_EQ(global.row_time, 0.0) << "noise alone";
+}
+
+TEST(CameraRows, AreNotToldWhereTheTurnsDoNotTell) {
+  EXPECT_THAT(judge_rows({turn_at(100, 0.01)}, 0.0, 960).doubt, HasSubstr("1 of 1 turns tell a latency"));
+  EXPECT_THAT(judge_rows({turn_at(400, 0.01), turn_at(600, 0.01)}, 0.0, 960).doubt,
+              HasSubstr("at the rows 400 to 600 of 960; needed for the row time: 320 rows apart or more"));
+  EXPECT_THAT(judge_rows({turn_at(100, 0.01, 1e-3), turn_at(860, 0.01)}, 0.0, 960).doubt,
+              HasSubstr("turns leave a row time of -"));
+  EXPECT_THAT(judge_rows({turn_at(100, 0.0), turn_at(860, 0.019)}, 0.0, 960).doubt,
+              HasSubstr("a row time of -25.0 us means rows that are read from the bottom up"));
+}
+
+/// The rendered camera takes all rows at once, and a calibration says that it takes 25 us for each.
+TEST(CameraRows, AreFoundByTwoRobotsUnderOneCamera) {
+  const test::Folder folder;
+  vision::Calibration calibration = vision::overhead_calibration(2.0, 1.5);
+  for (const double told : {0.0, 25e-6}) {
+    calibration.row_time = told;
+    ASSERT_TRUE(save_calibration(calibration, folder / "cal.toml"));
+    const Experiment experiment =
+        lab({fmt::format("camera.calibration=\"{}\"", folder / "cal.toml"), "camera.stamps_late=0.02",
+             "robot.1.start=[-0.3, 0.55, 0.0]", "robot.2.start=[0.3, -0.55, 0.0]"},
+            two_under_it);
+    SessionClock clock(false);
+    auto plant = Plant::open(experiment, clock, {});
+    ASSERT_TRUE(plant) << plant.error();
+    std::vector<CameraLatency> turns;
+    for (const std::size_t robot : {0, 1}) {
+      const Answer one = measure_latency(**plant, clock, experiment, robot, 6.0);
+      ASSERT_TRUE(one) << one.error();
+      turns.push_back(one->cameras[0]);
+    }
+    (*plant)->close();
+    EXPECT_LT(turns[0].row, 250.0);
+    EXPECT_GT(turns[1].row, 700.0);
+    const CameraRows rows = judge_rows(turns, told, calibration.height);
+    std::cout << "told_us: " << 1e6 * told << ", found_us: " << 1e6 * rows.row_time
+              << ", standard_deviation_us: " << 1e6 * rows.row_time_sigma << ", late_ms: " << 1e3 * rows.late
+              << ", by the first robot alone: " << 1e3 * turns[0].late << ", by the second: " << 1e3 * turns[1].late
+              << "\n";
+    EXPECT_THAT(rows.doubt, IsEmpty());
+    EXPECT_NEAR(rows.row_time, 0.0, 1e-6);
+    EXPECT_NEAR(rows.late, 0.02, 1e-3);
+  }
+}
+
+/// A rendered rolling shutter: two robots turn to and fro, and each is drawn where it is when its row is read.
+TEST(CameraRows, OfARollingShutterAreFound) {
+  constexpr double row_time = 25e-6, late = 0.007, seconds = 8.0;
+  const core::DifferentialDrive drive;
+  const auto heading = [](double t) { return 1.2 * std::sin(2.0 * core::pi * t * (0.4 + 0.03 * t)); };
+  const auto steps = [&](double t) {
+    return heading(t) * drive.track * drive.steps_per_turn / (2.0 * core::pi * drive.wheel_diameter);
+  };
+  for (const double told : {0.0, 25e-6}) {
+    vision::Calibration calibration = vision::overhead_calibration(2.0, 1.5);
+    calibration.row_time = told;
+    vision::SyntheticCamera camera(calibration);
+    vision::TagTracker tracker(calibration, {.tags = {1, 2}});
+    std::vector<core::TurnRecord> records(2);
+    vision::Frame frame;
+    for (double t = 0.0; t < seconds; t += 0.04) {
+      std::vector<vision::SyntheticTag> tags;
+      for (const int tag : {1, 2}) {
+        core::Pose pose{-0.2, tag == 1 ? 0.6 : -0.6, 0.0};
+        const auto pixel = vision::pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
+        pose.theta = heading(t + row_time * pixel->y());
+        tags.push_back({.tag = tag, .pose = pose, .size = calibration.tag_size});
+        for (double at = t; at < t + 0.0399; at += 0.005)
+          records[static_cast<std::size_t>(tag - 1)].wheels.push_back({at, -steps(at), steps(at)});
+      }
+      camera.render(tags, t, frame);
+      frame.captured_at = t + late;
+      for (const vision::TagPose& pose : tracker.process(frame))
+        records[static_cast<std::size_t>(pose.tag - 1)].poses.push_back({pose.captured_at, pose.pose});
+    }
+    std::vector<CameraLatency> turns;
+    for (core::TurnRecord& record : records) {
+      record.believed = drive;
+      turns.push_back(judge_latency(record));
+      const auto pixel = vision::pixel_from_world(
+          calibration, {record.poses[0].pose.x, record.poses[0].pose.y, calibration.tag_height});
+      turns.back().row = pixel->y();
+    }
+    const CameraRows rows = judge_rows(turns, told, calibration.height);
+    std::cout << "row_time_us: " << 1e6 * row_time << ", told_us: " << 1e6 * told
+              << ", found_us: " << 1e6 * rows.row_time << ", standard_deviation_us: " << 1e6 * rows.row_time_sigma
+              << ", late_ms: " << 1e3 * rows.late << ", each alone: " << 1e3 * turns[0].late << " "
+              << 1e3 * turns[1].late << "\n";
+    EXPECT_THAT(rows.doubt, IsEmpty());
+    EXPECT_NEAR(rows.row_time, row_time, 1e-6) << "1 ms over the picture";
+    EXPECT_NEAR(rows.late, late, 1e-3);
+    if (told == 0.0) {
+      EXPECT_GT(std::abs(turns[0].late - turns[1].late), 0.01) << "the control";
+    }
+  }
 }
 
 /// How far a robot at 0.13 m/s is ahead of where it is predicted to be, in the mean. [m]
