@@ -5,8 +5,10 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -42,6 +44,19 @@ std::vector<std::string> linked_models() {
   for (const core::RobotType& type : core::robot_types)
     if (type.motor != core::MotorModel::ideal) names.emplace_back(type.name);
   return names;
+}
+
+/// Python starts the program with one end of a pipe: its run ends when that Python has ended, even by SIGKILL.
+bool ends_with_its_starter() {
+  const char* const given = std::getenv("SKEIN_WHILE_OPEN");
+  if (!given) return true;
+  const std::string_view text = given;
+  int pipe = -1;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), pipe);
+  const bool good = error == std::errc{} && stop == text.data() + text.size() && interrupt_when_closed(pipe);
+  if (!good) complain(fmt::format("SKEIN_WHILE_OPEN={}: allowed: the number of an open pipe", text));
+  ::unsetenv("SKEIN_WHILE_OPEN");  // not for those that it starts
+  return good;
 }
 
 /// What all commands that run or check an experiment have in common.
@@ -360,6 +375,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     return stop_runs();
   }
   catch_interrupts();
+  if (!ends_with_its_starter()) return wrong_input;
   comms::stop_robots_on_crash();
   comms::stop_robots_on_suspend(interrupt);
   if (run_command) {

@@ -1,5 +1,9 @@
 #include "app/run/interrupted.h"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <csignal>
 
@@ -27,6 +31,17 @@ void catch_interrupts() noexcept {
   sigset_t all;
   sigfillset(&all);
   ::sigprocmask(SIG_UNBLOCK, &all, nullptr);
+}
+
+bool interrupt_when_closed(int pipe) noexcept {
+  // The kernel sends SIGIO (SIGPOLL): no thread need wait for it. Nobody writes to the pipe.
+  const int flags = ::fcntl(pipe, F_GETFL);
+  if (flags < 0 || ::fcntl(pipe, F_SETFD, FD_CLOEXEC) < 0 || ::fcntl(pipe, F_SETOWN, ::getpid()) < 0 ||
+      ::fcntl(pipe, F_SETFL, flags | O_ASYNC) < 0)
+    return false;
+  pollfd already{pipe, POLLIN, 0};
+  if (::poll(&already, 1, 0) > 0) interrupt();
+  return true;
 }
 
 void interrupt() noexcept {

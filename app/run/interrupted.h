@@ -7,6 +7,10 @@ namespace skein::app {
 /// errors.
 void catch_interrupts() noexcept;
 
+/// As if such a signal had come when the other end of this pipe is closed: whoever started the program has ended,
+/// however that came about. False: it is no open descriptor. After `catch_interrupts`.
+bool interrupt_when_closed(int pipe) noexcept;
+
 /// As if such a signal had come. Async-signal-safe.
 void interrupt() noexcept;
 

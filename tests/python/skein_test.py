@@ -1,12 +1,17 @@
 """The package `skein`: resources/python on the path, the program in $SKEIN."""
 
+import contextlib
 import importlib.util
+import io
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
+import unittest.mock
 
 import skein
 
@@ -110,6 +115,79 @@ class Runs(unittest.TestCase):
         self.assertEqual(sweep.summary["runs"], 3)
         self.assertEqual(list(sweep["seed"][sweep["variant"] == "study"]), [5, 6, 7])
         self.assertEqual(list(sweep["seed"][sweep["variant"] == "control"]), [5, 6, 7])
+
+
+class Ends(unittest.TestCase):
+    """A run that somebody ends from Python: its robots must be told to stand."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def stand_in(self, text):
+        """A program in the place of skein."""
+        with open(self.path("program"), "w") as script:
+            script.write("#!/bin/sh\n" + text)
+        os.chmod(script.name, 0o755)
+        return script.name
+
+    def start(self):
+        """Python in the middle of a run. `ended` holds the run's exit status once it has ended by itself."""
+        # The signals are for the run: who waits for it ignores them.
+        script = self.stand_in(f"trap '' INT TERM\n'{skein.program()}' \"$@\"\necho $? > '{self.path('ended')}'\n")
+        code = f"import skein; skein.run({PLATOON!r}, csv={self.path('run.csv')!r}, options=['--speed', 'realtime'])"
+        python = subprocess.Popen(
+            [sys.executable, "-B", "-c", code], env={**os.environ, "SKEIN": script}, stderr=subprocess.PIPE, text=True
+        )
+        self.addCleanup(python.stderr.close)
+        self.wait_for("run.csv")
+        return python
+
+    def wait_for(self, name):
+        for _ in range(3000):
+            if os.path.exists(self.path(name)) and os.path.getsize(self.path(name)):
+                return
+            time.sleep(0.01)
+        self.fail(f"no {name} within 30 s")
+
+    def expect_an_orderly_end(self):
+        with open(self.path("ended")) as ended:
+            self.assertEqual(ended.read(), "1\n")
+        with open(self.path("run.csv")) as record:
+            self.assertIn("stop", record.read().splitlines()[-1], "the last row of the record")
+
+    def test_ctrl_c_waits_until_the_run_has_ended(self):
+        python = self.start()
+        python.send_signal(signal.SIGINT)
+        self.assertIn("KeyboardInterrupt", python.communicate(timeout=60)[1])
+        self.expect_an_orderly_end()
+
+    def test_a_python_that_is_killed_leaves_no_run(self):
+        python = self.start()
+        python.kill()
+        python.wait()
+        self.wait_for("ended")
+        self.expect_an_orderly_end()
+
+    def test_what_the_program_complains_of_is_told_at_once(self):
+        seen = self.path("seen")
+        script = self.stand_in(
+            f"echo 'skein: the camera moved' >&2\n"
+            f"for k in $(seq 200); do [ -e '{seen}' ] && echo '{{}}' && exit 0; sleep 0.05; done\nexit 3\n"
+        )
+
+        class Screen(io.StringIO):
+            def write(self, text):
+                open(seen, "w").close()
+                return super().write(text)
+
+        with unittest.mock.patch.dict(os.environ, {"SKEIN": script}), contextlib.redirect_stderr(Screen()) as screen:
+            run = skein.run(PLATOON)
+        self.assertEqual(screen.getvalue(), "skein: the camera moved\n")
+        self.assertEqual(run.problems, ["the camera moved"])
 
 
 if __name__ == "__main__":

@@ -4,7 +4,9 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
+import threading
 import weakref
 
 _CONVERTED = {True: "true", False: "false"}
@@ -50,19 +52,95 @@ def _sets(set):
     return words
 
 
+_held = set()  # our ends of the pipes that running programs watch
+
+
+def _release(held):
+    if held in _held:
+        _held.discard(held)
+        os.close(held)
+
+
+# A child of this Python must not hold a run that is not its own.
+os.register_at_fork(after_in_child=lambda: [_release(held) for held in list(_held)])
+
+
+def _pass_on(complaints, lines):
+    """What the program complains of is told at once, and kept."""
+    with complaints:
+        for line in complaints:
+            lines.append(line)
+            if sys.stderr:
+                sys.stderr.write(line)
+                sys.stderr.flush()
+
+
+def _end(child):
+    """Ends a run and waits until its robots stand, however often somebody presses Ctrl-C meanwhile."""
+    told = False
+    while child.poll() is None:
+        try:
+            if not told:
+                child.terminate()
+            told = True
+            child.wait()
+        except KeyboardInterrupt:
+            pass
+
+
+def _result(words):
+    """Runs the program: its exit status, what it printed and what it complained of, line by line. The run ends when this
+    Python ends, even by SIGKILL: that closes `held`, and the program watches the other end."""
+    watched, held = os.pipe()
+    _held.add(held)
+    child, listener, lines = None, None, []
+    try:
+        with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
+            try:
+                child = subprocess.Popen(
+                    [program(), *words],
+                    stdin=subprocess.DEVNULL,
+                    stdout=printed,
+                    stderr=subprocess.PIPE,
+                    encoding="utf-8",
+                    errors="replace",
+                    pass_fds=[watched],
+                    env={**os.environ, "SKEIN_WHILE_OPEN": str(watched)},
+                )
+            except OSError as refused:
+                named = " ($SKEIN)" if os.environ.get("SKEIN") else ""
+                raise Error(f"{program()}{named} cannot be started: {refused.strerror}") from refused
+            listener = threading.Thread(target=_pass_on, args=(child.stderr, lines), daemon=True)
+            listener.start()
+            child.wait()
+            listener.join()
+            printed.seek(0)
+            return child.returncode, printed.read(), lines
+    finally:
+        _release(held)
+        os.close(watched)
+        if child:
+            _end(child)
+        if listener:
+            listener.join()
+
+
 def _start(words, folder):
     """Runs the program. Returns its summary and what it complained of; exit status 1 is no error: an expectation failed.
     `folder`: for the moment; gone where the program refuses."""
     try:
-        done = subprocess.run([program(), *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        status, printed, lines = _result(words)
+        problems = [line.rstrip("\n").removeprefix("skein: ") for line in lines if line.strip()]
+        if status not in (0, 1):
+            ended = f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
+            raise Error("\n".join(problems) or f"skein {ended}")
+        try:
+            return json.loads(printed), status == 0, problems
+        except ValueError as other:
+            raise Error(f"{program()} printed no summary: it is not this package's skein") from other
     except BaseException:
         shutil.rmtree(folder or "", True)
         raise
-    problems = [line.removeprefix("skein: ") for line in done.stderr.splitlines() if line]
-    if done.returncode not in (0, 1):
-        shutil.rmtree(folder or "", True)
-        raise Error("\n".join(problems) or f"skein ended with status {done.returncode}")
-    return json.loads(done.stdout), done.returncode == 0, problems
 
 
 class _Table:
