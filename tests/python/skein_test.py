@@ -49,6 +49,68 @@ class Runs(unittest.TestCase):
         self.assertEqual(run.summary["name"], "mine")
         self.assertIn("k_xx = [[1, 2, 0.004], [2, 3, 0.002]]", run.experiment)
 
+    def test_tables_texts_and_paths_are_set_as_what_they_are(self):
+        run = skein.run(
+            PLATOON,
+            duration=1,
+            set={"name": "7", "reference.path": {"shape": "circle", "radius": 0.45}, "expect": {}},
+        )
+        self.assertEqual(run.summary["name"], "7")
+        self.assertIn("circle", run.experiment)
+        run = skein.run(PLATOON, duration=1, set={"name": 'a "b" \\ = [1] é 🙂'})
+        self.assertEqual(run.summary["name"], 'a "b" \\ = [1] é 🙂')
+        for value in (None, {1, 2}, {"kind": None}):
+            with self.assertRaisesRegex(skein.Error, "reference.path: .* cannot be set; allowed: numbers"):
+                skein.run(PLATOON, set={"reference.path": value})
+        with self.assertRaisesRegex(skein.Error, "controller.v_max"):
+            skein.run(PLATOON, set={"controller.v_max": "0.08"})
+
+    @needs("numpy")
+    def test_numpys_numbers_and_arrays_can_be_set(self):
+        import numpy
+
+        gains = numpy.array([[1, 2, 0.004], [2, 3, 0.002]])
+        run = skein.run(
+            PLATOON,
+            duration=numpy.float64(1),
+            seed=numpy.int64(3),
+            set={"controller.gains.k_xx": gains, "controller.v_max": numpy.float32(0.25), "shield.enabled": numpy.bool_(False)},
+        )
+        self.assertIn("k_xx = [[1, 2, 0.004], [2, 3, 0.002]]", run.experiment)
+        self.assertIn("v_max = 0.25", run.experiment)
+
+    def test_what_is_no_record_says_so(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(skein.Error, "is not the folder of a run that was kept"):
+                skein.read(folder)
+            with self.assertRaisesRegex(skein.Error, "is no row of column names: it is no record"):
+                skein.read(PLATOON).columns
+            picture = os.path.join(folder, "picture.png")
+            with open(picture, "wb") as file:
+                file.write(bytes([0x89, 0xFF, 0x00]))
+            with self.assertRaisesRegex(skein.Error, "it is no record"):
+                skein.read(picture).columns
+
+    @needs("pandas")
+    def test_a_table_that_is_none_says_so(self):
+        with tempfile.TemporaryDirectory() as folder:
+            ragged = os.path.join(folder, "ragged.csv")
+            with open(ragged, "w") as file:
+                file.write("t,V\n1,2\n1,2,3,4\n")
+            with self.assertRaisesRegex(skein.Error, "ragged.csv"):
+                skein.read(ragged).data
+            with self.assertRaisesRegex(skein.Error, "it is no record"):
+                skein.read(PLATOON).data
+
+    def test_a_program_that_is_not_there_or_another_one_is_named(self):
+        for wrong, why in (
+            ("/nowhere/skein", r"/nowhere/skein \(\$SKEIN\) cannot be started: No such file"),
+            (HERE, "cannot be started: Permission denied"),
+            ("/bin/true", "printed no summary"),
+        ):
+            with unittest.mock.patch.dict(os.environ, {"SKEIN": wrong}), self.assertRaisesRegex(skein.Error, why):
+                skein.run(PLATOON)
+
     def test_what_is_refused_says_why(self):
         with self.assertRaisesRegex(skein.Error, "controller.v_max"):
             skein.run(PLATOON, set={"controller.v_max": -1})

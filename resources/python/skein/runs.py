@@ -2,14 +2,13 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import threading
 import weakref
-
-_CONVERTED = {True: "true", False: "false"}
 
 
 class Error(Exception):
@@ -32,23 +31,47 @@ def program():
     return found
 
 
+def _text(value):
+    """A text in TOML's quotes."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _whole(value):
+    """An array of numpy's has one kind of numbers: those of robots in it are whole all the same."""
+    if isinstance(value, list):
+        return [_whole(below) for below in value]
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e15 else value
+
+
 def _toml(value):
-    """A value as `--set` takes it. Texts are passed as they are."""
+    """A value as TOML writes it."""
+    if hasattr(value, "tolist"):  # a number or an array of numpy's
+        value = _whole(value.tolist())
     if isinstance(value, bool):
-        return _CONVERTED[value]
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, (str, os.PathLike)):
+        return _text(os.fspath(value))
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(json.dumps(v) if isinstance(v, str) else _toml(v) for v in value) + "]"
-    if isinstance(value, str):
-        return value
-    if hasattr(value, "item"):  # a number of numpy's
-        return _toml(value.item())
-    return repr(value)
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    if isinstance(value, dict):
+        pairs = [f"{_key(str(key))} = {_toml(below)}" for key, below in value.items()]
+        return "{ " + ", ".join(pairs) + " }" if pairs else "{}"
+    raise Error(f"{value!r} cannot be set; allowed: numbers, texts, True, False, and lists, arrays and dicts of them")
+
+
+def _key(name):
+    return name if re.fullmatch("[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def _sets(set):
     words = []
     for key, value in (set or {}).items():
-        words += ["--set", f"{key}={_toml(value)}"]
+        try:
+            words += ["--set", f"{key}={_toml(value)}"]
+        except Error as refused:
+            raise Error(f"{key}: {refused}") from None
     return words
 
 
@@ -152,12 +175,20 @@ class _Table:
         self._data = None
 
     def _head_lines(self):
-        with open(self.file, encoding="utf-8") as lines:
-            count = 0
-            for line in lines:
-                if not line.startswith("#"):
-                    return count, line.rstrip("\r\n").split(",")
-                count += 1
+        try:
+            with open(self.file, encoding="utf-8") as lines:
+                count = 0
+                for line in lines:
+                    if not line.startswith("#"):
+                        names = line.rstrip("\r\n").split(",")
+                        if not all(re.fullmatch(r"[^\s=\[\]{}\"]+", name) for name in names):
+                            raise Error(f"{self.file}: line {count + 1} is no row of column names: it is no record")
+                        return count, names
+                    count += 1
+        except OSError as refused:
+            raise Error(f"{self.file}: cannot be read: {refused.strerror}") from refused
+        except UnicodeDecodeError as refused:
+            raise Error(f"{self.file}: is no text: it is no record") from refused
         raise Error(f"{self.file}: ends before a header row")
 
     @property
@@ -175,9 +206,12 @@ class _Table:
                 raise Error("reading a table needs pandas: install python3-pandas") from missing
             lines, names = self._head_lines()
             words = {n: str for n in names if n == "event" or n.split("_", 1)[-1] in ("mode", "how", "link", "limit")}
-            self._data = pandas.read_csv(
-                self.file, skiprows=lines, dtype=words, keep_default_na=False, na_values=[""], float_precision="round_trip"
-            )
+            try:
+                self._data = pandas.read_csv(
+                    self.file, skiprows=lines, dtype=words, keep_default_na=False, na_values=[""], float_precision="round_trip"
+                )
+            except ValueError as refused:  # a row with too many cells, bytes that are no text
+                raise Error(f"{self.file}: {refused}") from refused
         return self._data
 
     def __getitem__(self, column):
@@ -259,7 +293,7 @@ class Run(_Table):
 
 
 class Sweep(_Table):
-    """A study's runs: `summary` (a dict), `ok`, `problems`, and a row a run: `data`, `sweep["min_distance"]`."""
+    """A study's runs: `summary` (a dict), `ok`, `problems`, and its table: `data`, `sweep["min_distance"]`."""
 
     def __init__(self, file, summary, ok, problems, folder):
         super().__init__(file, folder)
@@ -276,14 +310,15 @@ def _place(csv, name):
 
 
 def run(experiment, set=None, *, duration=None, seed=None, csv=None, options=()):
-    """Runs an experiment file and returns the Run. `set`: keys of the file and their values, as `--set`. `csv`: where the
+    """Runs an experiment file and returns the Run. `set`: keys of the file and their values: numbers, texts, lists, numpy
+    arrays, dicts (tables). `csv`: where the
     record is kept; without it, it is gone with the Run. `options`: further words of `skein run`, such as
     ["--keep"]. Raises Error where the experiment is refused or a device fails; an expectation of the file that
     fails is `run.ok == False`, with sentences in `run.problems`."""
     file, folder = _place(csv, "run.csv")
     words = ["run", os.fspath(experiment), "--json", "--csv", file, *_sets(set), *options]
     if duration is not None:
-        words += ["--duration", repr(duration)]
+        words += ["--duration", _toml(duration)]
     if seed is not None:
         words += ["--seed", str(seed)]
     summary, ok, problems = _start(words, folder)
@@ -294,8 +329,14 @@ def read(file):
     """A record that was made before: a CSV of `skein run --csv` or of the window, or the folder of a run that was kept."""
     file = os.fspath(file)
     if os.path.isdir(file):
-        with open(os.path.join(file, "run.json"), encoding="utf-8") as story:
-            kept = json.load(story)
+        told = os.path.join(file, "run.json")
+        try:
+            with open(told, encoding="utf-8") as story:
+                kept = json.load(story)
+        except OSError as refused:
+            raise Error(f"{file}: is not the folder of a run that was kept: {told}: {refused.strerror}") from refused
+        except ValueError as refused:
+            raise Error(f"{told}: {refused}") from refused
         return Run(os.path.join(file, "run.csv"), kept.get("summary"), kept.get("exit_status") == 0, kept.get("problems", ()))
     if not os.path.isfile(file):
         raise Error(f"{file}: there is no such file")
@@ -303,7 +344,8 @@ def read(file):
 
 
 def sweep(study, set=None, *, runs=None, seed=None, threads=None, csv=None):
-    """Runs a study file (docs/studies.md) and returns the Sweep, a row of `data` each run."""
+    """Runs a study file (docs/studies.md) and returns the Sweep: `data` has a row for each run, and a second one with its
+    control if the study has one; the column `variant` tells them apart."""
     file, folder = _place(csv, "sweep.csv")
     words = ["sweep", os.fspath(study), "--json", "--csv", file, *_sets(set)]
     for option, value in (("--runs", runs), ("--seed", seed), ("--threads", threads)):
