@@ -1,5 +1,7 @@
 #include "comms/open_session.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace skein::comms {
@@ -8,6 +10,7 @@ namespace {
 constexpr std::uint8_t version = 1;
 constexpr std::size_t head = 7, check = 2, most_payload = 31;
 constexpr std::size_t status_size = 15;
+constexpr int most_stops = 1000;  // of which any answer counts: a minute of them
 
 /// CRC-16/CCITT-FALSE.
 constexpr std::uint16_t check_sum(std::span<const std::uint8_t> bytes) noexcept {
@@ -71,7 +74,7 @@ std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<
 }
 
 std::optional<OpenStatus> open_status(const OpenFrame& frame) {
-  if (frame.kind != 's' || frame.payload.size() < status_size) return {};
+  if (frame.version != version || frame.kind != 's' || frame.payload.size() < status_size) return {};
   const std::span<const std::uint8_t> p = frame.payload;
   return OpenStatus{.timed_out = (p[0] & 1) != 0,
                     .refused = (p[0] & 2) != 0,
@@ -93,7 +96,8 @@ std::optional<OpenFrame> OpenParser::next() {
       ++at, ++debris_;  // a frame may begin inside what looked like one
       continue;
     }
-    found = OpenFrame{static_cast<char>(rest[3]), get(rest, 4), {rest.begin() + head, rest.begin() + head + rest[6]}};
+    found = OpenFrame{
+        static_cast<char>(rest[3]), get(rest, 4), {rest.begin() + head, rest.begin() + head + rest[6]}, rest[2]};
     at += size;
   }
   held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
@@ -108,7 +112,8 @@ bool open_acknowledged(std::span<const std::uint8_t> heard) noexcept {
   for (std::size_t at = 0; at + head + status_size + check <= heard.size(); ++at) {
     const auto rest = heard.subspan(at);
     const std::size_t size = frame_size(rest);
-    if (size != head + status_size + check || rest[3] != 's' || !whole(rest.first(size))) continue;
+    if (size != head + status_size + check || rest[2] != version || rest[3] != 's' || get(rest, 4) != 0) continue;
+    if (!whole(rest.first(size))) continue;
     const auto p = rest.subspan(head);
     if (get(p, 1) == 0 && get(p, 3) == 0) return true;
   }
@@ -117,11 +122,13 @@ bool open_acknowledged(std::span<const std::uint8_t> heard) noexcept {
 
 void OpenSession::begin() {
   parser_.clear();
+  other_version_ = 0;
   newest_ = {};
 }
 
 void OpenSession::put(char kind, std::span<const std::uint8_t> payload) {
-  const std::vector<std::uint8_t> frame = open_frame(kind, ++number_, payload);
+  if (++number_ == 0) number_ = 1;  // 0 is that of open_stop()
+  const std::vector<std::uint8_t> frame = open_frame(kind, number_, payload);
   output_.insert(output_.end(), frame.begin(), frame.end());
 }
 
@@ -129,7 +136,8 @@ void OpenSession::put_stop() {
   output_.clear();  // a frame that is broken off ends in the stop, which comes twice
   newest_ = {};
   put('X');
-  if (phase_ != Phase::synchronising) first_stop_ = number_;
+  if (phase_ != Phase::synchronising || static_cast<std::uint16_t>(number_ - first_stop_) > most_stops)
+    first_stop_ = number_;
   put('X');
   if (options_.ask_version && counters_.version.empty()) put('H');
 }
@@ -149,7 +157,9 @@ void OpenSession::put_request(std::optional<WheelCommand> speeds, Question quest
 void OpenSession::hear(std::span<const std::uint8_t> bytes, double now) {
   parser_.feed(bytes);
   while (const auto frame = parser_.next()) {
-    if (frame->kind == 'h' && frame->payload.size() >= 6) {
+    if (frame->version != version) {
+      other_version_ = frame->version;
+    } else if (frame->kind == 'h' && frame->payload.size() >= 6) {
       std::string name(frame->payload.begin() + 6, frame->payload.end());
       std::erase_if(name, [](char c) { return c < ' ' || c > '~'; });
       counters_.version = name + ", open protocol";
@@ -159,11 +169,20 @@ void OpenSession::hear(std::span<const std::uint8_t> bytes, double now) {
   }
 }
 
+void OpenSession::no_answer_to_stop(double now) {
+  repeat_stop(now);
+  if (other_version_ != 0)
+    reason_ = fmt::format("the robot speaks version {} of the open protocol, allowed: {}", other_version_, version);
+}
+
+bool OpenSession::sent_since(std::uint16_t first, std::uint16_t number) const noexcept {
+  return static_cast<std::uint16_t>(number - first) <= static_cast<std::uint16_t>(number_ - first);
+}
+
 void OpenSession::heard(const OpenFrame& frame, const OpenStatus& said, double now) {
-  const auto since = [&](std::uint16_t number) { return static_cast<std::int16_t>(frame.number - number) >= 0; };
   if (phase_ == Phase::synchronising) {
-    // Answers to what was sent before the stop say nothing about it.
-    if (!since(first_stop_) || said.taken != WheelCommand{}) return;
+    // Answers to what was sent before the stop, or never, say nothing about it.
+    if (!sent_since(first_stop_, frame.number) || said.taken != WheelCommand{}) return;
     stands(now);
     synchronised();
     send_pending(now);
@@ -174,11 +193,11 @@ void OpenSession::heard(const OpenFrame& frame, const OpenStatus& said, double n
     resynchronise("the robot restarted", now);
     return restarted();
   }
-  if (!answer_due() || !since(question_number_)) return;
+  const Sent& sent = sent_[frame.number % sent_.size()];
+  if (!answer_due() || !sent_since(question_number_, frame.number) || sent.number != frame.number) return;
   read_counters(said.encoders, asked_at_, now);
   if (said.battery > 0) read_battery(Battery{.volts = 1e-3 * said.battery, .low = said.low}, now);
-  const Sent& sent = sent_[frame.number % sent_.size()];
-  if (sent.number == frame.number && said.taken != sent.speeds)
+  if (said.taken != sent.speeds)
     answered(said.taken, now);
   else
     answered({}, now);

@@ -19,6 +19,7 @@ struct OpenFrame {
   char kind = 0;             ///< 'W' speeds, 'X' stop, 's' status ...
   std::uint16_t number = 0;  ///< an answer has that of the answered frame
   std::vector<std::uint8_t> payload;
+  std::uint8_t version = 1;  ///< of the protocol
 };
 std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<const std::uint8_t> payload = {});
 
@@ -32,7 +33,7 @@ struct OpenStatus {
   Encoders encoders;       ///< the low 16 bits of its wheels' distances [0.1 mm]
   int battery = 0;         ///< [mV]; 0: not known
 };
-/// None: the frame is not a status.
+/// None: the frame is not a status of version 1.
 std::optional<OpenStatus> open_status(const OpenFrame& frame);
 
 /// Finds frames in a robot's bytes, whatever chunks they arrive in; other bytes are skipped and counted.
@@ -51,7 +52,7 @@ class OpenParser {
 
 /// The bytes that stop any robot with this protocol: the stop twice, longer than the remainder of a partial frame.
 std::span<const std::uint8_t> open_stop() noexcept;
-/// Whether these bytes contain the answer to a stop.
+/// Whether these bytes contain the answer to open_stop(): a status with its number, 0, which no session uses.
 bool open_acknowledged(std::span<const std::uint8_t> heard) noexcept;
 
 /// LinkSession for the open protocol. Commands are sent in every tick, changed or not, so that the robot's watchdog
@@ -70,14 +71,17 @@ class OpenSession final : public LinkSession {
   void put_stop() override;
   void put_request(std::optional<WheelCommand> speeds, Question question) override;
   void hear(std::span<const std::uint8_t> bytes, double now) override;
-  void no_answer_to_stop(double now) override { repeat_stop(now); }
+  void no_answer_to_stop(double now) override;
 
+  /// Whether a frame with this number was sent, `first` or after it.
+  bool sent_since(std::uint16_t first, std::uint16_t number) const noexcept;
   void heard(const OpenFrame& frame, const OpenStatus& said, double now);
   void put(char kind, std::span<const std::uint8_t> payload = {});
 
   OpenParser parser_;
-  std::uint16_t number_ = 0;      // of the newest frame
-  std::uint16_t first_stop_ = 0;  // of the stops under way
+  std::uint8_t other_version_ = 0;  // that the robot speaks; 0: none but ours
+  std::uint16_t number_ = 0;        // of the newest frame
+  std::uint16_t first_stop_ = 0;    // of the stops under way
   std::uint16_t question_number_ = 0;
   WheelCommand newest_;
   struct Sent {

@@ -227,6 +227,101 @@ TEST(OpenSession, ARobotThatRestartsIsStoppedFirst) {
   EXPECT_TRUE(lab.session.up());
 }
 
+/// A status that says these speeds, in a frame with this number and version.
+Bytes said(std::uint16_t number, int left, int right, std::uint8_t version = 1) {
+  Bytes payload(15, 0);
+  const auto put = [&](std::size_t at, int value) {
+    payload[at] = static_cast<std::uint8_t>(value & 255);
+    payload[at + 1] = static_cast<std::uint8_t>(value >> 8 & 255);
+  };
+  put(1, left), put(3, right);
+  Bytes frame = open_frame('s', number, payload);
+  frame[2] = version;
+  const std::uint16_t sum = open_robot_crc(frame.data() + 2, frame.size() - 4);
+  frame[frame.size() - 2] = static_cast<std::uint8_t>(sum & 255);
+  frame[frame.size() - 1] = static_cast<std::uint8_t>(sum >> 8);
+  return frame;
+}
+std::uint16_t number_of(const Bytes& frame) {
+  return static_cast<std::uint16_t>(frame.at(4) | frame.at(5) << 8);
+}
+
+TEST(OpenSession, AnswersOfAnotherVersionAreNoneAndTheReasonSaysSo) {
+  OpenLab lab;
+  lab.session.opened(lab.now);
+  for (int k = 0; k < 20; ++k) {
+    const Bytes stop = lab.take();
+    if (!stop.empty()) lab.session.received(said(number_of(stop), 0, 0, 2), lab.now);
+    lab.pass(0.05);
+  }
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_FALSE(lab.session.stop_acknowledged());
+  EXPECT_EQ(lab.session.status(lab.now).reason, "the robot speaks version 2 of the open protocol, allowed: 1");
+  EXPECT_FALSE(open_acknowledged(said(0, 0, 0, 2)));
+  lab.exchange();
+  lab.pass(0.25);
+  lab.exchange();
+  EXPECT_TRUE(lab.session.up()) << "one of version 1 is there after all";
+}
+
+TEST(OpenSession, AnAnswerWithANumberThatWasNeverSentIsNone) {
+  OpenLab lab;
+  lab.session.opened(lab.now);
+  const std::uint16_t first = number_of(lab.take());  // two stops
+  lab.session.received(said(static_cast<std::uint16_t>(first + 7), 0, 0), lab.now);
+  lab.session.received(said(static_cast<std::uint16_t>(first + 2), 0, 0), lab.now);
+  EXPECT_FALSE(lab.session.stop_acknowledged()) << "of no frame that was sent";
+  lab.session.received(said(static_cast<std::uint16_t>(first + 1), 0, 0), lab.now);
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+  lab.command(1000, 1000);
+  const std::uint16_t wheels = number_of(lab.take());
+  lab.session.received(said(static_cast<std::uint16_t>(wheels + 1), 1000, 1000), lab.now);
+  EXPECT_EQ(lab.session.status(lab.now).exchanges, 0u);
+  lab.session.received(said(wheels, 1000, 1000), lab.now);
+  EXPECT_EQ(lab.session.status(lab.now).exchanges, 1u);
+  lab.session.stop(lab.now);
+  const std::uint16_t stop = number_of(lab.take());
+  lab.session.received(said(wheels, 0, 0), lab.now);
+  EXPECT_FALSE(lab.session.stop_acknowledged()) << "it stood before it was told to";
+  lab.session.received(said(stop, 0, 0), lab.now);
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+  EXPECT_FALSE(open_acknowledged(said(1, 0, 0))) << "the guard's stops have the number 0";
+  EXPECT_TRUE(open_acknowledged(said(0, 0, 0)));
+}
+
+TEST(OpenSession, AStopIsAcknowledgedAfterHoursWithoutAnAnswer) {
+  OpenLab lab;
+  lab.session.opened(lab.now);
+  for (int k = 0; k < 20000; ++k) {
+    lab.take();
+    lab.pass(0.3);
+  }
+  lab.exchange();
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+}
+
+TEST(OpenSession, ARobotThatTakesOtherSpeedsIsToldNoOftenerThanOnceATick) {
+  OpenLab lab;
+  lab.open();
+  int told = 0, frames = 0;
+  for (int tick = 0; tick < 50; ++tick) {
+    lab.command(1000, 500);
+    for (int k = 0; k < 20 && !lab.session.output().empty(); ++k) {  // it answers at once
+      const Bytes request = lab.take();
+      OpenParser parser;
+      parser.feed(request);
+      while (const auto frame = parser.next()) {
+        ++frames, told += frame->kind == 'W';
+        lab.session.received(frame->kind == 'W' ? said(frame->number, 5000, 5000) : said(frame->number, 0, 0), lab.now);
+      }
+    }
+    lab.pass(0.04);
+  }
+  EXPECT_EQ(told, 50);
+  EXPECT_LE(frames, 3 * 50) << "and two stops";
+  EXPECT_EQ(lab.session.status(lab.now).wrong_speeds, 50u);
+}
+
 TEST(OpenFuzz, WhateverHostsAndRobotsSay) {
   core::Random random(20101208, 3);
   const auto below = [&](std::size_t limit) {
