@@ -171,6 +171,12 @@ tl::expected<WheelCheck, std::string> Plant::check_wheels(std::size_t robot,
   return check;
 }
 
+std::uint64_t Plant::wrong_speeds(std::size_t robot) const {
+  const auto link = std::find(linked_.begin(), linked_.end(), robot);
+  if (!links_ || link == linked_.end()) return 0;
+  return links_->status().at(static_cast<std::size_t>(link - linked_.begin())).wrong_speeds;
+}
+
 void Plant::hush(std::size_t robot, double seconds) {
   const auto link = std::find(linked_.begin(), linked_.end(), robot);
   if (links_ && link != linked_.end()) links_->hush(static_cast<std::size_t>(link - linked_.begin()), seconds);

@@ -78,6 +78,8 @@ class Plant {
   /// app::check_wheels of a robot that has a link and stands; `act` skips it meanwhile. Blocks for some seconds; one at
   /// a time, on a thread of its own, and only while the control thread runs.
   tl::expected<WheelCheck, std::string> check_wheels(std::size_t robot, const std::function<std::string()>& keep_on);
+  /// How often the robot's link has counted comms::LinkStatus::wrong_speeds.
+  std::uint64_t wrong_speeds(std::size_t robot) const;
   /// Sends a robot nothing for this long, unless it must be stopped.
   void hush(std::size_t robot, double seconds);
   /// Supervises links and camera: returns why the run cannot go on, if so. Not on the control thread.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <tl/expected.hpp>
@@ -19,16 +20,29 @@ inline constexpr double one_wheel_time = 0.4;
 /// Converts e-puck steps to the same distance, or speed, in steps of this robot type.
 double steps_of(const core::RobotType& type, double epuck_steps) noexcept;
 
-/// The fault of a wheel that was commanded alone, from the motion of both; empty: none. `still` is the text for a wheel
+/// Counts of both wheels while one of them was commanded alone [steps], and for how long it was [s].
+struct OneWheelTurn {
+  double left = 0.0, right = 0.0;
+  double seconds = one_wheel_time;
+
+  /// Whether a wheel went so much further than `speed` for this time that nothing but a fault explains it: the turn
+  /// ends.
+  bool too_far(double speed) const noexcept;
+};
+
+/// The fault of a wheel that was commanded alone, from the motion of both; empty: none. `most`: what it can have made
+/// in the time that it was commanded, `expected` or more on a machine that is late. `still` is the text for a wheel
 /// without motion: "'s encoder is silent".
-std::string wheel_fault(const char* wheel, double its_own, double other, double expected, const char* still,
-                        const char* unit);
-/// The same for both wheels from their encoders [steps]: the left one commanded alone, then the right one.
-std::vector<std::string> encoder_faults(double left, double right_with_left, double right, double left_with_right,
-                                        double expected);
+std::string wheel_fault(const char* wheel, double its_own, double other, double expected, double most,
+                        const char* still, const char* unit);
+/// The same for both wheels from their encoders, which were commanded this speed [steps/s].
+std::vector<std::string> encoder_faults(const OneWheelTurn& left, const OneWheelTurn& right, double speed);
+/// How often the robot reported speeds other than those sent, as a fault; empty: never.
+std::string speed_fault(std::uint64_t times);
 
 /// Turns each wheel of a robot about 10 mm forward and compares the counters with the command: wheels that are swapped
-/// or turn backwards, counters that are silent. The robot's link must be up, without other commands meanwhile;
+/// or turn backwards or too far, counters that are silent, speeds that are not those sent. A wheel that has turned
+/// twice as far as it should is stopped. The robot's link must be up, without other commands meanwhile;
 /// afterwards it stands. `keep_on` is called before every command: a sentence ends the check, as its error. Blocks for
 /// some seconds.
 tl::expected<WheelCheck, std::string> check_wheels(comms::LinkSupervisor& links, std::size_t link,

@@ -75,12 +75,21 @@ tl::expected<RobotTest::Manoeuvre, std::string> RobotTest::drive(std::size_t rob
                                                                  double seconds) {
   const std::vector<core::Pose> before = resting_;
   const LinkRecord begun = loop_.link(robot);
+  const double since = clock_.now();
+  const bool one_wheel = left == 0.0 || right == 0.0;
+  const auto counted = [&] {
+    const LinkRecord& now = loop_.link(robot);
+    return OneWheelTurn{now.left_steps - begun.left_steps, now.right_steps - begun.right_steps, clock_.now() - since};
+  };
   loop_.command(robot, {left, right});
-  for (int ticks = static_cast<int>(std::lround(seconds / believed_.period())); ticks > 0; --ticks)
+  for (int ticks = static_cast<int>(std::lround(seconds / believed_.period())); ticks > 0; --ticks) {
     if (auto ticked = loop_.tick(); !ticked) return tl::unexpected(ticked.error());
+    if (one_wheel && counted().too_far(std::max(left, right))) break;
+  }
+  const double driven = clock_.now() - since + believed_.period();  // the next tick tells it to stand
   if (auto stood = stand(); !stood) return tl::unexpected(stood.error());
-  const LinkRecord& ended = loop_.link(robot);
-  Manoeuvre result{ended.left_steps - begun.left_steps, ended.right_steps - begun.right_steps, {}};
+  Manoeuvre result{counted(), {}};
+  result.wheels.seconds = driven;
   for (std::size_t i = 0; i < wanted_.size(); ++i)
     if (known(before[i]) && known(resting_[i])) result.tags.push_back({wanted_[i], before[i], resting_[i]});
   return result;
@@ -131,13 +140,15 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   // What each wheel rolled, from how the tag turned and went ahead.
   const core::DifferentialDrive& drive = believed_.robots[robot].drive;
   const core::RobotType& type = *believed_.robots[robot].type;
-  const double expected_way = steps_of(type, one_wheel_speed) * one_wheel_time * drive.metres_per_step() * 1e3;
+  const double way_a_second = steps_of(type, one_wheel_speed) * drive.metres_per_step() * 1e3;
   for (const auto& [moved, is_left] : {std::pair(&with_left, true), std::pair(&*with_right, false)}) {
     const double arc = 0.5 * moved->turned() * drive.track, way = moved->forward();
     const double rolled_left = 1e3 * (way - arc), rolled_right = 1e3 * (way + arc);
     const char* const wheel = is_left ? "left" : "right";
-    const std::string wrong = wheel_fault(wheel, is_left ? rolled_left : rolled_right,
-                                          is_left ? rolled_right : rolled_left, expected_way, " does not turn", "mm");
+    const std::string wrong = wheel_fault(
+        wheel, is_left ? rolled_left : rolled_right, is_left ? rolled_right : rolled_left,
+        way_a_second * one_wheel_time, way_a_second * std::max(one_wheel_time, (is_left ? left : right).wheels.seconds),
+        " does not turn", "mm");
     const bool said = std::any_of(result.faults.begin(), result.faults.end(), [&](const std::string& fault) {
       return fault.find(wheel + std::string(" wheel")) != std::string::npos;
     });
@@ -193,9 +204,9 @@ tl::expected<void, std::string> RobotTest::calibrate(std::size_t robot, RobotTes
     }
     if (left == right) {
       way += std::abs(moved->forward());
-      way_steps += 0.5 * std::abs(driven->left + driven->right);
+      way_steps += 0.5 * std::abs(driven->wheels.left + driven->wheels.right);
     } else {
-      const double steps = driven->right - driven->left;
+      const double steps = driven->wheels.right - driven->wheels.left;
       // More than half a turn looks like less the other way round: the files know the angle well enough to tell.
       const double about = steps * drive.metres_per_step() / drive.track;
       turn += std::abs(about + core::wrap_angle(moved->turned() - about));
@@ -246,7 +257,12 @@ tl::expected<void, std::string> RobotTest::cut_line(std::size_t robot, RobotTest
       if (auto ticked = loop_.tick(); !ticked) return ticked;
     return {};
   };
+  if (auto begun = go_on(0.5 * begins); !begun) return begun;
+  const WheelCount first = plant_.robots().at(robot).count;
   if (auto begun = go_on(begins); !begun) return begun;
+  const WheelCount second = plant_.robots().at(robot).count;
+  // Wheels that go further than they are told would seem to have driven on for longer. At least so fast:
+  const double counted = 0.5 * (second.left - first.left + second.right - first.right) / (second.by - first.since);
   plant_.hush(robot, silence);
   const LinkRecord before = loop_.link(robot);
   if (auto waited = go_on(silence); !waited) return waited;
@@ -254,7 +270,7 @@ tl::expected<void, std::string> RobotTest::cut_line(std::size_t robot, RobotTest
   if (auto answered = go_on(answers); !answered) return answered;
   const LinkRecord& after = loop_.link(robot);
   const double steps = 0.5 * (after.left_steps - before.left_steps + after.right_steps - before.right_steps);
-  result.watchdog = watchdog_of(steps, speed, silence);
+  result.watchdog = watchdog_of(steps, counted > speed ? counted : speed, silence);
   return {};
 }
 
@@ -271,13 +287,14 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   if (const auto stood = stand(); !stood) return tl::unexpected(stood.error());
 
   const double speed = steps_of(*believed_.robots[robot].type, one_wheel_speed);
+  const std::uint64_t wrong_before = plant_.wrong_speeds(robot);
   const auto left = drive(robot, speed, 0.0, one_wheel_time);
   if (!left) return tl::unexpected(left.error());
   const auto right = drive(robot, 0.0, speed, one_wheel_time);
   if (!right) return tl::unexpected(right.error());
-  result.left_steps = left->left;
-  result.right_steps = right->right;
-  result.faults = encoder_faults(left->left, left->right, right->right, right->left, speed * one_wheel_time);
+  result.left_steps = left->wheels.left;
+  result.right_steps = right->wheels.right;
+  result.faults = encoder_faults(left->wheels, right->wheels, speed);
   if (plant_.cameras()) {
     const std::size_t wheels_at_fault = result.faults.size();
     judge_camera(robot, *left, *right, result);
@@ -288,6 +305,8 @@ tl::expected<RobotTestResult, std::string> RobotTest::test(std::size_t robot) {
   }
   if (result.faults.empty())
     if (const auto cut = cut_line(robot, result); !cut) return tl::unexpected(cut.error());
+  if (std::string fault = speed_fault(plant_.wrong_speeds(robot) - wrong_before); !fault.empty())
+    result.faults.push_back(std::move(fault));
   result.status = plant_.robots().at(robot);
   return result;
 }

@@ -10,6 +10,7 @@
 #include "app/experiment/experiment.h"
 #include "app/run/session_clock.h"
 #include "app/session/plant.h"
+#include "app/session/wheel_check.h"
 #include "app/tools/plant_loop.h"
 
 namespace skein::app {
@@ -33,13 +34,13 @@ struct RobotTestResult {
 std::vector<std::pair<std::string, std::string>> values_to_keep(const RobotTestResult& result);
 
 /// The watchdog time of a robot that was commanded `speed` and then nothing for `silence`, from the steps that its
-/// wheels made in that time: see RobotTestResult::watchdog. [steps/s], [s]
+/// wheels made in that time: see RobotTestResult::watchdog. `speed` as its wheels count it. [steps/s], [s]
 double watchdog_of(double steps, double speed, double silence) noexcept;
 
 /// Tests robots one after the other, while all others stand: turns each wheel about 10 mm forward and compares its
-/// encoder, and with a camera the tags, with the command; with a camera it then drives 6 cm forward and back and turns
-/// by 110 degrees and back, and computes wheel diameter and track. Encoders count the commanded steps: only a camera
-/// detects swapped motor cables, a slipping wheel or a wrong tag.
+/// encoder and the speeds that it reports, and with a camera the tags, with the command; with a camera it then drives 6
+/// cm forward and back and turns by 110 degrees and back, and computes wheel diameter and track. Encoders count the
+/// commanded steps: only a camera detects swapped motor cables, a slipping wheel or a wrong tag.
 class RobotTest {
  public:
   /// `plant`: opened with SessionOptions::every_tag. `believed`: the files' values for its robots, in order. `keep_on`
@@ -58,8 +59,8 @@ class RobotTest {
     double turned() const { return core::wrap_angle(after.theta - before.theta); }
   };
   struct Manoeuvre {
-    double left = 0, right = 0;  // encoders [steps]
-    std::vector<Moved> tags;     // those that were seen before and after
+    OneWheelTurn wheels;      // encoders
+    std::vector<Moved> tags;  // those that were seen before and after
   };
 
   tl::expected<void, std::string> stand();

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "app/experiment/experiment_file.h"
+#include "app/session/wheel_check.h"
 #include "tests/app/experiment_texts.h"
 
 namespace skein::app {
@@ -129,6 +130,20 @@ TEST(RobotTest, WithoutACameraItKnowsWhatEncodersSay) {
   EXPECT_THAT(
       test(e, e, {{.kind = comms::FaultKind::silent_encoders}}, 1).faults,
       ElementsAre("the left wheel's encoder is silent: 0 steps", "the right wheel's encoder is silent: 0 steps"));
+}
+
+TEST(WheelFaults, AWheelThatTurnsTooFarIsOneUnlessItWasToldForSoLong) {
+  const OneWheelTurn good{.left = 80, .right = 0}, far{.left = 200, .right = 0}, right{.left = 0, .right = 85};
+  EXPECT_THAT(encoder_faults(good, right, 200), IsEmpty());
+  EXPECT_THAT(encoder_faults(far, right, 200),
+              ElementsAre("the left wheel turned at least 2.5 times too far: 200 steps instead of 80"));
+  EXPECT_TRUE(far.too_far(200));
+  EXPECT_FALSE(good.too_far(200));
+  const OneWheelTurn late{.left = 200, .right = 0, .seconds = 0.9};  // on a machine that found no time to stop it
+  EXPECT_FALSE(late.too_far(200));
+  EXPECT_THAT(encoder_faults(late, right, 200), IsEmpty());
+  EXPECT_EQ(speed_fault(0), "");
+  EXPECT_EQ(speed_fault(3), "3 times it took speeds other than those sent, and was stopped");
 }
 
 }  // namespace
