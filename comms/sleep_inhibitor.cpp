@@ -1,9 +1,12 @@
 #include "comms/sleep_inhibitor.h"
 
+#include <fmt/format.h>
+
 #include <fcntl.h>
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <system_error>
 #include <tl/expected.hpp>
@@ -35,7 +38,11 @@ tl::expected<int, std::string> inhibit(const char* which, const std::string& wha
   }
   if (result >= 0) result = sd_bus_message_read(reply, "h", &lock);
   if (result >= 0) result = lock = ::fcntl(lock, F_DUPFD_CLOEXEC, 3);  // the message's own goes with it
-  const std::string reason = error.message != nullptr ? error.message : std::strerror(result < 0 ? -result : 0);
+  const char* const address = std::getenv("DBUS_SYSTEM_BUS_ADDRESS");
+  const std::string where =
+      bus != nullptr ? "" : fmt::format("the system bus, {}: ", address ? address : "/run/dbus/system_bus_socket");
+  const std::string reason =
+      where + (error.message != nullptr ? error.message : std::strerror(result < 0 ? -result : 0));
   sd_bus_error_free(&error);
   sd_bus_message_unref(reply);
   sd_bus_flush_close_unref(bus);

@@ -19,7 +19,8 @@ void RobotCommands::add_to(CLI::App& program) {
     return command;
   };
   constexpr const char* which =
-      "rfcomm:ADDR/CHANNEL, serial:DEVICE or tcp:HOST, a robot's name in the file of robots, a file of robots or an "
+      "rfcomm:ADDR/CHANNEL, serial:DEVICE, tcp:HOST, udp:HOST or open+serial:DEVICE, a robot's name in the file of "
+      "robots, a file of robots or an "
       "experiment file for all of its";
 
   list_ = add("list", "Lists the robots of the file of robots");

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "tests/comms/fake_logind.h"
 #include "tests/eventually.h"
 
@@ -72,6 +74,15 @@ TEST_F(SleepInhibition, WithoutLogindThereIsAReason) {
   inhibitor.hold(true);
   EXPECT_TRUE(eventually([&] { return !inhibitor.problem().empty(); }));
   EXPECT_NE(inhibitor.problem().find("org.freedesktop.login1"), std::string::npos) << inhibitor.problem();
+}
+
+TEST(SleepInhibitor, WithoutABusTheBusIsNamed) {
+  ::setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus", 1);
+  SleepInhibitor inhibitor("platoon");
+  inhibitor.hold(true);
+  EXPECT_TRUE(eventually([&] { return !inhibitor.problem().empty(); }));
+  ::unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+  EXPECT_EQ(inhibitor.problem(), "the system bus, unix:path=/nowhere/bus: No such file or directory");
 }
 
 }  // namespace
