@@ -51,7 +51,7 @@ tl::expected<void, std::string> RobotTest::stand() {
   std::vector<double> heading(wanted_.size()), last(wanted_.size(), -1e9);
   std::vector<int> counts(wanted_.size());
   while (clock_.now() < begun + standing) {
-    if (const auto ticked = loop_.tick(); !ticked) return ticked;
+    if (auto ticked = loop_.tick(); !ticked) return ticked;
     for (std::size_t i = 0; plant_.cameras() && i < wanted_.size(); ++i) {
       const core::Measurement& seen = loop_.newest()[i];
       if (seen.captured_at < begun + settled || seen.captured_at <= last[i]) continue;
