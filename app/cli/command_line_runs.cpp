@@ -1,5 +1,6 @@
 #include "app/cli/command_line_runs.h"
 
+#include "app/cli/whole_number.h"
 #include "core/words.h"
 
 namespace skein::app {
@@ -77,7 +78,9 @@ void RunCommands::add_to(CLI::App& program) {
     command->add_option("--show", runs_request_.show, "keys to show for each run, e.g. k_xx")
         ->delimiter(',')
         ->type_name("KEY,...");
-    command->add_option("--newest", runs_request_.newest, "at most this many")->type_name("N");
+    command->add_option("--newest", runs_request_.newest, "at most this many")
+        ->check(whole_number(1, 1'000'000'000))
+        ->type_name("N");
     command->add_flag("--json", runs_request_.json, "print them as JSON");
   };
   list_ = add("list", "Lists all runs, the newest last");
@@ -101,7 +104,9 @@ void RunCommands::add_to(CLI::App& program) {
   verify_->add_option("run", runs_request_.run, which)->required();
   remove_ = add("remove", "Removes runs; without --yes it prints which, and how much room they take");
   remove_->add_option("run", runs_request_.runs, which);
-  remove_->add_option("--where", runs_request_.query, "those for which a condition holds, as `skein runs find` has it")
+  remove_
+      ->add_option("--where", runs_request_.query,
+                   "those for which a condition holds, as `skein runs find` has it; with names: those of them")
       ->type_name("QUERY");
   remove_->add_flag("--yes", runs_request_.yes, "remove them");
   export_kept_ =

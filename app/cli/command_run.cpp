@@ -99,10 +99,12 @@ int run(const RunRequest& request) {
   }
   std::optional<KeptRun> kept;
   if (request.keep) {
-    if (const auto little = little_room(runs_directory(request.runs_directory))) complain(*little);
-    auto begun = KeptRun::begin({runs_directory(request.runs_directory), request.experiment.file,
-                                 request.experiment.sets, request.words, clock == Session::Clock::wall},
-                                *experiment);
+    const auto directory = runs_directory(request.runs_directory);
+    if (!directory) return complain(directory.error()), wrong_input;
+    if (const auto little = little_room(*directory)) complain(*little);
+    auto begun = KeptRun::begin(
+        {*directory, request.experiment.file, request.experiment.sets, request.words, clock == Session::Clock::wall},
+        *experiment);
     if (!begun) {
       complain(begun.error());
       return wrong_input;

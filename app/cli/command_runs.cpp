@@ -79,14 +79,16 @@ const std::vector<std::string> usual_keys{"state",        "experiment.seed", "co
                                           "min_distance", "final_error",     "megabytes"};
 
 tl::expected<RunIndex, std::string> open_index(const RunsRequest& request) {
-  auto index = RunIndex::open(runs_directory(request.directory));
+  auto index = runs_directory(request.directory).and_then(RunIndex::open);
   if (index)
     for (const std::string& problem : index->problems()) complain(problem);
   return index;
 }
 
 tl::expected<std::string, std::string> folder_of(const std::string& run, const RunsRequest& request) {
-  return find_run(run, runs_directory(request.directory));
+  return runs_directory(request.directory).and_then([&](const std::string& directory) {
+    return find_run(run, directory);
+  });
 }
 
 /// All that a run's story says, flat, without its files.
@@ -98,6 +100,13 @@ tl::expected<Facts, std::string> facts_of(const std::string& run, const RunsRequ
   return run_facts(*story);
 }
 
+/// A folder by the one name that it has, whichever way it was named.
+std::string plain_path(const std::string& folder) {
+  std::error_code error;
+  const std::filesystem::path plain = std::filesystem::canonical(folder, error);
+  return error ? folder : plain.string();
+}
+
 void keep_newest(std::vector<RunIndex::Run>& runs, std::size_t newest) {
   if (newest > 0 && runs.size() > newest) runs.erase(runs.begin(), runs.end() - static_cast<std::ptrdiff_t>(newest));
 }
@@ -107,6 +116,7 @@ void keep_newest(std::vector<RunIndex::Run>& runs, std::size_t newest) {
 int list_runs(const RunsRequest& request) {
   auto index = open_index(request);
   if (!index) return refused(index.error());
+  if (const auto known = index->knows(request.show); !known) return refused(known.error());
   const std::vector<std::string>& keys = request.show.empty() ? usual_keys : request.show;
   std::vector<RunIndex::Run> runs = index->all(keys);
   keep_newest(runs, request.newest);
@@ -125,6 +135,7 @@ int find_runs(const RunsRequest& request) {
   }
   const auto query = parse_query(request.query);
   if (!query) return refused(query.error());
+  if (const auto known = index->knows(request.show); !known) return refused(known.error());
   const std::vector<std::string>& keys = request.show.empty() ? usual_keys : request.show;
   auto runs = index->find(*query, keys);
   if (!runs) return refused(runs.error());
@@ -206,6 +217,7 @@ int remove_runs(const RunsRequest& request) {
     if (!folder) return refused(folder.error());
     folders.push_back(*folder);
   }
+  for (std::string& folder : folders) folder = plain_path(folder);
   if (!request.query.empty()) {
     auto index = open_index(request);
     if (!index) return refused(index.error());
@@ -213,8 +225,18 @@ int remove_runs(const RunsRequest& request) {
     if (!query) return refused(query.error());
     const auto runs = index->find(*query, {});
     if (!runs) return refused(runs.error());
-    for (const RunIndex::Run& run : *runs)
-      folders.push_back((std::filesystem::path(runs_directory(request.directory)) / run.id).string());
+    const std::filesystem::path place = plain_path(*runs_directory(request.directory));
+    for (const std::string& folder : folders)
+      if (std::filesystem::path(folder).parent_path() != place)
+        return refused(fmt::format("{}: is not in {}, allowed with --where: runs in there", folder, place.string()));
+    std::vector<std::string> fitting;
+    for (const RunIndex::Run& run : *runs) fitting.push_back((place / run.id).string());
+    // With names: those of them for which the condition holds.
+    if (!request.runs.empty())
+      std::erase_if(fitting, [&](const std::string& folder) {
+        return std::find(folders.begin(), folders.end(), folder) == folders.end();
+      });
+    folders = std::move(fitting);
   }
   std::sort(folders.begin(), folders.end());
   folders.erase(std::unique(folders.begin(), folders.end()), folders.end());

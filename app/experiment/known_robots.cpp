@@ -10,6 +10,7 @@
 #include "app/experiment/experiment_robots.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
+#include "app/run/home.h"
 #include "comms/link_address.h"
 
 namespace skein::app {
@@ -120,8 +121,8 @@ std::string known_robots_file(const std::string& asked) {
   if (fs::exists(name)) return name;
   if (const char* const config = std::getenv("XDG_CONFIG_HOME"); config && *config == '/')
     return (fs::path(config) / "skein" / name).string();
-  const char* const home = std::getenv("HOME");
-  return (fs::path(home && *home ? home : "/") / ".config/skein" / name).string();
+  const std::string home = home_folder();
+  return home.empty() ? name : (fs::path(home) / ".config/skein" / name).string();
 }
 
 bool embed_known_robots(toml::table& document, const std::string& directory, std::vector<Problem>& problems) {

@@ -26,7 +26,8 @@ tl::expected<std::vector<KnownRobot>, std::vector<Problem>> load_known_robots(co
 bool is_file_of_robots(const std::string& path);
 
 /// The file to use: `asked` if it names one, else robots.toml here if there is one, else that of the user,
-/// $XDG_CONFIG_HOME/skein/robots.toml (~/.config/skein/robots.toml). It need not exist.
+/// $XDG_CONFIG_HOME/skein/robots.toml (~/.config/skein/robots.toml), and robots.toml here for a user without a home. It
+/// need not exist.
 std::string known_robots_file(const std::string& asked);
 
 /// Gives every [[robot]] of an experiment that has the `name` of a robot in its `robots_file` what that file says of

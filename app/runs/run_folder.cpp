@@ -4,12 +4,18 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "app/experiment/text_file.h"
+#include "app/run/home.h"
+#include "app/runs/run_index.h"
 
 namespace skein::app {
 
@@ -19,13 +25,16 @@ std::string kept_calibration(std::size_t camera) {
   return camera == 0 ? "calibration.toml" : fmt::format("calibration-{}.toml", camera + 1);
 }
 
-std::string runs_directory(const std::string& asked) {
+tl::expected<std::string, std::string> runs_directory(const std::string& asked) {
   if (!asked.empty()) return asked;
   if (const char* const runs = std::getenv("SKEIN_RUNS"); runs && *runs) return runs;
   if (const char* const data = std::getenv("XDG_DATA_HOME"); data && *data == '/')
     return (fs::path(data) / "skein/runs").string();
-  const char* const home = std::getenv("HOME");
-  return (fs::path(home && *home ? home : "/") / ".local/share/skein/runs").string();
+  const std::string home = home_folder();
+  if (home.empty())
+    return tl::unexpected(
+        std::string("no folder for kept runs: this user has no home, allowed: --runs-dir, or a folder in SKEIN_RUNS"));
+  return (fs::path(home) / ".local/share/skein/runs").string();
 }
 
 std::vector<std::string> files_of_run(const std::string& folder) {
@@ -67,6 +76,32 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
   return story;
 }
 
+std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story) {
+  const auto found = story.find("began");
+  if (found == story.end() || !found->is_string()) return {};
+  const std::string text = found->get<std::string>();  // 2026-11-20T20:15:01.123+01:00
+  constexpr std::size_t seconds_at = 17, zone_long = 6;
+  if (text.size() < seconds_at + zone_long) return {};
+  const std::string zone_text = text.substr(text.size() - zone_long);
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, zone_hours = 0, zone_minutes = 0;
+  double second = 0.0;  // read without the window's language, which may have another point
+  char sign = 0;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:", &year, &month, &day, &hour, &minute) != 5 ||
+      std::from_chars(text.data() + seconds_at, text.data() + text.size() - zone_long, second).ec != std::errc{} ||
+      std::sscanf(zone_text.c_str(), "%c%2d:%2d", &sign, &zone_hours, &zone_minutes) != 3 ||
+      (sign != '+' && sign != '-'))
+    return {};
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (!date.ok()) return {};
+  const auto zone = (sign == '-' ? -1 : 1) * (std::chrono::hours(zone_hours) + std::chrono::minutes(zone_minutes));
+  const auto at = std::chrono::sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) - zone;
+  constexpr double ms_per_second = 1e3;
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             at.time_since_epoch() + std::chrono::milliseconds(std::llround(ms_per_second * second)))
+      .count();
+}
+
 std::map<std::string, std::variant<double, std::string>> run_facts(const nlohmann::ordered_json& story) {
   std::map<std::string, std::variant<double, std::string>> facts;
   const auto add = [&](const std::string& key, const nlohmann::ordered_json& value) {
@@ -95,13 +130,15 @@ tl::expected<std::string, std::string> find_run(const std::string& word, const s
   if (is_run(word)) return word;
   if (word.find('/') == std::string::npos && !word.empty() && is_run(fs::path(directory) / word))
     return (fs::path(directory) / word).string();
+  if (word == "last")
+    if (auto index = RunIndex::open(directory))
+      if (const std::string newest = index->newest(); !newest.empty()) return (fs::path(directory) / newest).string();
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator one(directory, error), end; !error && one != end; one.increment(error))
     if (is_run(one->path())) names.push_back(one->path().filename().string());
   std::sort(names.begin(), names.end());
   if (names.empty()) return tl::unexpected(fmt::format("{}: there is no run; {} has none", word, directory));
-  if (word == "last") return (fs::path(directory) / names.back()).string();
   std::vector<std::string> fitting;
   for (const std::string& name : names)
     if (name.starts_with(word)) fitting.push_back(name);
@@ -119,7 +156,9 @@ tl::expected<RunRecord, std::string> record_of(const std::string& word, const st
   std::error_code ignored;
   const bool names_a_file = word.ends_with(".csv") || fs::is_regular_file(word, ignored);
   if (!names_a_file) {
-    const auto folder = find_run(word, runs_directory(asked_directory));
+    const auto folder = runs_directory(asked_directory).and_then([&](const std::string& directory) {
+      return find_run(word, directory);
+    });
     if (!folder) return tl::unexpected(folder.error());
     const fs::path path = fs::absolute(*folder, ignored).lexically_normal();
     const fs::path name = path.has_filename() ? path.filename() : path.parent_path().filename();

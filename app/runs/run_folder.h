@@ -26,7 +26,8 @@ inline constexpr const char* film = "film.mkv";
 std::string kept_calibration(std::size_t camera);
 
 /// The folder of kept runs: `asked`, else $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else ~/.local/share/skein/runs.
-std::string runs_directory(const std::string& asked);
+/// The error: none of these is there, since the user has no home.
+tl::expected<std::string, std::string> runs_directory(const std::string& asked);
 
 /// A sentence if less than `least` bytes are free for runs kept in this directory, which need not exist yet.
 std::optional<std::string> little_room(const std::string& directory, std::uintmax_t least = 1'000'000'000);
@@ -39,6 +40,9 @@ std::uintmax_t bytes_of_run(const std::string& folder);
 
 /// The run.json of a folder. The error is a sentence.
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder);
+
+/// The instant at which a run began, from its run.json, whatever the time zone [ns since 1970]. Empty: it does not say.
+std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story);
 
 /// The searchable values of a run.json, as a flat list of keys; those below "experiment" and "summary" without that
 /// prefix.

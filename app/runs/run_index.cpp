@@ -21,10 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int schema_version = 2;
+constexpr int schema_version = 3;
 constexpr const char* schema =
     "CREATE TABLE run(number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, changed INTEGER NOT NULL, size INTEGER NOT "
-    "NULL);"
+    "NULL, began INTEGER NOT NULL);"
+    "CREATE INDEX run_by_time ON run(began, id);"
     "CREATE TABLE key(number INTEGER PRIMARY KEY, name TEXT UNIQUE NOT NULL);"
     "CREATE TABLE fact(key INTEGER NOT NULL, run INTEGER NOT NULL, value, PRIMARY KEY(key, run)) WITHOUT ROWID;"
     "CREATE INDEX fact_of_run ON fact(run);";
@@ -99,6 +100,10 @@ struct RunIndex::State {
   sqlite3* database = nullptr;
   std::vector<std::string> problems;
   std::map<std::string, std::int64_t> key_numbers;
+  struct Unread {
+    std::string id;
+    std::int64_t began = 0;  // when its file changed [ns]
+  } newest_unread{};         // of the folders that cannot be read
 
   ~State() { sqlite3_close(database); }
   void execute(const char* sql) { check(database, sqlite3_exec(database, sql, nullptr, nullptr, nullptr)); }
@@ -124,6 +129,7 @@ struct RunIndex::State {
     database = nullptr;
     key_numbers.clear();
     problems.clear();
+    newest_unread = {};
   }
 
   std::int64_t key_number(const std::string& name) {
@@ -171,16 +177,18 @@ struct RunIndex::State {
       forget_facts.bind(1, number).run();
       forget.bind(1, number).run();
     }
-    Statement add_run(database, "INSERT INTO run(id, changed, size) VALUES(?, ?, ?)"),
+    Statement add_run(database, "INSERT INTO run(id, changed, size, began) VALUES(?, ?, ?, ?)"),
         add_fact(database, "INSERT INTO fact(key, run, value) VALUES(?, ?, ?)");
     for (const auto& [id, stamp] : found) {
       const std::string folder = (fs::path(directory) / id).string();
       const auto story = read_story(folder);
       if (!story) {
         problems.push_back(story.error());
+        if (newest_unread.id.empty() || stamp.changed > newest_unread.began) newest_unread = {id, stamp.changed};
         continue;
       }
-      add_run.bind(1, id).bind(2, stamp.changed).bind(3, stamp.size).run();
+      const std::int64_t began = began_at(*story).value_or(stamp.changed);
+      add_run.bind(1, id).bind(2, stamp.changed).bind(3, stamp.size).bind(4, began).run();
       const std::int64_t run = sqlite3_last_insert_rowid(database);
       auto facts = run_facts(*story);
       facts["id"] = id;  // a folder may have been given another name
@@ -280,7 +288,7 @@ struct RunIndex::State {
   std::vector<Run> select(const std::string& where, const std::vector<Value>& bound,
                           const std::vector<std::string>& keys) {
     std::vector<Run> runs;
-    Statement found(database, "SELECT number, id FROM run WHERE " + where + " ORDER BY id");
+    Statement found(database, "SELECT number, id FROM run WHERE " + where + " ORDER BY began, id");
     for (std::size_t i = 0; i < bound.size(); ++i) found.bind(static_cast<int>(i) + 1, bound[i]);
     std::vector<std::pair<std::string, std::int64_t>> asked;  // by the words that they were asked for with
     for (const std::string& key : keys)
@@ -359,6 +367,18 @@ std::vector<std::string> RunIndex::keys() {
   Statement found(state_->database, "SELECT name FROM key ORDER BY name");
   while (found.row()) names.push_back(found.text(0));
   return names;
+}
+
+tl::expected<void, std::string> RunIndex::knows(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (const auto key = state_->resolve(word); !key && size() > 0) return tl::unexpected(key.error());
+  return {};
+}
+
+std::string RunIndex::newest() {
+  Statement last(state_->database, "SELECT id, began FROM run ORDER BY began DESC, id DESC LIMIT 1");
+  if (!last.row()) return state_->newest_unread.id;
+  return state_->newest_unread.began > last.whole(1) ? state_->newest_unread.id : last.text(0);
 }
 
 std::size_t RunIndex::size() {

@@ -37,6 +37,10 @@ class RunIndex {
   /// Every fact of a run.
   std::map<std::string, Value> facts(const std::string& id);
   std::vector<std::string> keys();
+  /// Whether each of these words stands for a key; the error names the first that does not. Without runs, all do.
+  tl::expected<void, std::string> knows(const std::vector<std::string>& words);
+  /// The folder of the run that began last; empty: there is none.
+  std::string newest();
   std::size_t size();
 
   /// Folders whose run.json cannot be read, a sentence each.

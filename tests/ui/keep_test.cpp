@@ -32,11 +32,11 @@ class Keep : public Operator {
     return experiment.value_or(app::Experiment{});
   }
   QStringList folders() const {
-    return QDir(QString::fromStdString(app::runs_directory({}))).entryList(QDir::Dirs | QDir::NoDotAndDotDot);
+    return QDir(QString::fromStdString(app::runs_directory({}).value())).entryList(QDir::Dirs | QDir::NoDotAndDotDot);
   }
   /// Beside the folders of runs.
   static QStringList other_films() {
-    return QDir(QString::fromStdString(app::runs_directory({})))
+    return QDir(QString::fromStdString(app::runs_directory({}).value()))
         .entryList({QStringLiteral("*.mkv")}, QDir::Files | QDir::Hidden);
   }
   static std::string state_of(const QString& folder) {
@@ -57,7 +57,7 @@ TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
   EXPECT_EQ(state_of(folder), "finished");
   find<QDockWidget>("results_dock")->raise();
   EXPECT_TRUE(eventually([&] { return find<QLabel>("result_text")->text().contains(folder); }));
-  EXPECT_EQ(app::find_run("last", app::runs_directory({})).value_or(""), folder.toStdString());
+  EXPECT_EQ(app::find_run("last", app::runs_directory({}).value()).value_or(""), folder.toStdString());
   const auto found = app::verify_run(folder.toStdString());
   ASSERT_TRUE(found) << found.error();
   for (const auto& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;

@@ -73,7 +73,11 @@ void RecordingController::keep_if_wanted() {
   if (!keeps_ || live_.keeps()) return;
   const app::Experiment& experiment = live_.experiment();
   app::KeepRequest request;
-  request.directory = app::runs_directory({});
+  const auto directory = app::runs_directory({});
+  if (!directory)
+    return messages_.note(tr("this run is not kept: %1").arg(QString::fromStdString(directory.error())),
+                          Severity::alarm);
+  request.directory = *directory;
   if (QFile::exists(live_.file())) request.experiment = live_.file().toStdString();
   request.text = experiment.source;
   for (const QString& word : QCoreApplication::arguments()) request.words.push_back(word.toStdString());
@@ -117,8 +121,10 @@ FilmOfRun RecordingController::film(const app::Experiment& experiment) const {
   const QString ending = QStringLiteral(".mkv");
   const bool of_kept_run = keeps_ && keeps_films_;
   if (records_) return {path(experiment, ending), of_kept_run, false};
-  const QDir runs(QString::fromStdString(app::runs_directory({})));
-  if (!of_kept_run || !runs.mkpath(QStringLiteral("."))) return {};
+  const auto directory = app::runs_directory({});
+  if (!of_kept_run || !directory) return {};
+  const QDir runs(QString::fromStdString(*directory));
+  if (!runs.mkpath(QStringLiteral("."))) return {};
   return {free_name(runs, QStringLiteral(".film-"), experiment, ending), true, true};
 }
 

@@ -73,6 +73,35 @@ TEST(RunIndex, ShowsWhatIsAskedForByItsShortName) {
   EXPECT_FALSE(runs[2].facts.contains("nonsense"));
 }
 
+TEST(RunIndex, TheNewestIsTheOneThatBeganLastWhateverTheTimeZone) {
+  Folder runs;
+  const auto keep = [&](const std::string& id, const std::string& began) {
+    keep_run(runs, id, R"({"began":")" + began + R"("})");
+  };
+  keep("2026-10-25_025900_a", "2026-10-25T02:59:00.000+02:00");  // then the clocks go back
+  keep("2026-10-25_020500_b", "2026-10-25T02:05:00.500+01:00");
+  keep("2026-10-24_200600_c", "2026-10-24T20:06:00.000-05:00");  // on a journey
+  EXPECT_EQ(find_run("last", runs.path).value(), runs / "2026-10-24_200600_c");
+  auto index = RunIndex::open(runs.path).value();
+  std::vector<std::string> ids;
+  for (const RunIndex::Run& run : index.all({})) ids.push_back(run.id.substr(18));
+  EXPECT_EQ(ids, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_FALSE(index.knows({"began", "nosuch"}));
+  EXPECT_TRUE(index.knows({"began"}));
+}
+
+TEST(RunIndex, ARunThatSaysNoTimeIsAsOldAsItsFile) {
+  for (const char* began : {"", "yesterday", "2026-10-25T02:59", "2026-13-45T02:59:00.000+02:00"})
+    EXPECT_FALSE(began_at(nlohmann::ordered_json{{"began", began}})) << began;
+  Folder runs;
+  keep_run(runs, "a", R"({"began":"2001-10-25T02:59:00.000+02:00"})");
+  keep_run(runs, "0", R"({"began":"yesterday"})");
+  EXPECT_EQ(find_run("last", runs.path).value(), runs / "0");
+  std::filesystem::remove_all(runs / "0");
+  keep_run(runs, "00", "{");
+  EXPECT_EQ(find_run("last", runs.path).value(), runs / "00") << "no older one takes its place";
+}
+
 TEST(RunIndex, AKeyThatIsNotThereIsRefusedWithSimilarOnes) {
   FourRuns four;
   auto index = RunIndex::open(four.runs.path).value();

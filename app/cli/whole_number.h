@@ -1,0 +1,26 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace skein::app {
+
+/// Refuses what is no whole number from `low` to `high`: CLI11 by itself takes "-1" for a huge one where there are no
+/// negative numbers.
+inline CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
+  return {[low, high](const std::string& text) -> std::string {
+            std::int64_t value = 0;
+            const char* const end = text.data() + text.size();
+            const auto [stop, error] = std::from_chars(text.data(), end, value);
+            if (error == std::errc{} && stop == end && value >= low && value <= high) return {};
+            return fmt::format("found {}, allowed: a whole number from {} to {}", text, low, high);
+          },
+          fmt::format("INT in [{} - {}]", low, high)};
+}
+
+}  // namespace skein::app

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace skein::app {
+
+/// The user's home: $HOME, else that of the user database; empty: there is none.
+std::string home_folder();
+
+}  // namespace skein::app
