@@ -2,11 +2,16 @@
 
 #include <CLI/CLI.hpp>
 
+#include <limits>
+
+#include "app/cli/whole_number.h"
 #include "app/run/resources.h"
 
 namespace skein::app {
 
 namespace {
+
+constexpr std::int64_t largest_seed = std::numeric_limits<std::int64_t>::max();
 
 /// What every command about a study takes.
 template <typename Request>
@@ -16,16 +21,16 @@ void add_common(CLI::App& command, Request& request, const char* runs) {
                   "study file (TOML), see docs/studies.md, or the name of one that comes with Skein")
       ->required()
       ->transform([](const std::string& name) { return find_resource("studies", name); });
-  command.add_option("--runs", request.runs, runs)
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+  command.add_option("--runs", request.runs, runs)->check(whole_number(1, 10'000'000))->type_name("N");
+  command.add_option("--seed", request.seed, "seed of the first run; each further run adds 1")
+      ->check(whole_number(0, largest_seed))
       ->type_name("N");
-  command.add_option("--seed", request.seed, "seed of the first run; each further run adds 1")->type_name("N");
   command.add_option("--set", request.sets, "key=value: any key of the experiment; repeatable")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--threads", request.threads, "default: one per core that the program may use")
-      ->check(CLI::Range(1, 1024))
+      ->check(whole_number(1, 1024))
       ->type_name("N");
 }
 
@@ -39,6 +44,7 @@ void StudyCommands::add_to(CLI::App& program) {
   CLI::Option* const only =
       sweep_
           ->add_option("--only", request.only, "only the run with this seed, and print the `skein run` that repeats it")
+          ->check(whole_number(0, largest_seed))
           ->type_name("SEED");
   CLI::Option* const csv = sweep_->add_option("--csv", request.csv, "one row a run")->type_name("FILE");
   CLI::Option* const report =
@@ -70,7 +76,7 @@ void StudyCommands::add_to(CLI::App& program) {
       "certified and measured on kicks that the search has not seen");
   TuneRequest& gains = tune_request_;
   add_common(*tune_, gains, "kicks on which each candidate is tried, instead of the file's runs");
-  const auto count = CLI::Range(std::int64_t{1}, std::int64_t{1'000'000});
+  const auto count = whole_number(1, 1'000'000);
   tune_->add_option("--candidates", gains.candidates, "of each search, instead of the file's tune.candidates")
       ->check(count)
       ->type_name("N");

@@ -34,6 +34,15 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// The study as asked for, for the commands that repeat a part of it.
+std::string sweep_command(const SweepRequest& request) {
+  std::string text = "skein sweep " + quoted(request.file);
+  if (request.runs) text += fmt::format(" --runs {}", *request.runs);
+  if (request.seed) text += fmt::format(" --seed {}", *request.seed);
+  for (const std::string& set : request.sets) text += " --set " + quoted(set);
+  return text;
+}
+
 std::string run_command(const Study& study, std::uint64_t seed) {
   const auto changes = variation(study, seed);
   if (!changes) return changes.error();
@@ -63,6 +72,10 @@ int sweep(const SweepRequest& request) {
   if (request.runs) study->runs = *request.runs;
   if (request.seed) study->seed = *request.seed;
   if (request.only) study->seed = *request.only, study->runs = 1;
+  if (const auto problems = check_study(*study); !problems.empty()) {
+    print_error(messages(problems) + "\n");
+    return wrong_input;
+  }
 
   if (!request.report.empty())
     if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
@@ -91,11 +104,11 @@ int sweep(const SweepRequest& request) {
     auto merged = merge_parts(request.merge, *study);
     if (!merged) return complain(merged.error()), wrong_input;
     for (const auto& [missing, why] : merged->missing)
-      print_error(fmt::format("skein: part {} of {}: {}: skein sweep {} --part {}/{} --into {}\n", missing.index,
-                              missing.of, why, quoted(request.file), missing.index, missing.of, quoted(request.merge)));
+      print_error(fmt::format("skein: part {} of {}: {}: {} --part {}/{} --into {}\n", missing.index, missing.of, why,
+                              sweep_command(request), missing.index, missing.of, quoted(request.merge)));
     if (!merged->missing.empty()) {
-      complain(fmt::format("{} of {} parts are missing: compute them with the same options, and merge again",
-                           merged->missing.size(), merged->parts));
+      complain(fmt::format("{} of {} parts are missing: compute them, and merge again", merged->missing.size(),
+                           merged->parts));
       return expectation_failed;
     }
     outcomes = std::move(merged->outcomes);
@@ -119,10 +132,11 @@ int sweep(const SweepRequest& request) {
                  part_file(request.into, part));
     return done;
   }
+  // The results first: they are there also where the figures cannot be drawn.
+  if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
   if (!request.report.empty())
     if (const auto report = write_sweep_report(request.report, *study, outcomes); !report)
       return complain(report.error()), wrong_input;
-  if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
   const SweepSummary summary = summarise(*study, outcomes.study, outcomes.control);
   auto compared = summaries_of_compared(*study, outcomes);
   if (request.only && !request.quiet && !request.json) fmt::print("command: {}\n", run_command(*study, *request.only));
@@ -135,15 +149,19 @@ int sweep(const SweepRequest& request) {
   std::vector<std::string> sentences = failed_expectations(study->expect, summary);
   if (summary.runs < study->runs)
     sentences.insert(sentences.begin(), fmt::format("stopped after {} of {} runs", summary.runs, study->runs));
-  if (summary.failed_runs > 0) {
-    const auto first =
-        std::find_if(outcomes.study.begin(), outcomes.study.end(), [](const auto& o) { return !o.failure.empty(); });
-    sentences.push_back(fmt::format("{} runs failed; seed {}: {}", summary.failed_runs, first->seed, first->failure));
+  for (const auto& [name, made] : outcomes.variants()) {
+    const auto fails = [](const RunOutcome& o) { return !o.failure.empty(); };
+    const auto first = std::find_if(made->begin(), made->end(), fails);
+    if (first == made->end()) continue;
+    sentences.push_back(fmt::format("{}{} runs failed; seed {}: {}", name == "study" ? "" : name + ": ",
+                                    std::count_if(made->begin(), made->end(), fails), first->seed, first->failure));
   }
   for (const std::string& sentence : sentences) complain(sentence);
+  SweepRequest again;  // one run: neither their number nor the first seed
+  again.file = request.file, again.sets = request.sets;
   if (!sentences.empty() && !summary.bad_seeds.empty() && !request.only)
-    print_error(fmt::format("skein: to repeat one of these: skein sweep {} --only {}\n", quoted(request.file),
-                            summary.bad_seeds.front()));
+    print_error(
+        fmt::format("skein: to repeat one of these: {} --only {}\n", sweep_command(again), summary.bad_seeds.front()));
   return sentences.empty() ? done : expectation_failed;
 }
 

@@ -24,6 +24,10 @@ int tune(const TuneRequest& request) {
   if (request.seed) study->seed = *request.seed;
   if (study->tune && request.candidates) study->tune->candidates = *request.candidates;
   if (study->tune && request.held_out) study->tune->held_out = *request.held_out;
+  if (const auto problems = check_study(*study, study->tune ? study->tune->held_out : 0); !problems.empty()) {
+    print_error(messages(problems) + "\n");
+    return wrong_input;
+  }
   // An hour's work must not end with a file that cannot be written.
   if (!request.report.empty())
     if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;

@@ -29,8 +29,12 @@ void read_span(TomlTable& t, const char* key, Span& span, const Range& range) {
   const auto pair = numbers_of<2>(*found);
   if (pair && range.holds((*pair)[0]) && range.holds((*pair)[1]) && (*pair)[0] <= (*pair)[1])
     span = {(*pair)[0], (*pair)[1]};
+  else if (pair && (*pair)[0] > (*pair)[1])
+    t.refuse(key, *found, fmt::format("[low, high]; here low, {}, is above high, {}", (*pair)[0], (*pair)[1]));
   else
-    t.refuse(key, *found, fmt::format("[low, high], each {}, low not above high", range.text()));
+    t.refuse(key, *found,
+             fmt::format("[low, high], each {}{}", range.text(),
+                         pair ? fmt::format("; here they are {} and {}", (*pair)[0], (*pair)[1]) : ""));
 }
 
 void read_texts(TomlTable& t, const char* key, std::vector<std::string>& texts) {
@@ -331,7 +335,120 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
   return "perturb=[" + text + "]";
 }
 
+/// The seed, and what [vary] draws: the first of a run's changes.
+std::vector<std::string> varied(const Study& study, std::uint64_t seed, Dice& dice) {
+  std::vector<std::string> sets{fmt::format("seed={}", seed)};
+  for (const auto& [key, span] : study.vary) sets.push_back(fmt::format("{}={}", key, dice.between(span)));
+  return sets;
+}
+
+using Sets = std::vector<std::string>;
+
+Sets joined(Sets sets, const Sets& more) {
+  sets.insert(sets.end(), more.begin(), more.end());
+  return sets;
+}
+
+/// What chance changes in one of the first runs: in the first there may be no room.
+Sets first_variation(const Study& study) {
+  constexpr std::int64_t most = 20;
+  for (std::int64_t run = 0; run < std::min(most, study.runs); ++run)
+    if (auto sets = variation(study, study.seed + static_cast<std::uint64_t>(run))) return *std::move(sets);
+  Dice dice{core::Random(study.seed, stream)};
+  return varied(study, study.seed, dice);
+}
+
+/// Finds the mistakes in the keys that a study sets from run to run, each with its place in the study's file.
+class StudyCheck {
+ public:
+  StudyCheck(const Study& study, const toml::table& document)
+      : study_(study), document_(document), problems_(document, study.file) {}
+
+  std::vector<Problem> all() && {
+    check_ranges();
+    check_hand();
+    if (!problems_.empty()) return std::move(problems_).sorted();  // they would come again in each of the following
+    for (const auto& [name, sets] : study_.compare) {
+      Study other = study_;
+      other.sets = joined(study_.sets, sets);
+      const std::string where = "compare." + name;
+      const toml::node* const place = document_["compare"][name].node();
+      Dice dice{core::Random(study_.seed, stream)};
+      if (try_out(joined(other.sets, varied(other, study_.seed, dice)), place, where))
+        try_out(joined(other.sets, first_variation(other)), place, where);
+    }
+    if (!study_.control.empty())
+      try_out(joined(joined(study_.sets, first_variation(study_)), study_.control), document_["control"].node(),
+              "control");
+    return std::move(problems_).sorted();
+  }
+
+ private:
+  /// Whether there is such an experiment; else its problems, said of this place in the study.
+  bool try_out(const Sets& sets, const toml::node* place, const std::string& where) {
+    const auto experiment = parse_experiment(study_.text, study_.experiment, sets);
+    if (experiment) return true;
+    constexpr std::string_view set = "--set ";
+    for (const Problem& problem : experiment.error()) {
+      const bool of_a_key = problem.file.starts_with(set);
+      const std::string what =
+          of_a_key ? fmt::format("\"{}\": {}", problem.file.substr(set.size()), problem.text) : problem.message();
+      problems_.add(place ? place->source() : toml::source_region{}, where + ": " + what);
+    }
+    return false;
+  }
+
+  void check_ranges() {
+    Dice dice{core::Random(study_.seed, stream)};
+    const Sets drawn = varied(study_, study_.seed, dice);
+    for (std::size_t k = 0; k < study_.vary.size(); ++k) {
+      const auto& [key, span] = study_.vary[k];
+      for (const double end : span) {
+        Sets sets = drawn;
+        sets[k + 1] = fmt::format("{}={}", key, end);  // behind the seed
+        if (!try_out(joined(study_.sets, sets), document_["vary"][key].node(), "vary")) break;
+      }
+      if (!problems_.empty()) return;
+    }
+  }
+
+  void check_hand() {
+    if (!study_.hand || !problems_.empty()) return;
+    Dice dice{core::Random(study_.seed, stream)};
+    const auto e =
+        parse_experiment(study_.text, study_.experiment, joined(study_.sets, varied(study_, study_.seed, dice)));
+    if (!e) return;
+    if (!(study_.hand->t < e->duration))
+      problems_.add("hand.t", fmt::format("found {}, allowed: a time before the experiment's end at {} s",
+                                          study_.hand->t, e->duration));
+    if (study_.passage) return;  // chance says how many robots there are
+    const auto robots = study_.crowd ? study_.crowd->robots[1] : static_cast<std::int64_t>(e->robots.size());
+    if (study_.hand->robots > robots)
+      problems_.add("hand.robots",
+                    fmt::format("found {}, allowed: a whole number from 1 to {}, the experiment's robots",
+                                study_.hand->robots, robots));
+  }
+
+  const Study& study_;
+  const toml::table& document_;
+  Problems problems_;
+};
+
 }  // namespace
+
+std::vector<Problem> check_study(const Study& study, std::int64_t more) {
+  constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  if (const std::uint64_t seeds = static_cast<std::uint64_t>(study.runs) + static_cast<std::uint64_t>(more);
+      study.seed > largest - (seeds - 1))
+    return {{study.file, 0, 0,
+             fmt::format("seed: found {}, allowed: at most {}, so that each of {} runs has one", study.seed,
+                         largest - (seeds - 1), seeds)}};
+  const auto document = parse_toml(study.definition, study.file);
+  if (!document) return document.error();
+  // What the command line sets is said as it is.
+  if (const auto base = parse_experiment(study.text, study.experiment, study.sets); !base) return base.error();
+  return StudyCheck(study, *document).all();
+}
 
 tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   const auto text = read_text(path);
@@ -339,6 +456,7 @@ tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   auto document = parse_toml(*text, path);
   if (!document) return tl::unexpected(document.error());
   Study study;
+  study.file = path;
   study.definition = *text;
   study.name = std::filesystem::path(path).stem().string();
   Problems problems(*document, path);
@@ -363,8 +481,7 @@ tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
 
 tl::expected<std::vector<std::string>, std::string> variation(const Study& study, std::uint64_t seed) {
   Dice dice{core::Random(seed, stream)};
-  std::vector<std::string> sets{fmt::format("seed={}", seed)};
-  for (const auto& [key, span] : study.vary) sets.push_back(fmt::format("{}={}", key, dice.between(span)));
+  std::vector<std::string> sets = varied(study, seed, dice);
   const auto with = [&](const auto& chance) -> tl::expected<void, std::string> {
     std::vector<std::string> so_far = study.sets;
     so_far.insert(so_far.end(), sets.begin(), sets.end());
@@ -375,10 +492,9 @@ tl::expected<std::vector<std::string>, std::string> variation(const Study& study
     sets.insert(sets.end(), more->begin(), more->end());
     return {};
   };
-  using Sets = tl::expected<std::vector<std::string>, std::string>;
-  const auto one = [](tl::expected<std::string, std::string> set) -> Sets {
+  const auto one = [](tl::expected<std::string, std::string> set) -> tl::expected<Sets, std::string> {
     if (!set) return tl::unexpected(set.error());
-    return std::vector<std::string>{*std::move(set)};
+    return Sets{*std::move(set)};
   };
   if (study.field)
     if (auto done = with([&](const Experiment& e) { return one(place_obstacles(*study.field, e, dice)); }); !done)

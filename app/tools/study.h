@@ -20,6 +20,7 @@ using Span = std::array<double, 2>;
 
 /// The contents of a study file: an experiment and its random changes from run to run (docs/studies.md).
 struct Study {
+  std::string file;  ///< the study's own path
   std::string name;
   std::string experiment;         ///< path of the experiment file
   std::vector<std::string> sets;  ///< "key=value", as --set
@@ -104,6 +105,11 @@ struct Study {
 
 /// Reads a study (TOML) and the experiment it names; every problem of both.
 tl::expected<Study, std::vector<Problem>> load_study(const std::string& path);
+
+/// What is wrong with the study as it is about to run, after every change by the command line: `control`, each list of
+/// [compare], both ends of each range of [vary], and a hand that the experiment has no time or no robots for. `more`:
+/// so many runs with the seeds that follow.
+std::vector<Problem> check_study(const Study& study, std::int64_t more = 0);
 
 /// The changes of the run with this seed, as for --set: `skein run` with these gives the same run. The error: there is
 /// no room for the random placement.

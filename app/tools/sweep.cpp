@@ -148,10 +148,12 @@ Json json(double value) {
 }
 
 Json json(const SweepSummary& s) {
+  std::int64_t failed_controls = 0;
+  for (const SweepSummary& control : s.control) failed_controls += control.failed_runs;
   Json result{{"study", s.name},
               {"experiment", s.experiment},
               {"runs", s.runs},
-              {"failed_runs", s.failed_runs},
+              {"failed_runs", s.failed_runs + failed_controls},
               {"collisions", s.collisions},
               {"runs_with_collisions", s.runs_with_collisions},
               {"run_into", s.run_into},
@@ -192,7 +194,8 @@ Json json(const SweepSummary& s) {
                    {"over_straight_p99", json(s.over_straight_p99)},
                    {"over_straight_max", json(s.over_straight_max)}});
   for (const SweepSummary& control : s.control)
-    result.update({{"control_collisions", control.collisions},
+    result.update({{"control_failed_runs", control.failed_runs},
+                   {"control_collisions", control.collisions},
                    {"control_runs_with_collisions", control.runs_with_collisions},
                    {"control_runs_outside", control.runs_outside},
                    {"control_recovered_share", json(control.recovered_share())},

@@ -107,7 +107,8 @@ Done draw_distributions(const fs::path& folder, const Study& study, const std::v
     // Half a per cent at each end is left to the table: one run must not flatten all others.
     double low = quantile(all, 0.0025), high = quantile(all, 0.9975);
     if (low < 0.3 * high) low = 0.0;
-    if (!(high > low)) high = low + 1.0;
+    // Values that are all the same, or written with the same digits, have an axis too.
+    if (!(high - low > 1e-4 * std::abs(high))) high = low + 1.0;
     const double width = (high - low) / static_cast<double>(bins);
     for (std::size_t v = 0; v < variants.size(); ++v) {
       std::vector<std::size_t> counts(bins, 0);

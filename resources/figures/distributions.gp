@@ -31,7 +31,7 @@ do for [kind in "pdf svg png"] {
   set multiplot
   do for [k=1:panels] {
     set xrange [from[k] : to[k]]
-    set xtics nice((to[k] - from[k]) / 6)
+    set xtics nice((to[k] - from[k]) / 6.0)  # of whole numbers, too
     set xlabel label_of[k] offset 0, 0.5
     eval place(k, 0)
     unset key

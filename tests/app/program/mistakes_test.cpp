@@ -73,6 +73,84 @@ TEST_F(Mistakes, RunsAreRemovedWhereNameAndConditionHold) {
   EXPECT_FALSE(exists("runs/c"));
 }
 
+TEST_F(Mistakes, AStudysKeysAreCheckedBeforeItsFirstRun) {
+  study("control = [\"controller.k_z=3\"]\n[hand]\nt = 1\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("s.toml:4:"), HasSubstr("control: \"controller.k_z=3\""), HasSubstr("k_y")));
+  EXPECT_THAT(out, IsEmpty());
+
+  study("[hand]\nt = 1\n[compare]\nloose = [\"controller.k_y=-3\"]\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("s.toml:7:"), HasSubstr("compare.loose: \"controller.k_y=-3\""),
+                          HasSubstr("allowed: a number")));
+
+  study("[vary]\n\"controller.k_q\" = [1, 2]\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("s.toml:5:"), HasSubstr("vary: \"controller.k_q=1\"")));
+
+  study("[vary]\n\"controller.k_y\" = [1, 1e9]\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 2) << "its upper end is not allowed";
+  EXPECT_THAT(said, AllOf(HasSubstr("s.toml:5:"), HasSubstr("controller.k_y: found 1000000000")));
+
+  study("[vary]\n\"controller.k_y\" = [5, 6]\n");
+  EXPECT_EQ(shell("$skein sweep s.toml --set controller.k_z=3"), 2);
+  EXPECT_THAT(said, HasSubstr("--set controller.k_z=3: controller.k_z: unknown key"));
+  EXPECT_EQ(shell("$skein sweep s.toml"), 0) << said;
+}
+
+TEST_F(Mistakes, AHandNeedsItsTimeAndItsRobots) {
+  study("[hand]\nt = 500\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 2);
+  EXPECT_THAT(said, HasSubstr("s.toml:5:5: hand.t: found 500, allowed: a time before the experiment's end at 4 s"));
+  study("[hand]\nt = 1\nrobots = 9\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 2);
+  EXPECT_THAT(said, HasSubstr("s.toml:6:10: hand.robots: found 9, allowed: a whole number from 1 to 4"));
+  study("[hand]\nt = 1\nrobots = 4\ndistance = [0.05, 0.06]\n");
+  EXPECT_EQ(shell("$skein sweep s.toml"), 0) << said;
+}
+
+TEST_F(Mistakes, SeedsAreWholeNumbersThatAllRunsHave) {
+  study("[hand]\nt = 1\n");
+  for (const char* option : {"--seed", "--only"}) {
+    EXPECT_EQ(shell(std::string("$skein sweep s.toml ") + option + " -1"), 2) << out;
+    EXPECT_THAT(said,
+                HasSubstr(std::string(option) + ": found -1, allowed: a whole number from 0 to 9223372036854775807"));
+  }
+  EXPECT_EQ(shell("$skein sweep s.toml --seed 9223372036854775806 --runs 4"), 2);
+  EXPECT_THAT(said, HasSubstr("seed: found 9223372036854775806, allowed: at most 9223372036854775804"));
+  EXPECT_EQ(shell("$skein sweep s.toml --seed 9223372036854775806"), 0) << said;
+  EXPECT_EQ(shell("$skein sweep s.toml --runs 1e3"), 2);
+  EXPECT_THAT(said, HasSubstr("--runs: found 1e3, allowed: a whole number from 1 to 10000000"));
+}
+
+TEST_F(Mistakes, OneRunIsDrawnToo) {
+  study("[hand]\nt = 1\n");
+  EXPECT_EQ(shell("$skein sweep s.toml --only 5 --report rq --csv rq.csv"), 0) << said;
+  EXPECT_THAT(said, IsEmpty());
+  EXPECT_TRUE(exists("rq/distances.pdf"));
+  EXPECT_THAT(read("rq.csv"), HasSubstr("\nstudy,5,"));
+}
+
+TEST_F(Mistakes, ResultsAreWrittenAlsoWhereFiguresCannotBeDrawn) {
+  study("[hand]\nt = 1\n");
+  EXPECT_EQ(shell("mkdir bin; printf '#!/bin/sh\\ncase $1 in *.gp) exit 1;; esac\\necho gnuplot 5.4\\n' > bin/gnuplot; "
+                  "chmod +x bin/gnuplot; "
+                  "PATH=$PWD/bin:$PATH $skein sweep s.toml --report rq --csv rq.csv"),
+            2);
+  EXPECT_THAT(read("rq.csv"), HasSubstr("\nstudy,2,"));
+}
+
+TEST_F(Mistakes, MissingPartsAreNamedWithTheCommandThatMakesThem) {
+  study("[hand]\nt = 1\n");
+  const std::string options = " --runs 3 --seed 7 --set 'name=\"a b\"'";
+  EXPECT_EQ(shell("$skein sweep s.toml --part 1/2 --into p --quiet" + options), 0) << said;
+  EXPECT_EQ(shell("$skein sweep s.toml --merge p" + options), 1);
+  const std::string command = "skein sweep 's.toml' --runs 3 --seed 7 --set 'name=\"a b\"' --part 2/2 --into 'p'";
+  EXPECT_THAT(said, HasSubstr(command + "\n"));
+  EXPECT_EQ(shell("skein() { $skein \"$@\"; }; " + command + " --quiet && $skein sweep s.toml --merge p" + options), 0)
+      << said;
+}
+
 TEST_F(Mistakes, ListsOfRunsSayWhatIsWrong) {
   keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
   for (const char* number : {"-1", "0"}) {

@@ -60,7 +60,8 @@ TEST_F(StudyText, SaysWhatIsWrongWithIt) {
   EXPECT_THAT(refusal("runs = 3\n"), HasSubstr("experiment: missing"));
   EXPECT_THAT(refusal("experiment = \"e.toml\"\nruns = 0\n"),
               AllOf(HasSubstr("study.toml:2:8: runs"), HasSubstr("found 0")));
-  EXPECT_THAT(refusal("experiment = \"e.toml\"\n[hand]\ndistance = [0.4, 0.1]\n"), HasSubstr("hand.distance"));
+  EXPECT_THAT(refusal("experiment = \"e.toml\"\n[hand]\ndistance = [0.4, 0.1]\n"),
+              AllOf(HasSubstr("hand.distance"), HasSubstr("here low, 0.4, is above high, 0.1")));
   EXPECT_THAT(refusal("experiment = \"e.toml\"\nset = [\"rate=0\"]\n"), HasSubstr("rate"));
   EXPECT_THAT(refusal("experiment = \"e.toml\"\nset = [\"robot.1.link=loopback\"]\n"), HasSubstr("link \"sim\""));
   EXPECT_THAT(refusal("experiment = \"none.toml\"\n"), HasSubstr("none.toml: cannot be read"));
@@ -326,10 +327,49 @@ TEST(Laws, AreComparedOnTheSameKicks) {
   EXPECT_THAT(as_json(rows[0].second, rows), HasSubstr("\"compare\": {"));
 }
 
+TEST(Study, ThoseThatComeWithSkeinHaveNoMistakes) {
+  for (const auto& file : std::filesystem::directory_iterator(studies)) {
+    const Study study = shipped(file.path().filename().string());
+    EXPECT_EQ(messages(check_study(study)), "") << file.path();
+  }
+}
+
+TEST(Study, RunsOfTheControlThatFailAreCounted) {
+  const Study study = shipped("kicks.toml");
+  RunOutcome good, failed;
+  failed.failure = "the disk is full";
+  const SweepSummary s = summarise(study, {good, good}, {good, failed});
+  EXPECT_THAT(as_lines(s), AllOf(HasSubstr("\nfailed_runs: 1\n"), HasSubstr("\ncontrol_failed_runs: 1\n")));
+}
+
 TEST_F(StudyText, RefusesWhatCannotBeCompared) {
   EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\nb = \"x\"\n"), HasSubstr("compare.b: found"));
   EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\ncontrol = [\"seed=2\"]\n"),
               HasSubstr("compare.control: found an array, allowed: another name than study and control"));
+}
+
+TEST_F(StudyText, ValuesThatAreAllTheSameAreDrawn) {
+  const auto study = load("experiment = \"e.toml\"\nset = [\"duration=3\", \"perturb=[]\"]\n[hand]\nt = 1\n");
+  ASSERT_TRUE(study) << study.error().front().message();
+  RunOutcome run;
+  run.seed = 5;
+  run.min_distance = 0.12, run.obstacle_gap = none, run.final_error = 0.0;
+  run.recovery = run.tracking_settled = 12.0;  // its axis is from 12 to 13, which gnuplot divides as whole numbers
+  RunOutcome close = run;
+  close.seed = 6, close.recovery = 12.0000001;
+  RunOutcome failed;
+  failed.failure = "no room";
+  const std::string folder = testing::TempDir() + "skein-one-value";
+  for (const std::vector<RunOutcome>& runs : {std::vector{run}, std::vector{run, close}, std::vector{failed}}) {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    Outcomes outcomes;
+    outcomes.study = runs;
+    outcomes.control = {failed};
+    const auto drawn = write_sweep_report(folder, *study, outcomes);
+    EXPECT_TRUE(drawn) << drawn.error();
+    EXPECT_EQ(std::filesystem::exists(folder + "/times.pdf"), runs.front().failure.empty());
+  }
 }
 
 TEST(SweepReport, IntervalsAreThoseOfTheTextbook) {
