@@ -174,7 +174,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     print_out(completions(program, {argv + 2, argv + argc}));
     return done;
   }
-  refuse_options_as_values(program);
+  refuse_missing_values(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -166,8 +166,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   run_command.add_flag("--force", run_request.force, "overwrite the files of an earlier run");
   run_command.add_flag("--json", run_request.json, "print the summary as one JSON object");
 
-  CLI::App& check_command =
-      *program.add_subcommand("check", "Reports every mistake in an experiment file, and certifies its gains");
+  CLI::App& check_command = *program.add_subcommand(
+      "check",
+      "Reports every mistake in an experiment file, and certifies its gains; exit status 0 if they are "
+      "certified, 1 if --controller finds the law unfit, 2 if the file has mistakes or they "
+      "are not certified (`skein run` runs it all the same)");
   ExperimentOptions check_experiment;
   check_experiment.add_to(check_command, true);
   bool check_law = false;
@@ -349,7 +352,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     print_out(completions(program, {argv + 2, argv + argc}, candidates));
     return done;
   }
-  refuse_options_as_values(program);
+  refuse_missing_values(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

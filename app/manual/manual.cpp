@@ -182,15 +182,20 @@ tl::expected<void, std::string> write_manual(const CLI::App& program, const std:
   return {};
 }
 
-void refuse_options_as_values(CLI::App& program) {
+void refuse_missing_values(CLI::App& program) {
   for (CLI::Option* option : program.get_options([](const CLI::Option* o) { return !o->get_positional(); }))
     if (option->get_expected_max() != 0)
       option->check([what = option->get_type_name()](const std::string& value) -> std::string {
         if (!value.starts_with("--")) return {};
         return fmt::format("{} is missing before {}", what.empty() ? "the value" : what, value);
       });
+  for (CLI::Option* option : program.get_options())
+    if (option->get_expected_max() != 0)
+      option->check([](const std::string& value) -> std::string {
+        return value.empty() ? "found an empty text, allowed: a value" : "";
+      });
   for (CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
-    refuse_options_as_values(*command);
+    refuse_missing_values(*command);
 }
 
 std::string completions(const CLI::App& program, const std::vector<std::string>& words, const ValuesOf& values) {

@@ -27,8 +27,9 @@ tl::expected<void, std::string> write_manual(const CLI::App& program, const std:
                                              const std::string& folder);
 
 /// Makes a mistake of an option that stands where the value of another one is missing: `--csv --set rate=10` would
-/// otherwise write a file named "--set". Call it before the program's words are parsed.
-void refuse_options_as_values(CLI::App& program);
+/// otherwise write a file named "--set". An empty text, as of a script's unset variable, is no value either. Call it
+/// before the program's words are parsed.
+void refuse_missing_values(CLI::App& program);
 
 /// A completion of the word being typed.
 struct Candidate {

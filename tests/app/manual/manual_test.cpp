@@ -40,7 +40,7 @@ class Manual : public testing::Test {
 };
 
 TEST_F(Manual, AnOptionIsNotTheValueOfAnotherOne) {
-  refuse_options_as_values(program);
+  refuse_missing_values(program);
   const auto said = [&](std::string words) -> std::string {
     try {
       program.parse(std::move(words));

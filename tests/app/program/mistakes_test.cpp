@@ -151,6 +151,16 @@ TEST_F(Mistakes, MissingPartsAreNamedWithTheCommandThatMakesThem) {
       << said;
 }
 
+TEST_F(Mistakes, AnEmptyTextIsNoValue) {
+  study("[hand]\nt = 1\n");
+  for (const char* words : {"run e.toml --csv ''", "run e.toml --report ''", "run e.toml --publish ''", "run ''",
+                            "sweep s.toml --part '' --into q", "runs show ''", "run e.toml --seed ''"}) {
+    EXPECT_EQ(shell(std::string("$skein ") + words), 2) << words;
+    EXPECT_THAT(said, HasSubstr("found an empty text, allowed: a value")) << words;
+    EXPECT_THAT(out, IsEmpty()) << words;
+  }
+}
+
 TEST_F(Mistakes, ListsOfRunsSayWhatIsWrong) {
   keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
   for (const char* number : {"-1", "0"}) {
