@@ -221,6 +221,19 @@ tl::expected<void, std::string> OwnController::take_parameters(const Experiment&
     declared_.push_back(
         {text_of(p.name), text_of(p.unit), text_of(p.help), ranges ? p.low : -any, ranges ? p.high : any, p.value});
   }
+  for (const LawParameter& p : declared_)
+    if (!(p.low <= p.high))
+      return tl::unexpected(fmt::format(
+          "the controller's parameter {}: declared from {} to {}, allowed: low not above high", p.name, p.low, p.high));
+  const auto given = [&](const LawParameter& p) {
+    return std::any_of(experiment.controller.law.own_parameters.begin(), experiment.controller.law.own_parameters.end(),
+                       [&](const auto& own) { return own.first == p.name; });
+  };
+  for (const LawParameter& p : declared_)
+    if (!given(p) && !(p.low <= p.value && p.value <= p.high))
+      return tl::unexpected(
+          fmt::format("the controller's parameter {}: its default is {}, allowed: {} to {}, as declared", p.name,
+                      p.value, p.low, p.high));
   for (const auto& [name, value] : experiment.controller.law.own_parameters) {
     const auto found = std::find_if(declared_.begin(), declared_.end(),
                                     [&name = name](const LawParameter& p) { return p.name == name; });

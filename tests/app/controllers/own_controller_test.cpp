@@ -514,6 +514,22 @@ TEST(OwnController, ThatCannotDriveIsRefusedBeforeTheRunWithTheReason) {
   EXPECT_THAT(error({fmt::format("controller.library=\"{}\"", law_program())}), HasSubstr("controller.library: "));
 }
 
+TEST(OwnController, WhoseRangesHoldNoNumberIsRefusedAtTheStart) {
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
+    GTEST_SKIP() << "no python3";
+  const std::string path = testing::TempDir() + "ranges_law.py";
+  const auto error = [&](const std::string& declared, const std::vector<std::string>& more) {
+    std::ofstream(path) << "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
+                           "@skein.controller.law(k_x=("
+                        << declared << "))\ndef step(tick):\n    pass\nskein.controller.run(step)\n";
+    return outcome_of(experiment_of(with(more, {command("python3 '" + path + "'")}))).error;
+  };
+  EXPECT_THAT(error("2.0, '', 20.0, 0.0, ''", {}),
+              HasSubstr("parameter k_x: declared from 20 to 0, allowed: low not above high"));
+  EXPECT_THAT(error("21.0, '', 0.0, 20.0, ''", {}), HasSubstr("parameter k_x: its default is 21, allowed: 0 to 20"));
+  EXPECT_EQ(error("21.0, '', 0.0, 20.0, ''", {"controller.parameters.k_x=3"}), "") << "the file has another value";
+}
+
 TEST(OwnController, IsCheckedBeforeTheLab) {
   const auto good = check_controller(experiment_of({command("'" + law_program() + "'")}));
   ASSERT_TRUE(good) << good.error();
