@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -318,6 +319,10 @@ int print_tags(const TagsRequest& request) {
     pages = vision::tag_sheet({ids, 1e-3 * request.size_mm, request.paper, request.copies});
   }
   if (!pages) return fail_with(pages.error(), wrong_input);
+  std::error_code ignored;
+  for (const std::string& file : vision::sheet_files(pages->size(), request.out))
+    if (!request.force && std::filesystem::is_regular_file(file, ignored))
+      return fail_with(fmt::format("{}: already exists, allowed: another name, or --force", file), wrong_input);
   const auto written = vision::write_sheet(*pages, request.out);
   if (!written) return fail_with(written.error(), wrong_input);
   for (const std::string& file : *written) fmt::print("{}\n", file);

@@ -52,6 +52,7 @@ struct TagsRequest {
   double size_mm = 40.0;
   int copies = 1;
   std::string paper = "A4";
+  bool force = false;     ///< an existing file may be overwritten
   bool is_board = false;  ///< a calibration board instead of tags
   vision::Board board;
 };

@@ -125,6 +125,7 @@ void VisionCommands::add_to(CLI::App& program) {
   tags_->fallthrough();
   tags_->add_option("--paper", tags_request_.paper, "A4, A3, A2, A1, A0 or letter")->capture_default_str();
   tags_->add_option("--out", tags_request_.out, "a name that ends in .pdf or .svg")->capture_default_str();
+  tags_->add_flag("--force", tags_request_.force, "overwrite an existing file");
   board_ = tags_->add_subcommand("board", "A calibration board instead of tags");
   printed_board_.add_to(*board_);
 }

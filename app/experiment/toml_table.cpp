@@ -163,7 +163,9 @@ void TomlTable::line(const char* key, std::string& target, std::size_t longest, 
   if (!found || !found->is_string()) return text(key, target);
   const std::string value = *found->value<std::string>();
   const auto printable = [](unsigned char c) { return c >= 0x20 && c != 0x7f; };
-  if (value.size() >= shortest && value.size() <= longest && std::all_of(value.begin(), value.end(), printable))
+  const auto begins = [](unsigned char c) { return (c & 0xc0) != 0x80; };  // else it goes on with a character (UTF-8)
+  const auto characters = static_cast<std::size_t>(std::count_if(value.begin(), value.end(), begins));
+  if (characters >= shortest && characters <= longest && std::all_of(value.begin(), value.end(), printable))
     target = value;
   else
     refuse(key, *found, fmt::format("{} to {} characters in one line", shortest, longest));

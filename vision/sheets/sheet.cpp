@@ -160,6 +160,17 @@ tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, con
   return std::vector<Page>{page};
 }
 
+std::vector<std::string> sheet_files(std::size_t pages, const std::string& path) {
+  const std::filesystem::path file(path);
+  std::vector<std::string> names{path};
+  for (std::size_t i = 1; i < pages && file.extension() != ".pdf"; ++i) {
+    std::filesystem::path name = file;
+    name.replace_filename(fmt::format("{}-{}.svg", file.stem().string(), i + 1));
+    names.push_back(name.string());
+  }
+  return names;
+}
+
 tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vector<Page>& pages,
                                                                 const std::string& path) {
   const std::filesystem::path file(path);
@@ -168,16 +179,13 @@ tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vecto
     return tl::unexpected(fmt::format("{}: allowed: a name that ends in .pdf or .svg", path));
   const auto module = boards();
   if (!module) return tl::unexpected(module.error());
-  std::vector<std::string> written;
-  for (std::size_t i = 0; i < (pdf ? 1 : pages.size()); ++i) {
-    std::filesystem::path name = file;
-    if (i > 0) name.replace_filename(fmt::format("{}-{}.svg", file.stem().string(), i + 1));
+  const std::vector<std::string> names = sheet_files(pages.size(), path);
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const std::vector<Page> here = pdf ? pages : std::vector<Page>{pages[i]};
-    if (std::string problem = (*module)->draw(here, pdf, name.string()); !problem.empty())
-      return tl::unexpected(fmt::format("{}: cannot be written: {}", name.string(), problem));
-    written.push_back(name.string());
+    if (std::string problem = (*module)->draw(here, pdf, names[i]); !problem.empty())
+      return tl::unexpected(fmt::format("{}: cannot be written: {}", names[i], problem));
   }
-  return written;
+  return names;
 }
 
 tl::expected<void, std::string> rasterise(const Page& page, double px_per_mm, Frame& frame) {

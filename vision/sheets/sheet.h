@@ -28,6 +28,9 @@ tl::expected<std::vector<Page>, std::string> tag_sheet(const TagSheetOptions& op
 /// A calibration board in the middle of one page.
 tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, const std::string& paper);
 
+/// The files that so many pages would be written to.
+std::vector<std::string> sheet_files(std::size_t pages, const std::string& path);
+
 /// Writes pages as PDF, or as SVG (one page; further ones go to NAME-2.svg, ...), by the ending of the name; lengths
 /// are exact. Returns the files that were written.
 tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vector<Page>& pages,

@@ -175,6 +175,17 @@ TEST(ExperimentFile, ReadsEveryKey) {
   EXPECT_EQ(e.expect.collisions, 2);
 }
 
+TEST(ExperimentFile, ANameIsAsLongAsItsCharactersNotItsBytes) {
+  const auto named = [](int characters) {
+    std::string name;
+    for (int k = 0; k < characters; ++k) name += "\xf0\x9f\xa4\x96";
+    return parse_experiment("name = \"" + name + "\"\n", "e.toml");
+  };
+  EXPECT_TRUE(named(100)) << "400 bytes";
+  ASSERT_FALSE(named(101));
+  EXPECT_THAT(named(101).error().front().message(), HasSubstr("allowed: 1 to 100 characters in one line"));
+}
+
 TEST(ExperimentFile, SixtyFourRobotsAreAllowedAndNoMore) {
   const auto robots = [](int n) {
     std::string text =

@@ -172,6 +172,15 @@ TEST_F(Mistakes, ListsOfRunsSayWhatIsWrong) {
   EXPECT_EQ(shell("$skein runs list --runs-dir runs --show collisions --newest 1"), 0) << said;
 }
 
+TEST_F(Mistakes, SheetsAreNotOverwritten) {
+  EXPECT_EQ(shell("$skein tags 1-4 --out t.svg"), 0) << said;
+  EXPECT_EQ(shell("echo mine > t.svg; $skein tags 1-4 --out t.svg"), 2);
+  EXPECT_THAT(said, HasSubstr("t.svg: already exists, allowed: another name, or --force"));
+  EXPECT_EQ(read("t.svg"), "mine\n");
+  EXPECT_EQ(shell("$skein tags 1-4 --out t.svg --force"), 0) << said;
+  EXPECT_NE(read("t.svg"), "mine\n");
+}
+
 TEST_F(Mistakes, WithoutAHomeTheUserDatabaseSaysWhere) {
   EXPECT_EQ(shell("unset XDG_DATA_HOME SKEIN_RUNS HOME; $skein runs show no-such-run"), 2);
   EXPECT_THAT(said, AnyOf(HasSubstr("/.local/share/skein/runs"), HasSubstr("SKEIN_RUNS")));
