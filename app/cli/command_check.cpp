@@ -9,6 +9,21 @@
 #include "app/tools/controller_check.h"
 
 namespace skein::app {
+namespace {
+
+/// What of the certificate does not hold, for the one who does not read all of it.
+std::string failures(const Certificate& certificate) {
+  std::string all;
+  const auto add = [&](const char* what) { all += (all.empty() ? "" : ", ") + std::string(what); };
+  if (!certificate.reference_fits()) add("the reference is beyond the robots' limits");
+  if (!certificate.other_law.empty()) return all;
+  if (certificate.reference_fits() && !certificate.holds()) add("conditions (18) do not hold");
+  if (!certificate.sampled_loop_stable()) add("the sampled loop is unstable (delay_margin)");
+  if (!certificate.keeps_tracking()) add("the couplings leave tracking too little (tracking_authority)");
+  return all;
+}
+
+}  // namespace
 
 int check(const ExperimentRequest& request, bool controller) {
   const auto experiment = load(request);
@@ -40,7 +55,9 @@ int check(const ExperimentRequest& request, bool controller) {
     fmt::print("{}", as_lines(*law));
     if (!law->fit()) return expectation_failed;
   }
-  return certificate.sound() ? done : wrong_input;
+  if (certificate.sound()) return done;
+  complain(fmt::format("not certified: {}; `skein run` would run it all the same", failures(certificate)));
+  return wrong_input;
 }
 
 }  // namespace skein::app

@@ -46,6 +46,20 @@ double largest_persistence(const std::vector<core::Innovation>& innovations) {
   return largest;
 }
 
+/// Whether the residuals are larger than what is left of rounding and of the model where nothing is noisy: no camera
+/// measures so little, so that nothing can have moved the robot by it.
+bool could_be_seen(const std::vector<core::Innovation>& innovations) {
+  constexpr double least = 1e-5, least_angle = 1e-4;  // [m], [rad]
+  double squares = 0.0, angles = 0.0, count = 0.0;
+  for (const core::Innovation& innovation : innovations) {
+    if (!innovation.used) continue;
+    squares += std::pow(std::hypot(innovation.ahead, innovation.left), 2);
+    angles += std::pow(innovation.theta, 2);
+    ++count;
+  }
+  return count > 0.0 && (squares > count * least * least || angles > count * least_angle * least_angle);
+}
+
 }  // namespace
 
 RunHistory::RunHistory(const Experiment& experiment) : experiment_(experiment) {
@@ -224,7 +238,7 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
         fmt::format("the data do not determine the delay ({} s): change speed and turning rate more often",
                     interval(found[Unknown::delay])));
   constexpr double hangs_together = 0.25, many = 0.02;
-  if (std::abs(robot.persistence) > hangs_together)
+  if (std::abs(robot.persistence) > hangs_together && could_be_seen(found.innovations))
     sentences.push_back(
         fmt::format("residuals are correlated ({:.2f} from one to the next): something else moves the robot or its "
                     "tag, and the intervals are too narrow",

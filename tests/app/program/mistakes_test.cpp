@@ -187,4 +187,16 @@ TEST_F(Mistakes, WithoutAHomeTheUserDatabaseSaysWhere) {
   EXPECT_THAT(said, Not(HasSubstr(" /.local/share")));
 }
 
+TEST_F(Mistakes, CheckSaysWhichCertificateFailed) {
+  EXPECT_EQ(shell("$skein check e.toml --set controller.c_theta=200"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("not certified: "), HasSubstr("`skein run` would run it all the same")));
+  EXPECT_EQ(shell("$skein check e.toml"), 0);
+  EXPECT_THAT(said, IsEmpty());
+}
+
+TEST_F(Mistakes, ASimulationWithoutNoiseIsNotAccused) {
+  EXPECT_EQ(shell("$skein run e.toml --csv run.csv --quiet && $skein identify run.csv"), 0) << said << out;
+  EXPECT_THAT(said, Not(HasSubstr("correlated")));
+}
+
 }  // namespace
