@@ -7,7 +7,7 @@
 #include "app/cli/command_line_runs.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "app/runs/run_folder.h"
+#include "app/runs/find_run.h"
 
 namespace skein::app {
 

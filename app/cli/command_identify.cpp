@@ -8,7 +8,7 @@
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "app/runs/run_folder.h"
+#include "app/runs/find_run.h"
 #include "app/tools/identify.h"
 #include "core/words.h"
 

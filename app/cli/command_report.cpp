@@ -6,7 +6,7 @@
 #include "app/record/disk_writer.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "app/runs/run_folder.h"
+#include "app/runs/find_run.h"
 #include "app/runs/run_page.h"
 
 namespace skein::app {

@@ -11,6 +11,7 @@
 #include "app/run/event.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/runs/find_run.h"
 #include "app/runs/kept_run.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/run_index.h"

@@ -6,6 +6,7 @@
 #include <QSignalSpy>
 #include <algorithm>
 
+#include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/verify.h"
 #include "operator.h"

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
 #include "tests/app/folder.h"
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "app/experiment/experiment_file.h"
+#include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/verify.h"
 #include "app/session/session.h"
