@@ -26,7 +26,7 @@ class Parts : public ::testing::Test {
         << "name = \"parts\"\nexperiment = \"" << skein::test::in_source("resources/experiments/platoon.toml") << "\"\n"
         << "runs = 13\nset = [\"duration=5\", \"perturb=[]\"]\ncontrol = [\"controller.gains.k_xx=0\"]\n"
         << "[vary]\n\"reference.start\" = [0.0, 4.196]\n[hand]\nt = 1.0\nrobots = 2\n"
-        << "[compare]\n\"stiff, coupled\" = [\"controller.gains.k_xx=0.02\"]\n";
+        << "[compare]\n\"stiff, coupled\" = [\"controller.gains.k_xx=0.012\"]\n";
   }
   ~Parts() override { std::filesystem::remove_all(folder_); }
 
