@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 
@@ -23,7 +24,7 @@ void add_cells(Page& page, double left, double top, double cell, int cells, cons
   for (int row = 0; row < cells; ++row)
     for (int column = 0; column < cells;) {
       int end = column;
-      while (end < cells && dark[static_cast<std::size_t>(row * cells + end)]) ++end;
+      while (end < cells && dark[static_cast<std::size_t>(std::int64_t{row} * cells + end)]) ++end;
       if (end > column)
         page.rectangles.push_back({left + column * cell, top + row * cell, (end - column) * cell, cell});
       column = std::max(end, column + 1);
@@ -99,7 +100,7 @@ tl::expected<std::vector<Page>, std::string> tag_sheet(const TagSheetOptions& op
     return tl::unexpected(fmt::format("a tag of {:g} mm needs {:g} mm with its border, which {} paper has no room for",
                                       size, whole, options.paper));
   std::vector<Page> pages;
-  const auto on_page = static_cast<std::size_t>(columns * rows);
+  const auto on_page = static_cast<std::size_t>(std::int64_t{columns} * rows);
   for (std::size_t i = 0; i < tags.size(); ++i) {
     if (i % on_page == 0) {
       Page& page = pages.emplace_back();
