@@ -103,6 +103,7 @@ tl::expected<std::unique_ptr<CameraRig>, std::string> CameraRig::open(const Expe
   const std::uint64_t seed = experiment.seed + number;  // noise and light of each camera are its own
   if (spec.kind() == CameraKind::synthetic) {
     rig->synthetic_ = std::make_unique<vision::SyntheticCamera>(*calibration, vision::SceneOptions{}, seed);
+    if (calibration->row_time > 0.0) world.remember_for(calibration->readout() + spec.stamps_late);
   } else {
     rig->live_ = spec.kind() == CameraKind::live;
     if (const auto opened = rig->open_source(); !opened) {
@@ -153,6 +154,7 @@ CameraRig::CameraRig(const Experiment& experiment, std::size_t number, SessionCl
       tracker_(calibration_, {.tags = wanted_}),
       pictures_(pictures),
       poses_(experiment.robots.size()),
+      row_poses_(experiment.robots.size()),
       seen_{std::vector<core::Measurement>(wanted_.size()), {}},
       sights_(seen_),
       ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
@@ -273,6 +275,16 @@ bool CameraRig::capture() {
   return true;
 }
 
+/// Each robot is drawn where it was when the row of its tag was read. Where it is in the picture tells the row.
+void CameraRig::poses_at_their_rows(double first_row) {
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const double v = pixel(poses_[i].x, poses_[i].y)[1];
+    if (std::isnan(v)) continue;
+    world_.poses_at(first_row + calibration_.row_time * std::clamp(v, 0.0, double(calibration_.height)), row_poses_);
+    poses_[i] = row_poses_[i];
+  }
+}
+
 bool CameraRig::render() {
   const double now = clock_.now();
   if (spec_.lost_at && now >= *spec_.lost_at) {
@@ -280,10 +292,13 @@ bool CameraRig::render() {
     return false;
   }
   world_.advance(now);
-  if (spec_.stamps_late > 0.0)
-    world_.poses_at(now - spec_.stamps_late, poses_);
+  // A rolling shutter's frame is there when its last row has been read; its stamp is of the first one.
+  const double stamp = now - calibration_.readout(), first_row = stamp - spec_.stamps_late;
+  if (first_row < now)
+    world_.poses_at(first_row, poses_);
   else
     world_.poses(poses_);
+  if (calibration_.row_time > 0.0) poses_at_their_rows(first_row);
   tags_.clear();
   for (const vision::FloorMark& mark : calibration_.marks) {
     if (mark.tag < 0) continue;
@@ -311,8 +326,8 @@ bool CameraRig::render() {
     if (blur != blur_) synthetic_->focus(blur);
     blur_ = blur;
   }
-  synthetic_->render(tags_, now, frame_);
-  seen_.times = {now, clock_.now(), none, none};
+  synthetic_->render(tags_, stamp, frame_);
+  seen_.times = {stamp, clock_.now(), none, none};
   seen_.times.grey_at = seen_.times.arrived_at;
   return true;
 }

@@ -124,6 +124,7 @@ class CameraRig {
   void await_source(const std::stop_token& stop);
   bool capture();  // false: the stream has ended or failed, see reason_
   bool render();
+  void poses_at_their_rows(double first_row);
   bool receive();
   void work_off();
   void answer_question();
@@ -160,7 +161,7 @@ class CameraRig {
   bool pictures_;
 
   vision::Frame frame_;
-  std::vector<core::Pose> poses_;
+  std::vector<core::Pose> poses_, row_poses_;
   std::vector<vision::SyntheticTag> tags_;
   struct Sight {
     std::vector<core::Measurement> tags;

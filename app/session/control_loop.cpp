@@ -118,6 +118,18 @@ void ControlLoop::cycle(double now, int elapsed) {
   away_.store(std::any_of(record.robots.begin(), record.robots.end(),
                           [&](const RobotRecord& r) { return !at_start(r.pose, r.nominal.pose, tolerance); }),
               std::memory_order_release);
+  const auto is_behind = [](const RobotRecord& r) {
+    return r.is(lost) || !at_start(r.pose, r.nominal.pose, staged_tolerance);
+  };
+  // Whoever stands is named first: the others may wait for it.
+  auto behind = std::find_if(record.robots.begin(), record.robots.end(),
+                             [&](const RobotRecord& r) { return is_behind(r) && r.is(stopped); });
+  if (behind == record.robots.end()) behind = std::find_if(record.robots.begin(), record.robots.end(), is_behind);
+  NotStaged not_staged;
+  if (behind != record.robots.end())
+    not_staged = {static_cast<std::int16_t>(behind - record.robots.begin()), behind->mode,
+                  static_cast<float>(core::distance(behind->pose, behind->nominal.pose))};
+  not_staged_.store(not_staged, std::memory_order_release);
   report_(out_);
   phase_.store(record.phase, std::memory_order_release);
 }

@@ -71,6 +71,13 @@ class ControlLoop {
   }
   /// Whether some robot whose pose is known is not at its start.
   bool away() const noexcept { return away_.load(std::memory_order_acquire); }
+  /// A robot that is not at its start as exactly as staging wants it.
+  struct NotStaged {
+    std::int16_t robot = -1;  ///< from 0, one that stands if there is one; -1: all are there
+    std::uint8_t mode = 0;    ///< its modes
+    float distance = 0.0F;    ///< [m]
+  };
+  NotStaged not_staged() const noexcept { return not_staged_.load(std::memory_order_acquire); }
   /// For how long the control thread stalled when that caused a STOP [s]; 0: it did not. Only with real robots: their
   /// links or the guard have stopped them meanwhile, and no robot drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
@@ -142,6 +149,8 @@ class ControlLoop {
   bool stepping_ = false;  // the next tick ends a step
   std::atomic<Phase> phase_{Phase::ready};
   std::atomic<int> unseen_{0};
+  std::atomic<NotStaged> not_staged_{};
+  static_assert(std::atomic<NotStaged>::is_always_lock_free);
   std::unique_ptr<PairState[]> pairs_;
   std::string reason_;
   Timing timing_;

@@ -187,7 +187,15 @@ Phase Session::run(const std::function<bool()>& keep_on) {
       else if (began)
         return;
       if (i.clock.now() < give_up) continue;
-      i.fail(fmt::format("staging: not every robot has reached its start within {} s", i.experiment.staging.timeout));
+      const ControlLoop::NotStaged behind = i.loop->not_staged();
+      i.fail(behind.robot < 0
+                 ? fmt::format("staging: the robots were not all at their starts within {} s",
+                               i.experiment.staging.timeout)
+                 : fmt::format("staging: robot {} has not reached its start within {} s: {}", behind.robot + 1,
+                               i.experiment.staging.timeout,
+                               (behind.mode & lost) != 0      ? std::string("its tag is not seen")
+                               : (behind.mode & stopped) != 0 ? std::string("it is held")
+                                                              : fmt::format("it is {:.3f} m away", behind.distance)));
       while (!over() && !i.loop->failed()) turn();
     }
   };

@@ -33,6 +33,12 @@ void SimulatedWorld::remember() {
   for (const core::SimulatedRobot& robot : robots_) now.poses.push_back(robot.pose());
 }
 
+void SimulatedWorld::remember_for(double seconds) {
+  const std::lock_guard lock(mutex_);
+  memory_ = std::max(memory_, seconds);
+  if (past_.empty()) remember();
+}
+
 void SimulatedWorld::advance_locked(double now) {
   const double dt = now - now_;
   if (dt <= 0.0) return;

@@ -31,7 +31,9 @@ class SimulatedWorld {
   void kick(std::size_t robot, double vx, double vy);
   core::Pose pose(std::size_t robot) const;
   void poses(std::span<core::Pose> all) const;
-  /// Where they were at a time in the past, as far back as the experiment's latest stamps are (camera.stamps_late).
+  /// poses_at() knows so far back from now on; the experiment's latest stamps (camera.stamps_late) are known of. [s]
+  void remember_for(double seconds);
+  /// Where they were at a time in the past.
   void poses_at(double t, std::span<core::Pose> all) const;
   core::Measurement measure(std::size_t robot, double now);
 

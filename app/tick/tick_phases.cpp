@@ -99,10 +99,12 @@ void TickState::stage() noexcept {
   forget_history();
 }
 
-/// Staging is over when everybody has stood at its start for a while.
+/// Staging is over when everybody has stood at its start for a while. After a run, a robot that is held stays where it
+/// is.
 void TickState::watch_staging() noexcept {
   bool all_there = true;
   for (std::size_t i = 0; i < robots(); ++i) {
+    if (held[i] && after_staging == Phase::finished) continue;
     const core::Pose& start = nominal[i].pose;
     all_there = all_there && !record.robots[i].is(lost) && on_nominal(i) && at_start(poses[i], start, staged_tolerance);
   }

@@ -81,7 +81,27 @@ TEST(Staging, FailsWhereSomebodyCannotArrive) {
   sets.emplace_back("staging.timeout=2");
   auto session = Session::open(good(paper_experiment().source, sets), Session::Clock::virtual_, {});
   EXPECT_EQ((*session)->run(), Phase::stopped);
-  EXPECT_THAT((*session)->failure().value_or(""), ::testing::HasSubstr("staging"));
+  EXPECT_THAT(
+      (*session)->failure().value_or(""),
+      ::testing::MatchesRegex("staging: robot [1-4] has not reached its start within 2 s: it is 0\\.[0-9]+ m away"));
+
+  sets.emplace_back("operator=[{t=0, does=\"hold r2\"}]");
+  session = Session::open(good(paper_experiment().source, sets), Session::Clock::virtual_, {});
+  EXPECT_EQ((*session)->run(), Phase::stopped);
+  EXPECT_THAT((*session)->failure().value_or(""),
+              ::testing::HasSubstr("robot 2 has not reached its start within 2 s: it is held"));
+}
+
+TEST(Staging, ARobotThatIsHeldStaysWhereItIsWhenTheOthersDriveBack) {
+  const Experiment e = good(paper_experiment().source,
+                            {"duration=2", "perturb=[]", "staging.back=true", "operator=[{t=0.5, does=\"hold r1\"}]"});
+  Rows rows;
+  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows}});
+  EXPECT_EQ((*session)->run(), Phase::finished) << (*session)->failure().value_or("");
+  EXPECT_TRUE(rows.has<events::Staged>());
+  EXPECT_GT(core::distance(rows.rows.back().robots[0].truth, make_reference(e)->at(0, 0.0).pose), 0.012);
+  for (std::size_t i = 1; i < 4; ++i)
+    EXPECT_LT(core::distance(rows.rows.back().robots[i].truth, make_reference(e)->at(i, 0.0).pose), 0.012);
 }
 
 TEST(Staging, AfterTheRunTheyMayDriveBack) {
