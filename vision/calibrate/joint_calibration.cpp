@@ -287,6 +287,7 @@ std::vector<const Place*> fitting(const std::vector<const Place*>& places, const
     const auto [a, b] = seen_by_both(place, given, now);
     return core::distance(a, b);
   };
+  all.reserve(places.size());
   for (const Place* place : places) all.push_back(apart(*place));
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
   std::nth_element(all.begin(), middle, all.end());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "vision/media/libav.h"
 #include "vision/media/sources.h"
@@ -170,7 +169,7 @@ class MatroskaFilm final : public FilmWriter {
     std::uint8_t* data = av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, 8 + text.size());
     if (data == nullptr) return AVERROR(ENOMEM);
     AV_WB64(data, 1);
-    std::memcpy(data + 8, text.data(), text.size());
+    std::copy(text.begin(), text.end(), data + 8);  // its length is the packet's
     return 0;
   }
 
