@@ -101,6 +101,7 @@ const skein_controller* skein_controller_v1(void); /* you write this one */
 #define SKEIN_ANSWER_FD 5   /* a pipe: write a byte when you are ready, and after each answer */
 
 #ifdef SKEIN_CLIENT
+/* NOLINTBEGIN(modernize-use-nullptr): this is C as well. */
 #include <errno.h>
 #include <sys/mman.h>
 #include <time.h>
@@ -159,6 +160,7 @@ static inline void skein_answer(skein_memory* memory, uint64_t question) {
   while (write(SKEIN_ANSWER_FD, "a", 1) < 0 && errno == EINTR) {
   }
 }
+/* NOLINTEND(modernize-use-nullptr) */
 #endif /* SKEIN_CLIENT */
 
 #ifdef __cplusplus
