@@ -212,7 +212,8 @@ tl::expected<void, std::string> OwnController::become_ready(const Experiment& ex
 /// What it takes, on a copy: it may go on writing. The file's values and the file's changes have to be among it.
 tl::expected<void, std::string> OwnController::take_parameters(const Experiment& experiment) {
   skein_memory& memory = *memory_->at;
-  const std::size_t count = memory.parameters;
+  // The process may have written another number since this one was checked.
+  const auto count = std::min<std::size_t>(memory.parameters, SKEIN_PARAMETERS);
   const bool ranges = memory.declared != 0;
   constexpr double any = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < count; ++k) {
