@@ -117,6 +117,14 @@ std::vector<Place> common_places(const std::vector<std::vector<TagPose>>& sights
   return places;
 }
 
+/// The places that two cameras have in common.
+std::vector<const Place*> between(const std::vector<Place>& places, std::size_t a, std::size_t b) {
+  std::vector<const Place*> common;
+  for (const Place& place : places)
+    if (std::minmax(a, b) == std::minmax(place.first, place.second)) common.push_back(&place);
+  return common;
+}
+
 /// The places' rms distance from the line that fits them best.
 double spread(const std::vector<const Place*>& places) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -148,7 +156,7 @@ class Cameras {
       for (std::size_t to = 0; to < start_.size() && !found; ++to)
         for (std::size_t from = 0; from < start_.size() && !found; ++from) {
           if (tied[to] || !tied[from]) continue;
-          const auto link = places_between(from, to);
+          const auto link = between(places_, from, to);
           const std::string untied = doubt(from, to, link);
           if (why.empty() || !link.empty()) why = untied.empty() ? why : untied;
           if (!untied.empty()) continue;
@@ -207,13 +215,6 @@ class Cameras {
  private:
   Parameters part(std::size_t camera, const Eigen::VectorXd& x) const {
     return x.segment<parameters_each>(first_of(camera));
-  }
-
-  std::vector<const Place*> places_between(std::size_t a, std::size_t b) const {
-    std::vector<const Place*> link;
-    for (const Place& place : places_)
-      if (std::minmax(a, b) == std::minmax(place.first, place.second)) link.push_back(&place);
-    return link;
   }
 
   static std::string doubt(std::size_t from, std::size_t to, const std::vector<const Place*>& link) {
@@ -408,9 +409,7 @@ tl::expected<JointCalibration, std::string> solve_joint(const std::vector<Calibr
   std::vector<Place> fit;
   for (std::size_t first = 0; first < calibrations.size(); ++first)
     for (std::size_t second = first + 1; second < calibrations.size(); ++second) {
-      std::vector<const Place*> common;
-      for (const Place& place : places)
-        if (place.first == first && place.second == second) common.push_back(&place);
+      const std::vector<const Place*> common = between(places, first, second);
       if (common.empty()) continue;
       const std::vector<const Place*> kept = fitting(common, calibrations, found->now);
       for (const Place* const place : kept) fit.push_back(*place);
@@ -426,9 +425,7 @@ tl::expected<JointCalibration, std::string> solve_joint(const std::vector<Calibr
   if (!found) return tl::unexpected(found.error());
 
   for (JointPair& pair : result.pairs) {
-    std::vector<const Place*> common;
-    for (const Place& place : fit)
-      if (place.first == pair.first && place.second == pair.second) common.push_back(&place);
+    const std::vector<const Place*> common = between(fit, pair.first, pair.second);
     pair.before = apart(common, calibrations, calibrations);
     pair.after = apart(common, calibrations, found->now);
     if (pair.after.rms > most_apart)
