@@ -1,6 +1,7 @@
 #include "comms/asercom_session.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
@@ -10,8 +11,8 @@ namespace {
 /// Whether an answer's first number is no speed that any robot can have taken. That of two letters is above 1100.
 bool begins_with_text(std::string_view bytes) noexcept {
   if (bytes.size() < 2) return false;
-  const int low = static_cast<unsigned char>(bytes[0]), high = static_cast<signed char>(bytes[1]);
-  return std::abs(low + 256 * high) > fastest_motor;
+  const auto low = static_cast<std::uint8_t>(bytes[0]), high = static_cast<std::uint8_t>(bytes[1]);
+  return std::abs(static_cast<std::int16_t>(low | high << 8)) > fastest_motor;
 }
 
 }  // namespace
@@ -20,6 +21,7 @@ void AsercomSession::begin() {
   parser_.clear();
   stops_unanswered_ = late_answers_ = 0;
   version_asked_ = !options_.ask_version || !counters_.version.empty();
+  version_asked_at_ = -never;
 }
 
 void AsercomSession::put_stop() {
@@ -110,6 +112,7 @@ void AsercomSession::all_answered(double now) {
     // Once on a link, while the robot stands: its lines end where the answer to the stop behind them begins, however
     // many there are, so that no firmware's version can be taken for an answer to something else.
     version_asked_ = true;
+    version_asked_at_ = now;
     send_stop(now);
     const std::string question = ascii_request('V');
     output_.insert(output_.begin(), question.begin(), question.end());
@@ -121,10 +124,11 @@ void AsercomSession::all_answered(double now) {
 }
 
 void AsercomSession::no_answer_to_stop(double now) {
-  // Answers to repetitions are missing.
+  // Answers to repetitions are missing, over a slow radio perhaps only late: it stands, and may be asked what it is.
   if (stop_acknowledged_ && output_.empty()) {
-    version_asked_ = true;  // it does not say, and has been asked
-    return all_answered(now);
+    if (now >= version_asked_at_ + options_.reply_timeout) return all_answered(now);
+    asked_at_ = now;  // what it is may take as long as any answer: later, it would be noise between two others
+    return;
   }
   // The robot answers, so what it said to older stops would have come by now: it is lost. Waiting for each of them
   // would take as long as the robot was out of reach.

@@ -22,7 +22,8 @@ class AsercomSession final : public LinkSession {
   void all_answered(double now);
 
   ReplyParser parser_;
-  bool version_asked_ = false;     // on this link
+  bool version_asked_ = false;  // on this link
+  double version_asked_at_ = -never;
   int stops_unanswered_ = 0;       // stops whose answers may still come
   int late_answers_ = 0;           // how many of these were sent before the last speed command
   bool heard_since_stop_ = false;  // an answer to a stop came since the newest stop was sent

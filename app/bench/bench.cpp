@@ -24,6 +24,8 @@
 #include "app/bench/bench_swaps.h"
 #include "app/bench/identify_study.h"
 #include "app/manual/manual.h"
+#include "app/manual/mistakes.h"
+#include "app/manual/whole_number.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
@@ -139,7 +141,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   program
       .add_option("--seconds", seconds,
                   "how long each measurement takes, where it does not know by itself: links, publish, ui")
-      ->check(CLI::Range(1.0, 3600.0))
+      ->check(number_within(1.0, 3600.0))
       ->capture_default_str();
   std::optional<std::int64_t> runs;
   program
@@ -147,18 +149,18 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
           "--runs", runs,
           "cameras: crossings; controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; "
           "default: 10000, 140, 1000, 8, 40")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}))
+      ->check(whole_number(0, 10'000'000))
       ->type_name("N");
   double hours = 0.0;
   program.add_option("--hours", hours, "ui: its memory in a run of so many hours instead, 50 times as fast")
-      ->check(CLI::Range(0.0, 24.0));
+      ->check(number_within(0.0, 24.0));
   program.add_option("--faults", radio.faults, "radio: random fault sequences; 0: none")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(whole_number(0, 1'000'000))
       ->capture_default_str();
   program
       .add_option("--frames", cold_frames,
                   "vision: frames of each scene that is measured with cold caches, too; 0: none of these")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(whole_number(0, 1'000'000))
       ->capture_default_str();
   std::uint64_t seed = 1;
   program
@@ -175,6 +177,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
     return done;
   }
   refuse_missing_values(program);
+  say_mistakes_plainly(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

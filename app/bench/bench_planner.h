@@ -15,7 +15,7 @@ tl::expected<Experiment, std::string> crowd_scene(std::int64_t robots, std::uint
                                                   const std::vector<std::string>& sets = {});
 
 struct PlannerBench {
-  std::int64_t runs = 8;   ///< crowds of 30, and as many kicks of the platoon
+  std::int64_t runs = 8;   ///< crowds of 30, as many kicks of the platoon and obstacles on its lane
   std::uint64_t seed = 1;  ///< of the first of them; the next ones count on
 };
 

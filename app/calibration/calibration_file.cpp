@@ -61,6 +61,21 @@ void read_rotation(TomlTable& t, Eigen::Matrix3d& rotation, Problems& problems) 
                                               t.full("rotation"), error, rotation.determinant()));
 }
 
+/// A camera that cannot see the tags would give no pose, and no reason.
+void check_world(const Calibration& c, Problems& problems) {
+  const double height = c.world_from_camera->position.z(), down = c.world_from_camera->rotation(2, 2);
+  if (const double lowest = std::max(0.0, c.tag_height); !(height > lowest))
+    problems.add("world.position",
+                 fmt::format("found a camera at a height of {} m, allowed: above {} m, over the floor "
+                             "and the tags (z points from the floor to the camera)",
+                             height, lowest));
+  if (!(down < 0.0))
+    problems.add("world.rotation",
+                 fmt::format("found a camera that looks up (the last number is {}), allowed: one that "
+                             "looks down on the floor, so that this is below 0",
+                             down));
+}
+
 void read_mark(TomlTable& t, std::vector<FloorMark>& marks, Problems& problems) {
   FloorMark mark;
   const bool is_tag = t.has("tag");
@@ -101,6 +116,7 @@ tl::expected<Calibration, std::string> parse_calibration(std::string_view text, 
     t.needed("size", result.tag_size, between(1e-3, 10.0, "m"));
     t.finish();
   }
+  if (result.world_from_camera && problems.empty()) check_world(result, problems);
   for (TomlTable& t : root.tables("mark")) read_mark(t, result.marks, problems);
   root.finish();
   if (!problems.empty()) return tl::unexpected(messages(std::move(problems).sorted()));

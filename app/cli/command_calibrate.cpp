@@ -185,7 +185,9 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (!coverage) return fail_with(source->describe() + ": no picture", device_failed);
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
   const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
-  if (!result) return fail_with(result.error(), device_failed);
+  if (!result)
+    return fail_with(fmt::format("{}: {} (pictures looked at: {})", source->describe(), result.error(), seen.frames()),
+                     device_failed);
   const auto old = replace_calibration(result->calibration, request.out);
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty())

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -52,9 +53,9 @@ std::vector<fs::path> destinations(const JointRequest& request, const Experiment
   std::vector<fs::path> paths(experiment.cameras());
   for (std::size_t k = 0; k < paths.size(); ++k) {
     if (k + 1 == request.reference) continue;
-    const fs::path file = experiment.camera_at(k).calibration;
+    const fs::path file = experiment.calibration_file(k);
     if (request.save)
-      paths[k] = file.empty() ? file : fs::path(experiment.directory) / file;
+      paths[k] = file;
     else if (!request.out.empty())
       paths[k] =
           fs::path(request.out) / (file.empty() ? fs::path(fmt::format("camera-{}.toml", k + 1)) : file.filename());
@@ -96,7 +97,15 @@ int calibrate_joint(const JointRequest& request) {
                   wrong_input);
   const std::vector<fs::path> paths = destinations(request, *experiment);
   if (const std::string why = in_the_way(request, paths); !why.empty()) return refuse(why, wrong_input);
-  const auto found = joint_films(*experiment, request.film, request.reference - 1, [] { return !interrupted(); });
+  const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
+  const auto found =
+      joint_films(*experiment, request.film, request.reference - 1, [&](std::size_t camera, std::int64_t frames) {
+        if (show_progress && frames % 10 == 0)
+          print_error(
+              fmt::format("\r\033[Kcamera {} of {}: {} frames searched", camera + 1, experiment->cameras(), frames));
+        return !interrupted();
+      });
+  if (show_progress) print_error("\r\033[K");
   if (!found) return refuse(found.error() + "; nothing was written", device_failed);
   if (!request.quiet) print(*found, request.reference - 1);
   if (!request.out.empty()) {

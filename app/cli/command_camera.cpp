@@ -26,6 +26,7 @@ std::string text_of(const vision::CameraControl& control) {
     if (control.step != 1) text += fmt::format(" in steps of {}", control.step);
   } else {
     std::vector<std::string> choices;
+    choices.reserve(control.choices.size());
     for (const auto& [value, name] : control.choices) choices.push_back(fmt::format("{}: {}", value, name));
     text += fmt::format("  ({}", fmt::join(choices, ", "));
   }
@@ -63,6 +64,7 @@ int list_one(const std::string& device) {
   fmt::print("{}: {} ({})\nformats:\n", device, camera->card, camera->driver);
   for (const vision::CameraFormat& format : camera->formats) {
     std::vector<std::string> rates;
+    rates.reserve(format.rates.size());
     for (const double rate : format.rates) rates.push_back(fmt::format("{:.4g}", rate));
     fmt::print("  {} {}x{}{}{}\n", format.format, format.width, format.height,
                rates.empty() ? "" : ", frames/s: ", fmt::join(rates, " "));
@@ -87,6 +89,17 @@ int list_cameras(const std::string& camera) {
 }
 
 int camera_doctor(const CameraDoctorRequest& request) {
+  // What is wrong with the words is said before any camera is looked for.
+  if (request.source.empty())
+    if (const auto options = request.words.read("v4l2:/dev/video0"); !options) {
+      complain(options.error());
+      return wrong_input;
+    }
+  if (!request.camera.empty())
+    if (const auto calibration = load_calibration(request.camera); !calibration) {
+      complain(calibration.error());
+      return wrong_input;
+    }
   CameraCase wanted{.source = request.source};
   if (wanted.source.empty()) wanted.source = only_camera();
   if (wanted.source.empty()) return device_failed;
@@ -103,7 +116,7 @@ int camera_doctor(const CameraDoctorRequest& request) {
   if (!request.camera.empty()) {
     auto calibration = load_calibration(request.camera);
     if (!calibration) {
-      print_error(fmt::format("{}\n", calibration.error()));
+      complain(calibration.error());
       return wrong_input;
     }
     if (wanted.options.width == 0) {

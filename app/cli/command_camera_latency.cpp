@@ -53,9 +53,8 @@ Told tell(const std::vector<CameraLatency>& turns, const vision::Calibration& ca
 
 /// Into the camera's own calibration.
 int save_row_time(const Experiment& e, std::size_t camera, double row_time) {
-  const std::string& file = e.camera_at(camera).calibration;
-  if (file.empty()) return done;  // a synthetic camera
-  const std::filesystem::path path = std::filesystem::path(e.directory) / file;
+  const std::filesystem::path path = e.calibration_file(camera);
+  if (path.empty()) return done;  // a synthetic camera
   auto calibration = load_calibration(path);
   if (calibration) {
     calibration->row_time = row_time;
@@ -80,6 +79,13 @@ int camera_latency(const CameraLatencyRequest& request) {
   for (const std::size_t robot : request.robots) {
     if (robot < 1 || robot > experiment->robots.size()) {
       complain(fmt::format("--robot {}; allowed: 1 to {}", robot, experiment->robots.size()));
+      return wrong_input;
+    }
+    if (!experiment->robots[robot - 1].has_link()) {
+      complain(
+          fmt::format("--robot {}: it has no link, so that there are no counters of its wheels to compare with; "
+                      "allowed: a robot with a link",
+                      robot));
       return wrong_input;
     }
     robots.push_back(robot - 1);
@@ -116,6 +122,7 @@ int camera_latency(const CameraLatencyRequest& request) {
   }
   for (std::size_t k = 0; k < e.cameras(); ++k) {
     std::vector<CameraLatency> turns;
+    turns.reserve(measured.size());
     for (const LatencyMeasurement& one : measured) turns.push_back(one.cameras[k]);
     const auto calibration = camera_calibration(e, k);
     const Told of = tell(turns, calibration.value_or(vision::Calibration{}), e.camera_at(k).latency);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command_line_runs.h"
@@ -9,6 +10,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/runs/find_run.h"
+#include "app/runs/sha256.h"
 #include "app/tools/identify.h"
 #include "core/words.h"
 
@@ -76,9 +78,15 @@ int identify(const IdentifyRequest& request) {
   if (!request.report.empty())
     if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
   std::vector<RobotHistory> robots;
+  std::map<std::string, std::string> known;  // the records by their hashes
   for (const std::string& run : request.runs) {
     const auto record = record_of(run, request.directory);
     if (!record) return complain(record.error()), wrong_input;
+    // Twice the same measurements tell no more than once, but would make the intervals narrower.
+    const auto hash = sha256_of_file(record->csv);
+    if (!hash) return complain(hash.error()), wrong_input;
+    if (const auto [same, is_new] = known.emplace(*hash, run); !is_new)
+      return complain(fmt::format("{}: is the same run as {}, allowed: each run once", run, same->second)), wrong_input;
     auto history = read_history(record->csv);
     if (!history) return complain(history.error()), wrong_input;
     append(robots, std::move(*history));
@@ -103,6 +111,7 @@ int identify(const IdentifyRequest& request) {
     if (const auto drawn = write_residuals(request.report, found); !drawn) return complain(drawn.error()), wrong_input;
   if (request.save) {
     std::vector<FoundRobot> kept;
+    kept.reserve(found.size());
     for (const IdentifiedRobot& robot : found)
       kept.push_back({robot.history.spec, robot.history.name, values_to_keep(robot)});
     if (const int saved = save_found(known_robots_file(request.file), kept); saved != done) return saved;

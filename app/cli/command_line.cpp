@@ -27,6 +27,8 @@
 #include "app/guard/guard.h"
 #include "app/guard/stop_run.h"
 #include "app/manual/manual.h"
+#include "app/manual/mistakes.h"
+#include "app/manual/whole_number.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
@@ -194,7 +196,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       .add_option("experiment", doctor_files, "experiment files to be run here: checks their robots and cameras")
       ->transform([](const std::string& name) { return find_resource("experiments", name); });
   doctor_command.add_option("--seconds", doctor_request.seconds, "duration of the timing test; 0: no test")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(number_within(0.0, 3600.0))
       ->capture_default_str();
   doctor_command.add_flag("--fix", doctor_request.fix,
                           "apply the remedies that are commands, as root or with sudo, and print each");
@@ -260,7 +262,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   camera_doctor_command.add_option("--camera", camera_doctor_request.camera, "its calibration file")
       ->type_name("CAL.TOML");
   camera_doctor_command.add_option("--seconds", camera_doctor_request.seconds, "how long to look [s]")
-      ->check(CLI::Range(1.0, 60.0))
+      ->check(number_within(1.0, 60.0))
       ->capture_default_str();
   camera_doctor_request.words.add_to(camera_doctor_command, /*calibrated=*/false);
   camera_doctor_command.get_option("--rate")->description("asked of a camera [frames/s]; default: 25, as of a run");
@@ -278,12 +280,12 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
           "--robot", latency_request.robots,
           "which robot turns, from 1; repeatable: several, one after the other, at different rows of the picture, "
           "tell the row time of a rolling shutter, too")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number(1, 1000))
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->capture_default_str();
   camera_latency_command.add_option("--seconds", latency_request.seconds, "how long it turns [s]")
-      ->check(CLI::Range(4.0, 120.0))
+      ->check(number_within(4.0, 120.0))
       ->capture_default_str();
   camera_latency_command.add_flag("--save", latency_request.save,
                                   "write the result to the experiment file, and a row time to the calibration");
@@ -297,7 +299,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   comms::EmulateOptions emulate_options;
   std::string model = "epuck2";
   auto* robots_option = emulate_command.add_option("--robots", emulate_options.robots, "how many")
-                            ->check(CLI::Range(1, 64))
+                            ->check(whole_number(1, 64))
                             ->capture_default_str();
   emulate_command.add_option("--model", model, "which robots")
       ->check(CLI::IsMember(linked_models()))
@@ -353,10 +355,15 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     return done;
   }
   refuse_missing_values(program);
+  say_mistakes_plainly(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
+  }
+  if (const auto mistake = misplaced(program)) {
+    print_error(*mistake + "\n");
+    return wrong_input;
   }
 
   if (manual_command) {
@@ -410,6 +417,17 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     complain("this program was built without a window; try: skein run EXPERIMENT, skein --help");
     return wrong_input;
   }
+  const auto open_window = [&](const WindowRequest& request) -> int {
+    const auto is_set = [](const char* name) {
+      const char* const value = std::getenv(name);
+      return value != nullptr && *value != '\0';
+    };
+    if (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY") || is_set("QT_QPA_PLATFORM"))
+      return show_window(request, argc, argv);
+    complain(
+        "no display for the window (DISPLAY and WAYLAND_DISPLAY are not set); try: skein run EXPERIMENT, skein --help");
+    return wrong_input;
+  };
   look_after_bad_ends();
   if (const std::string& file = window_experiment.file; file.ends_with(".csv")) {
     if (const ExperimentRequest& request = window_experiment.request(); request.rehearse || !request.sets.empty()) {
@@ -424,14 +442,14 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       complain(file + ": cannot be opened: " + std::strerror(errno));
       return wrong_input;
     }
-    return show_window({{}, {}, file}, argc, argv);
+    return open_window({{}, {}, file});
   }
   const auto experiment = load(window_experiment.request());
   // A file with errors is mended in the window's editor; what the command line itself got wrong is said here.
   const bool mendable = !experiment && window_experiment.request().sets.empty() && !window_experiment.rehearse &&
                         check_is_file(window_experiment.file) && std::ifstream(window_experiment.file);
-  if (mendable) return show_window({{}, window_experiment.file, {}}, argc, argv);
-  return experiment ? show_window({*experiment, window_experiment.file, {}}, argc, argv) : wrong_input;
+  if (mendable) return open_window({{}, window_experiment.file, {}});
+  return experiment ? open_window({*experiment, window_experiment.file, {}}) : wrong_input;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/guard/stop_run.h"
+#include "app/manual/whole_number.h"
 
 namespace skein::app {
 
@@ -52,13 +53,15 @@ void RobotCommands::add_to(CLI::App& program) {
                    fmt::format("a reply later than this counts as lost [s]; default: links.reply_timeout of the "
                                "experiment file, else {:g}",
                                LinksSpec{}.reply_timeout))
-      ->check(CLI::Range(0.02, 10.0))
+      ->check(number_within(0.02, 10.0))
       ->type_name("SECONDS");
   test_->add_flag("--save", request_.save, "write tag, version, wheel diameter and track to the file of robots");
 
   ping_ = add("ping", "Measures the robots' round trips under the traffic of a run; they stand meanwhile");
   ping_->add_option("robots", request_.words, which)->required();
-  ping_->add_option("--minutes", request_.minutes, "how long")->check(CLI::Range(0.01, 1440.0))->capture_default_str();
+  ping_->add_option("--minutes", request_.minutes, "how long")
+      ->check(number_within(0.01, 1440.0))
+      ->capture_default_str();
   ping_->add_flag("--save", request_.save, "write the proposal for [links] to the experiment file");
 
   const auto adapter = [&](CLI::App* command) {
@@ -67,7 +70,7 @@ void RobotCommands::add_to(CLI::App& program) {
   };
   scan_ = add("scan", "Looks for e-pucks by Bluetooth and prints them as tables of a file of robots");
   scan_->add_option("--seconds", request_.seconds, "duration; a complete inquiry takes 10.24 s")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(number_within(0.1, 3600.0))
       ->capture_default_str();
   adapter(scan_);
 

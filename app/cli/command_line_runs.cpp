@@ -1,6 +1,6 @@
 #include "app/cli/command_line_runs.h"
 
-#include "app/cli/whole_number.h"
+#include "app/manual/whole_number.h"
 #include "core/words.h"
 
 namespace skein::app {

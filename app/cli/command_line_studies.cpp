@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "app/cli/whole_number.h"
+#include "app/manual/whole_number.h"
 #include "app/run/resources.h"
 
 namespace skein::app {
@@ -67,6 +67,10 @@ void StudyCommands::add_to(CLI::App& program) {
       ->type_name("DIR")
       ->excludes(part)
       ->excludes(only);
+  CLI::Option* const plan = sweep_->add_flag("--plan", request.plan,
+                                             "only what the study will cost: measures 32 of its runs here, and prints "
+                                             "core-hours and the Slurm array for them");
+  for (CLI::Option* const other : {only, csv, report, part, sweep_->get_option("--merge")}) plan->excludes(other);
   sweep_->add_flag("--json", request.json, "print the summary as one JSON object");
   sweep_->add_flag("--quiet", request.quiet, "no progress, no summary");
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/experiment/experiment.h"
+#include "app/manual/whole_number.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/run/resources.h"
@@ -19,10 +20,16 @@ void VisionCommands::BoardWords::add_to(CLI::App& command) {
   command.add_option("--squares", squares, "squares of the board, black and white: columns x rows")
       ->type_name("CxR")
       ->capture_default_str();
-  command.add_option("--square", square_mm, "edge of a square [mm]")->type_name("MM")->capture_default_str();
-  command.add_option("--marker", marker_mm, "ChArUco: edge of a marker [mm]")->type_name("MM")->capture_default_str();
+  command.add_option("--square", square_mm, "edge of a square [mm]")
+      ->type_name("MM")
+      ->check(number_within(1.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--marker", marker_mm, "ChArUco: edge of a marker [mm]")
+      ->type_name("MM")
+      ->check(number_within(0.5, 1000.0))
+      ->capture_default_str();
   command.add_option("--bits", bits, "ChArUco: bits per side of a marker, OpenCV's DICT_nXn_1000")
-      ->check(CLI::Range(4, 7))
+      ->check(whole_number(4, 7))
       ->capture_default_str();
 }
 
@@ -49,7 +56,7 @@ void VisionCommands::add_to(CLI::App& program) {
       ->required();
   intrinsics_->add_option("--out", intrinsics_request_.out, "calibration to write")->type_name("CAL.TOML")->required();
   intrinsics_->add_option("--views", intrinsics_request_.views, "largest number of views from a film or camera")
-      ->check(CLI::Range(3, 1000))
+      ->check(whole_number(3, 1000))
       ->capture_default_str();
   intrinsics_request_.words.add_to(*intrinsics_, /*calibrated=*/false);
   intrinsics_->add_flag("--quiet", intrinsics_request_.quiet, "no progress, no summary");
@@ -63,7 +70,7 @@ void VisionCommands::add_to(CLI::App& program) {
                     "file of the marks on the floor (see docs/calibration.md); default: those that the calibration has")
         ->type_name("MARKS.TOML");
     command.add_option("--frames", request.frames, "number of frames to average")
-        ->check(CLI::Range(1, 10000))
+        ->check(whole_number(1, 10000))
         ->capture_default_str();
     request.words.add_to(command, /*calibrated=*/true);
     command.add_flag("--quiet", request.quiet, "no summary");
@@ -75,21 +82,21 @@ void VisionCommands::add_to(CLI::App& program) {
       ->type_name("CAL.TOML");
   floor_->add_option("--tag-height", tag_height_mm_, "height of the robots' tags above the floor [mm]")
       ->type_name("MM")
-      ->check(CLI::Range(0.0, 10000.0));
+      ->check(number_within(0.0, 10000.0));
   floor_->add_option("--tag-size", tag_size_mm_, "edge of the robots' tags [mm]")
       ->type_name("MM")
-      ->check(CLI::Range(5.0, 2000.0));
+      ->check(number_within(5.0, 2000.0));
   floor_
       ->add_option("--measure-height", floor_request_.measure_height,
                    "estimate that height from the apparent size of this robot's tag")
       ->type_name("TAG")
-      ->check(CLI::Range(0, vision::largest_tag));
+      ->check(whole_number(0, vision::largest_tag));
 
   check_ = calibrate.add_subcommand("check", "The error of a calibration at each mark, in millimetres on the floor");
   floor_words(*check_, check_request_);
   check_->add_option("--limit", limit_mm_, "exit with status 1 if an error is larger [mm]")
       ->type_name("MM")
-      ->check(CLI::Range(0.001, 10000.0));
+      ->check(number_within(0.001, 10000.0));
 
   joint_ = calibrate.add_subcommand("joint",
                                     "Makes the world frames of several cameras agree, from the films of a run in which "
@@ -104,7 +111,7 @@ void VisionCommands::add_to(CLI::App& program) {
       ->type_name("FILM.MKV")
       ->required();
   joint_->add_option("--reference", joint_request_.reference, "the camera that stays as it is, from 1")
-      ->check(CLI::Range(std::size_t{1}, most_cameras))
+      ->check(whole_number(1, static_cast<std::int64_t>(most_cameras)))
       ->capture_default_str();
   CLI::Option* const out = joint_
                                ->add_option("--out", joint_request_.out,
@@ -113,21 +120,27 @@ void VisionCommands::add_to(CLI::App& program) {
   joint_
       ->add_flag("--save", joint_request_.save, "write them over the experiment's calibrations; the old ones are kept")
       ->excludes(out);
-  joint_->add_flag("--quiet", joint_request_.quiet, "no summary");
+  joint_->add_flag("--quiet", joint_request_.quiet, "no progress, no summary");
 
   tags_ = program.add_subcommand("tags", "Writes sheets to print: tags for robots, or a calibration board");
   tags_->require_subcommand(0, 1);
   tags_->add_option("ids", tags_request_.ids, "tags of the family 36h11, such as 1-4,7")->capture_default_str();
   tags_->add_option("--size", tags_request_.size_mm, "edge of the black square [mm]")
       ->type_name("MM")
+      ->check(number_within(5.0, 2000.0))
       ->capture_default_str();
-  tags_->add_option("--copies", tags_request_.copies, "of every tag")->check(CLI::Range(1, 100))->capture_default_str();
-  tags_->fallthrough();
-  tags_->add_option("--paper", tags_request_.paper, "A4, A3, A2, A1, A0 or letter")->capture_default_str();
-  tags_->add_option("--out", tags_request_.out, "a name that ends in .pdf or .svg")->capture_default_str();
-  tags_->add_flag("--force", tags_request_.force, "overwrite an existing file");
+  tags_->add_option("--copies", tags_request_.copies, "of every tag")
+      ->check(whole_number(1, 100))
+      ->capture_default_str();
   board_ = tags_->add_subcommand("board", "A calibration board instead of tags");
   printed_board_.add_to(*board_);
+  for (CLI::App* sheet : {tags_, board_}) {
+    sheet->add_option("--paper", tags_request_.paper, "A4, A3, A2, A1, A0 or letter")->capture_default_str();
+    sheet->add_option("--out", tags_request_.out, "a name that ends in .pdf or .svg")
+        ->type_name("FILE")
+        ->capture_default_str();
+    sheet->add_flag("--force", tags_request_.force, "overwrite an existing file");
+  }
 }
 
 std::optional<int> VisionCommands::run() {

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <numbers>
 
@@ -25,7 +27,7 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
   }
   std::ifstream file(csv, std::ios::binary);
   if (!file) {
-    print_error(fmt::format("skein: {}: cannot be read\n", csv));
+    complain(fmt::format("{}: cannot be read: {}", csv, std::strerror(errno)));
     return wrong_input;
   }
   const auto result = replay(file, csv, film, controller);

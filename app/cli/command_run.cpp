@@ -75,6 +75,10 @@ int run(const RunRequest& request) {
     complain("--speed max: a run with real robots or cameras cannot be faster than real time; allowed here: realtime");
     return wrong_input;
   }
+  if (!request.video.empty() && experiment->camera.kind() == CameraKind::absent) {
+    complain("--video: there is no camera to record (camera.source = \"none\"); allowed: an experiment with a camera");
+    return wrong_input;
+  }
   const bool live = !request.publish.empty() && request.speed.empty();
   const auto clock = real || request.speed == "realtime" || live ? Session::Clock::wall : Session::Clock::virtual_;
   if (!request.report.empty())

@@ -33,6 +33,7 @@ int refused(const std::string& sentence) {
 
 std::string text(const RunIndex::Value& value) {
   return std::visit(Overloaded{[](double number) { return fmt::format("{}", number); },
+                               [](std::int64_t whole) { return fmt::format("{}", whole); },
                                [](const std::string& words) { return words; }},
                     value);
 }
@@ -259,7 +260,11 @@ int remove_runs(const RunsRequest& request) {
   }
   const std::string all =
       fmt::format("{} run{}, {:.1f} MB", runs, runs == 1 ? "" : "s", static_cast<double>(bytes) / 1e6);
-  print_out(out + all + (request.yes ? " removed\n" : "; --yes removes them\n"), reader_patience);
+  print_out(out + all +
+                (request.yes ? " removed\n"
+                 : runs > 0  ? "; --yes removes them\n"
+                             : ": there is none to remove\n"),
+            reader_patience);
   return status;
 }
 

@@ -14,6 +14,7 @@
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/tools/outcome_file.h"
+#include "app/tools/study_plan.h"
 #include "app/tools/sweep_report.h"
 
 namespace skein::app {
@@ -34,13 +35,29 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-/// The study as asked for, for the commands that repeat a part of it.
-std::string sweep_command(const SweepRequest& request) {
-  std::string text = "skein sweep " + quoted(request.file);
+/// The options that make the study another one, each behind a blank. `set_word`: how a --set is written.
+std::string words_of(const SweepRequest& request, std::string (*set_word)(const std::string&)) {
+  std::string text;
   if (request.runs) text += fmt::format(" --runs {}", *request.runs);
   if (request.seed) text += fmt::format(" --seed {}", *request.seed);
-  for (const std::string& set : request.sets) text += " --set " + quoted(set);
+  for (const std::string& set : request.sets) text += " --set " + set_word(set);
   return text;
+}
+
+/// The study as asked for, for the commands that repeat a part of it.
+std::string sweep_command(const SweepRequest& request) {
+  return "skein sweep " + quoted(request.file) + words_of(request, quoted);
+}
+
+int print_plan(const SweepRequest& request, const Study& study, unsigned threads) {
+  constexpr std::int64_t sample = 32;
+  const StudyPlan plan = plan_study(study, sample, threads, [] { return !interrupted(); });
+  if (interrupted()) return complain("interrupted: nothing can be said"), expectation_failed;
+  // A batch script takes words apart at blanks, and keeps quotes.
+  std::string words = words_of(request, [](const std::string& set) { return set; });
+  if (!words.empty()) words.erase(0, 1);
+  print_out(as_lines(plan, study, sweep_command(request), words));
+  return done;
 }
 
 std::string run_command(const Study& study, std::uint64_t seed) {
@@ -99,6 +116,7 @@ int sweep(const SweepRequest& request) {
     return !interrupted();
   };
   const unsigned threads = request.threads > 0 ? request.threads : usable_cores();
+  if (request.plan) return print_plan(request, *study, threads);
   Outcomes outcomes;
   if (!request.merge.empty()) {
     auto merged = merge_parts(request.merge, *study);

@@ -54,7 +54,7 @@ std::string read_calibration(const TrackRequest& request, vision::TrackOptions& 
 void report(const vision::TrackSummary& summary) {
   for (const std::string& notice : summary.status.notices) complain(notice);
   if (summary.status.outages > 0) print_error(fmt::format("skein: the last outage: {}\n", summary.status.reason));
-  if (!summary.other_family.empty()) complain(summary.other_family);
+  if (!summary.why_no_tag.empty()) complain(summary.why_no_tag);
   for (const std::string& skipped : summary.skipped) print_error(fmt::format("skein: skipped {}\n", skipped));
 }
 

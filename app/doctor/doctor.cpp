@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +19,7 @@
 #include <sstream>
 
 #include "app/calibration/calibration_file.h"
+#include "app/runs/run_index.h"
 #include "comms/link_address.h"
 #include "vision/calibration/calibration.h"
 
@@ -83,11 +89,22 @@ Finding priority(const Machine& machine) {
 
 Finding throttling(const Machine& machine) {
   const char* const subject = "real-time share";
-  const std::string runtime = read(below(machine, "/proc/sys/kernel/sched_rt_runtime_us"));
-  if (runtime != "0") return well(subject, "threads with real-time priority may run");
+  const auto number = [&](const char* name, double otherwise) {
+    std::istringstream text(read(below(machine, std::string("/proc/sys/kernel/") + name)));
+    double value = 0.0;
+    return text >> value ? value : otherwise;
+  };
+  // Below zero: no limit.
+  const double runtime = number("sched_rt_runtime_us", -1.0), period = number("sched_rt_period_us", 1e6);
+  constexpr double least = 0.5;
+  if (runtime < 0.0 || runtime >= least * period) return well(subject, "threads with real-time priority may run");
   return {State::ill,
           subject,
-          "kernel.sched_rt_runtime_us is 0: no thread with real-time priority may run",
+          runtime == 0.0
+              ? std::string("kernel.sched_rt_runtime_us is 0: no thread with real-time priority may run")
+              : fmt::format("kernel.sched_rt_runtime_us is {:g} of {:g}: threads with real-time priority stand "
+                            "for the rest of the time",
+                            runtime, period),
           "as root: sysctl kernel.sched_rt_runtime_us=950000",
           {{"sysctl", "kernel.sched_rt_runtime_us=950000"}}};
 }
@@ -137,9 +154,11 @@ Finding load(const Machine& machine) {
   const auto folders = entries(below(machine, "/sys/devices/system/cpu"), "cpu");
   const auto cores = std::max<std::ptrdiff_t>(
       1, std::count_if(folders.begin(), folders.end(), [](const fs::path& folder) {
-        return std::isdigit(static_cast<unsigned char>(folder.filename().string().back())) != 0;
+        return std::isdigit(static_cast<unsigned char>(folder.filename().string().back())) != 0 &&
+               read(folder / "online") != "0";  // the first has no such file
       }));
-  const std::string found = fmt::format("{:.1f} threads at work on {} cores", last_minute, cores);
+  const std::string found =
+      fmt::format("{:.1f} threads at work on {} core{}", last_minute, cores, cores == 1 ? "" : "s");
   if (last_minute <= 0.75 * static_cast<double>(cores)) return well(subject, found);
   return {State::ill, subject, found, "close other programs; top says which"};
 }
@@ -202,6 +221,36 @@ Findings disk(const Machine& machine) {
     result.push_back({*speed < 2 * megabyte ? State::ill : State::note, "disk", found + ": too slow for films",
                       "record on another disk; a CSV needs 0.1 MB/s"});
   return result;
+}
+
+/// Whether a run could be kept.
+Finding kept_runs(const Machine& machine) {
+  const char* const subject = "kept runs";
+  const char* const elsewhere = "make it a folder that you may write to, or name another: SKEIN_RUNS, --runs-dir";
+  const auto directory = machine.runs_directory();
+  if (!directory) return {State::ill, subject, directory.error(), "name a folder: SKEIN_RUNS, --runs-dir"};
+  // It need not exist: it is made with the first run.
+  std::error_code error;
+  fs::path place = fs::absolute(*directory, error);
+  while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+  if (!fs::is_directory(place, error))
+    return {State::ill, subject, fmt::format("{}: {} is no folder", *directory, place.string()), elsewhere};
+  std::string probe = (place / ".skein-doctor-XXXXXX").string();
+  const int file = ::mkostemp(probe.data(), O_CLOEXEC);
+  if (file < 0)
+    return {State::ill, subject,
+            fmt::format("{}: nothing can be written in {}: {}", *directory, place.string(), std::strerror(errno)),
+            elsewhere};
+  ::close(file);
+  ::unlink(probe.c_str());
+  const double free = machine.free_in(place.string());
+  if (free < 1e9)
+    return {State::ill, subject,
+            fmt::format("{}: {:.1f} GB free; a film takes 1 GB a minute, a CSV 3 MB", *directory, free / 1e9),
+            "make room: skein runs remove"};
+  if (const auto damage = damage_of_index(*directory))
+    return {State::note, subject, *damage, "skein runs list makes it anew from the folders"};
+  return well(subject, fmt::format("{}: {:.1f} GB free", *directory, free / 1e9));
 }
 
 // --- robots ---
@@ -444,6 +493,7 @@ std::vector<Finding> examine(const Machine& machine, const Examination& examinat
   all.push_back(load(machine));
   all.push_back(memory(machine));
   add(disk(machine));
+  all.push_back(kept_runs(machine));
   add(bluetooth(machine, examination));
   add(serial(machine, examination));
   add(cameras(machine, examination));

@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "app/guard/run_marker.h"
+#include "app/runs/run_folder.h"
 #include "app/session/bare_thread.h"
 #include "comms/bluez_bus.h"
 #include "vision/sources/modules_present.h"
@@ -91,9 +92,10 @@ tl::expected<double, std::string> write_here() {
   return static_cast<double>(block * blocks) / std::max(1e-6, took.count());
 }
 
-double free_here() {
+double free_in(const std::string& folder) {
   struct statvfs disk {};
-  return ::statvfs(".", &disk) == 0 ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize) : 0.0;
+  return ::statvfs(folder.c_str(), &disk) == 0 ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize)
+                                               : 0.0;
 }
 
 Timing two_bare_threads(double seconds) {
@@ -121,7 +123,7 @@ tl::expected<void, std::string> try_the_guard() {
 bool on_the_path(const std::string& program) {
   std::istringstream folders(variable("PATH"));
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (::access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+    if (::access(fmt::format("{}/{}", folder, program).c_str(), X_OK) == 0) return true;
   return false;
 }
 
@@ -129,6 +131,7 @@ int execute(const std::vector<std::string>& command) {
   std::vector<std::string> words = command;
   if (::geteuid() != 0) words.insert(words.begin(), "sudo");
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child = 0;
@@ -152,7 +155,9 @@ Machine this_machine() {
   machine.adapters = ask_the_daemon;
   machine.keep_time = two_bare_threads;
   machine.disk_speed = write_here;
-  machine.disk_free = free_here;
+  machine.disk_free = [] { return free_in("."); };
+  machine.runs_directory = [] { return runs_directory(""); };
+  machine.free_in = free_in;
   machine.guard = try_the_guard;
   machine.bad_ends = [] {
     std::vector<std::string> names;

@@ -40,6 +40,9 @@ struct Machine {
   /// Writes and syncs a few megabytes in the working directory. [bytes/s]
   std::function<tl::expected<double, std::string>()> disk_speed;
   std::function<double()> disk_free;  ///< [bytes], for this user in the working directory
+  /// The folder of kept runs, which need not exist; the error: there is none. And what is free there [bytes].
+  std::function<tl::expected<std::string, std::string>()> runs_directory;
+  std::function<double(const std::string& folder)> free_in;
   /// Whether markers of runs can be written and a guard be started; the error is the reason.
   std::function<tl::expected<void, std::string>()> guard;
   std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "core/reference/platoon.h"
 #include "core/reference/polyline.h"
@@ -44,6 +45,11 @@ core::Shape places(const ShapeSpec& spec, std::size_t robots) {
 }
 
 }  // namespace
+
+std::string Experiment::calibration_file(std::size_t number) const {
+  const std::string& file = camera_at(number).calibration;
+  return file.empty() ? file : (std::filesystem::path(directory) / file).string();
+}
 
 std::int64_t Experiment::ticks() const noexcept {
   return std::llround(duration * rate);

@@ -376,6 +376,8 @@ struct Experiment {
   /// The cameras, from 0, [camera] first: one at least, which may be "none".
   std::size_t cameras() const noexcept { return 1 + camera.also.size(); }
   const CameraSpec& camera_at(std::size_t number) const { return number == 0 ? camera : camera.also.at(number - 1); }
+  /// The file of a camera's calibration; empty: it has none (a synthetic camera has its own).
+  std::string calibration_file(std::size_t number) const;
   std::int64_t ticks() const noexcept;  ///< rows that a run of the whole duration has
 };
 

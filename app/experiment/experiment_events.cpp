@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/experiment/experiment_robots.h"
 #include "app/experiment/longest.h"
 #include "core/avoidance/obstacle.h"
 #include "core/geometry/pose.h"
@@ -12,7 +13,7 @@ namespace skein::app {
 namespace {
 
 void read_perturbations(TomlTable& document, Experiment& e) {
-  const auto robots = static_cast<std::int64_t>(e.robots.size());
+  const auto robots = static_cast<std::int64_t>(document.sound("robot") ? e.robots.size() : most_robots);
   for (TomlTable& t : document.tables("perturb")) {
     Perturbation p;
     std::int64_t robot = 1;
@@ -40,7 +41,7 @@ void read_actions(TomlTable& document, Experiment& e) {
     t.text("does", words);
     if (const auto event = parse_action(words))
       action.event = *event;
-    else if (const toml::node* const found = t.node("does"))
+    else if (const toml::node* const found = t.node("does"); found != nullptr && found->is_string())
       t.refuse("does", *found,
                "\"move r1 x=0 y=0 theta=0\", \"kick r1 vx=0.3 vy=0\", \"hold r1\", \"release r1\", "
                "\"obstacle o1 x=0 y=0 radius=0.05\", \"gain k_xx 0.008 -> 0.01\", "

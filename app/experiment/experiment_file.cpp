@@ -25,6 +25,12 @@ void sort_by_time(std::vector<Timed>& list) {
   std::stable_sort(list.begin(), list.end(), [](const Timed& a, const Timed& b) { return a.t < b.t; });
 }
 
+/// "rate" of a problem of --set rate=fast, which has no place in a file.
+std::string key_of_set(const Problem& problem) {
+  constexpr std::string_view prefix = "--set ";
+  return problem.file.substr(prefix.size(), problem.file.find('=') - prefix.size());
+}
+
 }  // namespace
 
 tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view text, const std::string& file,
@@ -35,11 +41,14 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   std::vector<Problem> refused;
   apply_sets(document, sets, refused);
   const std::string directory = std::filesystem::path(file).parent_path().string();
+  const std::size_t of_sets = refused.size();
   bool embedded = embed_known_robots(document, directory, refused);
   embedded = embed_samples(document, directory, refused) || embedded;
 
   Experiment experiment;
   Problems problems(document, file);
+  for (std::size_t k = 0; k < of_sets; ++k) problems.doubt(key_of_set(refused[k]));
+  if (refused.size() > of_sets) problems.doubt("robot");  // what other files say of them is missing
   read_tables(document, experiment, problems);
   check_together(experiment, problems);
   if (!problems.empty() || !refused.empty()) {

@@ -277,11 +277,24 @@ const ExperimentKey* find_experiment_key(std::string_view name) {
 }
 
 void read_keys(TomlTable& t, std::string_view table, Experiment& e) {
+  // Where the file's rate is no rate, whatever one of those that are allowed would admit.
+  const auto range_of = [&, rate_known = t.sound("rate")](const auto& key) {
+    Range range = key.range(e);
+    for (const double rate : {1.0, 1000.0}) {
+      if (rate_known) break;
+      Experiment other;
+      other.rate = rate;
+      const Range there = key.range(other);
+      range.low = std::min(range.low, there.low);
+      range.high = std::max(range.high, there.high);
+    }
+    return range;
+  };
   for (const ExperimentKey& key : all_keys()) {
     if (key.table != table) continue;
     const char* const name = key.key;
     std::visit(Overloaded{
-                   [&](const one_of<NumberKey, OptionalNumberKey> auto& k) { t.number(name, k.at(e), k.range(e)); },
+                   [&](const one_of<NumberKey, OptionalNumberKey> auto& k) { t.number(name, k.at(e), range_of(k)); },
                    [&](const WholeKey& k) {
                      std::int64_t value = k.get(e);
                      t.integer(name, value, k.low, k.high);

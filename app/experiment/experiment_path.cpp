@@ -63,6 +63,7 @@ void read_points(TomlTable& t, const char* key, std::vector<core::Point>& points
 
 void read_path(TomlTable t, PathSpec& path, bool closed) {
   t.choice("shape", path.shape);
+  if (!t.sound(t.full("shape"))) return;  // which keys belong to it is not known
   if (path.shape == PathShape::line) {
     path.closed = false;
     path.points.assign(2, {});

@@ -8,6 +8,7 @@
 
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_path.h"
+#include "app/experiment/experiment_robots.h"
 #include "app/experiment/experiment_trajectory.h"
 #include "app/experiment/longest.h"
 #include "core/planning/assignment.h"
@@ -23,7 +24,8 @@ void read_shape(TomlTable& t, ShapeSpec& shape, std::size_t robots) {
   t.choice("shape", shape.shape);
   t.number("spacing", shape.spacing, above(0.0, longest_length, "m"));
   shape.offsets.clear();
-  read_points(t, "offsets", shape.offsets, robots, robots);
+  const bool counted = t.sound("robot");
+  read_points(t, "offsets", shape.offsets, counted ? robots : 1, counted ? robots : most_robots);
   if (!t.has("offsets")) t.require("shape", "the formation's shape, or offsets = [[x, y], ...] for every robot");
   if (t.has("offsets") && t.has("shape"))
     t.refuse("offsets", *t.node("offsets"), "only one of shape and offsets, since both place the robots");
@@ -46,7 +48,10 @@ void read_changes(TomlTable& t, Experiment& e, Problems& problems) {
       read_shape(c, change.shape, e.robots.size());
     }
     c.finish();
-    if (++k > 1 && change.t < free_from)
+    const auto sound = [&](std::size_t i, const char* key) {
+      return problems.sound({fmt::format("reference.change.{}.{}", i, key)});
+    };
+    if (++k > 1 && change.t < free_from && sound(k, "t") && sound(k - 1, "t") && sound(k - 1, "duration"))
       problems.add(
           fmt::format("reference.change.{}.t", k),
           fmt::format("found {}, allowed: {:.6g} and later, when the previous change is over", change.t, free_from));
@@ -325,11 +330,12 @@ void exchange_places(Experiment& e, Problems& problems) {
 void read_reference(TomlTable t, Experiment& e, Problems& problems) {
   ReferenceSpec& r = e.reference;
   read_keys(t, "reference", e);
+  if (!t.sound("reference.kind")) return;  // which keys belong to it is not known
   if (r.kind == Kind::independent) {
     t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
     t.flag("may_meet", r.may_meet);
     t.flag("interchangeable", r.interchangeable);
-    if (r.interchangeable) exchange_places(e, problems);
+    if (r.interchangeable && problems.sound({"robot", "robot_defaults"})) exchange_places(e, problems);
   } else {
     t.number("start", r.start, between(-10.0 * longest_length, 10.0 * longest_length, "m"));
     if (r.kind == Kind::platoon) {
@@ -368,10 +374,10 @@ bool check_shape(const Experiment& e, Problems& problems) {
   return true;
 }
 
-void check_places(const Experiment& e, const core::Reference& reference, Problems& problems) {
-  check_arena(e, reference, problems);
-  check_spacing(e, reference, problems);
-  check_starts(e, reference, problems);
+void check_places(const Experiment& e, const core::Reference& reference, const SoundTables& sound, Problems& problems) {
+  if (sound.arena) check_arena(e, reference, problems);
+  if (sound.avoidance && sound.shield) check_spacing(e, reference, problems);
+  if (sound.arena && sound.obstacles) check_starts(e, reference, problems);
 }
 
 }  // namespace skein::app

@@ -10,8 +10,14 @@ void read_reference(TomlTable table, Experiment& experiment, Problems& problems)
 
 /// Checks that the values read give a path and a formation.
 bool check_shape(const Experiment& experiment, Problems& problems);
+/// Which tables have no mistake of their own: nothing is said of what a default in place of a value leads to.
+struct SoundTables {
+  bool arena = true, avoidance = true, shield = true, obstacles = true;
+};
+
 /// Checks that the robots stay in the arena, and that the formation neither collides nor triggers avoidance or shield.
 /// Requires `check_shape`.
-void check_places(const Experiment& experiment, const core::Reference& reference, Problems& problems);
+void check_places(const Experiment& experiment, const core::Reference& reference, const SoundTables& sound,
+                  Problems& problems);
 
 }  // namespace skein::app

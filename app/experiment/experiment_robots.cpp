@@ -14,8 +14,6 @@
 namespace skein::app {
 namespace {
 
-constexpr std::size_t most_robots = 64;
-
 /// The types that a robot with a link can have.
 std::string linked_type_names() {
   std::string names;
@@ -175,7 +173,7 @@ void read_robots(TomlTable& document, Experiment& e, Problems& problems) {
   defaults_table.finish();
 
   std::vector<TomlTable> tables = document.tables("robot");
-  if (document.has("robot") && (tables.empty() || tables.size() > most_robots))
+  if (document.has("robot") && document.sound("robot") && (tables.empty() || tables.size() > most_robots))
     problems.add("robot", fmt::format("found {} robots, allowed: 1 to {}", tables.size(), most_robots));
   if (tables.empty()) tables.assign(4, TomlTable(nullptr, "robot", problems));  // the paper's four
   tables.erase(tables.begin() + static_cast<std::ptrdiff_t>(std::min(tables.size(), most_robots)), tables.end());

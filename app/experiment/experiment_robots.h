@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,8 @@
 #include "comms/link_address.h"
 
 namespace skein::app {
+
+inline constexpr std::size_t most_robots = 64;  ///< of an experiment
 
 /// The measures of a drive that a table gives.
 struct DriveKeys {

@@ -40,7 +40,7 @@ void read_gain(TomlTable& t, const char* key, core::PairTable& gain, const Range
     return;
   }
   gain.fill(0.0);
-  const auto robots = static_cast<std::int64_t>(gain.robots());
+  const auto robots = static_cast<std::int64_t>(problems.sound({"robot"}) ? gain.robots() : most_robots);
   core::PairTable listed(gain.robots());
   std::size_t entry = 0;
   for (const toml::node& element : *found->as_array()) {
@@ -64,6 +64,7 @@ void read_gain(TomlTable& t, const char* key, core::PairTable& gain, const Range
       continue;
     }
     const auto a = static_cast<std::size_t>(*i - 1), b = static_cast<std::size_t>(*j - 1);
+    if (std::max(a, b) >= gain.robots()) continue;  // how many there are is not known
     if (listed(a, b) != 0.0)
       problems.add(
           element.source(),
@@ -92,10 +93,11 @@ constexpr PairKey pair_keys[] = {{core::GainName::k_xx, "k_xx", between(0.0, 100
 /// The tracking gains, where they are not what (18f, g) leaves.
 void read_policy(TomlTable& t, ControllerSpec& c) {
   t.choice("policy", c.policy);
+  const bool known = t.sound("controller.policy");
   const bool fixed = c.policy == core::GainPolicy::fixed;
   for (const auto& [key, target] : {std::pair{"k_x", &c.k_x}, std::pair{"k_theta", &c.k_theta}}) {
-    if (fixed) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
-    if (!fixed && t.has(key))
+    if (fixed && known) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
+    if (!fixed && known && t.has(key))
       t.refuse(key, *t.node(key), "with policy = \"fixed\"; otherwise it is the remainder of (18f, g), as in (36)");
     t.number(key, *target, above(0.0, 100.0));  // (18a)
   }
@@ -152,6 +154,10 @@ void read_log(TomlTable& t, LawSpec& law) {
 }
 
 void read_law(TomlTable& t, LawSpec& law, Problems& problems) {
+  if (!problems.sound({"controller.kind", "controller.command", "controller.library"})) {
+    for (const char* key : {"parameters", "log"}) t.node(key);  // nothing can be said of them
+    return;
+  }
   if (!law.command.empty() && !law.library.empty())
     t.refuse("library", *t.node("library"), "one of controller.command and controller.library");
   for (const char* const key : {"failure", "deadline", "memory", "processes"})
@@ -204,10 +210,12 @@ void read_obstacles(TomlTable& document, Experiment& e) {
 
 /// `name`: of its table.
 void check_camera(const CameraSpec& camera, const std::string& name, Problems& problems) {
+  if (!problems.sound({name + ".source"})) return;
   if (!camera_kind(camera.source))
     problems.add(name + ".source",
                  fmt::format(R"(found "{}", allowed: "none", "synthetic", {})", camera.source, vision::source_forms()));
   const auto address = vision::parse_source(camera.source);
+  if (!problems.sound({name + ".source"})) return;
   if (!camera.trigger.empty() && !(address && address->kind->triggers))
     problems.add(
         name + ".trigger",
@@ -228,6 +236,7 @@ void read_cameras(TomlTable& document, Experiment& e, Problems& problems) {
     const std::string name = fmt::format("camera.also.{}", e.camera.also.size());
     check_camera(other.camera, name, problems);
     const auto rendered = [](const CameraSpec& camera) { return camera.kind() == CameraKind::synthetic; };
+    if (!problems.sound({name + ".source", "camera.source"})) continue;
     if (other.camera.source == "none" || e.camera.source == "none" || rendered(other.camera) != rendered(e.camera))
       problems.add(name + ".source",
                    fmt::format("found \"{}\" beside camera.source = \"{}\", allowed: \"synthetic\" for all cameras, or "
@@ -254,6 +263,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   TomlTable t(&document, "", problems);
   read_run(t, e);
   read_table(t, "arena", e);
+  if (!problems.sound({"arena"})) e.arena_width = e.arena_height = longest_length;  // places may be anywhere
   read_robots(t, e, problems);  // before everything that is said of robots
   read_reference(t.table("reference"), e, problems);
   e.controller.gains = paper_couplings(e.robots.size());

@@ -17,7 +17,7 @@ constexpr std::uintmax_t largest_text = std::uintmax_t{64} << 20;  // [bytes]
 std::string not_a_file(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_status found = std::filesystem::status(path, ignored);
-  if (std::filesystem::is_directory(found)) return "it is a directory";
+  if (std::filesystem::is_directory(found)) return "it is a folder, allowed: a file";
   if (std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
     return "it is a device or a FIFO, allowed: a file";
   return {};

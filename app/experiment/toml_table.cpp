@@ -4,29 +4,15 @@
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
 #include <tuple>
 #include <utility>
+
+#include "app/run/nearest_word.h"
 
 namespace skein::app {
 namespace {
 
 constexpr std::string_view set_prefix = "--set ";
-
-/// How many letters must be typed, dropped or changed to make one word of the other (Levenshtein).
-std::size_t letters_apart(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
 
 const toml::node* child(const toml::node& parent, std::string_view key) {
   if (const toml::table* table = parent.as_table()) return table->get(key);
@@ -40,6 +26,11 @@ const toml::node* child(const toml::node& parent, std::string_view key) {
 }  // namespace
 
 tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file) {
+  if (text.starts_with("# skein "))
+    return tl::unexpected(std::vector<Problem>{
+        {file, 1, 1, "found a recorded run (CSV), allowed: a text in TOML; `skein replay` repeats it"}});
+  if (text.find('\0') != std::string_view::npos)
+    return tl::unexpected(std::vector<Problem>{{file, 0, 0, "found bytes that are no text, allowed: a text in TOML"}});
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
@@ -84,9 +75,20 @@ void Problems::add(const std::string& key, const std::string& text) {
 
 void Problems::add(const toml::source_region& place, const std::string& text) {
   const std::string& file = place.path ? *place.path : file_;
-  const bool from_set = file.starts_with(set_prefix);  // a --set is one line: its text says where
+  const bool from_set = file.starts_with(set_prefix);   // a --set is one line: its text says where
+  doubted_.push_back(text.substr(0, text.find(": ")));  // a problem begins with its key
   found_.push_back({file, from_set ? 0 : static_cast<int>(place.begin.line),
                     from_set ? 0 : static_cast<int>(place.begin.column), text});
+}
+
+bool Problems::sound(std::initializer_list<std::string_view> keys) const {
+  const auto within = [](std::string_view inner, std::string_view outer) {
+    return inner.starts_with(outer) && (inner.size() == outer.size() || inner[outer.size()] == '.');
+  };
+  return std::none_of(keys.begin(), keys.end(), [&](std::string_view key) {
+    return std::any_of(doubted_.begin(), doubted_.end(),
+                       [&](const std::string& doubted) { return within(doubted, key) || within(key, doubted); });
+  });
 }
 
 std::vector<Problem> Problems::sorted() && {
@@ -203,13 +205,8 @@ void TomlTable::finish() const {
   for (const auto& [key, value] : *table_) {
     const std::string_view written = key.str();
     if (std::find(known_.begin(), known_.end(), written) != known_.end()) continue;
-    const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto& a, const auto& b) {
-      return letters_apart(written, a) < letters_apart(written, b);
-    });
-    const std::size_t close_enough = std::max<std::size_t>(1, written.size() / 3);
-    std::string suggestion;
-    if (nearest != known_.end() && letters_apart(written, *nearest) <= close_enough)
-      suggestion = fmt::format("; did you mean {}?", *nearest);
+    const auto meant = nearest_word(written, known_);
+    const std::string suggestion = meant ? fmt::format("; did you mean {}?", *meant) : "";
     problems_->add(key.source().begin ? key.source() : value.source(),
                    fmt::format("{}: unknown key{} allowed{}: {}", full(written), suggestion.empty() ? "," : suggestion,
                                path_.empty() ? "" : " in " + path_, fmt::join(known_, ", ")));

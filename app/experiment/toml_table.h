@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,6 +51,11 @@ class Problems {
   void add(const toml::source_region& place, const std::string& text);
 
   bool has(const std::string& key) const { return find(key).whole; }
+  /// No problem so far is that of one of these keys, of one below it or of one above it: what they say can be relied
+  /// on. Otherwise the reader has a default in its place, of which nothing can be said.
+  bool sound(std::initializer_list<std::string_view> keys) const;
+  /// A key whose value cannot be relied on, for a reason that is told elsewhere.
+  void doubt(std::string key) { doubted_.push_back(std::move(key)); }
   bool empty() const noexcept { return found_.empty(); }
   std::size_t size() const noexcept { return found_.size(); }
   /// In the order of the file; then what comes from other files, and last what --set brought.
@@ -66,6 +72,7 @@ class Problems {
   const toml::table& document_;
   std::string file_;
   std::vector<Problem> found_;
+  std::vector<std::string> doubted_;  // keys that have a problem
 };
 
 /// The words of an enumeration for a message: "\"tanh\", \"algebraic\"".
@@ -86,6 +93,8 @@ class TomlTable {
       : table_(table), path_(std::move(path)), problems_(&problems) {}
 
   bool has(std::string_view key) const { return table_ && table_->contains(key); }
+  /// The document's problems so far spare this key of it, "rate": see Problems::sound().
+  bool sound(std::string_view key) const { return problems_->sound({key}); }
   std::string full(std::string_view key) const;  ///< "controller.v_max"
 
   /// The key's value, or null where there is none; the key counts as known from now on.

@@ -21,18 +21,23 @@ core::Pose place(const RobotRecord& robot) noexcept {
   return seen ? robot.pose : core::Pose{none, none, none};
 }
 
+/// A robot whose pose is not known makes the group's error unknown, which std::fmax would hide.
+double larger(double a, double b) noexcept {
+  return std::isnan(a) || std::isnan(b) ? none : std::max(a, b);
+}
+
 /// Of where the formation has them, and of where they would be on time.
 double distance_from_formation(const TickRecord& record) noexcept {
   double largest = 0.0;
   for (const RobotRecord& robot : record.robots)
-    largest = std::fmax(largest, core::distance(robot.nominal.pose, robot.pose));
+    largest = larger(largest, core::distance(robot.nominal.pose, robot.pose));
   return largest;
 }
 
 double tracking_error(const TickRecord& record, const Schedule& schedule) {
   double largest = 0.0;
   for (std::size_t i = 0; i < record.robots.size(); ++i)
-    largest = std::fmax(largest, core::distance(schedule.place(record, i), record.robots[i].pose));
+    largest = larger(largest, core::distance(schedule.place(record, i), record.robots[i].pose));
   return largest;
 }
 
@@ -43,8 +48,14 @@ double relative_error(const TickRecord& record) noexcept {
     const RobotRecord &a = record.robots[i], &b = record.robots[i + 1];
     const double x = a.pose.x - a.nominal.pose.x - (b.pose.x - b.nominal.pose.x);
     const double y = a.pose.y - a.nominal.pose.y - (b.pose.y - b.nominal.pose.y);
-    largest = std::fmax(largest, std::hypot(x, y));
+    largest = larger(largest, std::hypot(x, y));
   }
+  return largest;
+}
+
+double formation_error(const TickRecord& record) noexcept {
+  double largest = 0.0;
+  for (const double delta : record.delta) largest = larger(largest, std::abs(delta));
   return largest;
 }
 
@@ -71,7 +82,7 @@ void Statistics::record(const TickRecord& record) {
   count_collisions(record);
   if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
   const Sample sample{record.t,
-                      record.formation_error(),
+                      formation_error(record),
                       tracking_error(record, schedule_),
                       relative_error(record),
                       record.t - record.lag,
@@ -80,13 +91,15 @@ void Statistics::record(const TickRecord& record) {
     so_far_.largest_lag = std::max(so_far_.largest_lag.value_or(0.0), record.lag);
     so_far_.final_lag = record.lag;
   }
-  const bool there = sample.tracking <= arrived_within &&
-                     std::all_of(record.robots.begin(), record.robots.end(),
-                                 [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
-  if (!there)
-    so_far_.arrived = none;
-  else if (std::isnan(so_far_.arrived))
-    so_far_.arrived = record.t;
+  if (record.phase == Phase::running) {  // else all references rest, and nobody has arrived by that
+    const bool there = sample.tracking <= arrived_within &&
+                       std::all_of(record.robots.begin(), record.robots.end(),
+                                   [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
+    if (!there)
+      so_far_.arrived = none;
+    else if (std::isnan(so_far_.arrived))
+      so_far_.arrived = record.t;
+  }
   ++so_far_.ticks;
   so_far_.duration = record.t + experiment_.period();
   so_far_.final_error = sample.tracking;

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "app/controllers/own_controller.h"
 #include "app/experiment/text_file.h"
@@ -145,6 +146,12 @@ void complete(TickRecord& row, const TickRecord& again) {
   }
 }
 
+/// But for empty lines at their ends.
+bool same_text(std::string_view a, std::string_view b) {
+  const auto trimmed = [](std::string_view text) { return text.substr(0, text.find_last_not_of(" \n\r") + 1); };
+  return trimmed(a) == trimmed(b);
+}
+
 /// `run`, if there is one, gets experiment and rows.
 tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std::string& file, const std::string& film,
                                                     bool controller, RecordedRun* run) {
@@ -166,6 +173,11 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     auto opened = ReplayFilm::open(paths[k], *experiment);
     if (!opened) return tl::unexpected(camera_prefix(*experiment, k) + opened.error());
     films.push_back(std::move(*opened));
+    if (const std::string of = films.back().experiment(); !of.empty() && !same_text(of, experiment->source))
+      result.warnings.push_back(
+          fmt::format("{} was recorded with another experiment than {}: it is the film of another "
+                      "run",
+                      paths[k], file));
     result.filmed = true;
     result.lossless = result.lossless && films.back().lossless();
   }

@@ -14,6 +14,11 @@ tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, 
   return ReplayFilm(std::move(film->source), std::move(tracker), std::move(wanted));
 }
 
+std::string ReplayFilm::experiment() const {
+  const auto text = source_->notes().find("EXPERIMENT");
+  return text == source_->notes().end() ? std::string() : text->second;
+}
+
 bool ReplayFilm::lossless() const {
   const auto coding = source_->notes().find(vision::coding_note);
   return coding == source_->notes().end() || coding->second == word(vision::FilmCoding::lossless);

@@ -26,6 +26,8 @@ class ReplayFilm {
   /// measurement by this camera is in `newest`.
   tl::expected<void, std::string> advance(double time, std::span<core::Measurement> newest);
 
+  /// The text of the experiment in which it was recorded; empty: it does not say.
+  std::string experiment() const;
   /// Whether its pixels are those that the tracker saw during the run.
   bool lossless() const;
 

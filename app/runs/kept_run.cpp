@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/controllers/own_controller.h"
 #include "app/embedded/embedded.h"
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/text_file.h"
@@ -66,9 +66,7 @@ Done keep_copy(const fs::path& from, const fs::path& to) {
 Json value_of(const std::string& text) {
   if (text == "true" || text == "false") return text == "true";
   if (text == "none") return nullptr;
-  double number = 0.0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error == std::errc{} && stop == text.data() + text.size() && !text.empty()) return number;
+  if (const auto number = number_of(text)) return std::visit([](const auto& value) { return Json(value); }, *number);
   return text;
 }
 
@@ -116,13 +114,6 @@ tl::expected<std::string, std::string> new_folder(const std::string& directory, 
   }
 }
 
-/// The name that the experiment has for a file, so that it is found in the folder as it was beside the experiment;
-/// where that leads elsewhere, `otherwise`.
-std::string name_in_folder(const std::string& name, const char* otherwise) {
-  const fs::path path = fs::path(name).lexically_normal();
-  return path.is_absolute() || path.empty() || *path.begin() == ".." ? otherwise : path.string();
-}
-
 /// Files that the experiment file names: where they are, and their names in the run's folder.
 std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, const Experiment& experiment) {
   std::vector<std::pair<fs::path, std::string>> files;
@@ -130,17 +121,26 @@ std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, co
     if (!name.empty()) files.emplace_back(fs::path(experiment.directory) / name, std::move(as));
   };
   for (std::size_t k = 0; k < experiment.cameras(); ++k)
-    take(experiment.camera_at(k).calibration,
-         name_in_folder(experiment.camera_at(k).calibration, kept_calibration(k).c_str()));
+    take(experiment.camera_at(k).calibration, calibration_in_folder(experiment.camera_at(k).calibration, k));
   try {
     const toml::table document = toml::parse(text);
-    take(document["robots_file"].value_or<std::string>(""), "robots.toml");
+    take(document["robots_file"].value_or<std::string>(""), run_files::robots);
     if (const toml::array* const robots = document["robot"].as_array())
       for (std::size_t i = 0; i < robots->size(); ++i)
         if (const toml::table* const robot = robots->get(i)->as_table())
           take((*robot)["trajectory"]["csv"].value_or<std::string>(""), fmt::format("trajectory-{}.csv", i + 1));
   } catch (const toml::parse_error&) {
     // it has been read before: a file that has changed meanwhile is kept as it is
+  }
+  // A controller's own files: its library, and those that its command names in the experiment's folder.
+  std::vector<std::string> words{experiment.controller.law.library};
+  if (auto of_command = words_of(experiment.controller.law.command))
+    words.insert(words.end(), of_command->begin(), of_command->end());
+  for (const std::string& word : words) {
+    const fs::path name = fs::path(word).lexically_normal();
+    const bool here = calibration_in_folder(word, 0) == name;  // not one of another folder, or of the run's own names
+    if (std::error_code ignored; here && fs::is_regular_file(fs::path(experiment.directory) / name, ignored))
+      take(name.string(), name.string());
   }
   return files;
 }
@@ -182,7 +182,7 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
 
   Json facts = Json::object();
   for (const auto& [key, value] : experiment_facts(experiment)) facts[key] = value_of(value);
-  const Json head{{"format", 1},
+  const Json head{{"format", story_format},
                   {"id", folder.filename().string()},
                   {"name", experiment.name},
                   {"state", "begun"},
@@ -193,7 +193,7 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
                   {"sets", request.sets},
                   {"inputs", inputs_used},
                   {"experiment", facts}};
-  std::string begun = head.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  std::string begun = sealed(head);
   if (written) written = write_file(folder / run_files::story, begun);
   if (!written) return tl::unexpected(written.error());
   return KeptRun(folder.string(), experiment, std::move(begun));
@@ -235,7 +235,7 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   for (const std::string& name : files_of_run(folder_))
     if (name != run_files::story) note(note_file(files, folder, name));
   story["files"] = files;
-  note(write_file(folder / run_files::story, story.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'));
+  note(write_file(folder / run_files::story, sealed(story)));
   return complete;
 }
 
@@ -253,8 +253,7 @@ Done add_to_kept_run(const std::string& folder, const std::vector<std::string>& 
     return tl::unexpected(fmt::format("{}: its run did not end, allowed: the folder of a run that did", folder));
   for (const std::string& name : files)
     if (Done noted = note_file((*story)["files"], folder, name); !noted) return noted;
-  return write_file(fs::path(folder) / run_files::story,
-                    story->dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  return write_file(fs::path(folder) / run_files::story, sealed(std::move(*story)));
 }
 
 }  // namespace skein::app

@@ -12,8 +12,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "app/run/home.h"
+#include "app/runs/sha256.h"
 
 namespace skein::app {
 
@@ -100,11 +102,70 @@ std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story) {
       .count();
 }
 
-std::map<std::string, std::variant<double, std::string>> run_facts(const nlohmann::ordered_json& story) {
-  std::map<std::string, std::variant<double, std::string>> facts;
+std::optional<RunValue> number_of(std::string_view text) {
+  const char* const end = text.data() + text.size();
+  double number = 0.0;
+  if (const auto [stop, error] = std::from_chars(text.data(), end, number); error != std::errc{} || stop != end)
+    return {};
+  std::int64_t whole = 0;
+  const auto [stop, error] = std::from_chars(text.data(), end, whole);
+  // Up to here every whole number is a double.
+  constexpr std::int64_t exact = std::int64_t{1} << std::numeric_limits<double>::digits;
+  if (error == std::errc{} && stop == end && (whole > exact || whole < -exact)) return whole;
+  return number;
+}
+
+namespace {
+
+constexpr const char* seal = "sha256";
+
+std::string text_of(const nlohmann::ordered_json& story) {
+  return story.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string sealed(nlohmann::ordered_json story) {
+  story.erase(seal);
+  story[seal] = sha256_of_text(text_of(story));
+  return text_of(story) + '\n';
+}
+
+std::optional<bool> seal_holds(nlohmann::ordered_json story) {
+  if (!story.contains(seal)) return {};
+  const std::string found = text_at(story, seal);
+  story.erase(seal);
+  return found == sha256_of_text(text_of(story));
+}
+
+std::string text_at(const nlohmann::ordered_json& story, const char* key) {
+  const auto found = story.is_object() ? story.find(key) : story.end();
+  return found != story.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::string text_at(const nlohmann::ordered_json& story, const char* table, const char* key) {
+  const auto found = story.find(table);
+  return found != story.end() ? text_at(*found, key) : std::string();
+}
+
+std::string calibration_in_folder(const std::string& name, std::size_t camera) {
+  const fs::path path = fs::path(name).lexically_normal();
+  if (path.is_absolute() || path.empty() || *path.begin() == "..") return kept_calibration(camera);
+  std::string here = path.string();
+  for (const char* const taken : {run_files::story, run_files::record, run_files::as_written, run_files::as_run,
+                                  run_files::summary, run_files::robots})
+    if (here == taken) return kept_calibration(camera);
+  constexpr std::size_t most_cameras = 64;
+  for (std::size_t other = 0; other < most_cameras; ++other)
+    if (here == kept_calibration(other)) return kept_calibration(camera);
+  return here;
+}
+
+std::map<std::string, RunValue> run_facts(const nlohmann::ordered_json& story) {
+  std::map<std::string, RunValue> facts;
   const auto add = [&](const std::string& key, const nlohmann::ordered_json& value) {
     if (value.is_number())
-      facts[key] = value.get<double>();
+      facts[key] = number_of(value.dump()).value_or(value.get<double>());
     else if (value.is_boolean())
       facts[key] = std::string(value.get<bool>() ? "true" : "false");
     else if (value.is_string())
@@ -113,8 +174,8 @@ std::map<std::string, std::variant<double, std::string>> run_facts(const nlohman
   for (const auto& [key, value] : story.items()) {
     const bool flat = key == "experiment" || key == "summary";  // their keys stand for themselves
     if (value.is_object() && key != "files" && key != "inputs")
-      for (const auto& [inner, part] : value.items()) add(flat ? inner : key + '.' + inner, part);
-    else
+      for (const auto& [inner, part] : value.items()) add(flat ? inner : fmt::format("{}.{}", key, inner), part);
+    else if (key != seal)
       add(key, value);
   }
   return facts;

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -20,6 +21,7 @@ inline constexpr const char* as_written = "experiment-as-written.toml";
 inline constexpr const char* as_run = "experiment.toml";
 inline constexpr const char* summary = "summary.json";
 inline constexpr const char* film = "film.mkv";
+inline constexpr const char* robots = "robots.toml";
 }  // namespace run_files
 /// The name of a camera's calibration, from 0, that was not beside the experiment: calibration.toml,
 /// calibration-2.toml.
@@ -41,11 +43,33 @@ std::uintmax_t bytes_of_run(const std::string& folder);
 /// The run.json of a folder. The error is a sentence.
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder);
 
+/// The newest format of run.json, its key "format".
+inline constexpr int story_format = 1;
+
+/// The text of a run.json with a hash of all else in it as its last value.
+std::string sealed(nlohmann::ordered_json story);
+/// Whether it is as sealed() wrote it, but for blanks; none: it has no such hash.
+std::optional<bool> seal_holds(nlohmann::ordered_json story);
+
 /// The instant at which a run began, from its run.json, whatever the time zone [ns since 1970]. Empty: it does not say.
 std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story);
 
+/// A number or a text of a run. A whole number that no double holds, such as a large seed, keeps its digits.
+using RunValue = std::variant<double, std::int64_t, std::string>;
+
+/// The text as a number if all of it is one; none: it is not.
+std::optional<RunValue> number_of(std::string_view text);
+
+/// The text that a run.json has at a key, or at a key of a table; empty: none, or something else than a text.
+std::string text_at(const nlohmann::ordered_json& story, const char* key);
+std::string text_at(const nlohmann::ordered_json& story, const char* table, const char* key);
+
+/// The name of an experiment's calibration in the run's folder: its own, so that the experiment finds it there as it
+/// did beside the file; kept_calibration() where that leads elsewhere or is the name of another file of the folder.
+std::string calibration_in_folder(const std::string& name, std::size_t camera);
+
 /// The searchable values of a run.json, as a flat list of keys; those below "experiment" and "summary" without that
 /// prefix.
-std::map<std::string, std::variant<double, std::string>> run_facts(const nlohmann::ordered_json& story);
+std::map<std::string, RunValue> run_facts(const nlohmann::ordered_json& story);
 
 }  // namespace skein::app

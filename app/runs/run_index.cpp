@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int schema_version = 3;
+constexpr int schema_version = 4;
 constexpr const char* schema =
     "CREATE TABLE run(number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, changed INTEGER NOT NULL, size INTEGER NOT "
     "NULL, began INTEGER NOT NULL);"
@@ -57,6 +57,8 @@ class Statement {
   Statement& bind(int place, const RunIndex::Value& value) {
     if (const double* const number = std::get_if<double>(&value))
       check(database_, sqlite3_bind_double(statement_, place, *number));
+    else if (const std::int64_t* const whole = std::get_if<std::int64_t>(&value))
+      bind(place, *whole);
     else
       bind(place, std::get<std::string>(value));
     return *this;
@@ -79,7 +81,8 @@ class Statement {
   }
   RunIndex::Value value(int column) {
     const int type = sqlite3_column_type(statement_, column);
-    if (type == SQLITE_FLOAT || type == SQLITE_INTEGER) return sqlite3_column_double(statement_, column);
+    if (type == SQLITE_FLOAT) return sqlite3_column_double(statement_, column);
+    if (type == SQLITE_INTEGER) return whole(column);
     return text(column);
   }
 
@@ -130,6 +133,22 @@ struct RunIndex::State {
     key_numbers.clear();
     problems.clear();
     newest_unread = {};
+  }
+
+  /// Asks; an index that turns out to be damaged is built again, in memory where its file cannot be.
+  template <typename Ask>
+  auto ask(Ask&& of) {
+    try {
+      return of();
+    } catch (const std::exception&) {
+      const std::string file = (fs::path(directory) / ".index.sqlite").string();
+      close();
+      std::error_code ignored;
+      fs::remove(file, ignored);
+    }
+    open(":memory:");
+    refresh();
+    return of();
   }
 
   std::int64_t key_number(const std::string& name) {
@@ -245,7 +264,7 @@ struct RunIndex::State {
                                                 std::vector<Value>& bound) {
     std::string sql;
     for (const RunQuery& part : parts) {
-      const auto one = condition(part, bound);
+      auto one = condition(part, bound);
       if (!one) return one;
       sql += (sql.empty() ? "(" : joint) + *one;
     }
@@ -254,7 +273,7 @@ struct RunIndex::State {
   tl::expected<std::string, std::string> condition(const RunQuery::Comparison& c, std::vector<Value>& bound) {
     const auto key = resolve(c.key);
     if (!key) return tl::unexpected(key.error());
-    const char* sign = "=";
+    std::string_view sign;
     switch (c.relation) {
       case RunQuery::Relation::equal:
         sign = "=";
@@ -280,7 +299,7 @@ struct RunIndex::State {
     }
     bound.push_back(c.value);
     // A text is no smaller or larger number: SQLite sorts all texts behind all numbers.
-    const char* const type = std::holds_alternative<double>(c.value) ? "IN ('real', 'integer')" : "= 'text'";
+    const char* const type = std::holds_alternative<std::string>(c.value) ? "= 'text'" : "IN ('real', 'integer')";
     return fmt::format("(number IN (SELECT run FROM fact WHERE key = {} AND typeof(value) {} AND value {} ?))", *key,
                        type, sign);
   }
@@ -306,6 +325,25 @@ struct RunIndex::State {
     return runs;
   }
 };
+
+std::optional<std::string> damage_of_index(const std::string& directory) {
+  const std::string file = (fs::path(directory) / ".index.sqlite").string();
+  std::error_code error;
+  if (!fs::exists(file, error)) return {};
+  const auto damaged = [&](const std::string& why) { return fmt::format("{}: is damaged: {}", file, why); };
+  sqlite3* database = nullptr;
+  const std::unique_ptr<sqlite3*, void (*)(sqlite3**)> closed(&database, [](sqlite3** open) { sqlite3_close(*open); });
+  try {
+    check(database, sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, nullptr));
+    sqlite3_busy_timeout(database, 10'000);  // another program may be updating it
+    Statement sound(database, "PRAGMA quick_check");
+    if (!sound.row()) return damaged("it says nothing");
+    if (const std::string said = sound.text(0); said != "ok") return damaged(said);
+  } catch (const std::exception& why) {
+    return damaged(why.what());
+  }
+  return {};
+}
 
 RunIndex::RunIndex(std::unique_ptr<State> state) : state_(std::move(state)) {}
 RunIndex::RunIndex(RunIndex&&) noexcept = default;
@@ -341,15 +379,17 @@ tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory)
 }
 
 std::vector<RunIndex::Run> RunIndex::all(const std::vector<std::string>& keys) {
-  return state_->select("1", {}, keys);
+  return state_->ask([&] { return state_->select("1", {}, keys); });
 }
 
 tl::expected<std::vector<RunIndex::Run>, std::string> RunIndex::find(const RunQuery& query,
                                                                      const std::vector<std::string>& keys) {
-  std::vector<Value> bound;
-  const auto where = state_->condition(query, bound);
-  if (!where) return tl::unexpected(where.error());
-  return state_->select(*where, bound, keys);
+  return state_->ask([&]() -> tl::expected<std::vector<Run>, std::string> {
+    std::vector<Value> bound;
+    const auto where = state_->condition(query, bound);
+    if (!where) return tl::unexpected(where.error());
+    return state_->select(*where, bound, keys);
+  });
 }
 
 std::map<std::string, RunIndex::Value> RunIndex::facts(const std::string& id) {
@@ -363,22 +403,28 @@ std::map<std::string, RunIndex::Value> RunIndex::facts(const std::string& id) {
 }
 
 std::vector<std::string> RunIndex::keys() {
-  std::vector<std::string> names;
-  Statement found(state_->database, "SELECT name FROM key ORDER BY name");
-  while (found.row()) names.push_back(found.text(0));
-  return names;
+  return state_->ask([&] {
+    std::vector<std::string> names;
+    Statement found(state_->database, "SELECT name FROM key ORDER BY name");
+    while (found.row()) names.push_back(found.text(0));
+    return names;
+  });
 }
 
 tl::expected<void, std::string> RunIndex::knows(const std::vector<std::string>& words) {
-  for (const std::string& word : words)
-    if (const auto key = state_->resolve(word); !key && size() > 0) return tl::unexpected(key.error());
-  return {};
+  return state_->ask([&]() -> tl::expected<void, std::string> {
+    for (const std::string& word : words)
+      if (const auto key = state_->resolve(word); !key && size() > 0) return tl::unexpected(key.error());
+    return {};
+  });
 }
 
 std::string RunIndex::newest() {
-  Statement last(state_->database, "SELECT id, began FROM run ORDER BY began DESC, id DESC LIMIT 1");
-  if (!last.row()) return state_->newest_unread.id;
-  return state_->newest_unread.began > last.whole(1) ? state_->newest_unread.id : last.text(0);
+  return state_->ask([&] {
+    Statement last(state_->database, "SELECT id, began FROM run ORDER BY began DESC, id DESC LIMIT 1");
+    if (!last.row()) return state_->newest_unread.id;
+    return state_->newest_unread.began > last.whole(1) ? state_->newest_unread.id : last.text(0);
+  });
 }
 
 std::size_t RunIndex::size() {

@@ -3,15 +3,20 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include <tl/expected.hpp>
 
+#include "app/runs/run_folder.h"
 #include "app/runs/run_query.h"
 
 namespace skein::app {
+
+/// What is wrong with the index of a directory; none: it is sound, or not there. Changes nothing.
+std::optional<std::string> damage_of_index(const std::string& directory);
 
 /// The index of all kept runs of a directory: a copy of each run's run.json in SQLite, DIRECTORY/.index.sqlite, for
 /// fast searches. It may be deleted: it is rebuilt. If it cannot be written, it is built in memory. One thread; several
@@ -24,7 +29,7 @@ class RunIndex {
   RunIndex& operator=(RunIndex&&) noexcept;
   ~RunIndex();
 
-  using Value = std::variant<double, std::string>;
+  using Value = RunValue;
   struct Run {
     std::string id;  ///< the folder's name
     std::map<std::string, Value> facts;

@@ -14,13 +14,11 @@ namespace {
 /// What the story of a kept run says beside its record.
 PageOrigin origin_of(const nlohmann::ordered_json& story) {
   PageOrigin origin;
-  const auto text = [&](const char* table, const char* key) {
-    return story.contains(table) && story[table].is_object() ? story[table].value(key, std::string()) : std::string();
-  };
-  const std::string commit = text("program", "commit");
-  origin.sentence = fmt::format("Run {} of {}, on {} ({}), by skein {}{}.", story.value("id", std::string()),
-                                story.value("began", std::string()), text("machine", "host"), text("machine", "cpu"),
-                                text("program", "version"), commit.empty() ? "" : ", commit " + commit);
+  const std::string commit = text_at(story, "program", "commit");
+  origin.sentence =
+      fmt::format("Run {} of {}, on {} ({}), by skein {}{}.", text_at(story, "id"), text_at(story, "began"),
+                  text_at(story, "machine", "host"), text_at(story, "machine", "cpu"),
+                  text_at(story, "program", "version"), commit.empty() ? "" : ", commit " + commit);
   if (story.contains("problems") && story["problems"].is_array())
     for (const auto& problem : story["problems"])
       if (problem.is_string()) origin.problems.push_back(problem.get<std::string>());

@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cctype>
-#include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace skein::app {
@@ -23,6 +23,7 @@ constexpr std::array<std::pair<std::string_view, Relation>, 7> relations{{
     {"~", Relation::contains},
 }};
 constexpr int deepest = 100;  // brackets and nots within one another
+constexpr int most = 500;     // comparisons: SQLite takes expressions up to 1,000 deep
 
 class Parser {
  public:
@@ -77,19 +78,20 @@ class Parser {
     skip();
     std::string key(word());
     if (key.empty()) return refuse("a key, such as k_xx or collisions");
+    if (++comparisons_ > most) return refuse(fmt::format("at most {} comparisons", most));
     at_ += key.size();
     for (const auto& [sign, relation] : relations)
       if (take(sign)) {
         auto value = operand();
         if (!value) return tl::unexpected(value.error());
-        if (relation == Relation::contains && std::holds_alternative<double>(*value))
+        if (relation == Relation::contains && !std::holds_alternative<std::string>(*value))
           return tl::unexpected(fmt::format("{} ~: found a number, allowed: a text between quotes", key));
         return RunQuery{.comparison = {std::move(key), relation, std::move(*value)}};
       }
     return refuse("= != < <= > >= or ~");
   }
 
-  tl::expected<std::variant<double, std::string>, std::string> operand() {
+  tl::expected<RunValue, std::string> operand() {
     skip();
     if (at_ < text_.size() && (text_[at_] == '\'' || text_[at_] == '"')) {
       const std::size_t end = text_.find(text_[at_], at_ + 1);
@@ -101,9 +103,13 @@ class Parser {
     const std::string_view found = word();
     if (found.empty()) return tl::unexpected(refuse("a number, a word, or a text between quotes").error());
     at_ += found.size();
-    double number = 0.0;
-    const auto [stop, error] = std::from_chars(found.data(), found.data() + found.size(), number);
-    if (error == std::errc{} && stop == found.data() + found.size()) return number;
+    if (auto number = number_of(found)) {
+      if (const double* const value = std::get_if<double>(&*number); value != nullptr && !std::isfinite(*value))
+        return tl::unexpected(
+            fmt::format("column {} of the condition: found {}, which no key has, allowed: a finite number",
+                        at_ - found.size() + 1, found));
+      return *std::move(number);
+    }
     return std::string(found);
   }
 
@@ -141,7 +147,7 @@ class Parser {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  int depth_ = 0;
+  int depth_ = 0, comparisons_ = 0;
 };
 
 }  // namespace

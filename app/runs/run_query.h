@@ -2,10 +2,11 @@
 
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include <tl/expected.hpp>
+
+#include "app/runs/run_folder.h"
 
 namespace skein::app {
 
@@ -20,7 +21,7 @@ struct RunQuery {
   struct Comparison {
     std::string key;
     Relation relation = Relation::equal;
-    std::variant<double, std::string> value;
+    RunValue value;
   };
   enum class Kind { comparison, negation, all, any };
   Kind kind = Kind::comparison;

@@ -39,14 +39,15 @@ Step check_files(const std::string& folder, const Json& story) {
   std::set<std::string> known{run_files::story};
   for (const auto& [name, file] : story["files"].items()) {
     known.insert(name);
-    if (fs::path(name).is_absolute() || name.find("..") != std::string::npos) {
+    const fs::path path(name);
+    if (path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end()) {
       fail(fmt::format("{}: is not the name of a file in the folder", name));
       continue;
     }
     const auto hash = sha256_of_file((fs::path(folder) / name).string());
     if (!hash)
       fail(hash.error());
-    else if (!file.is_object() || file.value("sha256", std::string()) != *hash)
+    else if (text_at(file, "sha256") != *hash)
       fail(fmt::format("{}: was changed after the run: its SHA-256 is {}", name, *hash));
   }
   for (const std::string& name : files_of_run(folder))
@@ -133,11 +134,12 @@ Step run_again(const std::string& folder, const std::string& csv) {
   const auto experiment = load_experiment((fs::path(folder) / run_files::as_run).string());
   if (!experiment) return {"run_again", false, experiment.error().front().message()};
   Experiment here = *experiment;
-  // A calibration from elsewhere is in the folder under a name of its own.
+  // A calibration from elsewhere is in the folder under a name of its own: what lies there now is not of this run.
   for (std::size_t k = 0; k < here.cameras(); ++k) {
     std::string& calibration = k == 0 ? here.camera.calibration : here.camera.also[k - 1].calibration;
-    if (std::error_code ignored; !calibration.empty() && !fs::exists(fs::path(folder) / calibration, ignored))
-      calibration = kept_calibration(k);
+    if (calibration.empty()) continue;
+    const std::string kept = calibration_in_folder(calibration, k);
+    if (std::error_code ignored; fs::exists(fs::path(folder) / kept, ignored)) calibration = kept;
   }
   std::ifstream in(csv, std::ios::binary);
   const bool pair_gains = [&] {
@@ -166,13 +168,24 @@ bool Verification::holds() const noexcept {
 tl::expected<Verification, std::string> verify_run(const std::string& folder) {
   const auto story = read_story(folder);
   if (!story) return tl::unexpected(story.error());
+  if (const auto format = story->find("format");
+      format == story->end() || !format->is_number_integer() || format->get<std::int64_t>() != story_format)
+    return tl::unexpected(
+        fmt::format("{}/{}: found format {}, allowed: {}; what another version of skein kept, that version verifies",
+                    folder, run_files::story, format == story->end() ? "none" : format->dump(), story_format));
   const std::string csv = (fs::path(folder) / run_files::record).string();
   Verification result;
+  if (const auto whole = seal_holds(*story))
+    result.steps.push_back({"story", *whole,
+                            *whole ? "run.json is as it was written"
+                                   : "run.json: was changed after the run: it has not the SHA-256 that it names"});
+  else
+    result.notes.emplace_back(
+        "run.json has no SHA-256 of its own, as those of earlier versions: what it says is not verified");
   result.steps.push_back(check_files(folder, *story));
   result.steps.push_back(check_experiment(folder, csv));
   result.steps.push_back(check_commands(folder, csv, result.notes));
-  const bool repeats =
-      story->value("clock", std::string()) == "virtual" && story->value("state", std::string()) == "finished";
+  const bool repeats = text_at(*story, "clock") == "virtual" && text_at(*story, "state") == "finished";
   if (repeats)
     result.steps.push_back(run_again(folder, csv));
   else

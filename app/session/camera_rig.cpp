@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <utility>
 
@@ -61,7 +60,7 @@ tl::expected<vision::Calibration, std::string> camera_calibration(const Experime
   const CameraSpec& camera = experiment.camera_at(number);
   const std::string prefix = camera_prefix(experiment, number);
   if (!camera.calibration.empty()) {
-    auto calibration = load_calibration(std::filesystem::path(experiment.directory) / camera.calibration);
+    auto calibration = load_calibration(experiment.calibration_file(number));
     if (!calibration) return tl::unexpected(prefix + calibration.error());
     if (calibration->world_from_camera) return calibration;
     return tl::unexpected(
@@ -548,6 +547,11 @@ void CameraRig::wait_for_frame(double since, double until) noexcept {
     const timespec timeout{.tv_sec = 0, .tv_nsec = static_cast<long>(std::min(until - now, 0.9) * 1e9)};
     pollfd ready{.fd = ready_, .events = POLLIN, .revents = 0};
     ::ppoll(&ready, 1, &timeout, nullptr);
+  }
+}
+
+void CameraRig::watch_for_frame(double since, double until) const noexcept {
+  while (ready_at_.load(std::memory_order_acquire) < since && clock_.now() < until) {
   }
 }
 

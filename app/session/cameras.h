@@ -36,6 +36,7 @@ class Cameras {
   bool newest(std::span<core::Measurement> measurements, FrameTimes& times) noexcept;
   /// As CameraRig's, of the leading camera.
   void wait_for_frame(double since, double until) noexcept { lead().wait_for_frame(since, until); }
+  void watch_for_frame(double since, double until) noexcept { lead().watch_for_frame(since, until); }
   bool picture(Picture& out) { return lead().picture(out); }
   std::array<double, 2> pixel(double x, double y) const { return lead().pixel(x, y); }
   /// Events: those of each camera, and which of several are lost or back. Control thread only.

@@ -106,6 +106,7 @@ class ControlLoop {
   void pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
   bool asked() const noexcept;
   void cycle(double now, int elapsed);
+  void await_frame(const TickTimer::Window& window) noexcept;
   void wake_controller(const TickTimer::Window& window) noexcept;
   void ask_controller() noexcept;
   void heed_camera(const TickRecord& record) noexcept;
@@ -156,6 +157,7 @@ class ControlLoop {
   Timing timing_;
   Newest<Histogram> late_;          // of timing_.tick
   std::atomic<bool> ticks_{false};  // the rest of timing_ holds
+  const bool several_processors_ = std::thread::hardware_concurrency() > 1;
   std::unique_ptr<BareThread> bare_;
   std::jthread thread_;
 };

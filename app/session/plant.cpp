@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <thread>
 #include <utility>
@@ -32,7 +31,7 @@ std::string calibrate_floor(const Experiment& experiment, std::size_t camera, bo
   // Nobody else can look through a synthetic camera: a film of the run shows what it saw.
   return fmt::format("skein calibrate floor {} --camera {}{}",
                      spec.kind() == CameraKind::synthetic ? "video:FILM.mkv" : spec.source,
-                     (std::filesystem::path(experiment.directory) / spec.calibration).string(), settings);
+                     experiment.calibration_file(camera), settings);
 }
 
 }  // namespace
@@ -108,6 +107,10 @@ bool Plant::measure(double now, std::span<core::Measurement> newest, std::span<c
 
 void Plant::wait_for_frame(double since, double until) noexcept {
   if (cameras_) cameras_->wait_for_frame(since, until);
+}
+
+void Plant::watch_for_frame(double since, double until) noexcept {
+  if (cameras_) cameras_->watch_for_frame(since, until);
 }
 
 void Plant::command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept {

@@ -38,6 +38,8 @@ class Plant {
   /// Waits until the camera's newest frame was ready at `since` or later, at most until `until`; not at all without a
   /// camera. Wall clock only; control thread only.
   void wait_for_frame(double since, double until) noexcept;
+  /// The same without sleeping, see CameraRig.
+  void watch_for_frame(double since, double until) noexcept;
   /// When every robot's command that was given since `given_at` was written and answered, on the session's clock; none:
   /// not yet. Zeros: the robot has no link. Control thread only.
   void command_times(double given_at, std::span<comms::CommandTimes> robots) const noexcept;

@@ -27,13 +27,12 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
   const bool real = kind == CameraKind::live;
   if (kind == CameraKind::absent) return {What::camera, State::holds, "none: poses come from the simulation", real};
   for (std::size_t k = 0; k < e.cameras(); ++k) {
-    const std::string& calibration = e.camera_at(k).calibration;
+    const std::string file = e.calibration_file(k);
     const std::string prefix = camera_prefix(e, k);
-    if (calibration.empty() && kind != CameraKind::synthetic)
+    if (file.empty() && kind != CameraKind::synthetic)
       return {What::camera, State::fails, prefix + "camera.calibration names no file", real};
-    if (const auto file = std::filesystem::path(e.directory) / calibration;
-        !calibration.empty() && !std::filesystem::exists(file))
-      return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file.string()), real};
+    if (!file.empty() && !std::filesystem::exists(file))
+      return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file), real};
   }
   if (!down.empty())
     return {What::camera, State::fails, fmt::format("{}; it is retried until it is there", down), true};

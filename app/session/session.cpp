@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/experiment/at_start.h"
 #include "app/session/session_wiring.h"
 
 namespace skein::app {
@@ -188,14 +189,16 @@ Phase Session::run(const std::function<bool()>& keep_on) {
         return;
       if (i.clock.now() < give_up) continue;
       const ControlLoop::NotStaged behind = i.loop->not_staged();
-      i.fail(behind.robot < 0
-                 ? fmt::format("staging: the robots were not all at their starts within {} s",
-                               i.experiment.staging.timeout)
-                 : fmt::format("staging: robot {} has not reached its start within {} s: {}", behind.robot + 1,
-                               i.experiment.staging.timeout,
-                               (behind.mode & lost) != 0      ? std::string("its tag is not seen")
-                               : (behind.mode & stopped) != 0 ? std::string("it is held")
-                                                              : fmt::format("it is {:.3f} m away", behind.distance)));
+      i.fail(behind.robot < 0 ? fmt::format("staging: the robots were not all at their starts within {} s",
+                                            i.experiment.staging.timeout)
+                              : fmt::format("staging: robot {} has not reached its start within {} s: {}",
+                                            behind.robot + 1, i.experiment.staging.timeout,
+                                            (behind.mode & lost) != 0
+                                                ? std::string(has_camera() ? "its tag is not seen" : "it is not seen")
+                                            : (behind.mode & stopped) != 0 ? std::string("it is held")
+                                            : behind.distance > staged_tolerance.distance
+                                                ? fmt::format("it is {:.3f} m away", behind.distance)
+                                                : "it is there, but its heading is off"));
       while (!over() && !i.loop->failed()) turn();
     }
   };

@@ -52,14 +52,16 @@ std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Ref
   if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
   const std::vector<double> beyond = sizes_beyond(e);
   const double most = core::Sizes(beyond).most();
-  return std::make_unique<core::Planner>(core::Planner::Setup{e.robots.size(),
-                                                              obstacles,
-                                                              {0.5 * e.arena_width, 0.5 * e.arena_height},
-                                                              e.shield.distance + 2.0 * most,
-                                                              e.duration,
-                                                              e.shield.gamma,
-                                                              core::standard_radius + most},
-                                         reference, e.avoidance.formation_waits ? &clock : nullptr);
+  core::Planner::Setup setup{e.robots.size(),
+                             obstacles,
+                             {0.5 * e.arena_width, 0.5 * e.arena_height},
+                             e.shield.distance + 2.0 * most,
+                             e.duration,
+                             e.shield.gamma,
+                             core::standard_radius + most};
+  setup.smaller.reserve(beyond.size());
+  for (const double larger : beyond) setup.smaller.push_back(most - larger);
+  return std::make_unique<core::Planner>(setup, reference, e.avoidance.formation_waits ? &clock : nullptr);
 }
 
 /// How far V may seem to rise where poses are noisy: its steepest slope is k_y a metre, and noise stays below eight
@@ -108,7 +110,7 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
   believed.resize(n);
   in_order.reserve(e.cameras());
   record.by_camera.resize(e.cameras() > 1 ? e.cameras() * n : 0);
-  seen_before.resize(n);
+  seen_or_missed.resize(n);
   held.resize(n);
   disobeys.resize(n);
   stuck.resize(n);
@@ -408,7 +410,7 @@ void TickState::estimate(const TickInput& input) noexcept {
     }
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
-    const bool was_lost = robot.is(lost);
+    const bool was_lost = robot.is(lost), was_known = filters[i].known();
     accept_measurements(i, input);
     robot.measurement = believed[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
@@ -420,13 +422,16 @@ void TickState::estimate(const TickInput& input) noexcept {
     robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
     doubt[i] = seen ? trusted_deviations *
-                          filters[i].sigma_after(experiment.estimation.filter, std::abs(commands[i].v) * robot.pose_age)
+                          filters[i].sigma_after(experiment.estimation.filter, filters[i].way_to(input.now).driven)
                     : 0.0;
-    // One that has never been seen was not lost, and its first sight is what everybody expects.
-    if (robot.is(lost) != was_lost && seen_before[i]) note(was_lost ? Event(events::Found{i}) : Event(events::Lost{i}));
+    // The first sight of a robot is what everybody expects, unless it has been missed.
+    if (seen_or_missed[i] && robot.is(lost) != was_lost)
+      note(was_lost ? Event(events::Found{i}) : Event(events::Lost{i}));
+    else if (!seen_or_missed[i] && !seen && running() && record.t > experiment.estimation.bridge)
+      note(events::Lost{i}), seen_or_missed[i] = true;
     // The filter, which had nothing to go by, comes to believe the pose.
-    if (seen && !seen_before[i]) explained_until = input.now + experiment.simulation.latency + settles;
-    if (seen) seen_before[i] = true;
+    if (seen && !was_known) explained_until = input.now + experiment.simulation.latency + settles;
+    if (seen) seen_or_missed[i] = true;
     if (robot.is(lost)) avoidance.reset(i);
     driving[i] = commands[i];
     if (seen) measure_twist(i);
@@ -713,6 +718,8 @@ void TickState::watch_progress() noexcept {
     if (over > 0.0 && !outside[i]) note(events::Outside{i, over});
     outside[i] = over > 0.0;
     const double away = core::distance(poses[i], nominal[i].pose);
+    // Beside an obstacle on its lane a robot is abreast of its place, and nothing keeps it from it.
+    if (planner && planner->state(i) == core::Planner::State::passing) progress.restart(i);
     if (!moving() || std::isnan(away) || !progress.stuck(i, away, motion_dt)) continue;
     note(events::NoProgress{i, away, hindrance(i)});
   }

@@ -79,12 +79,12 @@ struct TickMemory {
   std::vector<Seen> seen_by;                // robot i by camera c at c * robots + i
   std::vector<core::Measurement> believed;  // the newest of each robot that its filter has taken in
   std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
-  std::vector<bool> seen_before;
-  std::vector<bool> held;               // made to stand by the operator
-  std::vector<bool> disobeys;           // drives otherwise than it was told, and has not stood since
-  std::vector<bool> off_nominal;        // follows a modified reference
-  std::vector<core::WheelSpeeds> owed;  // what the motors' coarse step rates have left undone
-  std::vector<double> acts_at;          // from when on the newest commands act [s]
+  std::vector<bool> seen_or_missed;         // what is told of its sight is told as losses and finds
+  std::vector<bool> held;                   // made to stand by the operator
+  std::vector<bool> disobeys;               // drives otherwise than it was told, and has not stood since
+  std::vector<bool> off_nominal;            // follows a modified reference
+  std::vector<core::WheelSpeeds> owed;      // what the motors' coarse step rates have left undone
+  std::vector<double> acts_at;              // from when on the newest commands act [s]
   struct Sight {
     static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
     std::array<core::Measurement, frames> seen{};

@@ -15,10 +15,10 @@
 namespace skein::app {
 namespace {
 
-constexpr double slow = 0.4, quick = 1.0;            // to and fro, at first and at last [Hz]
-constexpr double fastest_turn = 2.0;                 // [rad/s]
-constexpr double first_sight = 10.0, at_rest = 0.5;  // a camera opens; before and after the manoeuvre [s]
-constexpr double off_the_spot = 0.05, elbow = 0.01;  // the robot may wander; between two bodies [m]
+constexpr double slow = 0.4, quick = 1.0;             // to and fro, at first and at last [Hz]
+constexpr double fastest_turn = 2.0;                  // [rad/s]
+constexpr double camera_opens = 10.0, at_rest = 0.5;  // a camera opens; before and after the manoeuvre [s]
+constexpr double off_the_spot = 0.05, elbow = 0.01;   // the robot may wander; between two bodies [m]
 
 /// A frequency that rises evenly: delay and scale of the headings show at different phases of each turn.
 double turning_rate(double t, double seconds) {
@@ -251,7 +251,7 @@ tl::expected<LatencyMeasurement, std::string> measure_latency(Plant& plant, Sess
   const auto ever = [&] { return seen.captured_at > core::Measurement{}.captured_at; };
   const std::string name = robot_name(experiment, robot);
   for (const double begun = clock.now(); !ever();) {
-    if (clock.now() > begun + first_sight)
+    if (clock.now() > begun + camera_opens)
       return refuse(fmt::format("tag {} of {} is not seen", experiment.robots[robot].tag, name));
     if (const auto ticked = loop.tick(); !ticked) return tl::unexpected(ticked.error());
   }

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/manual/whole_number.h"
 #include "app/run/interrupted.h"
 #include "vision/sources/open_source.h"
 #include "vision/v4l2/camera_controls.h"
@@ -24,7 +25,7 @@ void CameraWords::add_to(CLI::App& command, bool calibrated) {
   command.add_option("--format", format, "of a camera's frames; default: the cheapest that supports size and rate")
       ->type_name("YUYV|MJPG|...");
   command.add_option("--rate", rate, "of a camera [frames/s]; default: the present setting")
-      ->check(CLI::Range(0.1, 10000.0));
+      ->check(number_within(0.1, 10000.0));
   command.add_option("--trigger", trigger, "what triggers the frames of an aravis camera; default: its own clock")
       ->type_name("software|LINE");
 }

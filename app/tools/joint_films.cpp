@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include "app/session/camera_film.h"
@@ -35,18 +34,10 @@ void add_sights(const std::vector<vision::Detection>& found, const std::vector<i
 }  // namespace
 
 tl::expected<JointFilms, std::string> joint_films(const Experiment& experiment, const std::string& film,
-                                                  std::size_t reference, const std::function<bool()>& keep_on) {
+                                                  std::size_t reference, const JointProgress& keep_on) {
   JointFilms result;
   const std::size_t cameras = experiment.cameras();
-  for (std::size_t k = 0; k < cameras; ++k) {
-    const std::string& file = experiment.camera_at(k).calibration;
-    const std::string path = file.empty() ? file : (std::filesystem::path(experiment.directory) / file).string();
-    const auto other = std::find(result.files.begin(), result.files.end(), path);
-    if (!path.empty() && other != result.files.end())
-      return tl::unexpected(fmt::format("cameras {} and {} have one calibration, {}; needed: a file each",
-                                        other - result.files.begin() + 1, k + 1, path));
-    result.files.push_back(path);
-  }
+  for (std::size_t k = 0; k < cameras; ++k) result.files.push_back(experiment.calibration_file(k));
   std::vector<vision::Calibration> calibrations;
   std::vector<std::vector<vision::TagPose>> sights(cameras);
   const std::vector<std::string> films = film_paths(experiment, film);
@@ -66,7 +57,7 @@ tl::expected<JointFilms, std::string> joint_films(const Experiment& experiment, 
     detector.set_decimate(vision::decimate_for_edge(vision::tag_edge_px(*calibration)));
     std::int64_t frames = 0;
     while (true) {
-      if (keep_on && !keep_on()) return tl::unexpected(std::string("interrupted"));
+      if (keep_on && !keep_on(k, frames)) return tl::unexpected(std::string("interrupted"));
       const auto more = opened->source->read(frame);
       if (!more) return tl::unexpected(camera_prefix(experiment, k) + more.error());
       if (!*more) break;

@@ -19,11 +19,14 @@ struct JointFilms {
   std::vector<std::size_t> sights{};   ///< of robots, likewise
 };
 
+/// Told before each frame which camera's film is searched, from 0, and how many of its frames have been; false ends it.
+using JointProgress = std::function<bool(std::size_t camera, std::int64_t frames)>;
+
 /// vision::solve_joint from the films that a run of an experiment has left (`skein run --video`), one a camera. Every
 /// frame is searched by AprilTag, so that nothing depends on what one camera was told of another. `reference`: a
-/// camera, from 0. The error: a film or calibration is not that of the experiment, two cameras have one calibration
-/// file, solve_joint's own, or it was ended (`keep_on`).
+/// camera, from 0. The error: a film or calibration is not that of the experiment, solve_joint's own, or it
+/// was ended (`keep_on`).
 tl::expected<JointFilms, std::string> joint_films(const Experiment& experiment, const std::string& film,
-                                                  std::size_t reference, const std::function<bool()>& keep_on = {});
+                                                  std::size_t reference, const JointProgress& keep_on = {});
 
 }  // namespace skein::app

@@ -193,6 +193,13 @@ std::string head(const Study& study, const Part& part) {
                      fingerprint(study), part.index, part.of);
 }
 
+constexpr std::string_view last_line = "# hash: ";
+
+/// A part's last line, of all that stands before it.
+std::string foot(std::string_view text) {
+  return fmt::format("{}{:016x}\n", last_line, fnv1a(text));
+}
+
 std::optional<std::int64_t> environment_number(const char* name) {
   const char* const text = std::getenv(name);
   std::int64_t value = 0;
@@ -243,6 +250,7 @@ std::vector<std::pair<std::string, const std::vector<RunOutcome>*>> Outcomes::va
 
 std::vector<std::pair<std::string, SweepSummary>> summaries_of_compared(const Study& study, const Outcomes& outcomes) {
   std::vector<std::pair<std::string, SweepSummary>> summaries;
+  summaries.reserve(outcomes.compared.size());
   for (const Outcomes::Compared& other : outcomes.compared)
     summaries.emplace_back(other.name, summarise(compared_study(study, other.name), other.runs));
   return summaries;
@@ -288,8 +296,10 @@ tl::expected<void, std::string> save_part(const std::string& directory, const St
   std::error_code error;
   fs::create_directories(directory, error);
   std::ofstream file(draft, std::ios::binary | std::ios::trunc);
-  file << head(study, part);
-  write_outcomes(file, outcomes);
+  std::ostringstream text;
+  text << head(study, part);
+  write_outcomes(text, outcomes);
+  file << text.view() << foot(text.view());
   file.close();
   if (!file || std::rename(draft.c_str(), path.c_str()) != 0) return failed();
   return {};
@@ -303,7 +313,12 @@ tl::expected<Outcomes, std::string> load_part(const std::string& directory, cons
   if (!text->starts_with(expected))
     return tl::unexpected(
         fmt::format("{}: it belongs to another study, other --runs, --seed or --set, or another program", path));
-  std::istringstream in(text->substr(expected.size()));
+  const std::size_t end = text->rfind(last_line);
+  if (end == std::string::npos || end == 0 || (*text)[end - 1] != '\n')
+    return tl::unexpected(fmt::format("{}: it is torn: its last line, {}..., is missing", path, last_line));
+  if (text->substr(end) != foot(std::string_view(*text).substr(0, end)))
+    return tl::unexpected(fmt::format("{}: it has been changed since it was computed", path));
+  std::istringstream in(text->substr(expected.size(), end - expected.size()));
   auto outcomes = read_rows(in, study);
   if (!outcomes) return tl::unexpected(fmt::format("{}: {}", path, outcomes.error()));
   const auto whole = [&](const std::vector<RunOutcome>& rows) {

@@ -65,6 +65,7 @@ class RobotTest {
 
   tl::expected<void, std::string> stand();
   tl::expected<Manoeuvre, std::string> drive(std::size_t robot, double left, double right, double seconds);
+  tl::expected<void, std::string> read_counters(std::size_t robot);
   tl::expected<void, std::string> cut_line(std::size_t robot, RobotTestResult& result);
   void judge_camera(std::size_t robot, const Manoeuvre& left, const Manoeuvre& right, RobotTestResult& result) const;
   tl::expected<void, std::string> calibrate(std::size_t robot, RobotTestResult& result);

@@ -139,6 +139,14 @@ class Tuner {
     const auto merits = run({});
     if (!merits) return tl::unexpected(stopped_ ? "stopped before the search: nothing is written" : merits.error());
     tuned_.own.searched = *merits;
+    const auto never = [&](const std::vector<double>& times) {
+      return std::all_of(times.begin(), times.end(), [&](double time) { return time >= longest_; });
+    };
+    if (never(newest_times_.formation) && never(newest_times_.tracking))
+      return tl::unexpected(
+          fmt::format("with the experiment's own gains none of {} kicks has settled {:g} s later, at the end of the "
+                      "experiment: there is nothing to compare with, allowed: a longer duration, or smaller kicks",
+                      study_.runs, longest_));
     delay_margin_ = tune_.delay_margin.value_or(tuned_.own.delay_margin);
     limited_share_ = tune_.limited_share.value_or(tuned_.own.searched.limited_share);
     effort_ = tune_.effort.value_or(tuned_.own.searched.effort);

@@ -12,7 +12,7 @@ constexpr double ride_step = 0.2;         // of a trial ride [s]
 constexpr double turn_rate = 4.0;         // how fast a heading error is turned away, before the bounds [1/s]
 constexpr double comfort = 0.02;          // more than must be kept is better, up to this much [m]
 constexpr double nearer = 1e-3;           // a meeting that brings two no nearer than this is none [m]
-constexpr double soon = 0.1;              // share of a step
+constexpr double soon_share = 0.1;        // share of a step
 constexpr double length_rounding = 1e-6;  // [m]
 constexpr double end_rate = 2.0;          // how fast a way ends [1/s]
 constexpr int directions = 24;
@@ -90,7 +90,8 @@ Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& fro
   Pose pose = from;
   Ride result{0.0, 0.0, std::numeric_limits<double>::infinity()};
   int steps = 0, held = 0;
-  for (double t = ride_step; t < horizon + 0.5 * ride_step; t += ride_step, ++steps) {
+  double t = ride_step;
+  for (; t < horizon + 0.5 * ride_step; ++steps) {
     const Twist twist = towards(heading, speed, pose.theta, bounds);
     const double off = wrap_angle(heading - pose.theta);
     pose.theta =
@@ -100,14 +101,15 @@ Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& fro
     double left_over = gap(x, y, t);
     // The shield asks at every moment: a chord may not begin with coming nearer either.
     if (left_over < comfort)
-      left_over = std::min(
-          left_over, gap(pose.x + soon * (x - pose.x), pose.y + soon * (y - pose.y), t - ride_step + soon * ride_step));
+      left_over = std::min(left_over, gap(pose.x + soon_share * (x - pose.x), pose.y + soon_share * (y - pose.y),
+                                          t - ride_step + soon_share * ride_step));
     result.closest = std::min(result.closest, left_over);
     if (left_over < 0.0 || outside(x, y) > allowed_outside)
       ++held;  // as the shield holds it: it stands, and goes on turning
     else
       pose.x = x, pose.y = y;
     result.off += std::hypot(goal.pose.x + v_x * t - pose.x, goal.pose.y + v_y * t - pose.y);
+    t += ride_step;
   }
   result.off /= steps;
   result.held = static_cast<double>(held) / steps;
@@ -164,7 +166,8 @@ bool Steering::conflict(const Scene& scene, std::size_t i, std::span<const std::
                         const ReferencePoint& reference, double horizon) noexcept {
   const Pose& here = scene.poses[i];
   const Pose from{here.x, here.y, reference.pose.theta};
-  for (double t = ride_step; t < horizon + 0.5 * ride_step; t += ride_step) {
+  double t = ride_step;
+  while (t < horizon + 0.5 * ride_step) {
     const Pose there = advance(from, reference.twist, t);
     const auto meets = [&](const Pose& now, const Pose& then, double keep) {
       const double d = distance(there, then);
@@ -176,6 +179,7 @@ bool Steering::conflict(const Scene& scene, std::size_t i, std::span<const std::
     for (const Obstacle& o : scene.obstacles)
       if (meets({o.x, o.y, 0.0}, {o.x, o.y, 0.0}, scene.keep - standard_radius + o.radius + scene.sizes.beyond(i)))
         return true;
+    t += ride_step;
   }
   return false;
 }

@@ -32,7 +32,8 @@ void CameraWatch::see(std::size_t robot, const PoseFilter& filter, const FilterP
                       const Measurement& before, const Measurement& m) noexcept {
   if (m.captured_at <= robots_[robot].seen_at) return;
   // By then it has been elsewhere, under another camera or in a hand.
-  if (!(m.captured_at - before.captured_at <= patience)) return see(robot, m.pose, m.pose, m.captured_at, {});
+  if (!(m.captured_at - before.captured_at <= patience) || !filter.remembers(before.captured_at))
+    return see(robot, m.pose, m.pose, m.captured_at, {});
   const Predictor::Way way = filter.way(before.captured_at, m.captured_at);
   const double drift = way.driven * std::hypot(before.sigma_theta, parameters.slip);
   const double noise = std::hypot(before.sigma_xy, drift, m.sigma_xy);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/kinematics/differential_drive.h"
+#include "core/kinematics/unicycle.h"
 
 namespace skein::core {
 namespace {
@@ -25,10 +26,23 @@ double PoseFilter::sigma_xy() const noexcept {
   return std::sqrt(0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
 }
 
+void PoseFilter::command(double acts_at, const Twist& twist) noexcept {
+  if (const auto leg = predictor_.forgets_next(); known_ && leg && leg->to > base_.at) {
+    const double from = std::max(leg->from, base_.at);
+    base_ = {predictor_.predict(base_.pose, base_.at, leg->to), leg->to, base_.way + predictor_.way(from, leg->to)};
+  }
+  predictor_.command(acts_at, twist);
+}
+
+void PoseFilter::restart(const Pose& pose, double captured_at) noexcept {
+  pose_ = pose;
+  captured_at_ = captured_at;
+  base_ = {pose, captured_at, {}};
+}
+
 void PoseFilter::begin(const Measurement& m) noexcept {
   known_ = true;
-  pose_ = m.pose;
-  captured_at_ = m.captured_at;
+  restart(m.pose, m.captured_at);
   covariance_.setZero();
   covariance_(0, 0) = covariance_(1, 1) = m.sigma_xy * m.sigma_xy;
   covariance_(2, 2) = m.sigma_theta * m.sigma_theta;
@@ -41,13 +55,14 @@ std::optional<Pose> PoseFilter::see(const FilterParameters& parameters, const Me
   }
   if (m.captured_at <= captured_at_) return {};
 
-  const Predictor::Way way = predictor_.way(captured_at_, m.captured_at);
+  const Predictor::Way way = way_to(m.captured_at);
   propagate(parameters, m.captured_at);
   return update(parameters, way, m);
 }
 
 std::optional<Pose> PoseFilter::fuse(const FilterParameters& parameters, const Measurement& m) noexcept {
   if (!known_ || m.captured_at > captured_at_) return see(parameters, m);
+  if (base_.at > captured_at_) return {};  // of an age of which the commands are forgotten
   return update(parameters, predictor_.way(m.captured_at, captured_at_), carried(parameters, m));
 }
 
@@ -55,8 +70,9 @@ std::optional<Pose> PoseFilter::surprise(const FilterParameters& parameters, con
   if (!known_ || announced(m)) return {};
   PoseFilter then(*this);
   const bool late = m.captured_at <= captured_at_;
+  if (late && base_.at > captured_at_) return {};
+  const Predictor::Way way = late ? predictor_.way(m.captured_at, captured_at_) : way_to(m.captured_at);
   if (!late) then.propagate(parameters, m.captured_at);
-  const Predictor::Way way = predictor_.way(std::min(captured_at_, m.captured_at), then.captured_at_);
   if (then.explains(parameters, way, late ? carried(parameters, m) : m)) return {};
   return then.pose_;
 }
@@ -112,7 +128,7 @@ std::optional<Pose> PoseFilter::update(const FilterParameters& parameters, const
   noise(2, 2) = m.sigma_theta * m.sigma_theta;
   const Eigen::Matrix3d gain = covariance_ * (covariance_ + noise).inverse();
   const Eigen::Vector3d correction = gain * innovation;
-  pose_ = {pose_.x + correction.x(), pose_.y + correction.y(), wrap_angle(pose_.theta + correction.z())};
+  restart({pose_.x + correction.x(), pose_.y + correction.y(), wrap_angle(pose_.theta + correction.z())}, captured_at_);
   // Joseph's form stays symmetric and positive whatever the rounding.
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
@@ -121,11 +137,10 @@ std::optional<Pose> PoseFilter::update(const FilterParameters& parameters, const
 
 /// State and covariance to `time`, by (1) with the commands sent and wheels that roll a little more or less than told.
 void PoseFilter::propagate(const FilterParameters& parameters, double time) noexcept {
-  const Predictor::Way way = predictor_.way(captured_at_, time);
+  const Predictor::Way way = way_to(time);
   const Pose before = pose_;
   const double seconds = time - captured_at_;
-  pose_ = predict(time);
-  captured_at_ = time;
+  restart(predict(time), time);
 
   // A small turn at the beginning swings the whole way: d(x, y)/d(theta) = (-(y - y0), x - x0).
   Eigen::Matrix3d swing = Eigen::Matrix3d::Identity();

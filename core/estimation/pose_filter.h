@@ -23,7 +23,7 @@ struct FilterParameters {
 class PoseFilter {
  public:
   /// Records that the robot drives with `twist` from time `acts_at` on. Times must not decrease. [s]
-  void command(double acts_at, const Twist& twist) noexcept { predictor_.command(acts_at, twist); }
+  void command(double acts_at, const Twist& twist) noexcept;
 
   /// Updates the state with the newest measurement; one that is not newer than the last changes nothing. Returns the
   /// expected pose if the robot has been carried elsewhere: then the filter restarts from the measurement.
@@ -34,14 +34,15 @@ class PoseFilter {
   /// The expected pose if this measurement would make the filter restart; changes nothing.
   std::optional<Pose> surprise(const FilterParameters& parameters, const Measurement& measurement) const noexcept;
 
-  /// Whether there was a measurement, and the commanded distance from the newest one to `time`. [s]
+  /// Whether there was a measurement, and the commanded way from the newest one to `time`. [s]
   bool known() const noexcept { return known_; }
-  Predictor::Way way_to(double time) const noexcept { return predictor_.way(captured_at_, time); }
+  Predictor::Way way_to(double time) const noexcept { return base_.way + predictor_.way(base_.at, time); }
   /// The commanded motion between two times, and where it leads from an earlier measurement. [s]
   Predictor::Way way(double from, double to) const noexcept { return predictor_.way(from, to); }
   Pose predict(const Measurement& from, double time) const noexcept { return predictor_.predict(from, time); }
+  bool remembers(double time) const noexcept { return predictor_.remembers(time); }
   /// The pose at `time`; requires one measurement. [s]
-  Pose predict(double time) const noexcept { return predictor_.predict(pose_, captured_at_, time); }
+  Pose predict(double time) const noexcept { return predictor_.predict(base_.pose, base_.at, time); }
   /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].
   double sigma_xy() const noexcept;
   /// The same for a position predicted along `way` metres of commanded motion: sideways by the heading's error, along
@@ -60,6 +61,7 @@ class PoseFilter {
   void forget() noexcept { known_ = false; }
 
  private:
+  void restart(const Pose& pose, double captured_at) noexcept;
   void propagate(const FilterParameters& parameters, double time) noexcept;
   void begin(const Measurement& measurement) noexcept;
   Measurement carried(const FilterParameters& parameters, const Measurement& measurement) const noexcept;
@@ -73,6 +75,12 @@ class PoseFilter {
   Pose pose_;
   double captured_at_ = 0.0;
   double displaced_at_ = -1e9;
+  // The state, carried along the commands that the predictor has forgotten since: a robot may be unseen for longer.
+  struct Base {
+    Pose pose;
+    double at = 0.0;
+    Predictor::Way way;
+  } base_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  // of x, y, theta in the world frame [m, rad]
 };
 

@@ -11,6 +11,16 @@ void Predictor::command(double acts_at, const Twist& twist) noexcept {
   entries_[count_++ % memory] = {acts_at, twist};
 }
 
+std::optional<Predictor::Leg> Predictor::forgets_next() const noexcept {
+  if (count_ < memory) return {};
+  const Entry& oldest = entries_[count_ % memory];
+  return Leg{oldest.twist, oldest.from, entries_[(count_ + 1) % memory].from};
+}
+
+bool Predictor::remembers(double time) const noexcept {
+  return count_ <= memory || entries_[count_ % memory].from <= time;
+}
+
 template <typename Use>
 void Predictor::between(double from, double to, Use&& use) const noexcept {
   const std::size_t oldest = count_ > memory ? count_ - memory : 0;
@@ -20,7 +30,7 @@ void Predictor::between(double from, double to, Use&& use) const noexcept {
     const Entry& entry = entries_[k % memory];
     const double next = k + 1 < count_ ? entries_[(k + 1) % memory].from : to;
     const double begin = std::max(entry.from, from), end = std::min(next, to);
-    if (end > begin) use(entry.twist, end - begin);
+    if (end > begin && !(entry.twist == Twist{})) use(entry.twist, end - begin);
   }
 }
 

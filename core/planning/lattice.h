@@ -38,8 +38,10 @@ class Lattice {
   /// The neighbour in direction d (0: +x, counter-clockwise), if the line there is free; otherwise size().
   std::size_t neighbour(std::size_t vertex, std::size_t d) const noexcept;
 
+  /// The room beyond the required distance to the nearest obstacle or edge; negative: too little. [m]
+  double room(double x, double y) const noexcept { return clearance(x, y, obstacles_); }
   /// Whether a midpoint may stand at a point; whether it may drive straight between two points.
-  bool free(double x, double y) const noexcept { return clearance(x, y) >= 0.0; }
+  bool free(double x, double y) const noexcept { return room(x, y) >= 0.0; }
   bool free(const Place& from, const Place& to) const noexcept;
   bool has_obstacles() const noexcept { return !obstacles_.empty(); }
   /// The nearest point that keeps its distance from the arena's edges.
@@ -64,8 +66,6 @@ class Lattice {
   }
 
  private:
-  /// The room beyond the required distance; negative: too little. [m]
-  double clearance(double x, double y) const noexcept { return clearance(x, y, obstacles_); }
   bool free(const Place& from, const Place& to, std::span<const Obstacle> obstacles) const noexcept;
   double clearance(double x, double y, std::span<const Obstacle> obstacles) const noexcept;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/control/tracking_error.h"
 #include "core/kinematics/unicycle.h"
@@ -222,13 +223,15 @@ bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Rou
 /// Whether the shield would leave it alone between the samples k - 1 and k of the traffic: what is left over what is to
 /// be kept shrinks no faster than it allows, and where there is nothing left, the distance does not shrink.
 bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noexcept {
-  const double near = query_.keep + reach, shrinks = std::exp(-0.95 * query_.gamma * Traffic::step);
+  const double shrinks = std::exp(-0.95 * query_.gamma * Traffic::step);
   for (std::size_t j = 0; j < traffic_->robots(); ++j) {
     if (j == query_.robot || !traffic_->present(j)) continue;
+    const double closer = query_.smaller.empty() ? 0.0 : query_.smaller[query_.robot] + query_.smaller[j];
+    const double keep = query_.keep - closer, near = keep + reach;
     const double dx = traffic_->x(j, k) - here.x, dy = traffic_->y(j, k) - here.y, squared = dx * dx + dy * dy;
     if (squared > near * near) continue;
-    const double left = std::sqrt(squared) - query_.keep;
-    const double was = std::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - query_.keep;
+    const double left = std::sqrt(squared) - keep;
+    const double was = std::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - keep;
     if (left < (was > 0.0 ? shrinks * was : was) - merge_rounding) return false;
   }
   return true;
@@ -431,17 +434,25 @@ void Merge::overtake(std::size_t direct, std::size_t most) noexcept {
   for (std::size_t s = 0; s < direct; ++s)
     for (const double aside : lane) {
       const std::size_t before = start_count_;
-      for (const double wait : waits)
-        for (const double entry : entries) {
-          if (start_count_ > before || start_count_ + lane_back.size() > end || work() >= most) break;
-          if (wait > 0.0 && (!starts_[s].stands || wait > stands_until_)) break;
-          Start enters;
-          starts_[s].wait = wait;
-          const Pose to = beside(nearest + entry, aside, 0.0);
-          const bool found = lattice_->free(to.x, to.y) && come_to(starts_[s], to, look_ahead, enters);
-          starts_[s].wait = 0.0;
-          if (found && begins_clear(enters)) follow_lane(nearest + entry, aside, enters);
+      for (const double wait : waits) {
+        if (start_count_ > before || start_count_ + lane_back.size() > end || work() >= most) break;
+        if (wait > 0.0 && (!starts_[s].stands || wait > stands_until_)) break;
+        // A point that is too near can only be entered after a loop: where it is farthest along the lane comes first.
+        std::array<Start, entries.size()> enters;
+        std::array<std::pair<double, std::size_t>, entries.size()> order;
+        starts_[s].wait = wait;
+        for (std::size_t k = 0; k < entries.size(); ++k) {
+          const double t = nearest + entries[k];
+          const Pose to = beside(t, aside, 0.0);
+          const bool found = lattice_->free(to.x, to.y) && come_to(starts_[s], to, look_ahead, enters[k]);
+          order[k] = {found ? enters[k].takes - entries[k] * place(t).twist.v / query_.pace.v : never, k};
         }
+        starts_[s].wait = 0.0;
+        std::sort(order.begin(), order.end());
+        for (const auto& [after, k] : order)
+          if (after < never && start_count_ == before && begins_clear(enters[k]))
+            follow_lane(nearest + entries[k], aside, enters[k]);
+      }
     }
 }
 
@@ -513,7 +524,7 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   stands_until_ = stands_until();
   start_count_ = 0;
   starts_[start_count_++] = {true, 0.0, {}, 0, stop_, 0.0, 0.0, false};
-  if (query.v > drives && query.v < query.pace.v) {
+  if (query.v > drives && query.v <= query.pace.v) {
     const double way = goes_straight * query.v;
     Start& start = starts_[start_count_++] = {false, 0.0, {}, 1, advance(query.from, {way, 0.0}, 1.0), 0.0, 0.0, false};
     start.pieces[0] = {0.0, way, query.v};

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/avoidance/steering.h"
@@ -50,6 +51,7 @@ class Merge {
     double before = never;    ///< no way that joins later than that [s]
     std::size_t most_work = 2000;
     double enough = 0.0;  ///< no way round by a point to the side where a straight one joins sooner than that [s]
+    std::span<const double> smaller{};  ///< than `keep` is for: each body [m]; empty: none is
   };
   struct Way {
     bool found = false;

@@ -41,6 +41,7 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
       traffic_(setup.robots),
       expected_(setup.robots),
       search_(lattice_, setup.robots),
+      paces_(setup.robots),
       robots_(setup.robots),
       goals_(setup.robots),
       rest_from_(setup.robots, never),
@@ -98,9 +99,18 @@ Pose Planner::goal(std::size_t i, const Scene& scene) const noexcept {
   return scene.to_starts ? reference_->at(i, 0.0).pose : goals_[i];
 }
 
+/// Whether robot i is at the place where it rests, so that it needs no way there.
+bool Planner::is_back(std::size_t i, const Scene& scene, const Pose& place) const noexcept {
+  const bool over = scene.to_starts || (rests(i, scene) && formation_t_ >= rest_from_[i]);
+  return over && distance(scene.poses[i], place) <= pushed_off_place + 2.0 * scene.doubt &&
+         std::abs(wrap_angle(scene.poses[i].theta - place.theta)) <= looks_elsewhere;
+}
+
 /// Whether robot i, as it drives now, comes upon somebody who stands or an obstacle.
-void Planner::watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
+void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
+                    std::span<const ReferencePoint> nominal) noexcept {
   Robot& robot = robots_[i];
+  if (lattice_.has_obstacles() && pass_obstacle(i, scene, gains, nominal)) return;
   const bool follows = robot.state == State::nominal && nominal[i].twist != Twist{};
   if (!follows && robot.state != State::driving) return;
   constexpr double step = 0.2;
@@ -119,7 +129,7 @@ void Planner::watch(std::size_t i, const Scene& scene, std::span<const Reference
           follows && !stays && robots_[j].state == State::nominal && j < i && nominal[j].twist != Twist{};
       if (!stays && !drives_by) continue;
       const Pose other = stays ? scene.poses[j] : reference_->at(j, scene.t + ahead).pose;
-      const double d = distance(there, other), keep = setup_.shield_distance + 0.008;
+      const double d = distance(there, other), keep = setup_.shield_distance - closer(i, j) + 0.008;
       meets = d < keep && d < distance(before, stays ? other : scene.poses[j]) - 1e-3;
     }
     if (meets) {
@@ -134,7 +144,7 @@ void Planner::watch(std::size_t i, const Scene& scene, std::span<const Reference
 bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   Robot& robot = robots_[i];
   const std::size_t n = robots_.size();
-  const double fastest = 2.0 * std::max(pace_.v, 0.1);  // nobody's route is so fast [m/s]
+  const double fastest = 2.0 * std::max(fastest_pace_, 0.1);  // nobody's route is so fast [m/s]
   robot.waits_for = n;
   const double at = robot.clock + ahead, planned = robot.due + at;
   const Pose there = robot.route.at(at).pose, here = on_route_[i];
@@ -148,7 +158,8 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     const double runs = robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0, runs_to = other.clock + runs;
     if (runs_to >= until - 0.02) continue;
     const Pose now = on_route_[j];
-    const double most = std::min(robot.keeps, other.keeps) - less;
+    const bool merges = robot.joins > 0.0 || other.joins > 0.0;
+    const double most = std::min(robot.keeps, other.keeps) - (merges ? closer(i, j) : 0.0) - less;
     // Too far away to get there by then.
     const double reach = most + fastest * (until + step - other.clock);
     if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
@@ -193,7 +204,7 @@ void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcep
     const Robot& robot = robots_[i];
     coupled = coupled && robot.share > 1.0 - 1e-6;
     if (stands(i, scene) || std::isnan(scene.poses[i].x) || rests(i, scene)) continue;
-    away = away || robot.needs_plan || robot.state != State::nominal;
+    away = away || robot.needs_plan || (robot.state != State::nominal && robot.state != State::passing);
   }
   if (coupled) hurry_ = FormationClock::hurry(gains, demand_);
   clock_->step(now_, away, hurry_, formation_slope / demand_.v);
@@ -207,6 +218,16 @@ void Planner::follow_yielding(std::size_t i, double t) noexcept {
   twist = {rate * twist.v, rate * twist.omega};
 }
 
+/// How fast each robot drives along a route.
+void Planner::know_paces(const Gains& gains) noexcept {
+  fastest_pace_ = 0.0;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    paces_[i].v = std::min(0.98 * free_v(gains, i), 0.9 * free_omega(gains, i) / gains.k_y);
+    paces_[i].omega = 0.85 * free_omega(gains, i);
+    fastest_pace_ = std::max(fastest_pace_, paces_[i].v);
+  }
+}
+
 void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
                    std::span<ReferencePoint> reference) noexcept {
   const std::size_t n = robots_.size();
@@ -215,9 +236,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
   spent_ = 0;
   ++tick_;
   keep_ = setup_.shield_distance + route_comfort + 2.0 * scene.doubt;
-  const double free = n > 0 ? free_v(gains, 0) : 0.1;
-  pace_.v = std::min(0.98 * free, 0.9 * free_omega(gains, 0) / gains.k_y);
-  pace_.omega = 0.85 * free_omega(gains, 0);
+  know_paces(gains);
   const bool changed =
       !std::equal(obstacles_.begin(), obstacles_.end(), scene.obstacles.begin(), scene.obstacles.end());
   if (changed) {
@@ -232,6 +251,9 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     } else if (robots_[i].state == State::yielding) {
       follow_yielding(i, scene.t);
       if (scene.t >= yield_.ends()) robots_[i].state = State::nominal;
+    } else if (robots_[i].state == State::passing) {
+      robots_[i].reference = robots_[i].aside.shift(*reference_, i, scene.t);
+      if (scene.t >= robots_[i].aside.ends()) robots_[i].state = State::nominal, robots_[i].reference = nominal[i];
     }
   if (!begun_ || to_starts_ != scene.to_starts) find_conflicts_of_all(scene, nominal);
   begun_ = true;
@@ -250,9 +272,15 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       robot.needs_plan = false;
       continue;
     }
-    if (robot.stood) robot.stood = false, robot.needs_plan = true, robot.retry = robot.patience = 0.0;
+    if (robot.stood) {
+      robot.stood = false;
+      robot.retry = robot.patience = 0.0;
+      // A way of a millimetre, which noise alone makes, would turn it round on the spot.
+      robot.needs_plan = !is_back(i, scene, nominal[i].pose);
+      if (!robot.needs_plan) robot.state = State::nominal, robot.reference = nominal[i];
+    }
     const double away = distance(pose, robot.reference.pose);
-    if (robot.state == State::nominal) {
+    if (robot.state == State::nominal || robot.state == State::passing) {
       const bool at_rest = nominal[i].twist == Twist{};
       if (std::abs(wrap_angle(pose.theta - robot.reference.pose.theta)) > looks_elsewhere && rests(i, scene) &&
           (formation_t_ < rest_from_[i] || scene.to_starts))
@@ -270,7 +298,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     if ((late || (robot.state == State::returning && away > put_off + 2.0 * scene.doubt)) &&
         scene.t > robot.due + again_after)
       robot.needs_plan = true;
-    if ((tick_ + i) % static_cast<std::size_t>(looks_every) == 0 || changed) watch(i, scene, nominal);
+    if ((tick_ + i) % static_cast<std::size_t>(looks_every) == 0 || changed) watch(i, scene, gains, nominal);
     if (robot.state == State::driving && robot.held_for > stuck_for && !group_.active) {
       robot.held_for = 0.0;
       robot.needs_plan = true;
@@ -297,6 +325,9 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       }
       case State::yielding:
         follow_yielding(i, scene.t);
+        break;
+      case State::passing:
+        robot.reference = robot.aside.shift(*reference_, i, scene.t);
         break;
       case State::driving:
         if (!rests(i, scene) && robot.clock >= robot.joins) {  // it is where its place is, or nearly

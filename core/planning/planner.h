@@ -16,6 +16,7 @@
 #include "core/planning/merge.h"
 #include "core/planning/route.h"
 #include "core/planning/route_search.h"
+#include "core/planning/sidestep.h"
 #include "core/planning/traffic.h"
 #include "core/reference/reference.h"
 
@@ -29,6 +30,8 @@ namespace skein::core {
 ///                          that only follow their references block it, some of them yield: their clock stands for a
 ///                          moment and catches up, and robots that would come too near to them yield too;
 ///                          with a `FormationClock` the whole formation waits instead
+/// Where the place itself drives into an obstacle, the robot leaves the lane in time, passes abreast of its place, and
+/// returns to the lane (`Sidestep`).
 /// Routes are driven on clocks: a robot passes a point only after all robots due there earlier have left it, and a
 /// robot that falls behind its reference holds its clock back. So a delay of one robot delays others but causes no
 /// conflict. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
@@ -40,6 +43,7 @@ class Planner {
     driving,    ///< on a route
     returning,  ///< after a route's end, towards its moving place as the law would drive it
     yielding,   ///< follows the formation's reference on a delayed clock, to let another robot pass
+    passing,    ///< abreast of its place, beside an obstacle that stands on the lane
     waiting,    ///< stands: it is out of the group, is being planned, or there is no route
   };
 
@@ -50,8 +54,9 @@ class Planner {
     double shield_distance = 0.078;  ///< of two bodies of `radius` [m]
     double duration = 0.0;           ///< of the experiment [s]
     double shield_gamma = 4.0;       ///< [1/s]
-    /// Of the largest body: routes are planned as if all had it. [m]
+    /// Of the largest body: routes to places at rest are planned as if all had it. [m]
     double radius = standard_radius;
+    std::vector<double> smaller{};  ///< than that is each body; empty: all are as large [m]
   };
   /// `clock`: of a formation that waits, which the reference goes by; null: it waits for nobody. The planner steps it.
   Planner(const Setup& setup, const Reference& reference, FormationClock* clock = nullptr);
@@ -93,24 +98,6 @@ class Planner {
     Pose from;
     double v;
   };
-  struct Robot {
-    State state = State::nominal;
-    Route route;
-    double clock = 0.0, rate = 0.0;  // [s], its share of real time
-    double due = 0.0;                // time of the experiment at which its clock was 0, without delays [s]
-    double share = 1.0;
-    double held_for = 0.0;  // how long its clock has hardly advanced [s]
-    double retry = 0.0;     // no new plan before [s]
-    double patience = 0.0;  // the time to the next, where there was no way: the longer, the oftener there was none [s]
-    double joins = 0.0;     // for a moving place: when its route meets it, on its clock [s]
-    double keeps = 0.0;     // distance from others' routes used in planning [m]
-    ReferencePoint reference;
-    Pose before;  // its pose at the previous step
-    std::size_t waits_for = 0;
-    bool no_way = false, needs_plan = false;
-    bool stood = false;  // it was out, or stuck
-  };
-
   /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
   /// that yield or not. What is tried comes in a fixed order, over as many ticks as it takes, always from where
   /// everybody is by then; the best is tried once more when its time has come, with a whole tick's work.
@@ -128,6 +115,7 @@ class Planner {
     bool around = false;                  // past all obstacles that are in the way of the place
     double began = 0.0, best_ends = 0.0;  // [s]
     std::array<Pose, most> from;
+    std::array<Pace, most> paces;
     std::array<double, most> v{}, soonest{};
     std::array<Route, most> routes;
     std::array<double, most> joins{};
@@ -137,9 +125,30 @@ class Planner {
     Delay delay;
   };
 
+  struct Robot {
+    State state = State::nominal;
+    Route route;
+    double clock = 0.0, rate = 0.0;  // [s], its share of real time
+    double due = 0.0;                // time of the experiment at which its clock was 0, without delays [s]
+    double share = 1.0;
+    double held_for = 0.0;  // how long its clock has hardly advanced [s]
+    double retry = 0.0;     // no new plan before [s]
+    double patience = 0.0;  // the time to the next, where there was no way: the longer, the oftener there was none [s]
+    double joins = 0.0;     // for a moving place: when its route meets it, on its clock [s]
+    double looks_at = 0.0;  // on its way there: again for a better one, not before [s]
+    Merging::Trial looks;   // what it tries then, of what others might do
+    double keeps = 0.0;     // distance from others' routes used in planning [m]
+    ReferencePoint reference;
+    Sidestep aside;  // while it passes an obstacle
+    Pose before;     // its pose at the previous step
+    std::size_t waits_for = 0;
+    bool no_way = false, needs_plan = false;
+    bool stood = false;  // it was out, or stuck
+  };
+
   void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;
   void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
-  void watch(std::size_t i, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  void watch(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   Start begin_route(std::size_t i, const Scene& scene) noexcept;
   void plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
@@ -150,15 +159,38 @@ class Planner {
   void plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   double merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept;
   bool advance_trial(const Scene& scene, std::span<const ReferencePoint> nominal, bool may_yield) noexcept;
+  Merge::Query expect_all(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
+                          bool& somebody_yields) noexcept;
+  void seek(std::size_t k, const Start& from, const Gains& gains) noexcept;
+  void find_alone(const Merge::Query& like) noexcept;
+  double hurry_of_all(const Gains& gains) const noexcept;
+  bool let_yield(const Merging::Trial& trial, const Scene& scene, double hurry, double slope) noexcept;
+  void go(const Scene& scene) noexcept;
+  void look_again(std::size_t i, const Scene& scene, const Gains& gains,
+                  std::span<const ReferencePoint> nominal) noexcept;
   void sort_who_comes(const Scene& scene) noexcept;
-  void who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept;
+  bool who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept;
   void follow_yielding(std::size_t i, double t) noexcept;
+  bool pass_obstacle(std::size_t i, const Scene& scene, const Gains& gains,
+                     std::span<const ReferencePoint> nominal) noexcept;
+  bool meets_nobody(std::size_t i, const Sidestep& way, const Scene& scene, std::span<const ReferencePoint> nominal,
+                    std::span<const std::uint8_t> yields = {}) noexcept;
+  bool slow_down(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
+                 SidestepSearch::Query query, Sidestep& way) noexcept;
+  Pose expected_at(std::size_t j, double ahead, const Scene& scene,
+                   std::span<const ReferencePoint> nominal) const noexcept;
   void set_off(std::size_t i, double due) noexcept;
   void run_clock(std::size_t i, const Scene& scene, double dt) noexcept;
   bool must_wait(std::size_t i, double ahead) noexcept;
   bool rests(std::size_t i, const Scene& scene) const noexcept;
+  bool is_back(std::size_t i, const Scene& scene, const Pose& place) const noexcept;
   static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
+  void know_paces(const Gains& gains) noexcept;
+  /// How much nearer than two of the largest bodies this pair may come. [m]
+  double closer(std::size_t i, std::size_t j) const noexcept {
+    return setup_.smaller.empty() ? 0.0 : setup_.smaller[i] + setup_.smaller[j];
+  }
   double lag(std::size_t i) const noexcept { return now_ - robots_[i].due - robots_[i].clock; }
 
   static constexpr double never = std::numeric_limits<double>::infinity();
@@ -173,7 +205,9 @@ class Planner {
   Traffic traffic_, expected_;
   RouteSearch search_;
   Merge merge_;
-  Pace pace_;
+  SidestepSearch sidesteps_;
+  std::vector<Pace> paces_;     // of routes
+  double fastest_pace_ = 0.09;  // of all [m/s]
   std::vector<Robot> robots_;
   std::vector<Pose> goals_;        // final poses of references
   std::vector<double> rest_from_;  // since when, or infinity [s]

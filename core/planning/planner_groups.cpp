@@ -32,6 +32,7 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
     return traffic_.joins(j, robot.route, robot.clock, robot.joins, *reference_, scene.t, horizon);
   if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
   if (robot.state == State::yielding) return traffic_.follows(j, *reference_, scene.t, horizon, yield_);
+  if (robot.state == State::passing) return traffic_.follows(j, *reference_, scene.t, horizon, robot.aside);
   if (scene.to_starts || nominal[j].twist == Twist{}) {
     if (scene.to_starts || formation_t_ >= rest_from_[j])
       return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
@@ -95,7 +96,7 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   // One that brakes already has its reference of this tick still to come.
   const Pose on = robot.state == State::waiting ? robot.route.at(robot.clock).pose : robot.reference.pose;
   const Pose from = tracks ? on : pose;
-  robot.route.brake(from, v, pace_);
+  robot.route.brake(from, v, paces_[i]);
   group_.from[i] = robot.route.end();
   group_.stands[i] = robot.route.duration();
   robot.clock = 0.0;
@@ -174,7 +175,7 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       query.to = goal(i, scene);
       query.keep = keep_;
       query.least = setup_.shield_distance + 5e-4;
-      query.pace = pace_;
+      query.pace = paces_[i];
       search_.begin(query, traffic_);
       spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
       g.asking = true;
@@ -185,7 +186,7 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
     g.asking = false;
     Route& route = g.routes[i];
     route = robots_[i].route;  // that it brakes along
-    if (search_.found() && route.append(search_.legs(), goal(i, scene).theta, pace_)) {
+    if (search_.found() && route.append(search_.legs(), goal(i, scene).theta, paces_[i])) {
       traffic_.drives(i, route, 0.0);
       g.planned[i] = 1;
       g.others = Group::Others::leave;
@@ -231,7 +232,7 @@ bool Planner::improve(const Scene& scene) noexcept {
   for (std::size_t k = 0; k < g.order.size(); ++k) {
     const std::size_t i = g.order[k];
     const Pose to = goal(i, scene);
-    const double alone = std::max(g.stands[i], g.lead) + distance(g.from[i], to) / pace_.v;
+    const double alone = std::max(g.stands[i], g.lead) + distance(g.from[i], to) / paces_[i].v;
     soonest = std::max(soonest, alone);
     if (g.routes[i].duration() > last) last = g.routes[i].duration(), latest = k;
   }
@@ -283,6 +284,11 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
   }
   if (merging_.robots != before) merging_.searched = 0;
   if (merging_.count > 0) plan_merges(scene, gains, nominal);
+  for (std::size_t i = 0; i < robots_.size() && spent_ == 0 && !group; ++i) {
+    const Robot& robot = robots_[i];
+    const bool on_its_way = robot.state == State::driving && !rests(i, scene) && robot.rate > 0.999;
+    if (on_its_way && !stands(i, scene) && scene.t >= robot.looks_at) look_again(i, scene, gains, nominal);
+  }
   if (!group) return;
   begin_group(scene, nominal, everybody);
   go_on_with_group(scene, nominal);

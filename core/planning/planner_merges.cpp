@@ -21,7 +21,11 @@ constexpr double may_come = 0.02;       // beyond the shield's distance: who com
 constexpr double worth_taking = 5.0;  // where somebody comes soon, a way so much later than alone is taken at once [s]
 constexpr std::size_t soon = 10;      // [Traffic::step]
 constexpr double near = 0.6;          // who is farther away is not asked to yield [m]
-constexpr double longest_search = 0.5;  // where there is a way at all [s]
+constexpr double longest_search = 0.5;     // where there is a way at all [s]
+constexpr double looks_every_time = 0.32;  // who is on its way, for a better one [s]
+constexpr double worth_looking = 1.0;      // later than alone [s]
+constexpr double worth_change = 0.5;       // sooner than its way [s]
+constexpr std::size_t looks_with = 1500;   // [nodes]
 // A tick begins no other trial beyond the first, and none takes more than what is then left of the second. Where
 // somebody comes soon, many trials with little work each are made before thorough ones, as what yields would solve now
 // is lost in half a second. [nodes]
@@ -37,22 +41,29 @@ constexpr std::array<double, Planner::holds> stands_for{1.2, 2.0, 0.5, 3.0, 4.5}
 
 }  // namespace
 
-/// Robot `first`, and everybody who only follows its reference and would come too near to one that yields.
-void Planner::who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept {
+/// Robot `first`, and everybody who only follows its reference and would come too near to one that yields. False: so
+/// would one that is on its way already, and took them to be elsewhere.
+bool Planner::who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept {
   Merging& m = merging_;
   const std::size_t n = robots_.size();
   std::fill(m.yields.begin(), m.yields.end(), std::uint8_t{0});
   m.yields[first] = 1;
-  const double keep = setup_.shield_distance + 0.004 + 2.0 * scene.doubt;
+  const double keep_most = setup_.shield_distance + 0.004 + 2.0 * scene.doubt;
   const double shrinks = std::exp(-0.95 * setup_.shield_gamma * Traffic::step);
   const auto steps = std::min(Traffic::steps - 1, static_cast<std::size_t>((delay.ends() - scene.t) / Traffic::step));
   traffic_.copy(first, expected_, scene.t, delay);
   for (bool more = true; more;) {
     more = false;
     for (std::size_t j = 0; j < n && !more; ++j) {
-      if (m.yields[j] || robots_[j].state != State::nominal || !expected_.present(j) || stands(j, scene)) continue;
+      const bool on_its_way = robots_[j].state == State::driving || robots_[j].state == State::returning ||
+                              robots_[j].state == State::passing;
+      const auto last = m.robots.begin() + static_cast<std::ptrdiff_t>(m.count);
+      if (m.yields[j] || !expected_.present(j) || stands(j, scene) || std::find(m.robots.begin(), last, j) != last ||
+          (robots_[j].state != State::nominal && !on_its_way))
+        continue;
       for (std::size_t i = 0; i < n && !more; ++i) {
         if (!m.yields[i]) continue;
+        const double keep = keep_most - closer(i, j);
         double was = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k <= steps && !more; ++k) {
           const double left =
@@ -62,10 +73,12 @@ void Planner::who_yields(std::size_t first, const Scene& scene, const Delay& del
         }
       }
       if (!more) continue;
+      if (on_its_way) return false;
       m.yields[j] = 1;
       traffic_.copy(j, expected_, scene.t, delay);
     }
   }
+  return true;
 }
 
 /// Who comes soonest upon a robot that stands, until it has a way, is the first to be asked to yield.
@@ -80,7 +93,8 @@ void Planner::sort_who_comes(const Scene& scene) noexcept {
     for (std::size_t k = 0; k < m.count && expected_.present(j); ++k)
       for (std::size_t step = 0; step < last; ++step)
         if (robots_[j].state == State::nominal &&
-            std::hypot(expected_.x(j, step) - m.from[k].x, expected_.y(j, step) - m.from[k].y) < keep) {
+            std::hypot(expected_.x(j, step) - m.from[k].x, expected_.y(j, step) - m.from[k].y) <
+                keep - closer(j, m.robots[k])) {
           m.comes[j] = std::min(m.comes[j], step);
           m.urgent[k] = m.urgent[k] || step < soon;
           break;
@@ -115,6 +129,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
     const std::size_t at = trial.backwards ? m.count - 1 - k : k, i = m.robots[at];
     Merge::Query query = like;
     query.robot = i;
+    query.pace = m.paces[at];
     query.from = m.from[at];
     query.v = m.v[at];
     query.enough = m.soonest[at] + may_be_better;
@@ -151,32 +166,142 @@ bool Planner::advance_trial(const Scene& scene, std::span<const ReferencePoint> 
   return t.care < cares.size();
 }
 
-void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
+/// The k-th of those that seek a way, from there.
+void Planner::seek(std::size_t k, const Start& from, const Gains& gains) noexcept {
   Merging& m = merging_;
-  const std::size_t n = robots_.size();
+  m.from[k] = from.from;
+  m.v[k] = std::max(0.0, from.v);
+  m.paces[k] = paces_[m.robots[k]];
+  m.paces[k].v = all_speed * free_v(gains, m.robots[k]);
+  m.paces[k].omega = all_turning * free_omega(gains, m.robots[k]);
+}
+
+/// What everybody is expected to do, and what all searches of this step have in common.
+Merge::Query Planner::expect_all(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
+                                 bool& somebody_yields) noexcept {
   Merge::Query like;
   like.t = scene.t;
   like.k_y = gains.k_y;
   like.gamma = setup_.shield_gamma;
-  like.pace = pace_;
-  like.pace.v = all_speed * free_v(gains, m.robots[0]);
-  like.pace.omega = all_turning * free_omega(gains, m.robots[0]);
-  bool somebody_yields = false;
-  for (std::size_t k = 0; k < m.count; ++k) {
-    const Start start = begin_route(m.robots[k], scene);
-    m.from[k] = start.from;
-    m.v[k] = std::max(0.0, start.v);
-  }
-  for (std::size_t j = 0; j < n; ++j) {
+  like.smaller = setup_.smaller;
+  somebody_yields = false;
+  for (std::size_t j = 0; j < robots_.size(); ++j) {
     const Robot& robot = robots_[j];
     expect(j, scene, nominal);
     expected_.copy(j, traffic_);
-    if (robot.state == State::driving && !rests(j, scene))
+    const auto last = merging_.robots.begin() + static_cast<std::ptrdiff_t>(merging_.count);
+    const bool seeks = std::find(merging_.robots.begin(), last, j) != last;
+    if (robot.state == State::driving && !rests(j, scene) && !seeks)
       like.watched = std::max(like.watched, robot.joins - robot.clock);
     if (robot.state == State::yielding)
       somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
   }
+  return like;
+}
 
+/// When those that seek a way were at their places if nobody else was there.
+void Planner::find_alone(const Merge::Query& like) noexcept {
+  Merging& m = merging_;
+  for (std::size_t k = 0; k < m.count; ++k) {
+    Merge::Query query = like;
+    query.robot = m.robots[k];
+    query.pace = m.paces[k];
+    query.from = m.from[k];
+    query.v = m.v[k];
+    query.crowded = false;
+    query.obstacles = !m.around;
+    query.most_work = most_each_tick / (2 * m.count);
+    m.soonest[k] = merge_.find(query, *reference_, lattice_, traffic_, m.routes[k]).joins;
+    spent_ += merge_.work();
+  }
+}
+
+/// By how much clocks of those that yield may run faster afterwards: as much as the slowest of all can follow.
+double Planner::hurry_of_all(const Gains& gains) const noexcept {
+  const ReferenceDemand demand = reference_->demand(gains.k_y);
+  if (!(demand.v > 0.0) || !(demand.turning > 0.0)) return 0.0;
+  double hurry = never;
+  for (std::size_t j = 0; j < robots_.size(); ++j)
+    hurry = std::min(
+        hurry,
+        std::min(all_speed * free_v(gains, j) / demand.v, all_turning * free_omega(gains, j) / demand.turning) - 1.0);
+  return hurry;
+}
+
+/// Who yields in this trial; false where somebody else would be in their way.
+bool Planner::let_yield(const Merging::Trial& trial, const Scene& scene, double hurry, double slope) noexcept {
+  if (trial.hold == 0) return true;
+  merging_.delay = Delay(scene.t, stands_for[trial.hold - 1], hurry, slope);
+  spent_ += 5 * robots_.size();
+  return who_yields(merging_.order[trial.first], scene, merging_.delay);
+}
+
+/// Those that seek a way have found it, and the others yield as it asks for.
+void Planner::go(const Scene& scene) noexcept {
+  Merging& m = merging_;
+  for (std::size_t k = 0; k < m.count; ++k) {
+    Robot& robot = robots_[m.robots[k]];
+    robot.route = m.routes[k];
+    robot.joins = m.joins[k];
+    robot.keeps = setup_.shield_distance + cares[0].room;
+    set_off(m.robots[k], scene.t);
+    robot.looks_at = scene.t + looks_every_time;
+  }
+  m.searched = 0;
+  if (std::none_of(m.yields.begin(), m.yields.end(), [](auto y) { return y != 0; })) return;
+  yield_ = m.delay;
+  for (std::size_t j = 0; j < robots_.size(); ++j)
+    if (m.yields[j]) robots_[j].state = State::yielding;
+}
+
+/// On its way, a robot that will be back much later than it could be alone looks for a better way from where it is by
+/// then: what blocked it may be gone, and what was found in a hurry may be poor. It drives on meanwhile. A way is only
+/// exchanged for one that is sooner by `worth_change`, so that this ends.
+void Planner::look_again(std::size_t i, const Scene& scene, const Gains& gains,
+                         std::span<const ReferencePoint> nominal) noexcept {
+  Merging& m = merging_;
+  Robot& robot = robots_[i];
+  robot.looks_at = scene.t + looks_every_time;
+  const double remaining = robot.joins - robot.clock;
+  const Start from{robot.route.at(robot.clock).pose, std::max(0.0, robot.route.twist(robot.clock, 1e-6).v)};
+  m.robots[0] = i;
+  m.count = 1;
+  m.searched = 0;
+  m.around = false;
+  m.urgent.fill(false);
+  seek(0, from, gains);
+  m.v[0] = std::min(m.v[0], m.paces[0].v);
+  group_.from[i] = Route::stop(from.from, from.v, m.paces[0]);
+  bool somebody_yields = false;
+  Merge::Query like = expect_all(scene, gains, nominal, somebody_yields);
+  if (lattice_.has_obstacles()) like.stays_free = sees_ahead + 0.5;
+  find_alone(like);
+  if (remaining < m.soonest[0] + worth_looking) {
+    robot.looks_at = scene.t + 3.0 * looks_every_time;
+    return;
+  }
+  sort_who_comes(scene);
+  m.urgent.fill(true);  // little work each
+  const double before = remaining - worth_change, hurry = hurry_of_all(gains);
+  const double slope = m.paces[0].acceleration / reference_->demand(gains.k_y).v;
+  if (merge({}, scene, like, before) < never) return go(scene);
+  const bool may_yield = clock_ == nullptr && !somebody_yields && hurry > least_hurry;
+  while (may_yield && spent_ < looks_with) {
+    m.next = robot.looks;
+    if (!advance_trial(scene, nominal, true) || m.next.care > 0) m.next = {};
+    robot.looks = m.next;
+    if (m.next.hold == 0) return;
+    if (!let_yield(m.next, scene, hurry, slope)) continue;
+    if (m.delay.ends() - scene.t < before && merge(m.next, scene, like, before) < never) return go(scene);
+  }
+}
+
+void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
+  Merging& m = merging_;
+  const std::size_t n = robots_.size();
+  bool somebody_yields = false;
+  for (std::size_t k = 0; k < m.count; ++k) seek(k, begin_route(m.robots[k], scene), gains);
+  Merge::Query like = expect_all(scene, gains, nominal, somebody_yields);
   // Longer than it looks ahead, or it would leave its place again at once.
   const auto stays_free = [&m] { return m.around ? sees_ahead + 0.5 : 0.0; };
   like.stays_free = stays_free();
@@ -192,17 +317,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     sort_who_comes(scene);
     spent_ += n;
     for (auto& last : m.last_yields) std::fill(last.begin(), last.end(), std::uint8_t{0});
-    for (std::size_t k = 0; k < m.count; ++k) {  // were nobody there
-      Merge::Query query = like;
-      query.robot = m.robots[k];
-      query.from = m.from[k];
-      query.v = m.v[k];
-      query.crowded = false;
-      query.obstacles = !around;
-      query.most_work = most_each_tick / (2 * m.count);
-      m.soonest[k] = merge_.find(query, *reference_, lattice_, traffic_, m.routes[k]).joins;
-      spent_ += merge_.work();
-    }
+    find_alone(like);
   };
   const auto urgent = [&m] { return m.urgent[0] || m.urgent[1]; };
   const auto settle = [&] {
@@ -210,38 +325,14 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   };
   if (m.searched != m.count) begin(lattice_.has_obstacles());
   settle();
-  const ReferenceDemand demand = reference_->demand(gains.k_y);
-  const double hurry = demand.v > 0.0 && demand.turning > 0.0
-                           ? std::min(like.pace.v / demand.v, like.pace.omega / demand.turning) - 1.0
-                           : 0.0;
-  const auto yields_in = [&](const Merging::Trial& trial) {
-    if (trial.hold == 0) return;
-    m.delay = Delay(scene.t, stands_for[trial.hold - 1], hurry, pace_.acceleration / demand.v);
-    who_yields(m.order[trial.first], scene, m.delay);
-    spent_ += 5 * n;
-  };
-  const auto go = [&] {
-    for (std::size_t k = 0; k < m.count; ++k) {
-      Robot& robot = robots_[m.robots[k]];
-      robot.route = m.routes[k];
-      robot.joins = m.joins[k];
-      robot.keeps = setup_.shield_distance + cares[0].room;
-      set_off(m.robots[k], scene.t);
-    }
-    m.searched = 0;
-    if (std::none_of(m.yields.begin(), m.yields.end(), [](auto y) { return y != 0; })) return;
-    yield_ = m.delay;
-    for (std::size_t j = 0; j < n; ++j)
-      if (m.yields[j]) robots_[j].state = State::yielding;
-  };
+  const double hurry = hurry_of_all(gains), slope = m.paces[0].acceleration / reference_->demand(gains.k_y).v;
 
   for (bool more = !m.decided; more;) {
     const double best = m.best_ends - scene.t;
-    bool skip = false, enough = false;
-    yields_in(m.next);
+    bool skip = !let_yield(m.next, scene, hurry, slope), enough = false;
     if (m.next.hold > 0) {
       std::vector<std::uint8_t>& last = m.last_yields[m.next.hold - 1];
-      skip = m.yields == last && !m.next.backwards;
+      skip = skip || (m.yields == last && !m.next.backwards);
       skip = skip || m.delay.ends() - scene.t > best - worth_it;
       last = m.yields;
     }
@@ -260,7 +351,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
       if (total < best) {
         m.best = m.next;
         m.best_ends = scene.t + total;
-        if (enough || total < soonest + may_be_better) return go();
+        if (enough || total < soonest + may_be_better) return go(scene);
       }
     }
     const std::size_t care = m.next.care;
@@ -274,8 +365,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   }
   if (m.best_ends < never) {  // once more, from here: what took a tick's work is not found with what is left of it
     if (!std::exchange(m.decided, true) && spent_ >= work_each_tick) return;
-    yields_in(m.best);
-    if (merge(m.best, scene, like, never) < never) return go();
+    if (let_yield(m.best, scene, hurry, slope) && merge(m.best, scene, like, never) < never) return go(scene);
   }
   m.searched = 0;
   for (std::size_t k = 0; k < m.count; ++k) {

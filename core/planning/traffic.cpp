@@ -67,6 +67,17 @@ void Traffic::follows(std::size_t j, const Reference& reference, double t, doubl
     --still_from_[j];
 }
 
+void Traffic::follows(std::size_t j, const Reference& reference, double t, double horizon,
+                      const Sidestep& aside) noexcept {
+  follows(j, reference, t, horizon);
+  for (std::size_t k = 0; k < steps && t + step * static_cast<double>(k) < aside.ends(); ++k) {
+    const Pose pose = aside.pose(reference, j, t + step * static_cast<double>(k));
+    x_[j * steps + k] = pose.x;
+    y_[j * steps + k] = pose.y;
+    still_from_[j] = std::max(still_from_[j], std::min(steps - 1, k + 1));
+  }
+}
+
 void Traffic::copy(std::size_t j, const Traffic& from) noexcept {
   present_[j] = from.present_[j];
   still_from_[j] = from.still_from_[j];

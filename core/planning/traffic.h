@@ -6,6 +6,7 @@
 #include "core/geometry/pose.h"
 #include "core/planning/delay.h"
 #include "core/planning/route.h"
+#include "core/planning/sidestep.h"
 #include "core/reference/reference.h"
 
 namespace skein::core {
@@ -38,6 +39,8 @@ class Traffic {
              double horizon, const Delay& delay = {}) noexcept;
   /// Follows its reference, which is at time t now, on a delayed clock [s]; only up to `horizon`.
   void follows(std::size_t j, const Reference& reference, double t, double horizon, const Delay& delay = {}) noexcept;
+  /// Follows its reference, beside it for a while.
+  void follows(std::size_t j, const Reference& reference, double t, double horizon, const Sidestep& aside) noexcept;
   /// Copies its motion from another traffic.
   void copy(std::size_t j, const Traffic& from) noexcept;
   /// Copies its motion from another traffic, which begins at time t, on a clock that falls behind. [s]

@@ -34,7 +34,7 @@ struct Lab {
 
   /// What the session wants to send now; taken off it.
   Bytes take() {
-    const Bytes out(session.output().begin(), session.output().end());
+    Bytes out(session.output().begin(), session.output().end());
     session.sent(out.size(), now);
     return out;
   }
@@ -113,6 +113,42 @@ TEST(LinkSession, DoesNotWaitForeverForAnswersToRepetitions) {
   lab.session.received(bytes(std::string_view("\n\0\0\0\0\0\0\0\0", 9)), lab.now);
   EXPECT_TRUE(lab.session.up());
   EXPECT_EQ(lab.session.status(lab.now).exchanges, 1u);
+}
+
+TEST(LinkSession, OverASlowRadioARobotIsAskedForItsVersionToo) {
+  Lab lab({.ask_version = true});
+  lab.session.opened(lab.now);
+  lab.take();
+  lab.pass();
+  lab.take();
+  lab.session.received(bytes("s\r\n"), lab.now);
+  lab.pass();  // the answer to the repetition is late
+  Bytes asked = bytes("V\n");
+  asked.insert(asked.end(), exact_stop.begin(), exact_stop.end());
+  EXPECT_EQ(lab.take(), asked);
+  lab.pass();
+  EXPECT_TRUE(lab.take().empty()) << "so is the one to that";
+  EXPECT_FALSE(lab.session.up());
+  lab.session.received(bytes("s\r\nv,Version 2.0\r\nHW version: FFFF\r\ns\r\n"), lab.now);
+  EXPECT_TRUE(lab.session.up());
+  EXPECT_EQ(lab.session.status(lab.now).version, "Version 2.0");
+  // A robot that does not say is not waited for, nor asked again.
+  Lab mute({.ask_version = true});
+  mute.session.opened(mute.now);
+  mute.take();
+  mute.session.received(bytes("s\r\n"), mute.now);
+  EXPECT_EQ(mute.take(), asked);
+  mute.session.received(bytes("s\r\n"), mute.now);
+  EXPECT_TRUE(mute.session.up());
+  Lab deaf({.ask_version = true});
+  deaf.session.opened(deaf.now);
+  deaf.take();
+  deaf.session.received(bytes("s\r\n"), deaf.now);
+  EXPECT_EQ(deaf.take(), asked);
+  const double since = deaf.now;
+  for (int i = 0; i < 100 && !deaf.session.up(); ++i) deaf.pass();
+  EXPECT_TRUE(deaf.session.up());
+  EXPECT_LE(deaf.now, since + LinkOptions{}.reply_timeout + LinkOptions{}.stop_repeat + 1e-6);
 }
 
 TEST(LinkSession, ALateAnswerToAnOldStopIsNoAnswerToANewOne) {

@@ -38,8 +38,8 @@ Camera shifted(double dx, double dy, double turn, double about_x = 0.0, double a
 }
 
 /// Robots with what the camera and the filters make of them. They drive as told but for slip.
-struct Scene {
-  explicit Scene(std::size_t robots, std::uint64_t seed = 1)
+struct WatchedScene {
+  explicit WatchedScene(std::size_t robots, std::uint64_t seed = 1)
       : draw(seed),
         truth(robots),
         told(robots),
@@ -87,10 +87,11 @@ struct Scene {
 };
 
 /// Four robots in a square that drive ahead side by side.
-Scene square(double v = 0.0) {
-  Scene scene(4);
+WatchedScene square(double v = 0.0) {
+  WatchedScene scene(4);
   for (std::size_t i = 0; i < 4; ++i) {
-    scene.truth[i] = {0.3 * static_cast<double>(i % 2), 0.3 * static_cast<double>(i / 2), 0.4};
+    const std::size_t column = i % 2, row = i / 2;
+    scene.truth[i] = {0.3 * static_cast<double>(column), 0.3 * static_cast<double>(row), 0.4};
     scene.told[i] = scene.driven[i] = {v, 0.0};
   }
   return scene;
@@ -98,7 +99,7 @@ Scene square(double v = 0.0) {
 
 TEST(CameraWatch, KnowsABumpFromTheSecondFrameOn) {
   for (const double v : {0.0, v_max}) {
-    Scene scene = square(v);
+    WatchedScene scene = square(v);
     const Camera bumped = shifted(0.03, -0.02, 0.01);
     ASSERT_FALSE(scene.ticks(50));
     ASSERT_FALSE(scene.tick(bumped)) << "one frame may be torn";
@@ -112,13 +113,13 @@ TEST(CameraWatch, KnowsABumpFromTheSecondFrameOn) {
 }
 
 TEST(CameraWatch, KnowsATurnAboutOneOfTheTags) {
-  Scene scene = square();
+  WatchedScene scene = square();
   ASSERT_FALSE(scene.ticks(10));
   EXPECT_TRUE(scene.ticks(2, shifted(0.0, 0.0, 2.0 * core::pi / 180.0, 0.0, 0.0)));
 }
 
 TEST(CameraWatch, WaitsForTagsThatABumpHasHidden) {
-  Scene scene = square(0.05);
+  WatchedScene scene = square(0.05);
   ASSERT_FALSE(scene.ticks(10));
   for (std::size_t i = 0; i < 4; ++i) {
     scene.hidden_until[i] = scene.now + 0.3 * static_cast<double>(i + 1);
@@ -130,20 +131,20 @@ TEST(CameraWatch, WaitsForTagsThatABumpHasHidden) {
 }
 
 TEST(CameraWatch, AFrameThatIsTornOnceIsNone) {
-  Scene scene = square(0.05);
+  WatchedScene scene = square(0.05);
   ASSERT_FALSE(scene.ticks(10));
   EXPECT_FALSE(scene.tick(shifted(0.05, 0.0, 0.0)));
   EXPECT_FALSE(scene.ticks(50));
 }
 
 TEST(CameraWatch, OfOneTagAloneNobodyKnows) {
-  Scene scene(1);
+  WatchedScene scene(1);
   ASSERT_FALSE(scene.ticks(10));
   EXPECT_FALSE(scene.ticks(50, shifted(0.1, 0.0, 0.0)));
 }
 
 TEST(CameraWatch, TwoRobotsCarriedOneAfterTheOtherAreNone) {
-  Scene scene(2);
+  WatchedScene scene(2);
   scene.truth[1].x = 0.5;
   ASSERT_FALSE(scene.ticks(10));
   for (Pose& pose : scene.truth) {
@@ -153,14 +154,14 @@ TEST(CameraWatch, TwoRobotsCarriedOneAfterTheOtherAreNone) {
 }
 
 TEST(CameraWatch, WithThreeAskedForTwoHandsAreNone) {
-  Scene scene = square();
+  WatchedScene scene = square();
   for (std::size_t i = 2; i < 4; ++i) scene.seen_until[i] = 0.1;
   for (int k = 0; k < 10; ++k) ASSERT_FALSE(scene.tick(as_it_is, 3));
   for (int k = 0; k < 60; ++k) ASSERT_FALSE(scene.tick(shifted(0.1, 0.0, 0.0), 3));
 }
 
 TEST(CameraWatch, ARobotThatAHandIsKnownToBeAtIsNoWitness) {
-  Scene scene(2);
+  WatchedScene scene(2);
   scene.truth[1].x = 0.5;
   ASSERT_FALSE(scene.ticks(10));
   for (std::size_t i = 0; i < 2; ++i) {
@@ -173,7 +174,7 @@ TEST(CameraWatch, ARobotThatAHandIsKnownToBeAtIsNoWitness) {
 TEST(CameraWatch, NothingThatHappensToRobotsIsABumpAndABumpIsKnownAllTheSame) {
   holds("no false alarm, and then a true one", [] {
     Draw draw(any_seed());
-    Scene scene(static_cast<std::size_t>(draw.whole(2, 8)), static_cast<std::uint64_t>(draw.whole(1, 1 << 30)));
+    WatchedScene scene(static_cast<std::size_t>(draw.whole(2, 8)), static_cast<std::uint64_t>(draw.whole(1, 1 << 30)));
     const std::size_t robots = scene.truth.size();
     // In formation at v_max, or each as it likes.
     const bool as_one = draw.chance(0.5);

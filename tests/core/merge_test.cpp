@@ -45,7 +45,9 @@ TEST(Delay, StopsStandsAndCatchesUpOnAContinuousClock) {
       const Delay delay(3.0, stands, hurry, 11.0);
       constexpr double step = 1e-3;
       double most = 0.0;
-      for (double t = 2.0; t < delay.ends() + 1.0; t += step) {
+      const int last = static_cast<int>((delay.ends() - 1.0) / step);
+      for (int k = 0; k <= last; ++k) {
+        const double t = 2.0 + step * k;
         const double rate = delay.rate(t);
         most = std::max(most, delay.at(t));
         EXPECT_GE(rate, -1e-9) << "a clock never runs backwards";
@@ -115,8 +117,9 @@ class Column final : public core::Reference {
   std::vector<std::vector<Pose>> lines() const override { return {}; }
 };
 
-/// When robot `i` of the column joins its place, from where it stands, past the others, who begin on a delayed clock.
-double joins(std::size_t i, const Pose& from, std::size_t most_work, const Delay& delay) {
+/// When robot `i` of the column joins its place, from where it stands, past the others, who begin on a delayed clock;
+/// or if nobody else is there.
+double joins(std::size_t i, const Pose& from, std::size_t most_work, const Delay& delay, bool crowded = true) {
   const Column column;
   const core::Lattice lattice({4.0, 1.0}, 0.0435, 0);
   core::Traffic traffic(Column::count);
@@ -130,9 +133,10 @@ double joins(std::size_t i, const Pose& from, std::size_t most_work, const Delay
   query.keep = 0.082;
   query.watched = delay.ends();
   query.most_work = most_work;
+  query.crowded = crowded;
   Route route;
   const core::Merge::Way way = merge.find(query, column, lattice, traffic, route);
-  if (!way.found) return core::Merge::never;
+  if (!way.found || !crowded) return way.joins;
   for (std::size_t k = 0; 0.1 * static_cast<double>(k) < way.joins; ++k)
     for (std::size_t j = 0; j < Column::count; ++j) {
       const Pose here = route.at(0.1 * static_cast<double>(k)).pose;
@@ -149,6 +153,19 @@ TEST(Merge, StepsAsideForThoseWhoComeAndWaitsThereUntilTheyHavePassed) {
       const Pose facing{ahead, aside, 3.0};
       EXPECT_LT(joins(2, facing, 1000, Delay(0.0, yields, 0.6, 11.0)), 8.0) << ahead << " " << aside;
     }
+}
+
+/// Once it entered the lane beside the column so near that it had to drive a loop first, and was up to 30 s later than
+/// alone, or found nothing.
+TEST(Merge, OvertakesAColumnFromBehindItsLastRobot) {
+  for (std::size_t i = 0; i + 1 < Column::count; ++i)
+    for (const double aside : {-0.2, -0.05, 0.0, 0.1})
+      for (const double ahead : {-0.36, -0.5})
+        for (const double heading : {0.0, 1.57, 3.14}) {
+          const Pose from{ahead, aside, heading};
+          const double alone = joins(i, from, 4000, Delay(), false);
+          EXPECT_LT(joins(i, from, 1500, Delay()), alone + 4.0) << i << ": " << ahead << " " << aside << " " << heading;
+        }
 }
 
 }  // namespace

@@ -177,6 +177,39 @@ TEST(PoseFilter, DoubtsAPoseMoreTheLongerItIsNotSeenThoughTheRobotStands) {
 }
 
 /// Its standard deviations are neither boast nor excuse: the error's mean square, measured in them, is about 1.
+TEST(PoseFilter, KnowsTheWayOfARobotThatIsNotSeenHoweverManyCommandsItWasGiven) {
+  holds("the pose after any number of commands without a sight, and after the robot has stopped, is the true one", [] {
+    Draw draw(any_seed());
+    SimulatedRobot robot({}, core::MotorModel::ideal, {}, 1, 0);
+    robot.place(draw.pose(0.5));
+    PoseFilter filter;
+    const double dt = draw.between(0.001, 0.04);
+    double now = draw.between(0.0, 1e3);
+    const auto drive = [&](const core::WheelSpeeds& wheels) {
+      robot.command(wheels);
+      filter.command(now, robot.twist());
+      robot.step(dt);
+      now += dt;
+    };
+    for (int k = draw.whole(0, 300); k > 0; --k) drive({draw.between(-500.0, 500.0), draw.between(-500.0, 500.0)});
+    (void)filter.see({}, {robot.pose(), now});
+    double way = 0.0;
+    for (int k = draw.whole(0, 900); k > 0; --k) {
+      drive({draw.between(-500.0, 500.0), draw.between(-500.0, 500.0)});
+      way += std::abs(robot.twist().v) * dt;
+    }
+    for (int k = draw.whole(0, 900); k > 0; --k) drive({});
+    RC_ASSERT(core::distance(filter.predict(now), robot.pose()) <= 1e-7);
+    RC_ASSERT(std::abs(filter.way_to(now).driven - way) <= 1e-9);
+    // The next sight, which is late, surprises nobody.
+    Measurement next{robot.pose(), now};
+    for (int k = draw.whole(0, 200); k > 0; --k) drive({draw.between(-500.0, 500.0), draw.between(-500.0, 500.0)});
+    RC_ASSERT(!filter.surprise({}, next));
+    RC_ASSERT(!filter.see({}, next));
+    RC_ASSERT(core::distance(filter.predict(now), robot.pose()) <= 1e-7);
+  });
+}
+
 TEST(PoseFilter, KnowsHowGoodItIs) {
   for (const double latency : {0.0, 0.08}) {
     Draw draw(2);

@@ -87,10 +87,13 @@ TEST(Predictor, CarriesOnWithTheLastCommand) {
 
 TEST(Predictor, CountsTheTimeBeforeItsMemoryAsStandingStill) {
   Predictor predictor;
-  for (int k = 0; k < 100; ++k) predictor.command(0.04 * k, {0.1, 0.0});
-  // 64 commands reach back to that of 0.04 * 36.
-  const Pose predicted = predictor.predict({{0.0, 0.0, 0.0}, 0.0}, 4.0);
-  EXPECT_NEAR(predicted.x, 0.1 * (4.0 - 0.04 * 36), 1e-12);
+  for (int k = 0; k < 300; ++k) predictor.command(0.04 * k, {0.1, 0.0});
+  // 256 commands reach back to that of 0.04 * 44.
+  const Pose predicted = predictor.predict({{0.0, 0.0, 0.0}, 0.0}, 12.0);
+  EXPECT_NEAR(predicted.x, 0.1 * (12.0 - 0.04 * 44), 1e-12);
+  EXPECT_FALSE(predictor.remembers(0.04 * 43));
+  EXPECT_TRUE(predictor.remembers(0.04 * 44));
+  EXPECT_EQ(predictor.forgets_next()->from, 0.04 * 44);
 }
 
 TEST(Predictor, TakesTheLaterOfTwoCommandsForOneTime) {

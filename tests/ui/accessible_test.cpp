@@ -79,6 +79,10 @@ TEST_F(Accessible, TheWindowTellsNameAndRoleOfEverything) {
   find<QDockWidget>("results_dock")->raise();
   QTest::qWait(20);
   expect_told(&window, 45);
+  find<QAction>("compare_now")->trigger();
+  ASSERT_TRUE(eventually([&] { return find("comparison_bar")->isVisible(); }));
+  QTest::qWait(20);
+  expect_told(&window, 47);
 }
 
 TEST_F(Accessible, EveryDialogTellsNameAndRoleOfEverything) {

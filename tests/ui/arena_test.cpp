@@ -1,9 +1,11 @@
 // The operator's gestures in the arena: kick, obstacles, ruler, couplings, keyboard; and why real robots are left
 // alone.
 #include <QAction>
+#include <QApplication>
 #include <QLabel>
 #include <QSettings>
 #include <cmath>
+#include <tuple>
 
 #include "operator.h"
 #include "ui/base/settings.h"
@@ -224,6 +226,150 @@ TEST(ArenaHint, AndBannerHideNoRobotWhereThereIsRoomBesideIt) {
     ASSERT_GT(bare, 20);
     EXPECT_GT(body_seen(banner, hint, 0.0, y), bare * 9 / 10) << "a message lies over the robot at " << y;
   }
+}
+
+/// Of robot i in eight rows of eight about the middle.
+double column_of(int i) {
+  const int number = i % 8;
+  return number - 3.5;
+}
+double row_of(int i) {
+  const int number = i / 8;
+  return number - 3.5;
+}
+
+TEST(ArenaHint, ThatOnlyTeachesIsNotShownWhereItWouldHideRobots) {
+  const auto seen = [](int robots, const QString& hint, bool gives_way) {
+    ArenaView view;
+    view.resize(480, 330);
+    app::Experiment experiment = app::paper_experiment();
+    experiment.robots.resize(static_cast<std::size_t>(robots), experiment.robots.front());
+    view.show_experiment(experiment);
+    view.show_couplings(false);
+    app::TickRecord record;
+    record.robots.resize(experiment.robots.size());
+    for (int i = 0; i < robots; ++i)
+      record.robots[static_cast<std::size_t>(i)].truth = {column_of(i) * 0.2, row_of(i) * 0.16, 0.0};
+    view.show_record(record);
+    view.set_hint(hint, gives_way);
+    return view.grab().toImage();
+  };
+  const QString hint = QStringLiteral("Drag a robot out of the formation; turn it with the mouse wheel");
+  EXPECT_EQ(seen(64, hint, true), seen(64, {}, true)) << "it lies over robots";
+  EXPECT_NE(seen(64, hint, false), seen(64, {}, false)) << "control: what is asked for is always said";
+  EXPECT_NE(seen(1, hint, true), seen(1, {}, true)) << "control: there is room beside one robot";
+}
+
+/// 64 robots in rows, this far apart [m], on a floor of this width; `alone`: where only this one is seen.
+QImage crowd(QSize size, double width, double apart, int alone = -1) {
+  ArenaView view;
+  view.resize(size);
+  app::Experiment experiment = app::paper_experiment();
+  experiment.arena_width = width;
+  experiment.arena_height = 0.75 * width;
+  experiment.avoidance.enabled = experiment.shield.enabled = false;
+  experiment.robots.resize(64, experiment.robots.front());
+  view.show_experiment(experiment);
+  view.show_couplings(false);
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(64);
+  for (int i = 0; i < 64; ++i) {
+    app::RobotRecord& robot = record.robots[static_cast<std::size_t>(i)];
+    const core::Pose pose{column_of(i) * apart, row_of(i) * apart, 0.1 * i};
+    robot.nominal.pose = {100.0, 100.0, 0.0};
+    robot.mode = app::tracking | app::shielded;
+    robot.measurement.captured_at = -1e9;
+    robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
+    if (alone < 0 || alone == i) robot.truth = pose;
+  }
+  view.show_record(record);
+  return view.grab().toImage();
+}
+
+TEST(ArenaCrowd, EveryNumberOf64RobotsCanBeReadWhereThereIsRoom) {
+  // Robots that nearly touch in a small window, and small ones that are as far apart as their numbers need.
+  for (const auto& [width, apart] : {std::pair{1.2, 0.085}, {2.0, 0.13}, {4.0, 0.25}}) {
+    const QSize size(480, 330);
+    const QImage all = crowd(size, width, apart);
+    int least = 1000;
+    for (int i = 0; i < 64; i += 3) {
+      const QImage one = crowd(size, width, apart, i);
+      ArenaMap map;
+      map.resize(size);
+      map.show_plan(width, 0.75 * width);
+      const QPoint centre = map.to_screen({column_of(i) * apart, row_of(i) * apart}).toPoint();
+      const QColor body = colours(QPalette()).robot(static_cast<std::size_t>(i));
+      int written = 0, kept = 0;
+      for (int dy = -4; dy <= 4; ++dy)
+        for (int dx = -3; dx <= 3; ++dx) {
+          const QPoint at = centre + QPoint(dx, dy);
+          if (one.pixelColor(at) == body) continue;
+          ++written;
+          kept += all.pixelColor(at) == one.pixelColor(at);
+        }
+      ASSERT_GE(written, 4) << "of " << i + 1;
+      least = std::min(least, 100 * kept / written);
+      EXPECT_GE(100 * kept, 95 * written) << i + 1 << ", " << apart << " m apart on " << width << " m";
+    }
+    EXPECT_GE(least, 95);
+  }
+}
+
+TEST(ArenaCrowd, TheNumberOfASmallRobotStandsOnItsColourAndNotOnTheFloor) {
+  const QSize size(480, 330);
+  constexpr double width = 4.0, apart = 0.25;
+  ArenaMap map;
+  map.resize(size);
+  map.show_plan(width, 0.75 * width);
+  const QColor floor = colours(QPalette()).floor;
+  for (const int i : {0, 4, 8, 63}) {  // of one digit, and of two
+    const QImage one = crowd(size, width, apart, i);
+    const QPoint centre = map.to_screen({column_of(i) * apart, row_of(i) * apart}).toPoint();
+    int bare = 0;
+    for (int dy = -4; dy <= 4; ++dy)
+      for (int dx = -2; dx <= 2; ++dx) bare += one.pixelColor(centre + QPoint(dx, dy)) == floor;
+    EXPECT_EQ(bare, 0) << "the floor is seen beside the figures of " << i + 1;
+  }
+}
+
+TEST_F(Arena, Of64RobotsHasEachInTheTableByTheKeyboard) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.perturbations.clear();
+  experiment.robots.resize(64, experiment.robots.front());
+  for (std::size_t i = 0; i < 64; ++i) {
+    experiment.robots[i].tag = static_cast<int>(i + 1);
+    experiment.robots[i].start.reset();
+  }
+  experiment.controller.gains = {core::PairTable(64),        core::PairTable(64),       core::PairTable(64),
+                                 core::PairTable(64, 1.5),   core::PairTable(64, 0.04), core::PairTable(64, 1.5),
+                                 core::PairTable(64, 100.0), core::PairTable(64, 100.0)};
+  open_and_wait(experiment);
+  key(Qt::Key_4, nullptr, Qt::ControlModifier);
+  auto* table = find<QAbstractItemView>("robots");
+  ASSERT_TRUE(eventually([&] { return table->hasFocus() && table->model()->rowCount() == 64; }));
+  const auto expect_at = [&](int row, const char* how) {
+    EXPECT_EQ(table->currentIndex().row(), row) << how;
+    EXPECT_EQ(arena().scene().selected, row) << how;
+    EXPECT_TRUE(table->viewport()->rect().contains(table->visualRect(table->currentIndex()).center())) << how;
+  };
+  key(Qt::Key_End, nullptr, Qt::ControlModifier);
+  expect_at(63, "Ctrl+End");
+  key(Qt::Key_Home, nullptr, Qt::ControlModifier);
+  expect_at(0, "Ctrl+Home");
+  for (int row = 1; row < 64; ++row) {
+    key(Qt::Key_Down);
+    expect_at(row, "Down");
+  }
+  const int usual = QApplication::keyboardInputInterval();
+  QApplication::setKeyboardInputInterval(deadline_ms);  // two keys are one number, however busy the machine is
+  for (const auto& [first, second, row] : {std::tuple{Qt::Key_4, Qt::Key_7, 46}, {Qt::Key_1, Qt::Key_2, 11}}) {
+    key(first);
+    key(second);
+    expect_at(row, "by its number");
+    table->keyboardSearch({});  // what is typed next is another number
+  }
+  QApplication::setKeyboardInputInterval(usual);
 }
 
 TEST_F(Arena, HasThePlotsBesideItInAWindowThatWasNarrowTheLastTime) {

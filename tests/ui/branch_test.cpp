@@ -10,7 +10,13 @@ namespace {
 class Branch : public Operator {
  protected:
   bool paused() { return live().latest() != nullptr && live().phase() == app::Phase::paused; }
-  void go_on_from_here() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
+  void go_on_from_here() {
+    again_ = false;
+    const auto opened = QObject::connect(&live(), &LiveRun::opened, &window, [this] { again_ = true; });
+    key(Qt::Key_B, nullptr, Qt::ControlModifier);
+    EXPECT_TRUE(eventually([&] { return again_; })) << "it does not begin anew: " << alert().toStdString();
+    QObject::disconnect(opened);
+  }
   QString alert() { return find<QLabel>("alert")->text(); }
 
   /// `off`: by so much at most [m].
@@ -21,6 +27,11 @@ class Branch : public Operator {
       EXPECT_NEAR(one.robots[i].truth.y, other.robots[i].truth.y, off) << "robot " << i + 1;
     }
   }
+
+ private:
+  // A wait for the session to be gone, or for a time before the branch, may come when both are over: a busy thread
+  // finds all of the past in one look.
+  bool again_ = false;
 };
 
 TEST_F(Branch, OfALiveSimulationRepeatsWhatTheHandDidAndPauses) {
@@ -37,8 +48,6 @@ TEST_F(Branch, OfALiveSimulationRepeatsWhatTheHandDidAndPauses) {
       << "the hand's mark is still there";
 
   go_on_from_here();
-  ASSERT_TRUE(eventually([&] { return !live().is_open() || !live().latest() || record().t < before.t; }))
-      << "it begins anew";
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_NEAR(record().t, before.t, 1e-9);
   expect_same_places(record(), before, 1e-4);  // its ticks came by the wall clock, a little early or late
@@ -71,7 +80,7 @@ TEST_F(Branch, OfAReplayGoesOnLiveFromItsPresentMoment) {
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_NEAR(record().t, there.t, 1e-9);
   expect_same_places(record(), there, 1e-7);
-  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("Repeated up to")); })) << alert().toStdString();
+  EXPECT_TRUE(logged().contains(QStringLiteral("Repeated up to"))) << logged().toStdString();
 }
 
 TEST_F(Branch, OfARecordingIsNotOfTheFileThatWasOpenBefore) {
@@ -127,10 +136,8 @@ TEST_F(Branch, HasTheSameResultsAsTheRunAlsoOfWhatWasDoneBeforeItsStart) {
     return lines.join(QLatin1Char('\n')).toStdString();
   };
   const std::string before = listed();
-  const double t = record().t;
   EXPECT_NE(before, "");
   go_on_from_here();
-  ASSERT_TRUE(eventually([&] { return !live().is_open() || !live().latest() || record().t < t; }));
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_EQ(listed(), before);
   EXPECT_FALSE(live().coupled(0, 2));
@@ -143,7 +150,7 @@ TEST_F(Branch, NeedsARunAndSaysSo) {
   window.open(app::paper_experiment(), false);
   ASSERT_TRUE(QTest::qWaitForWindowActive(&window));
   ASSERT_TRUE(eventually([&] { return live().latest() != nullptr; }));
-  go_on_from_here();
+  key(Qt::Key_B, nullptr, Qt::ControlModifier);
   EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("no run yet")); })) << alert().toStdString();
   EXPECT_EQ(live().phase(), app::Phase::ready);
 }

@@ -5,6 +5,7 @@
 #include <QComboBox>
 #include <QDir>
 #include <QDoubleSpinBox>
+#include <QHelpEvent>
 #include <QImage>
 #include <QLabel>
 #include <QLineEdit>
@@ -13,6 +14,7 @@
 #include <QSlider>
 #include <QTabBar>
 #include <QTabWidget>
+#include <QToolTip>
 #include <cmath>
 #include <csignal>
 #include <fstream>
@@ -195,6 +197,55 @@ TEST_F(Display, OfAReplayIsThatOfTheRun) {
   EXPECT_TRUE(eventually([&] { return pairs->index(0, 1).data().toString() == QStringLiteral("0.008"); }))
       << pairs->index(0, 1).data().toString().toStdString();
   EXPECT_FALSE(pairs->flags(pairs->index(0, 1)) & Qt::ItemIsEditable);
+}
+
+TEST_F(Display, OfAReplayTheTimeThatIsLeftAndWhatIsToComeAreThoseOfTheRecording) {
+  const QString file = dir.filePath(QStringLiteral("stopped.csv"));
+  const app::Experiment experiment = app::paper_experiment();
+  app::CsvFile csv(file.toStdString(), experiment);
+  auto session = app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}});
+  int asked = 0;
+  (*session)->run([&] { return ++asked < 8; });  // long before its end, and before the first kick
+  csv.finish();
+  replay(file);
+  const double end = window.replay().recording()->rows.back().t;
+  ASSERT_LT(end, experiment.perturbations.front().t);
+  auto* line = find("time_line");
+  QTest::keyClick(line, Qt::Key_Home);
+  const QString all = QStringLiteral("−%1 s").arg(end - window.replay().t(), 0, 'f', 1);
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("time")->text().endsWith(all); }))
+      << find<QLabel>("time")->text().toStdString() << ", of " << end << " s";
+  const QPoint at(line->width() - 10, line->height() / 2);
+  QHelpEvent tip(QEvent::ToolTip, at, line->mapToGlobal(at));
+  QCoreApplication::sendEvent(line, &tip);
+  EXPECT_FALSE(QToolTip::text().contains(QStringLiteral("robot"))) << "never came: " << QToolTip::text().toStdString();
+}
+
+TEST_F(Display, OfARunThatIsOverNothingCanBeChangedAndNoTimeIsLeft) {
+  start();
+  key(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  EXPECT_TRUE(eventually([&] { return !find("spin_k_xx")->isEnabled(); })) << "a gain that nothing will ever follow";
+  EXPECT_FALSE(find<QLabel>("time")->text().contains(QStringLiteral("−")))
+      << find<QLabel>("time")->text().toStdString();
+  const core::Pose before = record().robots[1].truth;
+  const double now = record().now;
+  drag(robot(1), robot(1) + QPoint(40, 30));
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("run is over")); })) << alert().toStdString();
+  ASSERT_TRUE(eventually([&] { return record().now > now + 0.4; }));
+  EXPECT_EQ(core::distance(record().robots[1].truth, before), 0.0);
+  EXPECT_EQ(count(saved_events(), "move r2"), 0) << "the run would have a kick after its end";
+}
+
+TEST_F(Display, WithoutAnExperimentNothingIsSaidToHaveFailed) {
+  const QString file = dir.filePath(QStringLiteral("broken.toml"));
+  std::ofstream(file.toStdString()) << "rate = -3\n";
+  window.resize(1280, 800);
+  window.show();
+  window.open_file(file);
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("phase")->text().contains(QStringLiteral("No experiment")); }))
+      << find<QLabel>("phase")->text().toStdString();
+  EXPECT_EQ(find<QLabel>("time")->text().toStdString(), "") << "of nothing";
 }
 
 TEST_F(Display, NumbersThatAreNotKnownAreNotShown) {

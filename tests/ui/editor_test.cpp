@@ -34,9 +34,24 @@ class Editor : public Operator {
     key(Qt::Key_Space);
     ASSERT_TRUE(eventually([&] { return stopped(); }));
   }
+  ExperimentEditor* find_editor() { return window.findChild<ExperimentEditor*>(); }
+  void write(const QString& what) {
+    QFile out(file);
+    ASSERT_TRUE(out.open(QIODevice::WriteOnly));
+    out.write(what.toUtf8());
+  }
+  /// The paper's experiment from a file, in the window and in the editor.
+  void open_shared() {
+    write(paper);
+    window.open_file(file);
+    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+    open_editor();
+  }
   ExperimentEditor* editor = nullptr;
   TomlText* text = nullptr;
   QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("shared.toml"));
+  const QString paper = QString::fromStdString(app::paper_experiment().source);
 };
 
 TEST_F(Editor, MarksWhatIsWrongAndRunsNoneOfIt) {
@@ -196,19 +211,59 @@ TEST_F(Editor, AsksBeforeChangesAreLost) {
   EXPECT_TRUE(window.isVisible()) << "the window went, and the changes with it";
 }
 
+TEST_F(Editor, KeepsAnUnfinishedTextInItsFile) {
+  stand();
+  open_shared();
+  const QString unfinished = paper + QStringLiteral("\n[[perturb]\n");
+  text->setPlainText(unfinished);
+  ASSERT_TRUE(eventually([&] { return text->marked() == 1; }));
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  const QPointer<ExperimentEditor> open = editor;
+  editor->close();
+  ASSERT_TRUE(eventually([&] { return !open; })) << "it is saved: nothing is asked";
+  EXPECT_EQ(live().experiment().source, paper.toStdString()) << "what can be run is still open";
+  window.open_file(file);
+  editor = find_editor();
+  ASSERT_NE(editor, nullptr);
+  EXPECT_EQ(editor->text().toStdString(), unfinished.toStdString());
+  EXPECT_FALSE(editor->is_valid());
+}
+
+TEST_F(Editor, OffersATextThatNobodySavedWhenTheFileIsOpenedAgain) {
+  stand();
+  open_shared();
+  const QString unfinished = paper + QStringLiteral("\n[[perturb]\n");
+  text->setPlainText(unfinished);
+  ASSERT_TRUE(eventually([&] { return text->marked() == 1; }));
+  delete editor;  // as when the program is killed: nobody is asked
+  open_editor();
+  EXPECT_EQ(editor->text().toStdString(), paper.toStdString()) << "what the file has, until it is said otherwise";
+  auto* offer = editor->findChild<QWidget*>(QStringLiteral("editor_draft"));
+  ASSERT_NE(offer, nullptr);
+  ASSERT_TRUE(offer->isVisible());
+  QTest::mouseClick(&button("editor_draft_use"), Qt::LeftButton);
+  EXPECT_EQ(editor->text().toStdString(), unfinished.toStdString());
+  EXPECT_FALSE(offer->isVisible());
+  EXPECT_TRUE(editor->has_changes());
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  delete editor;
+  open_editor();
+  EXPECT_FALSE(editor->findChild<QWidget*>(QStringLiteral("editor_draft"))->isVisible()) << "it is saved by now";
+
+  text->setPlainText(unfinished);
+  ASSERT_TRUE(eventually([&] { return text->marked() == 1; }));
+  delete editor;
+  open_editor();
+  ASSERT_TRUE(editor->findChild<QWidget*>(QStringLiteral("editor_draft"))->isVisible());
+  QTest::mouseClick(&button("editor_draft_forget"), Qt::LeftButton);
+  delete editor;
+  open_editor();
+  EXPECT_FALSE(editor->findChild<QWidget*>(QStringLiteral("editor_draft"))->isVisible()) << "nobody wants it";
+}
+
 TEST_F(Editor, AsksBeforeItOverwritesWhatSomebodyElseWrote) {
   stand();
-  const QString file = dir.filePath(QStringLiteral("shared.toml"));
-  const auto write = [&](const QString& what) {
-    QFile out(file);
-    ASSERT_TRUE(out.open(QIODevice::WriteOnly));
-    out.write(what.toUtf8());
-  };
-  const QString paper = QString::fromStdString(app::paper_experiment().source);
-  write(paper);
-  window.open_file(file);
-  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
-  open_editor();
+  open_shared();
   text->setPlainText(paper + QStringLiteral("\n# mine\n"));
   write(paper + QStringLiteral("\n# theirs\n"));
   QTest::mouseClick(&button("editor_save"), Qt::LeftButton);

@@ -6,15 +6,18 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMenu>
+#include <QRegularExpression>
 #include <QSlider>
 #include <QTabWidget>
 #include <QToolButton>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 #include <string_view>
 
 #include "operator.h"
 #include "ui/gains/gain_presets.h"
+#include "ui/gains/gain_slider.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/gains/schedule_editor.h"
 #include "ui/robots/robots_model.h"
@@ -238,6 +241,154 @@ TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
   ASSERT_NE(box, nullptr);
   EXPECT_TRUE(live().experiment().gain_changes.empty());
   delete box;
+}
+
+/// A number typed into a gain's field, and what becomes of it.
+class GainRoom : public Gains {
+ protected:
+  /// Long enough for ten times real time on any machine.
+  void start_at_ten_times() {
+    app::Experiment experiment = app::paper_experiment();
+    experiment.duration = 7200.0;
+    experiment.perturbations.clear();
+    start(experiment);
+    window.set_speed(10.0);  // ramps
+  }
+  void type(core::GainName gain, double value) { find<QDoubleSpinBox>(widget("spin_", gain))->setValue(value); }
+  static const char* widget(const char* prefix, core::GainName gain) {
+    static std::string name;
+    name = prefix + std::string(core::word(gain));
+    return name.c_str();
+  }
+  double target(core::GainName gain) { return live().gain_target(gain, 0, 1); }
+  QString advice(core::GainName gain) {
+    const auto* label = find<QLabel>(widget("advice_", gain));
+    return label->isVisible() ? label->text() : QString();
+  }
+  qsizetype held(core::GainName gain) {
+    return count(saved_events(), ("gain_held " + std::string(core::word(gain)) + " ").c_str());
+  }
+  /// Slider, field, value now, target and marks tell the same.
+  testing::AssertionResult agrees(core::GainName gain) {
+    const auto* slider = static_cast<LimitSlider*>(find<QSlider>(widget("slider_", gain)));
+    const double limit = live().gain_limit(gain), field = find<QDoubleSpinBox>(widget("spin_", gain))->value();
+    const double knob = static_cast<double>(slider->value()) / LimitSlider::steps;
+    const double top = slider->limit_mark() > 0.0 ? limit / slider->limit_mark() : 0.0;
+    const auto now = find<QLabel>(widget("now_", gain))->text();
+    const auto border = find<QLabel>(widget("limit_", gain))->text();
+    const QString rounded_down = QString::number(std::floor(limit * 1e4 + 1e-6) / 1e4, 'f', 4);
+    const auto result = testing::AssertionFailure()
+                        << core::word(gain) << ": target " << target(gain) << ", field " << field << ", knob " << knob
+                        << " of " << top << ", now " << now.toStdString() << " at " << slider->now_mark() << ", limit "
+                        << limit << ": " << border.toStdString() << " at " << slider->limit_mark();
+    if (std::abs(field - target(gain)) > 0.51e-4) return result;
+    if (now != QStringLiteral("now %1").arg(field, 0, 'f', 4)) return result;
+    if (border != QStringLiteral("limit ") + rounded_down) return result;
+    if (slider->limit_mark() <= 0.0 || slider->limit_mark() > 1.0) return result;
+    if (std::abs(knob * top - target(gain)) > 0.6 * top / LimitSlider::steps) return result;
+    if (std::abs(slider->now_mark() * top - target(gain)) > 1e-6) return result;
+    if (target(gain) > limit + 1e-9) return result;
+    return testing::AssertionSuccess();
+  }
+  void drag_knob(core::GainName gain, double share) {
+    auto* slider = find<QSlider>(widget("slider_", gain));
+    const auto at = [&](double where) {
+      return QPoint(static_cast<int>(std::lround(7.5 + where * (slider->width() - 15))), slider->height() / 2);
+    };
+    const double from = static_cast<double>(slider->value()) / slider->maximum();
+    QTest::mousePress(slider, Qt::LeftButton, {}, at(from));
+    for (int k = 1; k <= 4; ++k) QTest::mouseMove(slider, at(from + (share - from) * k / 4));
+    QTest::mouseRelease(slider, Qt::LeftButton, {}, at(share));
+  }
+};
+
+TEST_F(GainRoom, IsMadeByTheOtherGainAndTheNumberThatTheWindowGives) {
+  using core::GainName;
+  start_at_ten_times();
+  std::mt19937_64 any(20101208);
+  static const QRegularExpression way(QStringLiteral("lower (k_\\S+) from (\\S+) to (\\S+) to allow (\\S+)$"));
+  int rounds = 0;
+  for (int round = 0; round < 8; ++round) {
+    const GainName name = round % 2 == 0 ? GainName::k_yy : GainName::k_tt;
+    const GainName other = round % 2 == 0 ? GainName::k_tt : GainName::k_yy;
+    const double all = live().gain_limit(name) + target(other);  // of the two together
+    const auto share = [&] { return std::uniform_real_distribution(0.2, 0.9)(any); };
+    const double given = std::round(all * share() * 1e4) / 1e4, wanted = std::ceil(all * share() * 1e4) / 1e4;
+    type(name, 0.0);
+    ASSERT_TRUE(eventually([&] { return target(name) == 0.0; }));
+    type(other, given);
+    ASSERT_TRUE(eventually([&] { return std::abs(target(other) - given) < 1e-9; }));
+    ASSERT_TRUE(eventually([&] { return agrees(name); })) << agrees(name).message();
+    if (wanted <= live().gain_limit(name)) continue;
+    ++rounds;
+    type(name, wanted);
+    EXPECT_TRUE(advice(name).contains(QStringLiteral("cannot be more than"))) << "nothing is said before it is asked";
+    ASSERT_TRUE(eventually([&] { return std::abs(target(name) - live().gain_limit(name)) < 1e-9; }));
+    ASSERT_TRUE(eventually([&] { return agrees(name); })) << agrees(name).message();
+    const QRegularExpressionMatch told = way.match(advice(name));
+    ASSERT_TRUE(told.hasMatch()) << advice(name).toStdString();
+    EXPECT_EQ(told.captured(1), other == GainName::k_tt ? QStringLiteral("k_\u03b8\u03b8") : QStringLiteral("k_yy"));
+    EXPECT_NEAR(told.captured(2).toDouble(), given, 0.51e-4);
+    EXPECT_NEAR(told.captured(4).toDouble(), wanted, 1e-9);
+    EXPECT_TRUE(find<QSlider>(widget("slider_", name))->toolTip().contains(advice(name)));
+    EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(told.captured()); }))
+        << find<QLabel>("alert")->text().toStdString();
+    const qsizetype before = held(name);
+    type(other, told.captured(3).toDouble());
+    ASSERT_TRUE(eventually([&] { return target(other) == told.captured(3).toDouble(); }));
+    EXPECT_TRUE(eventually([&] { return advice(name).isEmpty(); }))
+        << "there is room now: " << advice(name).toStdString();
+    type(name, wanted);
+    EXPECT_TRUE(eventually([&] { return std::abs(target(name) - wanted) < 1e-12; }))
+        << target(name) << " of " << wanted;
+    EXPECT_EQ(held(name), before) << "the number that was given is not enough";
+  }
+  EXPECT_GE(rounds, 3) << "there was room all the time";
+}
+
+TEST_F(GainRoom, IsSaidNotToBeThereWhereNoOtherGainMakesIt) {
+  using core::GainName;
+  start();
+  type(GainName::k_xx, 2.0 * live().gain_limit(GainName::k_xx));
+  EXPECT_TRUE(eventually([&] {
+    return advice(GainName::k_xx).endsWith(QStringLiteral("that takes a slower reference (18f)"));
+  })) << advice(GainName::k_xx).toStdString();
+  const double all = live().gain_limit(GainName::k_yy) + target(GainName::k_tt);
+  type(GainName::k_yy, all + 0.001);
+  EXPECT_TRUE(eventually([&] {
+    return advice(GainName::k_yy).contains(QStringLiteral("even k_\u03b8\u03b8 = 0 is not enough"));
+  })) << advice(GainName::k_yy).toStdString();
+  EXPECT_TRUE(eventually([&] { return agrees(GainName::k_yy); })) << agrees(GainName::k_yy).message();
+  type(GainName::k_yy, 0.01);
+  EXPECT_TRUE(eventually([&] { return advice(GainName::k_yy).isEmpty(); })) << "what is no longer asked for is advised";
+}
+
+TEST_F(GainRoom, IsShownAlikeEverywhereWhileTwoGainsAreDraggedPastTheirCommonBorderAndBack) {
+  using core::GainName;
+  start_at_ten_times();
+  const auto expect_all_agree = [&](const char* step) {
+    for (const GainName gain : core::gain_names)
+      EXPECT_TRUE(eventually([&] { return agrees(gain); })) << step << ": " << agrees(gain).message();
+  };
+  expect_all_agree("at the start");
+  const double yy = target(GainName::k_yy), tt = target(GainName::k_tt);
+  drag_knob(GainName::k_tt, 1.0);
+  ASSERT_TRUE(eventually([&] { return target(GainName::k_tt) > tt + 0.01; }));
+  expect_all_agree("k_tt past its border");
+  EXPECT_NEAR(target(GainName::k_tt), live().gain_limit(GainName::k_tt), 1e-9);
+  EXPECT_NEAR(live().gain_limit(GainName::k_yy), yy, 1e-9) << "k_tt has taken all that k_yy leaves";
+  drag_knob(GainName::k_yy, 1.0);
+  ASSERT_TRUE(eventually([&] { return held(GainName::k_yy) == 1; }));
+  expect_all_agree("k_yy past its border");
+  EXPECT_FALSE(advice(GainName::k_yy).isEmpty());
+  drag_knob(GainName::k_tt, 0.1);
+  ASSERT_TRUE(eventually([&] { return target(GainName::k_tt) < live().gain_limit(GainName::k_tt) / 2; }));
+  expect_all_agree("k_tt back");
+  EXPECT_TRUE(eventually([&] { return advice(GainName::k_yy).isEmpty(); })) << advice(GainName::k_yy).toStdString();
+  for (int step = 0; step < 2; ++step) {
+    QTest::mouseClick(find<QToolButton>("undo_gain"), Qt::LeftButton);
+    expect_all_agree("undone");
+  }
 }
 
 TEST_F(Operator, HoldsOneRobotAndLetsItGo) {

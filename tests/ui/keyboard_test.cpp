@@ -4,8 +4,12 @@
 #include <QAction>
 #include <QApplication>
 #include <QClipboard>
+#include <QComboBox>
+#include <QDir>
 #include <QDoubleSpinBox>
 #include <QFileDialog>
+#include <QImage>
+#include <QLabel>
 #include <QLineEdit>
 #include <QListView>
 #include <QMenu>
@@ -23,8 +27,11 @@
 #include "app/record/csv_file.h"
 #include "operator.h"
 #include "tests/places.h"
+#include "ui/base/settings.h"
 #include "ui/editor/experiment_editor.h"
+#include "ui/plots/plot_layouts.h"
 #include "ui/plots/plots_panel.h"
+#include "ui/plots/xy_plot.h"
 
 namespace skein::ui::test {
 namespace {
@@ -356,6 +363,12 @@ TEST_F(Keyboard, ReplaysScrubsReadsComparesSavesAndGoesOn) {
   press(Qt::Key_D, Qt::ControlModifier);
   answer("compare_dialog", other);
   ASSERT_TRUE(eventually([&] { return arena().scene().compared.size() == 1; }));
+  for (const std::size_t shown : {0U, 1U}) {
+    press(Qt::Key_3, Qt::ControlModifier);
+    tab_to("compared_A");
+    press(Qt::Key_Return);
+    EXPECT_TRUE(eventually([&] { return arena().scene().compared.size() == shown; })) << "by the legend's switch";
+  }
   press(Qt::Key_6, Qt::ControlModifier);
   tab_to("copy_results");
   press(Qt::Key_Return);
@@ -372,6 +385,110 @@ TEST_F(Keyboard, ReplaysScrubsReadsComparesSavesAndGoesOn) {
   press(Qt::Key_B, Qt::ControlModifier);
   ASSERT_TRUE(eventually([&] { return live().latest() && live().phase() == app::Phase::paused; }));
   EXPECT_NEAR(record().t, 2.0, 0.05);
+}
+
+TEST_F(Keyboard, AlignsComparedRunsAtAKick) {
+  const QString file = recorded("one.csv", "perturb=[{ t = 2, robot = 2, dx = 0.1 }]");
+  const QString other = recorded("two.csv", "perturb=[{ t = 5, robot = 2, dx = 0.1 }]");
+  show();
+  press(Qt::Key_O, Qt::ControlModifier | Qt::ShiftModifier);
+  answer("open_recording_dialog", file);
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
+  press(Qt::Key_Space);
+  press(Qt::Key_D, Qt::ControlModifier);
+  answer("compare_dialog", other);
+  ASSERT_TRUE(eventually([&] { return arena().scene().compared.size() == 1; }));
+  auto* align = find<QComboBox>("compare_align");
+  ASSERT_TRUE(eventually([&] { return align->count() == 2; }));
+  press(Qt::Key_7, Qt::ControlModifier);
+  press(Qt::Key_Home);
+  press(Qt::Key_Right, Qt::NoModifier, 3);  // a second after the kick of this run, two before the other's
+  const auto apart = [&] {
+    const auto& trail = arena().scene().compared[0].trails[1];
+    return trail.empty() ? 0.0 : core::distance(trail.back(), *arena().scene().pose(1));
+  };
+  ASSERT_TRUE(eventually([&] { return apart() > 0.02; })) << "control: not aligned, they are not together";
+  press(Qt::Key_3, Qt::ControlModifier);
+  tab_to("compare_align");
+  const double before = apart();
+  press(Qt::Key_Down);
+  EXPECT_EQ(align->currentIndex(), 1);
+  EXPECT_TRUE(eventually([&] { return std::abs(apart() - before) > 0.02; })) << "it makes no difference";
+  const double aligned = apart();
+  press(Qt::Key_Up);
+  EXPECT_EQ(align->currentIndex(), 0);
+  EXPECT_TRUE(eventually([&] { return std::abs(apart() - aligned) > 0.02; })) << "it made no difference";
+}
+
+TEST_F(Keyboard, SavesUsesAndForgetsALayoutAndDrawsOnePlotOverAnother) {
+  start();
+  auto* plots = find<PlotsPanel>("plots");
+  const auto in_menu = [&](const std::vector<Qt::Key>& keys) {
+    press(Qt::Key_3, Qt::ControlModifier);
+    tab_to("choose_plots");
+    then([this, keys] {
+      for (const Qt::Key one : keys) press(one);
+    });
+    press(Qt::Key_Return);
+  };
+  in_menu({Qt::Key_O, Qt::Key_Down, Qt::Key_Right, Qt::Key_Down, Qt::Key_Return});  // e_y over the first of its list
+  EXPECT_TRUE(eventually([&] { return plots->over().isVisible(); })) << "nothing is drawn over anything";
+  const QStringList drawn = plots->shown();
+  in_menu({Qt::Key_L, Qt::Key_S});
+  auto* name = comes_up<QDialog>(&window, "layout_dialog");
+  ASSERT_NE(name, nullptr);
+  type(QStringLiteral("mine"));
+  press(Qt::Key_Return);
+  expect_in_front(window);
+  in_menu({Qt::Key_O, Qt::Key_Right, Qt::Key_Up, Qt::Key_Return});  // the last of the list: nothing
+  EXPECT_TRUE(eventually([&] { return !plots->over().isVisible(); }));
+  in_menu({Qt::Key_Down, Qt::Key_Return});  // without e_x
+  ASSERT_TRUE(eventually([&] { return plots->shown() != drawn; }));
+  in_menu({Qt::Key_L, Qt::Key_Return});
+  EXPECT_TRUE(eventually([&] { return plots->shown() == drawn && plots->over().isVisible(); }))
+      << plots->shown().join(QLatin1Char(' ')).toStdString();
+  in_menu({Qt::Key_L, Qt::Key_F, Qt::Key_Return});
+  EXPECT_TRUE(eventually([&] { return plot_layouts().empty(); }));
+  plots->show_over({}, {});
+}
+
+TEST_F(Keyboard, LooksThroughACameraAndSavesAReport) {
+  QImage grey(64, 48, QImage::Format_Grayscale8);
+  grey.fill(128);
+  ASSERT_TRUE(grey.save(dir.filePath(QStringLiteral("a.png"))));
+  settings().setValue(QStringLiteral("recordings"), dir.filePath(QStringLiteral("reports")));
+  start();
+  press(Qt::Key_R, Qt::AltModifier);
+  ASSERT_TRUE(eventually([&] { return QApplication::activePopupWidget() != nullptr; }));
+  press(Qt::Key_A);
+  QPointer<QDialog> page = comes_up<QDialog>(&window, "camera_page");
+  ASSERT_NE(page, nullptr);
+  tab_to("camera_source");
+  press(Qt::Key_A, Qt::ControlModifier);
+  type(QStringLiteral("images:") + dir.path());
+  tab_to("camera_look");
+  press(Qt::Key_Return);
+  auto* status = page->findChild<QLabel*>(QStringLiteral("camera_status"));
+  EXPECT_TRUE(eventually([&] { return status->text().contains(QStringLiteral("no more pictures")); }))
+      << status->text().toStdString();
+  close(page);
+  expect_in_front(window);
+  EXPECT_TRUE(running());
+  press(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
+  press(Qt::Key_6, Qt::ControlModifier);
+  tab_to("save_results");
+  press(Qt::Key_Return);
+  const QDir reports(dir.filePath(QStringLiteral("reports")));
+  EXPECT_TRUE(eventually([&] {
+    const QStringList folders = reports.entryList(QDir::Dirs | QDir::NoDotAndDotDot);
+    return folders.size() == 1 && QFile::exists(reports.filePath(folders.first() + QStringLiteral("/report.html")));
+  })) << alert().toStdString();
+  // What of it cannot be done on this machine is told in a message.
+  EXPECT_TRUE(eventually([&] {
+    return alert().contains(QStringLiteral("report")) || window.findChild<QDialog*>(QStringLiteral("problem_dialog"));
+  }));
+  settings().remove(QStringLiteral("recordings"));
 }
 
 TEST_F(Keyboard, EditsAnExperimentWhileARunIsOn) {
@@ -435,7 +552,8 @@ TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
                                      {"save_plot", "save_plot_dialog"},
                                      {"edit_experiment", "experiment_editor"},
                                      {"calibrate_camera", "calibration_dialog"},
-                                     {"camera", "camera_page"}}) {
+                                     {"camera", "camera_page"},
+                                     {"connect_robots_page", "connect_page"}}) {
     find<QAction>(action)->trigger();
     auto* dialog = comes_up<QDialog>(&window, name);
     ASSERT_NE(dialog, nullptr) << name;

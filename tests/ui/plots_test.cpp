@@ -3,6 +3,8 @@
 #include <QRegularExpression>
 #include <QToolButton>
 #include <QToolTip>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -167,6 +169,49 @@ TEST_P(Crowd, HasItsNumbersBehindShortCurves) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Crowd, ::testing::Values(20U, 64U));
+
+TEST(PlotBand, OfOneCentimetreIsSeenWhereExpectIsJudgedByItAndNowhereElse) {
+  PlotsPanel panel;
+  panel.show_experiment(app::paper_experiment());
+  panel.resize(500, 700);
+  panel.show_plots({"e_x", "e_y", "e_theta", "e", "delta", "V"});
+  constexpr std::array judged{true, true, false, true, true, false};
+  panel.show();
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(&panel));
+  for (int plot = 0; plot < 6; ++plot) {
+    const QCPAxisRect* rect = panel.view().axisRect(plot);
+    QCPAxis* value = rect->axis(QCPAxis::atLeft);
+    value->setRange(-0.03, 0.03);
+    panel.view().replot(QCustomPlot::rpImmediateRefresh);
+    const QImage picture = panel.view().grab().toImage();
+    const auto ground = [&](double at) {  // beside the lines of the grid
+      return picture.pixelColor(rect->left() + 3, static_cast<int>(std::lround(value->coordToPixel(at))));
+    };
+    const QColor bare = ground(0.017);
+    const bool banded = judged[static_cast<std::size_t>(plot)];
+    for (const double inside : {0.003, 0.008, -0.003, -0.008}) EXPECT_EQ(ground(inside) != bare, banded) << plot;
+    for (const double outside : {0.012, -0.012, -0.017}) EXPECT_EQ(ground(outside), bare) << plot << ", " << outside;
+  }
+}
+
+TEST(PlotBand, TheDistanceThatExpectAsksForIsALineBesideTheShields) {
+  const auto lines = [](const char* set) {
+    const auto experiment = app::parse_experiment(app::paper_experiment().source, "platoon.toml", {set});
+    PlotsPanel panel;
+    panel.show_experiment(*experiment);
+    panel.show_plots({"min_distance"});
+    std::vector<double> at;
+    for (int k = 0; k < panel.view().itemCount(); ++k)
+      if (const auto* line = qobject_cast<QCPItemStraightLine*>(panel.view().item(k));
+          line && line->point1->typeY() == QCPItemPosition::ptPlotCoords && line->visible())
+        at.push_back(line->point1->value());
+    std::sort(at.begin(), at.end());
+    return at;
+  };
+  const double shield = app::paper_experiment().shield.distance;
+  EXPECT_EQ(lines("expect={min_distance=0.09}"), (std::vector{std::min(shield, 0.09), std::max(shield, 0.09)}));
+  EXPECT_EQ(lines("expect={final_error=0.09}"), std::vector{shield});
+}
 
 TEST(Group, OfFourHasALegendAndNoNumbers) {
   PlotsPanel panel;

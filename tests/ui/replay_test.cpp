@@ -1,15 +1,22 @@
 // A recorded run through the same widgets, and a second run to compare with.
 #include <QAbstractItemView>
+#include <QAction>
+#include <QApplication>
 #include <QComboBox>
+#include <QHelpEvent>
+#include <QTableView>
 #include <QToolButton>
+#include <QToolTip>
 #include <fstream>
 #include <set>
 
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "ui/base/why.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
+#include "ui/robots/robots_model.h"
 #include "ui/status/run_bar.h"
 
 namespace skein::ui::test {
@@ -78,6 +85,83 @@ TEST_F(Replay, GoesWhereTheScrubberIsPut) {
   QTest::keyClick(&line, Qt::Key_Home);
   QTest::keyClick(&line, Qt::Key_Right, Qt::ControlModifier);  // to the next event
   EXPECT_FALSE((*window.replay().latest()).events.empty());
+}
+
+TEST_F(Replay, IsScrubbedInTheSmallestWindow) {
+  replay(recorded());
+  window.go();
+  ASSERT_FALSE(window.replay().is_playing());
+  const QSize smallest(784, 552);  // what a window manager leaves of 800x600
+  window.resize(smallest);
+  ASSERT_TRUE(eventually([&] { return window.size() == smallest; }));
+  ASSERT_TRUE(eventually([&] { return time_line().isVisible(); })) << "there is nothing to scrub with";
+  EXPECT_EQ(time_line().visibleRegion().boundingRect(), time_line().rect());
+  find<QAction>("go_to_time")->trigger();
+  ASSERT_TRUE(eventually([&] { return time_line().hasFocus(); }));
+  key(Qt::Key_End);
+  EXPECT_TRUE(eventually([&] { return window.replay().t() == window.replay().recording()->rows.back().t; }));
+}
+
+/// The tip that a resting mouse gets there.
+void rest_mouse(QWidget* over, QPoint where) {
+  QHelpEvent tip(QEvent::ToolTip, where, over->mapToGlobal(where));
+  QApplication::sendEvent(over, &tip);
+}
+
+TEST_F(Replay, TipsFollowTheMomentThatIsShown) {
+  replay(recorded());
+  window.go();
+  ASSERT_FALSE(window.replay().is_playing());
+  emit time_line().time_wanted(18.2);  // shortly after the kick
+  const auto why_now = [&] { return why(*window.replay().latest(), 1); };
+  auto* table = find<QTableView>("robots");
+  QString before = why_now();
+  rest_mouse(table->viewport(), table->visualRect(table->model()->index(1, RobotsModel::mode)).center());
+  ASSERT_EQ(QToolTip::text(), before);
+  const auto step = [&](int times) {  // a click would take the tip away
+    while (times-- > 0) find<QAction>("step_action")->trigger();
+  };
+  step(5);
+  ASSERT_NE(why_now(), before) << "nothing has changed that could be told";
+  EXPECT_TRUE(eventually([&] { return QToolTip::text() == why_now(); })) << QToolTip::text().toStdString();
+
+  before = why_now();
+  rest_mouse(&arena(), robot(1));
+  ASSERT_TRUE(QToolTip::text().contains(before)) << QToolTip::text().toStdString();
+  step(3);
+  ASSERT_NE(why_now(), before);
+  EXPECT_TRUE(eventually([&] { return QToolTip::text().contains(why_now()); })) << QToolTip::text().toStdString();
+  EXPECT_FALSE(QToolTip::text().contains(QStringLiteral("Drag"))) << "nothing can be dragged in a replay";
+}
+
+TEST_F(Replay, HasItsObstaclesWhereTheyStandAtEveryMoment) {
+  const app::Experiment experiment =
+      *app::parse_experiment(app::paper_experiment().source +
+                                 "[[operator]]\nt = 5\ndoes = \"obstacle o1 x=0 y=0 radius=0.05\"\n"
+                                 "[[operator]]\nt = 60\ndoes = \"obstacle o1 x=0 y=0 radius=0\"\n",
+                             "obstacle.toml", {"perturb=[]", "duration=84"});
+  const QString file = dir.filePath(QStringLiteral("obstacle.csv"));
+  app::CsvFile csv(file.toStdString(), experiment);
+  (*app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
+  csv.finish();
+  replay(file);
+  window.go();
+  for (const auto& [t, stands] : {std::pair{50.0, true}, {2.0, false}, {6.0, true}, {83.0, false}, {40.0, true}}) {
+    emit time_line().time_wanted(t);
+    EXPECT_EQ(arena().scene().obstacle_at(0.0, 0.0) == 0, stands) << "at " << t << " s";
+  }
+}
+
+TEST_F(Replay, OfARunThatHasEndedATipSaysThatItIsOver) {
+  app::Experiment brief = app::paper_experiment();
+  brief.duration = 1.0;
+  start(brief);
+  auto* table = find<QTableView>("robots");
+  table->setFocus();  // a tip goes when the focus does, and what is switched off at the end loses it
+  rest_mouse(table->viewport(), table->visualRect(table->model()->index(1, RobotsModel::mode)).center());
+  ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::finished; }));
+  EXPECT_TRUE(eventually([&] { return QToolTip::text() == QStringLiteral("stands: the run is over"); }))
+      << QToolTip::text().toStdString();
 }
 
 TEST_F(Replay, TurnsTheLiveControlsOffAndSaysWhy) {

@@ -164,6 +164,20 @@ TEST_F(Results, AHandThatCarriesARobotOnIsOneKickFromItsLastMoment) {
   EXPECT_DOUBLE_EQ(results.closest(), 0.15);
 }
 
+TEST_F(Results, NameTheirKicksInSentences) {
+  start();
+  find<QAction>("go_to_results")->trigger();
+  drag(robot(1), robot(1) + QPoint(30, 25));
+  moved(1);
+  auto* table = find<QTableWidget>("result_table");
+  ASSERT_TRUE(eventually([&] { return table->rowCount() == 1; }));
+  EXPECT_EQ(table->item(0, 1)->text().toStdString(), "Robot 2 was moved by hand");
+  EXPECT_TRUE(table->item(0, 1)->toolTip().startsWith(QStringLiteral("move r2 ")))
+      << table->item(0, 1)->toolTip().toStdString();
+  find<QPushButton>("copy_results")->click();
+  EXPECT_TRUE(QGuiApplication::clipboard()->text().contains(QStringLiteral("Robot 2 was moved by hand")));
+}
+
 TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
   app::Experiment experiment, uncoupled;
   const std::vector<app::TickRecord> rows = run({"duration=40"}, experiment);

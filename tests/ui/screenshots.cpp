@@ -3,6 +3,8 @@
 #include <QAction>
 #include <QApplication>
 #include <QDir>
+#include <QDoubleSpinBox>
+#include <QLabel>
 #include <QMenu>
 #include <QSettings>
 #include <QSlider>
@@ -73,6 +75,22 @@ bool preview(skein::ui::MainWindow& window, const QDir& dir) {
   return shown && saved;
 }
 
+/// A gain that was asked to go beyond its limit: which other one makes room.
+bool gain_limit(skein::ui::MainWindow& window, const QDir& dir) {
+  auto* field = window.findChild<QDoubleSpinBox*>(QStringLiteral("spin_k_yy"));
+  auto* advice = window.findChild<QLabel*>(QStringLiteral("advice_k_yy"));
+  const double before = field->value();
+  field->setValue(0.2);
+  const auto is_held = [&] { return field->value() < 0.2 && advice->isVisible(); };
+  const bool held = QTest::qWaitFor(is_held, 5000);
+  QTest::qWait(300);  // the layout
+  const bool saved =
+      window.findChild<QWidget*>(QStringLiteral("gains"))->grab().save(dir.filePath(QStringLiteral("gain-limit.png")));
+  if (held) std::printf("%s\n", qUtf8Printable(advice->text()));
+  field->setValue(before);
+  return held && saved;
+}
+
 /// The menu of what can be done with robots, as it opens.
 bool menu(skein::ui::MainWindow& window, const QDir& dir) {
   QTest::keyClick(window.findChild<skein::ui::ArenaView*>(), Qt::Key_2);  // of robot 2
@@ -134,7 +152,8 @@ int main(int argc, char** argv) {
   const QDir dir(words[1]);
   const bool done = save(window, skein::ui::Theme::light, dir.filePath(QStringLiteral("window.png"))) &&
                     save(window, skein::ui::Theme::dark, dir.filePath(QStringLiteral("window-dark.png"))) &&
-                    preview(window, dir) && menu(window, dir) && gestures(window, dir) && checks(window, dir);
+                    preview(window, dir) && gain_limit(window, dir) && menu(window, dir) && gestures(window, dir) &&
+                    checks(window, dir);
   if (!done) std::fprintf(stderr, "could not write to %s\n", argv[1]);
   window.close();
   static_cast<void>(QTest::qWaitFor([&] { return !window.isVisible(); }, 3000));

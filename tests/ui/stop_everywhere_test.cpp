@@ -1,8 +1,13 @@
 // STOP beside every dialog that the window has, and in every state of a run, by Space, Esc and the button.
 #include <QAction>
 #include <QApplication>
+#include <QMenu>
+#include <QPlainTextEdit>
+#include <QPointer>
+#include <QToolButton>
 
 #include "operator.h"
+#include "ui/editor/experiment_editor.h"
 
 namespace skein::ui::test {
 namespace {
@@ -64,6 +69,19 @@ TEST_F(StopEverywhere, BesideEveryDialog) {
   }
 }
 
+TEST_F(StopEverywhere, BesideADialogThatCameBeforeTheWindowHadItsPlace) {
+  start();
+  find<QAction>("edit_experiment")->trigger();
+  ASSERT_TRUE(eventually([&] { return beside().size() == 1; }));
+  QWidget* dialog = beside().first();
+  const auto* button = find<QPushButton>("stop");
+  const auto stop_there = [&] { return QRect(button->mapToGlobal(QPoint()), button->size()); };
+  // As a window manager places it.
+  window.move(window.pos() + dialog->frameGeometry().center() - stop_there().center());
+  EXPECT_TRUE(eventually([&] { return !dialog->frameGeometry().intersects(stop_there()); })) << "the editor hides STOP";
+  delete dialog;
+}
+
 TEST_F(StopEverywhere, InEveryState) {
   start();
   for (const By way : ways) {
@@ -112,6 +130,141 @@ TEST_F(StopEverywhere, InEveryState) {
   ASSERT_TRUE(eventually([&] { return live().latest() && live().phase() == app::Phase::finished; }));
   for (const By way : ways) stop(way);
   EXPECT_EQ(live().phase(), app::Phase::finished);
+}
+
+/// Every kind of message and question that the window can show, by what brings it up.
+struct Message {
+  const char* name;  // of the dialog
+  bool tells;        // only tells something: the window's own keys work in it
+  std::function<void()> comes;
+};
+
+class Messages : public StopEverywhere {
+ protected:
+  std::vector<Message> all() {
+    const auto by = [this](const char* action) { return [this, action] { find<QAction>(action)->trigger(); }; };
+    const auto broken = [this](const char* name, const char* text) {
+      return [this, name, text] {
+        QFile file(dir.filePath(QLatin1String(name)));
+        EXPECT_TRUE(file.open(QIODevice::WriteOnly));
+        file.write(text);
+        file.close();
+        window.open_file(file.fileName());
+      };
+    };
+    const auto editor = [this] {
+      find<QAction>("edit_experiment")->trigger();
+      auto* made = find<ExperimentEditor>("experiment_editor");
+      made->edit(made->text() + QStringLiteral("# changed\n"), dir.filePath(QStringLiteral("mine.toml")));
+      return made;
+    };
+    return {
+        {"shortcuts_dialog", true, by("shortcuts")},
+        {"about_dialog", true, by("about")},
+        {"problem_dialog", true, [this] { window.open_file(dir.filePath(QStringLiteral("notes.txt"))); }},
+        {"problem_dialog", true, broken("broken.csv", "# skein 0.1.0\nt,tick,r1_x\n0,0,zebra\n")},
+        {"problem_dialog", true, [this] { window.open_file(dir.filePath(QStringLiteral("nowhere.toml"))); }},
+        {"problem_dialog", true, [this] { window.save_plot(QStringLiteral("/nowhere/plot.pdf"), false); }},
+        {"problem_dialog", true, [this] { window.save_csv(QStringLiteral("/nowhere/run.csv")); }},
+        {"problem_dialog", true, by("rehearse")},
+        {"experiment_editor", false, broken("broken.toml", "rate = -3\n")},
+        {"open_dialog", false, by("open")},
+        {"open_recording_dialog", false, by("open_recording")},
+        {"compare_dialog", false, by("compare")},
+        {"save_csv_dialog", false, by("save_csv")},
+        {"save_plot_dialog", false, by("save_plot")},
+        {"preset_dialog", false,
+         [this] {
+           QMenu* menu = find<QToolButton>("gain_presets")->menu();
+           emit menu->aboutToShow();
+           find<QAction>("keep_preset")->trigger();
+         }},
+        {"layout_dialog", false,
+         [this] {
+           QMenu* menu = find<QToolButton>("choose_plots")->menu();
+           emit menu->aboutToShow();
+           find<QAction>("keep_layout")->trigger();
+         }},
+        {"editor_close_dialog", false,
+         [this, editor] {
+           editor();
+           QTest::keyClicks(find<ExperimentEditor>("experiment_editor")->findChild<QPlainTextEdit*>(),
+                            QStringLiteral("#x"));
+           find<ExperimentEditor>("experiment_editor")->reject();
+         }},
+        {"calibration_dialog", false, by("calibrate_camera")},
+        {"camera_page", false, by("camera")},
+        {"connect_page", false, by("connect_robots_page")},
+    };
+  }
+  /// The dialog of this message, with the focus.
+  QDialog* bring(const Message& message) {
+    message.comes();
+    QDialog* dialog = nullptr;
+    const bool there = eventually([&] {
+      dialog = window.findChild<QDialog*>(QLatin1String(message.name));
+      return dialog && dialog->isVisible();
+    });
+    EXPECT_TRUE(there) << message.name;
+    return there && bring_to_front(*dialog) ? dialog : nullptr;
+  }
+  void clear() {
+    while (auto* dialog = window.findChild<QDialog*>()) delete dialog;
+    ASSERT_TRUE(eventually([&] { return beside().isEmpty(); }));
+    ASSERT_TRUE(bring_to_front(window));
+  }
+  QTemporaryDir dir;
+};
+
+TEST_F(Messages, LetCtrlSF5SpaceAndEscDoWhatTheyDoInTheWindowOrNothing) {
+  start();
+  std::size_t turn = 0;
+  for (const Message& message : all()) {
+    SCOPED_TRACE(std::string(message.name) + ", message " + std::to_string(turn));
+    if (!running()) run_again();
+    const QPointer<QDialog> dialog = bring(message);
+    ASSERT_NE(dialog, nullptr);
+    EXPECT_TRUE(running()) << "a message stops nothing";
+
+    key(Qt::Key_F5, dialog);
+    if (message.tells) {
+      EXPECT_TRUE(eventually([&] { return live().phase() == app::Phase::paused; })) << "F5 is lost in it";
+      key(Qt::Key_F5, dialog);
+      EXPECT_TRUE(eventually([&] { return running(); }));
+    }
+    EXPECT_TRUE(dialog && dialog->isVisible());
+    if (message.tells) {
+      key(Qt::Key_S, dialog, Qt::ControlModifier);
+      EXPECT_TRUE(eventually([&] { return window.findChild<QDialog*>(QStringLiteral("save_csv_dialog")); }))
+          << "Ctrl+S is lost in it";
+      delete window.findChild<QDialog*>(QStringLiteral("save_csv_dialog"));
+      ASSERT_TRUE(bring_to_front(*dialog));
+    }
+    EXPECT_TRUE(running());
+
+    const bool by_space = turn++ % 2 == 0;
+    key(by_space ? Qt::Key_Space : Qt::Key_Escape, dialog);
+    ASSERT_TRUE(eventually([&] { return stopped(); })) << (by_space ? "Space" : "Esc") << " does not stop";
+    EXPECT_TRUE(dialog && dialog->isVisible()) << "the key did more than stop";
+    key(by_space ? Qt::Key_Escape : Qt::Key_Space, dialog);  // stopped twice changes nothing
+    EXPECT_TRUE(stopped());
+    clear();
+  }
+}
+
+TEST_F(Messages, AreClosedByEscBeforeAStart) {
+  open_and_wait();
+  for (const Message& message : all()) {
+    SCOPED_TRACE(message.name);
+    const std::string_view name = message.name;
+    if (name == "save_csv_dialog" || name == "experiment_editor") continue;  // nothing to save yet; it asks first
+    const QPointer<QDialog> dialog = bring(message);
+    ASSERT_NE(dialog, nullptr);
+    key(Qt::Key_Escape, dialog);
+    EXPECT_TRUE(eventually([&] { return !dialog || !dialog->isVisible(); })) << "Esc does not close it";
+    EXPECT_EQ(live().phase(), app::Phase::ready) << "Esc has done more than close it";
+    clear();
+  }
 }
 
 }  // namespace

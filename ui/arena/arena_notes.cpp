@@ -30,6 +30,7 @@ void ArenaPainter::ghost() {
     p_.drawLine(at(from->x, from->y), at(ghost.pose.x, ghost.pose.y));
   }
   robot(ghost.pose, static_cast<std::size_t>(ghost.robot), 0.75);
+  number(ghost.pose, static_cast<std::size_t>(ghost.robot), 0.75);
 }
 
 void ArenaPainter::kick() {
@@ -171,20 +172,22 @@ QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) con
   return {std::min(width, size.width() + 2 * chip_beside + more), size.height() + 2 * chip_above};
 }
 
+/// How many robots a message of this size would hide; one that lies over another message counts as all, and one more.
+std::size_t ArenaPainter::hidden_by(const QSizeF& size, double middle, double top) const {
+  const QRectF card(QPointF(middle - size.width() / 2, top), size);
+  std::size_t count = card.intersects(said_) ? scene_.experiment.robots.size() + 1 : 0;
+  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
+    const auto pose = scene_.pose(i);
+    if (!pose) continue;
+    const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
+    count += card.adjusted(-radius, -radius, radius, radius).contains(at(pose->x, pose->y)) ? 1 : 0;
+  }
+  return count;
+}
+
 /// The first of the tops where a message of this size hides fewest robots and no message.
 double ArenaPainter::freest(const QSizeF& size, double middle, std::initializer_list<double> tops) const {
-  const auto hidden = [&](double top) {
-    const QRectF card(QPointF(middle - size.width() / 2, top), size);
-    std::size_t count = card.intersects(said_) ? scene_.experiment.robots.size() + 1 : 0;
-    for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
-      const auto pose = scene_.pose(i);
-      if (!pose) continue;
-      const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
-      count += card.adjusted(-radius, -radius, radius, radius).contains(at(pose->x, pose->y)) ? 1 : 0;
-    }
-    return count;
-  };
-  return std::min(tops, [&](double a, double b) { return hidden(a) < hidden(b); });
+  return std::min(tops, [&](double a, double b) { return hidden_by(size, middle, a) < hidden_by(size, middle, b); });
 }
 
 /// The banner with its alert high up and the hint low down, beside the floor where there is room, and where they hide
@@ -214,9 +217,11 @@ void ArenaPainter::messages(const QRectF& widget) {
   }
   if (!scene_.alert.isEmpty())
     said_ |= chip({left, top, width, 0}, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
-  if (!scene_.hint.isEmpty())
-    chip({left, best(chip_size(scene_.hint, width, false), true), width, 0}, scene_.hint, faded(c_.notice, 0.92),
-         ink_on(c_.notice), false);
+  if (scene_.hint.isEmpty()) return;
+  const QSizeF hint = chip_size(scene_.hint, width, false);
+  const double low = best(hint, true);
+  if (!scene_.hint_gives_way || hidden_by(hint, middle, low) == 0)
+    chip({left, low, width, 0}, scene_.hint, faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 
 }  // namespace skein::ui

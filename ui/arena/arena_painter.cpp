@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "ui/arena/arena_other.h"
 #include "ui/arena/arena_pens.h"
@@ -229,30 +230,49 @@ void ArenaPainter::references() {
   }
 }
 
+/// Bodies, then badges, then numbers: in a crowd no robot's number is hidden by its neighbours' bodies and badges.
 void ArenaPainter::robots() {
-  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
-    const auto pose = scene_.pose(i);
-    if (!pose) continue;
-    const std::uint8_t mode = scene_.record->robots[i].mode;
-    const QPointF centre = at(pose->x, pose->y);
-    const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
-    const bool dragged = scene_.ghost && scene_.ghost->robot == static_cast<int>(i);
-
-    if (scene_.selected == static_cast<int>(i) || scene_.hovered == static_cast<int>(i)) {
-      const bool selected = scene_.selected == static_cast<int>(i);
-      p_.setBrush(Qt::NoBrush);
-      p_.setPen(cosmetic(faded(c_.text, selected ? 0.9 : 0.4), selected ? 1.6 : 1.2));
-      p_.drawEllipse(centre, radius + 6, radius + 6);
+  struct Seen {
+    std::size_t i;
+    core::Pose pose;
+    double radius, opacity;
+  };
+  std::vector<Seen> seen;
+  seen.reserve(scene_.experiment.robots.size());
+  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i)
+    if (const auto pose = scene_.pose(i)) {
+      const bool dragged = scene_.ghost && scene_.ghost->robot == static_cast<int>(i);
+      const bool lost = scene_.record->robots[i].is(app::lost);
+      seen.push_back({i, *pose, scene_.radius(i) * map_.scale_at({pose->x, pose->y}),
+                      lost      ? 0.35
+                      : dragged ? 0.5
+                                : 1.0});
     }
-    robot(*pose, i, mode & app::lost ? 0.35 : dragged ? 0.5 : 1.0);
-    const ModeStyle style = scene_.style_of(i, c_);
-    if (!style.symbol.isEmpty()) {
+  const auto selected = [this](const Seen& one) { return scene_.selected == static_cast<int>(one.i); };
+  std::stable_partition(seen.begin(), seen.end(), [&](const Seen& one) { return !selected(one); });  // on top
+  for (const Seen& one : seen) {
+    const QPointF centre = at(one.pose.x, one.pose.y);
+    if (selected(one) || scene_.hovered == static_cast<int>(one.i)) {
       p_.setBrush(Qt::NoBrush);
-      p_.setPen(cosmetic(style.colour, 2.6));
-      p_.drawEllipse(centre, radius + 2.2, radius + 2.2);
-      badge(centre + QPointF(0.8, -0.8) * (radius + 5), style.symbol, style.colour, radius);
+      p_.setPen(cosmetic(faded(c_.text, selected(one) ? 0.9 : 0.4), selected(one) ? 1.6 : 1.2));
+      p_.drawEllipse(centre, one.radius + 6, one.radius + 6);
     }
+    robot(one.pose, one.i, one.opacity);
+    const ModeStyle style = scene_.style_of(one.i, c_);
+    if (style.symbol.isEmpty()) continue;
+    p_.setBrush(Qt::NoBrush);
+    p_.setPen(cosmetic(style.colour, 2.6));
+    p_.drawEllipse(centre, one.radius + 2.2, one.radius + 2.2);
   }
+  for (const Seen& one : seen)
+    if (const ModeStyle style = scene_.style_of(one.i, c_); !style.symbol.isEmpty())
+      badge(at(one.pose.x, one.pose.y) + QPointF(0.8, -0.8) * (one.radius + 5), style.symbol, style.colour, one.radius);
+  for (const Seen& one : seen) number(one.pose, one.i, one.opacity);
+}
+
+/// A point of a robot: this far from its midpoint [m], at this angle from its heading.
+QPointF ArenaPainter::rim(const core::Pose& pose, double radius, double turn) const {
+  return at(pose.x + radius * std::cos(pose.theta + turn), pose.y + radius * std::sin(pose.theta + turn));
 }
 
 void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) {
@@ -260,32 +280,35 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
   p_.save();
   p_.setOpacity(opacity);
   const QColor body = c_.robot(i), ink = ink_on(body);
-  const QPointF centre = at(pose.x, pose.y);
   p_.setPen(cosmetic(c_.dark ? QColor(0x101214) : QColor(Qt::white), 1.2));
   p_.setBrush(body);
   p_.drawPolygon(map_.outline({pose.x, pose.y}, body_radius, body_radius));
-
   // The notch: a wedge at the rim, where the robot looks to.
-  const auto rim = [&](double radius, double turn) {
-    return at(pose.x + radius * std::cos(pose.theta + turn), pose.y + radius * std::sin(pose.theta + turn));
-  };
   p_.setPen(Qt::NoPen);
   p_.setBrush(ink);
-  p_.drawPolygon(QPolygonF{{rim(body_radius, 0.0), rim(0.62 * body_radius, 0.75), rim(0.62 * body_radius, -0.75)}});
+  p_.drawPolygon(QPolygonF{
+      {rim(pose, body_radius, 0.0), rim(pose, 0.62 * body_radius, 0.75), rim(pose, 0.62 * body_radius, -0.75)}});
+  p_.restore();
+}
 
+void ArenaPainter::number(const core::Pose& pose, std::size_t i, double opacity) {
+  p_.save();
+  p_.setOpacity(opacity);
+  const QColor body = c_.robot(i);
+  const QPointF centre = at(pose.x, pose.y);
   QFont font = p_.font();
   font.setBold(true);
-  const double radius = body_radius * map_.scale_at({pose.x, pose.y});
+  const double radius = scene_.radius(i) * map_.scale_at({pose.x, pose.y});
   // Zoomed in, the number grows with its robot; in a crowd seen from afar it leaves room for its neighbours'.
   font.setPointSizeF(std::max(font.pointSizeF() * (radius < small_robot ? 0.75 : 1.0), 0.45 * radius));
   p_.setFont(font);
-  p_.setPen(ink);
-  const QPointF back = (centre - rim(body_radius, 0.0)) * 0.16;  // the number stands clear of the notch
+  p_.setPen(ink_on(body));
+  const QPointF back = (centre - rim(pose, scene_.radius(i), 0.0)) * 0.16;  // the number stands clear of the notch
   const QRectF room(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius));
   const QString number = QString::number(i + 1);
   // What reaches over a small robot has its colour as ground: the ink would not be seen on the floor.
   const QRectF reach = p_.boundingRect(room, Qt::AlignCenter | Qt::TextDontClip, number);
-  if (reach.width() > 1.6 * radius) p_.fillRect(reach, body);
+  if (reach.width() > 1.6 * radius || radius < small_robot) p_.fillRect(reach, body);
   p_.drawText(room, Qt::AlignCenter | Qt::TextDontClip, number);
   p_.restore();
 }

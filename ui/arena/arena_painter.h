@@ -28,6 +28,8 @@ class ArenaPainter {
   void references();
   void robots();
   void robot(const core::Pose& pose, std::size_t i, double opacity);
+  void number(const core::Pose& pose, std::size_t i, double opacity);
+  QPointF rim(const core::Pose& pose, double radius, double turn) const;
   void badge(QPointF centre, const QString& symbol, const QColor& colour, double robot);
   void ghost();
   void kick();
@@ -39,6 +41,7 @@ class ArenaPainter {
   QRectF chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
   QSizeF chip_size(const QString& text, double width, bool bold) const;
   void messages(const QRectF& widget);
+  std::size_t hidden_by(const QSizeF& size, double middle, double top) const;
   double freest(const QSizeF& size, double middle, std::initializer_list<double> tops) const;
 
   QPointF at(double x, double y) const { return map_.to_screen({x, y}); }

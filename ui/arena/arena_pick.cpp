@@ -91,18 +91,19 @@ QString ArenaView::tip_at(QPoint where) const {
   const int robot = robot_under(where), obstacle = obstacle_under(where);
   if (robot < 0 && obstacle >= 0) {
     const core::Obstacle& o = scene_.obstacles[static_cast<std::size_t>(obstacle)];
-    return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>Drag to move it, wheel to resize it; drag it off "
-              "the floor, or press Delete, to remove it.")
+    return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>%5")
         .arg(obstacle + 1)
         .arg(o.x, 0, 'f', 3)
         .arg(o.y, 0, 'f', 3)
-        .arg(o.radius, 0, 'f', 3);
+        .arg(o.radius, 0, 'f', 3)
+        .arg(can_do(tr("Drag to move it, wheel to resize it; drag it off the floor, or press Delete, to remove it.")));
   }
   if (robot < 0) {
     const auto pair = coupling_under(where);
-    return pair ? tr("Coupling of robots %1 and %2. Click to switch it off or on.")
+    return pair ? tr("Coupling of robots %1 and %2. %3")
                       .arg((*pair)[0] + 1)
                       .arg((*pair)[1] + 1)
+                      .arg(can_do(tr("Click to switch it off or on.")))
                 : QString();
   }
   const auto i = static_cast<std::size_t>(robot);
@@ -114,8 +115,13 @@ QString ArenaView::tip_at(QPoint where) const {
       .arg(pose.x, 0, 'f', 3)
       .arg(pose.y, 0, 'f', 3)
       .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)
-      .arg(movable(robot) ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")
-                          : why_not(robot));
+      .arg(can_do(movable(robot) ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")
+                                 : why_not(robot)));
+}
+
+/// What the mouse would do, or why it does nothing.
+QString ArenaView::can_do(const QString& what) const {
+  return fixed_.isEmpty() ? what : fixed_.toHtmlEscaped() + QLatin1Char('.');
 }
 
 }  // namespace skein::ui

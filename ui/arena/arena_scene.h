@@ -85,7 +85,8 @@ struct ArenaScene {
   bool banner_alarms = false;
   QString alert;  ///< a warning or an alarm that lasts, below the banner
   QColor alert_colour;
-  QString hint;  ///< at the bottom: what can be done here
+  QString hint;                 ///< at the bottom: what can be done here
+  bool hint_gives_way = false;  ///< where it would hide a robot
 
   void reset(const app::Experiment& of);
   void show_record(const app::TickRecord& record);

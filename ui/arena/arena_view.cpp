@@ -102,9 +102,15 @@ void ArenaView::set_alert(const QString& text, const QColor& colour) {
   update();
 }
 
-void ArenaView::set_hint(const QString& text) {
-  if (scene_.hint == text) return;
+void ArenaView::set_hint(const QString& text, bool gives_way) {
+  if (scene_.hint == text && scene_.hint_gives_way == gives_way) return;
   scene_.hint = text;
+  scene_.hint_gives_way = gives_way;
+  update();
+}
+
+void ArenaView::set_obstacles(const std::vector<core::Obstacle>& obstacles) {
+  scene_.obstacles = obstacles;
   update();
 }
 

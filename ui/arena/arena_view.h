@@ -32,7 +32,12 @@ class ArenaView final : public QWidget {
   void set_foreseen(std::vector<std::vector<core::Pose>> ways);
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
-  void set_hint(const QString& text);
+  /// `gives_way`: it is not shown where it would lie over a robot.
+  void set_hint(const QString& text, bool gives_way = false);
+  /// Why nothing can be changed here now, for the tips; empty: the mouse can.
+  void set_fixed(const QString& why) { fixed_ = why; }
+  /// Where obstacles stand, after a jump in time.
+  void set_obstacles(const std::vector<core::Obstacle>& obstacles);
 
   bool shows_picture() const { return scene_.show_picture; }
   void show_picture(bool on);
@@ -90,6 +95,7 @@ class ArenaView final : public QWidget {
   bool may_take(int robot, QPoint where);
   QString why_not(int robot) const;
   QString tip_at(QPoint where) const;
+  QString can_do(const QString& what) const;
   QString spoken() const;
   void show_tip(QPoint where);
   std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
@@ -110,6 +116,7 @@ class ArenaView final : public QWidget {
   ArenaScene scene_;
   double painted_t_ = -1.0;
   std::optional<QPoint> tip_;  // where a tip was asked for: it follows what it says
+  QString fixed_;
 
   ArenaTool tool_ = ArenaTool::hand;
   std::unique_ptr<ArenaGesture> gesture_;

@@ -9,6 +9,7 @@
 #include <QShortcut>
 #include <QTextDocument>
 #include <QVBoxLayout>
+#include <QWindow>
 #include <algorithm>
 
 namespace skein::ui {
@@ -80,9 +81,10 @@ QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen) {
 void keep_clear_of(QWidget* dialog, const QWidget& button) {
   const QWidget& main = *button.window();
   const QMargins frame(edges / 2, title_bar - edges / 2, edges / 2, edges / 2);
+  const bool is_there = dialog->windowHandle() && dialog->windowHandle()->isExposed();
   QRect there = dialog->geometry();
   // Qt puts a dialog that nobody has placed over the middle of its parent.
-  if (!dialog->testAttribute(Qt::WA_Moved)) there.moveCenter(main.geometry().center());
+  if (!is_there && !dialog->testAttribute(Qt::WA_Moved)) there.moveCenter(main.geometry().center());
   there += frame;
   const QRect stop(button.mapToGlobal(QPoint()), button.size());
   const QRect clear = clear_of(there, stop, main.screen()->availableGeometry());

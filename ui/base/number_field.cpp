@@ -8,7 +8,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr double largest = 1e6;
+constexpr double largest_number = 1e6;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::optional<double> parse_number(const QString& text) {
 }
 
 NumberField::NumberField(QWidget* parent) : QDoubleSpinBox(parent) {
-  setRange(-largest, largest);
+  setRange(-largest_number, largest_number);
   setKeyboardTracking(false);
 }
 

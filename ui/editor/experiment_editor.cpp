@@ -5,6 +5,7 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QListWidget>
+#include <QLocale>
 #include <QMessageBox>
 #include <QPushButton>
 #include <QSaveFile>
@@ -17,6 +18,7 @@
 #include "app/experiment/toml_edit.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/palette.h"
+#include "ui/editor/draft.h"
 #include "ui/editor/editor_form.h"
 #include "ui/editor/toml_text.h"
 
@@ -43,7 +45,9 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
       verdict_(new QLabel(this)),
       save_(new QPushButton(tr("Save"), this)),
       save_as_(new QPushButton(tr("Save as …"), this)),
-      open_(new QPushButton(tr("Save and open"), this)) {
+      open_(new QPushButton(tr("Save and open"), this)),
+      offer_(new QWidget(this)),
+      offer_text_(new QLabel(offer_)) {
   setObjectName(QStringLiteral("experiment_editor"));
   setAttribute(Qt::WA_DeleteOnClose);
   setWindowModality(Qt::NonModal);
@@ -80,7 +84,24 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   buttons->addWidget(save_);
   buttons->addWidget(save_as_);
   buttons->addWidget(open_);
+  offer_->setObjectName(QStringLiteral("editor_draft"));
+  offer_->hide();
+  offer_text_->setWordWrap(true);
+  auto* offer = new QHBoxLayout(offer_);
+  offer->setContentsMargins(0, 0, 0, 0);
+  offer->addWidget(offer_text_, 1);
+  const auto answer = [&](const QString& text, const char* name, bool use) {
+    auto* button = new QPushButton(text, offer_);
+    button->setObjectName(QLatin1String(name));
+    button->setAccessibleName(text);
+    button->setAutoDefault(false);
+    connect(button, &QPushButton::clicked, this, [this, use] { settle_draft(use); });
+    offer->addWidget(button);
+  };
+  answer(tr("Go on with it"), "editor_draft_use", true);
+  answer(tr("Forget it"), "editor_draft_forget", false);
   auto* layout = new QVBoxLayout(this);
+  layout->addWidget(offer_);
   layout->addWidget(sides, 1);
   layout->addWidget(verdict_);
   layout->addWidget(list_);
@@ -104,14 +125,45 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   connect(open_, &QPushButton::clicked, this, [this] { save_and(true); });
 }
 
+ExperimentEditor::~ExperimentEditor() = default;
+
 void ExperimentEditor::edit(const QString& text, const QString& file) {
   file_ = file;
+  draft_ = std::make_unique<Draft>(file.isEmpty() ? text : file);
   text_->setPlainText(text);
   text_->document()->setModified(file.isEmpty());
   kept_ = on_disk_ = this->text();
+  offer_draft();  // before the check, which would take it for settled
   check();
   show_title();
   if (list_->count() > 0) emit list_->itemActivated(list_->item(0));
+}
+
+/// While one is offered it is not written over.
+void ExperimentEditor::keep_draft() {
+  if (!draft_ || !offer_->isHidden()) return;
+  if (has_changes())
+    draft_->keep(text());
+  else
+    draft_->forget();
+}
+
+void ExperimentEditor::offer_draft() {
+  const std::optional<Draft::Kept> kept = draft_->kept();
+  const bool differs = kept && kept->text != text();
+  offer_->setVisible(differs);
+  if (differs)
+    offer_text_->setText(tr("There is another text of this experiment, of %1, which nobody saved.")
+                             .arg(QLocale().toString(kept->at, QLocale::ShortFormat)));
+}
+
+void ExperimentEditor::settle_draft(bool use) {
+  const std::optional<Draft::Kept> kept = draft_->kept();
+  offer_->hide();
+  if (use && kept)
+    replace_text(kept->text);
+  else
+    keep_draft();
 }
 
 QString ExperimentEditor::text() const {
@@ -145,6 +197,7 @@ void ExperimentEditor::check() {
       QStringLiteral("<span style=\"color:%1\">%2</span>").arg((problems.empty() ? c.good : c.alarm).name(), verdict));
   open_->setEnabled(problems.empty());
   form_->show_text(text());
+  keep_draft();
 }
 
 void ExperimentEditor::set_value(const QString& key, const QString& value) {
@@ -221,7 +274,11 @@ void ExperimentEditor::ask_close() {
   auto* discard = box->addButton(tr("Discard them"), QMessageBox::DestructiveRole);
   box->addButton(tr("Keep editing"), QMessageBox::RejectRole);
   connect(keep, &QPushButton::clicked, this, [this] { save_and(false); });
-  connect(discard, &QPushButton::clicked, this, [this] { QDialog::reject(); });
+  connect(discard, &QPushButton::clicked, this, [this] {
+    draft_->forget();
+    pause_.stop();
+    QDialog::reject();
+  });
   show_beside(box);
 }
 
@@ -245,6 +302,8 @@ QString ExperimentEditor::save(const QString& file) {
     return tr("Could not write %1: %2.").arg(file, out.errorString());
   file_ = file;
   kept_ = on_disk_ = text();
+  keep_draft();  // there is nothing to keep
+  draft_ = std::make_unique<Draft>(file);
   text_->document()->setModified(false);
   show_title();
   return {};

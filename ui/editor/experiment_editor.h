@@ -2,6 +2,7 @@
 
 #include <QDialog>
 #include <QTimer>
+#include <memory>
 
 class QLabel;
 class QListWidget;
@@ -9,17 +10,19 @@ class QPushButton;
 
 namespace skein::ui {
 
+class Draft;
 class EditorForm;
 class TomlText;
 
 /// An experiment's file: its text with what is wrong in it, and its common keys as fields. A text that is not finished
 /// can be kept, but not run. Nothing is lost without a question: neither what was typed, nor what somebody else wrote
-/// to the file meanwhile.
+/// to the file meanwhile. What was typed when the program was killed is offered when the text is opened again.
 class ExperimentEditor final : public QDialog {
   Q_OBJECT
 
  public:
   explicit ExperimentEditor(QWidget* parent = nullptr);
+  ~ExperimentEditor() override;
   /// `file`: where it lies, empty for a text that has no file yet.
   void edit(const QString& text, const QString& file);
   QString text() const;
@@ -49,12 +52,18 @@ class ExperimentEditor final : public QDialog {
   void ask_overwrite(bool then_open);
   void ask_close();
   void show_title();
+  void keep_draft();
+  void offer_draft();
+  void settle_draft(bool use);
 
   TomlText* text_;
   EditorForm* form_;
   QListWidget* list_;
   QLabel* verdict_;
   QPushButton *save_, *save_as_, *open_;
+  QWidget* offer_;  // of a draft
+  QLabel* offer_text_;
+  std::unique_ptr<Draft> draft_;
   QTimer pause_;  // in typing
   QString file_;
   QString kept_;     // the text as it was opened or saved last

@@ -9,7 +9,7 @@
 namespace skein::ui {
 namespace {
 
-const QString group = QStringLiteral("gain_presets");
+const QString presets_group = QStringLiteral("gain_presets");
 
 std::array<double, 3> largest(const core::CouplingGains& gains) {
   return {gains.k_xx.largest(), gains.k_tt.largest(), gains.k_yy.largest()};
@@ -29,7 +29,7 @@ std::vector<GainPreset> gain_presets(const app::Experiment& experiment) {
                                   {tr("Weak: half the paper's"), times(paper, 0.5)},
                                   {tr("Strong: one and a half times the paper's"), times(paper, 1.5)}};
   QSettings stored = settings();
-  stored.beginGroup(group);
+  stored.beginGroup(presets_group);
   for (const QString& name : stored.childKeys()) {
     const QStringList numbers = stored.value(name).toStringList();
     if (numbers.size() != 3) continue;  // not from here
@@ -44,12 +44,12 @@ void keep_gain_preset(const GainPreset& preset) {
   QString name = preset.name.trimmed();
   name.replace(QLatin1Char('/'), QLatin1Char('-'));  // a slash would be a group of the settings
   QSettings stored = settings();
-  stored.setValue(group + QLatin1Char('/') + name, numbers);
+  stored.setValue(presets_group + QLatin1Char('/') + name, numbers);
 }
 
 void forget_gain_preset(const QString& name) {
   QSettings stored = settings();
-  stored.remove(group + QLatin1Char('/') + name);
+  stored.remove(presets_group + QLatin1Char('/') + name);
 }
 
 }  // namespace skein::ui

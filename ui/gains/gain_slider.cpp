@@ -63,8 +63,17 @@ const char* way_on(core::GainName gain) {
   return QT_TRANSLATE_NOOP("GainSlider", "For more, the reference has to be slower: (18f).");
 }
 
-QString number(double value) {
+constexpr double per_unit = 1e4;  // of what is shown
+constexpr double half_a_step = 0.5 / per_unit;
+
+QString gain_text(double value) {
   return QString::number(value, 'f', 4);
+}
+
+/// Never rounded up: what is shown as the limit is allowed.
+QString limit_text(double value) {
+  constexpr double rounding = 1e-6;
+  return gain_text(std::floor(value * per_unit + rounding) / per_unit);
 }
 
 }  // namespace
@@ -130,7 +139,8 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
       slider_(new LimitSlider(this)),
       spin_(new NumberField(this)),
       now_text_(new QLabel(this)),
-      limit_text_(new QLabel(this)) {
+      limit_text_(new QLabel(this)),
+      advice_text_(new QLabel(this)) {
   const Words w = words(gain);
   const QString name = QString::fromLatin1(core::word(gain).data());
   auto* symbol = new QLabel(QString::fromUtf8(w.symbol), this);
@@ -142,7 +152,6 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
 
   slider_->setObjectName(QStringLiteral("slider_") + name);
   slider_->setAccessibleName(tr("%1 slider").arg(gain_symbol(gain)));
-  set_no_preview({});
   spin_->setObjectName(QStringLiteral("spin_") + name);
   spin_->setAccessibleName(gain_symbol(gain));
   spin_->setDecimals(4);
@@ -150,6 +159,9 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   spin_->setAlignment(Qt::AlignRight);
   now_text_->setObjectName(QStringLiteral("now_") + name);
   limit_text_->setObjectName(QStringLiteral("limit_") + name);
+  advice_text_->setObjectName(QStringLiteral("advice_") + name);
+  advice_text_->setWordWrap(true);
+  advice_text_->hide();
   auto* role = new QLabel(tr(w.role), this);
   role->setToolTip(tr(w.what));
 
@@ -163,6 +175,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   layout->addWidget(slider_, 1, 0, 1, 3);
   layout->addWidget(now_text_, 2, 0, 1, 2);
   layout->addWidget(limit_text_, 2, 2, Qt::AlignRight);
+  layout->addWidget(advice_text_, 3, 0, 1, 3);
   layout->setColumnStretch(1, 1);
 
   rest_.setSingleShot(true);
@@ -191,10 +204,27 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
 }
 
 void GainSlider::set_no_preview(const QString& why) {
-  const QString tip = tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere "
-                         "along the reference.")
-                          .arg(tr(words(gain_).what));
-  slider_->setToolTip(why.isEmpty() ? tip : tr("%1 No preview: %2.").arg(tip, why));
+  no_preview_ = why;
+  show_text();
+}
+
+void GainSlider::note_held(double asked, double held) {
+  held_back_ = {asked, held};
+  show_text();
+}
+
+/// Of what is asked for now, or was when it was clamped, if that is still too much and the gain at its limit; else
+/// empty.
+QString GainSlider::advice() const {
+  constexpr double rounding = 1e-9;
+  const bool is_held = held_back_ && std::abs(spin_->value() - held_back_->at) < half_a_step &&
+                       std::abs(held_back_->at - limit_) < half_a_step;
+  const double wanted = is_held ? held_back_->asked : spin_->value();
+  // A gain at its limit is shown rounded, which may be above.
+  if (!remedy_ || wanted <= limit_ + (is_held ? rounding : half_a_step)) return {};
+  const QString remedy = remedy_(wanted);
+  if (remedy.isEmpty()) return {};
+  return tr("%1 cannot be more than %2: %3").arg(gain_symbol(gain_), limit_text(limit_), remedy);
 }
 
 int GainSlider::step_of(double value) const {
@@ -215,6 +245,7 @@ void GainSlider::choose(double value) {
 
 void GainSlider::reset(double value, double limit) {
   rest_.stop();
+  held_back_.reset();
   limit_ = limit_now_ = limit;
   set_range(std::max(limit, value) * room_beyond_limit);
   now_ = value;
@@ -249,7 +280,7 @@ void GainSlider::set_now(double value) {
 void GainSlider::follow_target(double value) {
   const bool about_to_ask = slider_->isSliderDown() || rest_.isActive() || spin_->is_being_typed();
   const bool not_taken_yet = asked_.isValid() && !asked_.hasExpired(taken_ms);
-  if (!about_to_ask && !not_taken_yet && std::abs(value - spin_->value()) > 0.5e-4) set_target(value);
+  if (!about_to_ask && !not_taken_yet && std::abs(value - spin_->value()) > half_a_step) set_target(value);
 }
 
 void GainSlider::set_target(double value) {
@@ -263,15 +294,23 @@ void GainSlider::set_target(double value) {
 
 void GainSlider::show_text() {
   slider_->set_marks(limit_ / top_, limit_now_ / top_, now_ / top_);
-  const bool on_its_way = std::abs(now_ - spin_->value()) > 0.5e-4;
-  now_text_->setText(on_its_way ? tr("now %1 …").arg(number(now_)) : tr("now %1").arg(number(now_)));
-  limit_text_->setText(tr("limit %1").arg(number(limit_)));
+  const bool on_its_way = std::abs(now_ - spin_->value()) > half_a_step;
+  now_text_->setText(on_its_way ? tr("now %1 …").arg(gain_text(now_)) : tr("now %1").arg(gain_text(now_)));
+  limit_text_->setText(tr("limit %1").arg(limit_text(limit_)));
   for (QLabel* text : {now_text_, limit_text_})  // alone, they do not name the gain
     text->setAccessibleName(gain_symbol(gain_) + QLatin1Char(' ') + text->text());
   limit_text_->setToolTip(tr("The largest value that (18f) and (18g) leave over the whole reference. At this moment "
                              "they would leave %1: the reference needs less here than elsewhere.")
-                              .arg(number(limit_now_)) +
+                              .arg(limit_text(limit_now_)) +
                           QLatin1Char(' ') + tr(way_on(gain_)));
+  const QString told = advice();
+  advice_text_->setText(told);
+  advice_text_->setVisible(!told.isEmpty());
+  QString tip = tr("%1, for all pairs. Red: more than (18) allows now; pale red: more than it allows somewhere along "
+                   "the reference.")
+                    .arg(tr(words(gain_).what));
+  if (!told.isEmpty()) tip += QStringLiteral(" %1.").arg(told);
+  slider_->setToolTip(no_preview_.isEmpty() ? tip : tr("%1 No preview: %2.").arg(tip, no_preview_));
 }
 
 }  // namespace skein::ui

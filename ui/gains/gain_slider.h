@@ -5,6 +5,8 @@
 #include <QSlider>
 #include <QTimer>
 #include <QWidget>
+#include <functional>
+#include <optional>
 
 #include "core/control/gain_schedule.h"
 #include "ui/base/number_field.h"
@@ -22,6 +24,8 @@ class LimitSlider final : public QSlider {
   explicit LimitSlider(QWidget* parent = nullptr);
   /// As shares of the track, 0 to 1: the limit over the whole reference, the limit now, the gain now.
   void set_marks(double limit, double limit_now, double now);
+  double limit_mark() const { return limit_; }
+  double now_mark() const { return now_; }
   QSize sizeHint() const override;
 
  protected:
@@ -48,6 +52,11 @@ class GainSlider final : public QWidget {
   void follow_target(double value);
   void set_target(double value);  ///< the same, at once
   double target() const { return spin_->value(); }
+  /// What makes room for a value beyond the limit; empty: nothing is to be said.
+  using Remedy = std::function<QString(double wanted)>;
+  void set_remedy(Remedy remedy) { remedy_ = std::move(remedy); }
+  /// The session has clamped what was asked for. It is explained as long as the gain stays there for that reason.
+  void note_held(double asked, double held);
   /// Why nothing is drawn ahead while the knob is held, for its tip; empty: something is.
   void set_no_preview(const QString& why);
   QWidget* first_control() const { return slider_; }
@@ -64,11 +73,18 @@ class GainSlider final : public QWidget {
   int step_of(double value) const;  // where the knob stands for it
   void set_range(double top);
   void show_text();
+  QString advice() const;
 
   core::GainName gain_;
   LimitSlider* slider_;
   NumberField* spin_;
-  QLabel *now_text_, *limit_text_;
+  QLabel *now_text_, *limit_text_, *advice_text_;
+  Remedy remedy_;
+  QString no_preview_;
+  struct Held {
+    double asked, at;
+  };
+  std::optional<Held> held_back_;
   QTimer rest_;          // a drag along the slider is one wish, made when the hand rests
   QTimer last_key_;      // that moved the knob
   QElapsedTimer asked_;  // since the last wish; invalid: the session has had time to take it

@@ -199,13 +199,21 @@ void GainsPanel::show_record(const app::TickRecord& record) {
   for (const app::Event& event : record.events) {
     if (const auto* const asked = std::get_if<app::events::Gain>(&event)) goes_to(asked->gain, asked->to);
     if (const auto* const due = std::get_if<app::events::Schedule>(&event)) goes_to(due->gain, due->to);
-    if (const auto* const held = std::get_if<app::events::GainHeld>(&event)) goes_to(held->gain, held->held);
+    if (const auto* const held = std::get_if<app::events::GainHeld>(&event)) {
+      goes_to(held->gain, held->held);
+      slider(held->gain)->note_held(held->asked, held->held);
+    }
   }
   margins_->show_record(record);
 }
 
 void GainsPanel::set_limits(const GainValue& over_all, const GainValue& now) {
   for (const core::GainName gain : core::gain_names) slider(gain)->set_limit(over_all(gain), now(gain));
+}
+
+void GainsPanel::set_remedy(const Remedy& remedy) {
+  for (const core::GainName gain : core::gain_names)
+    slider(gain)->set_remedy([remedy, gain](double wanted) { return remedy(gain, wanted); });
 }
 
 void GainsPanel::follow_targets(const GainValue& target) {

@@ -34,6 +34,9 @@ class GainsPanel final : public QWidget {
   void show_experiment(const app::Experiment& experiment, const GainValue& limit);
   void show_record(const app::TickRecord& record);
   void set_limits(const GainValue& over_all, const GainValue& now);
+  /// What makes room for a value of a gain that is beyond its limit, in words.
+  using Remedy = std::function<QString(core::GainName, double wanted)>;
+  void set_remedy(const Remedy& remedy);
   /// Where each gain is going: the sliders show nothing else for long.
   void follow_targets(const GainValue& target);
   /// How much delay from camera to wheels the loops bear, in words, beside what was measured; `short_`: not enough.

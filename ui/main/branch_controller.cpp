@@ -62,7 +62,8 @@ void BranchController::forget_pause(app::Experiment& experiment) const {
 void BranchController::show_record(const app::TickRecord& record) {
   if (!pause_at_ || !record.events.contains<app::events::Pause>()) return;
   messages_.tell(runs_.live().set_speed(speed_));
-  messages_.say(tr("Repeated up to %1 s. Change what you like; F5 goes on").arg(*pause_at_, 0, 'f', 2), Severity::note);
+  messages_.note(tr("Repeated up to %1 s. Change what you like; F5 goes on").arg(*pause_at_, 0, 'f', 2),
+                 Severity::note);
   pause_at_.reset();
 }
 

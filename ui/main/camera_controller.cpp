@@ -29,11 +29,8 @@ void CameraController::show() {
   const app::Experiment& experiment = runs_.shown().experiment();
   const app::CameraSpec& spec = experiment.camera;
   const bool absent = spec.kind() == app::CameraKind::absent;
-  const QString calibration = QString::fromStdString(spec.calibration);
-  page_ = new CameraPage(
-      absent ? QString() : QString::fromStdString(spec.source),
-      calibration.isEmpty() ? QString() : QDir(QString::fromStdString(experiment.directory)).filePath(calibration),
-      messages_.window());
+  page_ = new CameraPage(absent ? QString() : QString::fromStdString(spec.source),
+                         QString::fromStdString(experiment.calibration_file(0)), messages_.window());
   connect(page_, &CameraPage::look_wanted, this, &CameraController::look);
   connect(page_, &CameraPage::values_wanted, this, &CameraController::put);
   page_->show();

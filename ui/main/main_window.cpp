@@ -556,8 +556,10 @@ void MainWindow::connect_session() {
     run_bar_->show_record(record);
     gains_->show_record(record);
     alert_->show_record(record);
+    pairs_->explain(record);
   });
 
+  connect(&runs_.replay(), &ReplayRun::obstacles_stand, arena_, &ArenaView::set_obstacles);
   const LiveRun* live = &runs_.live();
   connect(live, &LiveRun::opened, this, &MainWindow::on_opened);
   connect(live, &LiveRun::open_failed, this, &MainWindow::on_open_failed);
@@ -629,8 +631,9 @@ void MainWindow::show_run() {
   run_bar_->time_line()->set_scrubbable(run.is_complete(), run.rows());
   arena_->show_experiment(experiment);
   gains_->show_experiment(experiment, [&run](core::GainName gain) { return run.gain_limit(gain); });
-  gains_dock_->setWindowTitle(experiment.controller.law.uses_gains() ? tr("Coupling gains")
-                                                                     : tr("Parameters of the law"));
+  gains_dock_->setWindowTitle(!GainsPanel::has_anything_to_set(experiment) ? tr("Gains: one robot has none")
+                              : experiment.controller.law.uses_gains()     ? tr("Coupling gains")
+                                                                           : tr("Parameters of the law"));
   plots_->show_experiment(experiment);
   if (run.is_complete()) plots_->set_span(0.0);
   results_->show_experiment(experiment);
@@ -721,14 +724,16 @@ void MainWindow::show_state() {
   arena_->set_hint(!preview.isEmpty() ? preview
                    : run.is_open() && teaches_ && !over
                        ? tr("Drag a robot out of the formation; turn it with the mouse wheel; Shift+drag kicks it")
-                       : QString());
+                       : QString(),
+                   preview.isEmpty());
 
   const QString fixed = run.why_fixed();
   const bool there = run.is_open() || run.is_busy();
   gains_->setEnabled((there || run.is_complete()) && GainsPanel::has_anything_to_set(run.experiment()));
   gains_->set_fixed(fixed);
+  arena_->set_fixed(fixed);
   gains_->set_before_start(run.is_open() && phase == app::Phase::ready);
-  robot_buttons_->setEnabled(fixed.isEmpty());
+  robot_buttons_->setEnabled(!run.is_complete());
   robot_buttons_->show_state({run.robots(), run.held(), phase, run.is_open(), run.is_busy()});
   plots_->set_playhead(run.is_complete() ? std::optional(run.t()) : std::nullopt);
   show_timing();

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "core/control/gain_schedule.h"
 #include "ui/main/messages.h"
 
 namespace skein::ui {
@@ -14,13 +17,18 @@ class PairController final : public QObject {
  public:
   PairController(Runs& runs, const Messages& messages, GainsPanel* gains, ArenaView* arena, QObject* parent = nullptr);
   void refresh();  ///< five times a second, and whenever the present moment is moved
+  /// Says what makes room for a gain that this record holds at its limit.
+  void explain(const app::TickRecord& record);
 
  private:
   void show_couplings();
+  QString remedy(core::GainName gain, double wanted);
 
   Runs& runs_;
+  const Messages& messages_;
   GainsPanel* gains_;
   ArenaView* arena_;
+  std::optional<core::ReferenceDemand> demand_;  // of the live experiment, once it is needed
 };
 
 }  // namespace skein::ui

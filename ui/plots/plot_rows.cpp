@@ -247,18 +247,21 @@ std::vector<PlotRow> plot_rows(const app::Experiment& experiment) {
       .limits = limits_of(experiment, [](const core::CommandLimits& c) { return c.omega_max; }),
       .value = known([](const app::RobotRecord& r) { return r.command.omega; }),
   });
-  std::vector<double> shield;
-  if (experiment.shield.enabled) shield.push_back(experiment.shield.distance);
+  std::vector<double> least;
+  if (experiment.shield.enabled) least.push_back(experiment.shield.distance);
+  if (experiment.expect.min_distance) least.push_back(*experiment.expect.min_distance);
   add({
       .name = "min_distance",
       .symbol = "d",
       .index = "min",
       .unit = tr("[m]"),
-      .what = tr("Distance of the closest pair, and the shield's distance"),
+      .what = experiment.expect.min_distance
+                  ? tr("Distance of the closest pair, the shield's distance, and that of [expect]")
+                  : tr("Distance of the closest pair, and the shield's distance"),
       .of = Of::group,
       .least = 0.1,
       .from_zero = true,
-      .limits = std::move(shield),
+      .limits = std::move(least),
       .value = [](const TickRecord& record, std::size_t) { return record.min_distance; },
   });
   add({

@@ -19,9 +19,9 @@
 namespace skein::ui {
 namespace {
 
-constexpr double notch = 120.0;  // of a mouse wheel, in Qt's unit
-const QLatin1Char with('+');     // between the name of a plot and those of signals that are drawn in it too
-constexpr int replot_ms = 60;    // at most some 16 pictures a second
+constexpr double wheel_notch = 120.0;  // of a mouse wheel, in Qt's unit
+const QLatin1Char with('+');           // between the name of a plot and those of signals that are drawn in it too
+constexpr int replot_ms = 60;          // at most some 16 pictures a second
 constexpr std::size_t most_bytes =
     64'000'000;  // of curves: an hour of four robots at 25 Hz; with all else below 200 MB
 
@@ -89,6 +89,7 @@ void PlotsPanel::show_experiment(const app::Experiment& experiment) {
   robots_.assign(experiment.robots.size(), true);
   t_ = 0.0;
   selected_ = -1;
+  dragged_ = -1;
   cursor_.reset();
   cursor_row_ = 0;
   view_->markers().clear();
@@ -194,6 +195,7 @@ void PlotsPanel::show_signals(const QStringList& names) {
 
 void PlotsPanel::reveal(std::size_t row) {
   constexpr int margin = 60;
+  if (row >= rows_.size()) return;  // another experiment has come meanwhile
   replot_now();
   const QPoint place = view_->place_of(row, view_->time().center());
   scroll_->ensureVisible(place.x(), place.y(), margin, margin);
@@ -513,7 +515,7 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
     const QPoint where = wheel->position().toPoint();
     if (const int row = view_->row_at(where); row >= 0 && wheel->modifiers() & Qt::ControlModifier) {
       const auto of = static_cast<std::size_t>(row);
-      zoom_height(of, std::pow(zoom_step, wheel->angleDelta().y() / notch), view_->value_at(of, where));
+      zoom_height(of, std::pow(zoom_step, wheel->angleDelta().y() / wheel_notch), view_->value_at(of, where));
       return true;
     }
   }

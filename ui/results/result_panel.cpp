@@ -163,6 +163,7 @@ void ResultPanel::show_kicks() {
       QTableWidgetItem* item = table_->item(static_cast<int>(k), column);
       if (!item) table_->setItem(static_cast<int>(k), column, item = new QTableWidgetItem);
       if (item->text() != cells[column]) item->setText(cells[column]);
+      if (column == 1) item->setToolTip(kick.words);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <QStringList>
 #include <cmath>
 
+#include "ui/base/sentence.h"
 #include "ui/base/tr.h"
 
 namespace skein::ui {
@@ -14,6 +15,17 @@ QString failure_of(const std::vector<std::string>& failed, const char* key) {
   for (const std::string& sentence : failed)
     if (sentence.starts_with(beginning)) return QString::fromStdString(sentence.substr(beginning.size())).trimmed();
   return {};
+}
+
+/// What happened in sentences, from the log's words; what they do not know stays as it is.
+QString in_sentences(const std::string& words) {
+  QStringList sentences;
+  for (const QString& one : QString::fromStdString(words).split(QStringLiteral("; "))) {
+    const auto event = app::parse_event(one.toStdString());
+    sentences << (event ? sentence(*event) : one);
+  }
+  sentences.removeDuplicates();
+  return sentences.join(QStringLiteral("; "));
 }
 
 }  // namespace
@@ -52,7 +64,8 @@ std::vector<RunResults::Kick> RunResults::kicks() const {
   const app::Statistics::Summary summary = statistics_.summary();
   std::vector<Kick> kicks;
   for (const app::PerturbationResult& p : summary.perturbations) {
-    Kick kick{p.t, QString::fromStdString(p.what), p.settling.formation_1cm, p.settling.tracking_1cm};
+    Kick kick{p.t, in_sentences(p.what), QString::fromStdString(p.what), p.settling.formation_1cm,
+              p.settling.tracking_1cm};
     if (const std::size_t k = kicks.size() + 1; k < extremes_.size()) {
       kick.closest = extremes_[k].closest;
       kick.largest = extremes_[k].largest;

@@ -19,7 +19,8 @@ class RunResults {
 
   struct Kick {
     double t = 0.0;  ///< [s]
-    QString what;    ///< as in the log
+    QString what;    ///< in sentences
+    QString words;   ///< the same in the CSV's words
     /// Until the error stayed within 1 cm; none: it has not yet. [s]
     std::optional<double> formation, tracking;
     double closest = app::none;  ///< two robots, until the next kick [m]

@@ -2,8 +2,10 @@
 
 #include <QEvent>
 #include <QHeaderView>
+#include <QHelpEvent>
 #include <QSignalBlocker>
 #include <QStyledItemDelegate>
+#include <QToolTip>
 #include <algorithm>
 
 namespace skein::ui {
@@ -56,6 +58,7 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   horizontalHeader()->setSectionResizeMode(RobotsModel::mode, QHeaderView::Stretch);
   connect(&model_, &QAbstractItemModel::modelReset, this, &RobotsPanel::hide_empty_columns);
   connect(&model_, &QAbstractItemModel::dataChanged, this, &RobotsPanel::hide_empty_columns);
+  connect(&model_, &QAbstractItemModel::dataChanged, this, &RobotsPanel::follow_tip);
   connect(selectionModel(), &QItemSelectionModel::currentRowChanged, this,
           [this](const QModelIndex& now) { emit picked(now.isValid() ? now.row() : -1); });
 }
@@ -92,6 +95,25 @@ void RobotsPanel::fit_mode() {
 void RobotsPanel::resizeEvent(QResizeEvent* event) {
   QTableView::resizeEvent(event);
   fit_mode();
+}
+
+bool RobotsPanel::viewportEvent(QEvent* event) {
+  const bool done = QTableView::viewportEvent(event);
+  if (event->type() == QEvent::ToolTip) {
+    const auto* asked = static_cast<QHelpEvent*>(event);
+    const QModelIndex of = indexAt(asked->pos());
+    tip_ = {of, asked->globalPos(), of.data(Qt::ToolTipRole).toString()};
+  }
+  return done;
+}
+
+/// What a tip says goes on, in a run as in a replay: it says what is so now, as long as it is there.
+void RobotsPanel::follow_tip() {
+  if (!tip_.of.isValid() || !QToolTip::isVisible() || QToolTip::text() != tip_.said) return;
+  const QString now = tip_.of.data(Qt::ToolTipRole).toString();
+  if (now == tip_.said) return;
+  tip_.said = now;
+  QToolTip::showText(tip_.where, now, viewport());
 }
 
 void RobotsPanel::select_robot(int robot) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QPersistentModelIndex>
 #include <QTableView>
 
 #include "ui/robots/robots_model.h"
@@ -23,11 +24,19 @@ class RobotsPanel final : public QTableView {
  protected:
   void changeEvent(QEvent*) override;
   void resizeEvent(QResizeEvent*) override;
+  bool viewportEvent(QEvent*) override;
 
  private:
+  void follow_tip();
   void hide_empty_columns();
   void fit_mode();
   RobotsModel model_;
+  struct Tip {
+    QPersistentModelIndex of;
+    QPoint where;  // on the screen
+    QString said;
+  };
+  Tip tip_;  // that was shown last
 };
 
 }  // namespace skein::ui

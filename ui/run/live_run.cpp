@@ -91,8 +91,8 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   changing_ = std::async(std::launch::async,
                          [left = std::move(left), experiment, options, recorder = recorder_,
                           keeper = keeper_]() mutable -> std::optional<Opened> {
-                           left.close();
                            try {
+                             left.close();
                              return app::Session::open(experiment, app::Session::Clock::wall, options);
                            } catch (const std::exception& error) {
                              return tl::unexpected(std::string(error.what()));
@@ -115,7 +115,11 @@ void LiveRun::end() {
   record_file_.clear();
   history_.clear();
   changing_ = std::async(std::launch::async, [left = std::move(left)]() mutable -> std::optional<Opened> {
-    left.close();
+    try {
+      left.close();
+    } catch (const std::exception& error) {
+      return tl::unexpected(std::string(error.what()));
+    }
     return std::nullopt;
   });
 }
@@ -316,6 +320,11 @@ RunSource::Done LiveRun::post(const std::function<Done(app::Session&)>& what) {
   return what(*session_);
 }
 
+RunSource::Done LiveRun::change(const std::function<Done(app::Session&)>& what) {
+  if (session_ && is_over()) return tl::unexpected(why_fixed().toStdString());
+  return post(what);
+}
+
 RunSource::Done LiveRun::step() {
   if (phase() == app::Phase::running) {
     return pause();
@@ -360,19 +369,19 @@ QString LiveRun::keep(const app::KeepRequest& request) {
 }
 
 RunSource::Done LiveRun::set_gain(core::GainName name, double value, double seconds) {
-  return post([&](app::Session& session) { return session.set_gain(name, value, seconds); });
+  return change([&](app::Session& session) { return session.set_gain(name, value, seconds); });
 }
 
 RunSource::Done LiveRun::set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) {
-  return post([&](app::Session& session) { return session.set_gain(name, i, j, value, seconds); });
+  return change([&](app::Session& session) { return session.set_gain(name, i, j, value, seconds); });
 }
 
 RunSource::Done LiveRun::set_parameter(const std::string& name, double value) {
-  return post([&](app::Session& session) { return session.set_parameter(name, value); });
+  return change([&](app::Session& session) { return session.set_parameter(name, value); });
 }
 
 RunSource::Done LiveRun::couple(std::size_t i, std::size_t j, bool on) {
-  return post([&](app::Session& session) { return session.couple(i, j, on); });
+  return change([&](app::Session& session) { return session.couple(i, j, on); });
 }
 
 double LiveRun::gain(core::GainName name, std::size_t i, std::size_t j) const {
@@ -396,15 +405,15 @@ double LiveRun::gain_limit_now(core::GainName name) const {
 }
 
 RunSource::Done LiveRun::move_robot(std::size_t robot, const core::Pose& pose) {
-  return post([&](app::Session& session) { return session.move_robot(robot, pose); });
+  return change([&](app::Session& session) { return session.move_robot(robot, pose); });
 }
 
 RunSource::Done LiveRun::kick_robot(std::size_t robot, double vx, double vy) {
-  return post([&](app::Session& session) { return session.kick_robot(robot, vx, vy); });
+  return change([&](app::Session& session) { return session.kick_robot(robot, vx, vy); });
 }
 
 RunSource::Done LiveRun::hold_robot(std::size_t robot, bool hold) {
-  return post([&](app::Session& session) { return session.hold_robot(robot, hold); });
+  return change([&](app::Session& session) { return session.hold_robot(robot, hold); });
 }
 
 RunSource::Done LiveRun::test_robot(std::size_t robot) {
@@ -414,7 +423,7 @@ RunSource::Done LiveRun::test_robot(std::size_t robot) {
 }
 
 RunSource::Done LiveRun::put_obstacle(int number, const core::Obstacle& obstacle) {
-  return post([&](app::Session& session) -> Done {
+  return change([&](app::Session& session) -> Done {
     if (number < 0) {
       const auto added = session.add_obstacle(obstacle);
       return added ? Done() : tl::unexpected(added.error());

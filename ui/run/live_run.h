@@ -57,7 +57,7 @@ class LiveRun final : public RunSource {
   bool is_open() const override { return session_ != nullptr; }
   bool is_busy() const override { return changing_.valid(); }
   bool is_before_start() const override;
-  QString why_fixed() const override { return {}; }
+  QString why_fixed() const override;
   Notice banner() const override;
   Notice lasting_alert() const override;
 
@@ -166,6 +166,8 @@ class LiveRun final : public RunSource {
   QString stopped_text() const;
   QString acknowledgements() const;
   Done post(const std::function<Done(app::Session&)>& what);
+  /// The same for what nothing would come of once the run is over, but a change in its record.
+  Done change(const std::function<Done(app::Session&)>& what);
 
   app::Experiment experiment_;
   QString file_;

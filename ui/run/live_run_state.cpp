@@ -31,10 +31,12 @@ bool LiveRun::all_stand() const {
 RunState LiveRun::state() const {
   using app::Phase;
   const bool busy = is_opening(), failed = has_failed(), there = !busy && !failed;
+  const bool empty = failed && !failure_;  // no experiment was opened yet
   const QString real_time = real_time_reason();
   RunState state;
-  state.words = busy ? tr("Opening …") : failed ? tr("Failed") : phase_text(phase());
+  state.words = busy ? tr("Opening …") : empty ? tr("No experiment") : failed ? tr("Failed") : phase_text(phase());
   state.tone = busy                        ? Severity::note
+               : empty                     ? Severity::notice
                : failed                    ? Severity::alarm
                : phase() == Phase::stopped ? Severity::alarm
                : phase() == Phase::running ? Severity::good
@@ -42,6 +44,8 @@ RunState LiveRun::state() const {
                                            : Severity::notice;
   state.moves = there && phase() == Phase::running;
   state.t = t();
+  if (!empty && !is_over()) state.end = experiment_.duration;
+  state.has_time = !empty;
   state.speed = speed();
   state.go = phase() == Phase::running  ? RunState::Go::pause
              : phase() == Phase::paused ? RunState::Go::resume
@@ -71,7 +75,8 @@ RunState LiveRun::state() const {
 Notice LiveRun::banner() const {
   if (is_opening()) return {tr("Opening …")};
   if (has_failed())
-    return {failure_ ? tr("The experiment could not be opened") : tr("No experiment is open"), Severity::alarm};
+    return failure_ ? Notice{tr("The experiment could not be opened"), Severity::alarm}
+                    : Notice{tr("No experiment is open – open one with Ctrl+O")};
   if (const QString robots = numbers(may_be_driving()); !robots.isEmpty() && stop_is_due())
     return {tr("Robot %1 MAY BE DRIVING: it has not acknowledged its stop").arg(robots), Severity::alarm};
   switch (phase()) {
@@ -88,6 +93,10 @@ Notice LiveRun::banner() const {
       return {};
   }
   return {};
+}
+
+QString LiveRun::why_fixed() const {
+  return is_over() ? tr("The run is over: nothing in it can be changed. New run (Ctrl+N) sets it up again") : QString();
 }
 
 Notice LiveRun::lasting_alert() const {

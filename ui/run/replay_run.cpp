@@ -68,6 +68,7 @@ RunState ReplayRun::state() const {
   state.tone = Severity::notice;
   state.moves = playing_;
   state.t = t_;
+  state.end = last_time();
   state.speed = speed_;
   state.go = playing_ ? RunState::Go::pause : RunState::Go::play;
   state.may_go = true;
@@ -195,7 +196,16 @@ bool ReplayRun::seek(double t) {
   uncoupled_.clear();
   held_.clear();
   parameters_ = app::declared_parameters(experiment().controller.law);
-  for (std::size_t k = 0; k < next_; ++k) note_changes(run_->rows[k]);
+  std::vector<core::Obstacle> obstacles = experiment().obstacles;
+  for (std::size_t k = 0; k < next_; ++k) {
+    note_changes(run_->rows[k]);
+    for (const app::Event& event : run_->rows[k].events)
+      if (const auto* const put = std::get_if<app::events::PutObstacle>(&event)) {
+        if (put->number >= obstacles.size()) obstacles.resize(put->number + 1);
+        obstacles[put->number] = put->obstacle;
+      }
+  }
+  emit obstacles_stand(obstacles);
   show_until(end);
   emit changed();
   return true;

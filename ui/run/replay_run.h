@@ -81,6 +81,10 @@ class ReplayRun final : public RunSource {
   Done hold_robot(std::size_t, bool) override { return refusal(); }
   Done put_obstacle(int, const core::Obstacle&) override { return refusal(); }
 
+ signals:
+  /// Where they stand after a jump in time, before the rows that are shown again.
+  void obstacles_stand(const std::vector<core::Obstacle>& obstacles);
+
  private:
   const app::TickRecord& row() const { return run_->rows[next_ > 0 ? next_ - 1 : 0]; }
   Done refusal() const;

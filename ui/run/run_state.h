@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QString>
+#include <optional>
 
 #include "ui/base/modes.h"
 
@@ -28,6 +29,8 @@ struct RunState {
   Severity tone = Severity::note;  ///< of the words
   bool moves = false;              ///< time goes by
   double t = 0.0;                  ///< time of the experiment [s]
+  bool has_time = true;            ///< false: there is nothing that could run
+  std::optional<double> end;       ///< when it will be over [s]; none: it is over
   double speed = 1.0;              ///< asked for, times real time
   Go go = Go::start;
   bool may_go = false;

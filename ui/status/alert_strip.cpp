@@ -44,13 +44,14 @@ void AlertStrip::show_record(const app::TickRecord& record) {
     if (const auto* const found = std::get_if<app::events::Found>(&event))
       lost_.erase(static_cast<int>(found->robot) + 1);
     if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
-    if (!said_elsewhere(event)) say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event), ui::severity(event));
+    if (!held_ && !said_elsewhere(event))
+      say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event), ui::severity(event));
   }
   watch(record);
   if (lost_ == before) return;
   if (lost_.empty()) {
     stand(State::lost, {}, Severity::note);
-    say(tr("All robots are seen"), Severity::good);
+    if (!held_) say(tr("All robots are seen"), Severity::good);
   } else if (record.phase == app::Phase::ready) {
     stand(State::lost, tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
   } else {
@@ -127,24 +128,22 @@ void AlertStrip::stand(State state, const QString& text, Severity severity) {
 void AlertStrip::say(const QString& text, Severity severity) {
   const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < read_ms &&
                                    news_.severity >= Severity::warning && news_.severity > severity;
-  if (held_ || graver_one_is_fresh) return;
+  if (graver_one_is_fresh) return;
   news_ = {text, severity};
   since_.start();
-  if (severity == Severity::alarm) emit alarmed(text);
+  if (severity == Severity::alarm && !held_) emit alarmed(text);
   choose();
 }
 
 void AlertStrip::hold(const QString& text, Severity severity) {
-  if (held_ && text == text_) return;
-  held_ = true;
-  text_ = text;
-  severity_ = severity;
-  show_text();
+  if (held_ && text == held_->text) return;
+  held_ = {text, severity};
+  choose();
   if (severity == Severity::alarm) emit alarmed(text);
 }
 
 void AlertStrip::clear_alert() {
-  held_ = false;
+  held_.reset();
   lost_.clear();
   limited_since_.clear();
   v_rose_at_ = app::none;
@@ -153,9 +152,10 @@ void AlertStrip::clear_alert() {
   choose();
 }
 
-/// News are read for a moment, unless an alarm lasts; then the states are back, the gravest first.
+/// News are read for a moment, behind an alarm that lasts; then what is held, or the states, the gravest first, are
+/// back.
 void AlertStrip::choose() {
-  if (held_) return;
+  if (held_) return choose_beside_held();
   Said shown;
   for (const Severity grave : {Severity::alarm, Severity::warning})
     for (const auto& [state, said] : states_) {
@@ -167,6 +167,17 @@ void AlertStrip::choose() {
   const bool fresh = age <= (shown.text.isEmpty() ? fade_ms : read_ms);
   const bool outranked = shown.severity == Severity::alarm && news_.severity < Severity::alarm;
   if (fresh && !outranked) shown = news_;
+  show(shown);
+}
+
+void AlertStrip::choose_beside_held() {
+  const bool fresh = since_.isValid() && since_.elapsed() <= read_ms;
+  if (!fresh) return show(*held_);
+  show(held_->severity < Severity::alarm ? news_
+                                         : Said{held_->text + QStringLiteral("   ·   ") + news_.text, held_->severity});
+}
+
+void AlertStrip::show(const Said& shown) {
   if (shown.text == text_ && shown.severity == severity_) return;
   text_ = shown.text;
   severity_ = shown.severity;

@@ -3,6 +3,7 @@
 #include <QElapsedTimer>
 #include <QLabel>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "ui/base/modes.h"
@@ -19,8 +20,9 @@ class AlertStrip final : public QLabel {
   void show_record(const app::TickRecord& record);
   /// The robots that are lost now, as "2, 3"; empty: none.
   QString lost_robots() const;
+  /// For a while, also over what is held; behind it, if that is an alarm.
   void say(const QString& text, Severity severity);
-  /// Stays until `clear`, over everything else: STOP, a failure.
+  /// Stays until `clear`, over the states and the events of the run: STOP, a failure, the verdict on a recording.
   void hold(const QString& text, Severity severity);
   /// Robots, from 1, whose battery is low; empty: none.
   void warn_batteries(const QStringList& robots);
@@ -52,6 +54,8 @@ class AlertStrip final : public QLabel {
   void watch(const app::TickRecord& record);
   void stand(State state, const QString& text, Severity severity);  // empty: it is over
   void choose();
+  void choose_beside_held();
+  void show(const Said& shown);
   void show_text();
 
   std::map<int, QString> lost_;        // robots without a tag, from 1, and why it is not seen; empty: not known
@@ -60,7 +64,7 @@ class AlertStrip final : public QLabel {
   std::map<State, Said> states_;
   Said news_;
   QElapsedTimer since_;  // the news; invalid: none
-  bool held_ = false;
+  std::optional<Said> held_;
   QString text_;  // what is shown
   QString at_rest_ = tr("All well");
   Severity severity_ = Severity::note;

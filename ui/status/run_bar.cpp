@@ -71,17 +71,23 @@ RunBar::RunBar(QWidget* parent)
   texts->addWidget(name_);
   texts->addWidget(phase_);
   texts->addStretch();
+  beside_ = new QHBoxLayout;
+  beside_->setSpacing(8);
+  beside_->addLayout(texts);
+  beside_->addSpacing(4);
+  beside_->addWidget(go_);
+  beside_->addWidget(step_);
+  beside_->addWidget(speed_);
+  beside_->addWidget(new_run_);
+  beside_->addWidget(record_);
+  beside_->addWidget(time_line_, 1);
+  below_ = new QVBoxLayout;
+  below_->setSpacing(2);
+  below_->addLayout(beside_, 1);
   auto* layout = new QHBoxLayout(this);
   layout->setContentsMargins(10, 6, 10, 6);
   layout->setSpacing(8);
-  layout->addLayout(texts);
-  layout->addSpacing(4);
-  layout->addWidget(go_);
-  layout->addWidget(step_);
-  layout->addWidget(speed_);
-  layout->addWidget(new_run_);
-  layout->addWidget(record_);
-  layout->addWidget(time_line_, 1);
+  layout->addLayout(below_, 1);
   layout->addWidget(time_);
   layout->addSpacing(6);
   layout->addWidget(stop_);
@@ -113,9 +119,22 @@ void RunBar::set_tightness(int tightness) {
   // As wide as the widest text: what follows does not jump about.
   time_->setMinimumWidth(fontMetrics().horizontalAdvance(tightness >= 2 ? QStringLiteral("0000.0 s")
                                                                         : QStringLiteral("0000.0 s / −0000.0 s")));
-  time_line_->setVisible(tightness < 4);
+  put_time_line(tightness >= 4);
   show_time();
   layout()->invalidate();
+}
+
+/// Beside the buttons, or below them: nobody would have to do without it to go through a replay.
+void RunBar::put_time_line(bool below) {
+  if (below == (beside_->indexOf(time_line_) < 0)) return;
+  if (below) {
+    beside_->removeWidget(time_line_);
+    below_->addWidget(time_line_);
+  } else {
+    below_->removeWidget(time_line_);
+    beside_->addWidget(time_line_, 1);
+  }
+  time_line_->set_flat(below);
 }
 
 void RunBar::fit() {
@@ -132,11 +151,15 @@ void RunBar::resizeEvent(QResizeEvent* event) {
 
 void RunBar::show_time() {
   const QString now = tr("%1 s").arg(t_, 0, 'f', 1);
-  time_->setText(tightness_ >= 2 ? now : tr("%1 / −%2 s").arg(now).arg(std::max(0.0, duration_ - t_), 0, 'f', 1));
+  if (!has_time_)
+    time_->clear();
+  else if (!end_ || tightness_ >= 2)
+    time_->setText(now);
+  else
+    time_->setText(tr("%1 / −%2 s").arg(now).arg(std::max(0.0, *end_ - t_), 0, 'f', 1));
 }
 
 void RunBar::show_experiment(const app::Experiment& experiment) {
-  duration_ = experiment.duration;
   const QString name = QString::fromStdString(experiment.name);
   name_->setText(fontMetrics().elidedText(name, Qt::ElideRight, 150));
   name_->setToolTip(name);
@@ -147,6 +170,8 @@ void RunBar::show_state(const RunState& state) {
   const QString shown = phase_text_of(state);
   if (phase_->text() != shown) phase_->setText(shown);
   t_ = state.t;
+  end_ = state.end;
+  has_time_ = state.has_time;
   show_time();
   show_go(state);
   show_rest(state);

@@ -12,6 +12,9 @@
 #include "ui/run/run_state.h"
 #include "ui/status/time_line.h"
 
+class QHBoxLayout;
+class QVBoxLayout;
+
 namespace skein::ui {
 
 /// What the operator does with a run, where the run is, and STOP.
@@ -44,9 +47,11 @@ class RunBar final : public QWidget {
 
  private:
   static constexpr int tightest = 4;
-  /// 0: everything; then, one after the other, texts of buttons, the time that is left, the time line go. Never STOP.
+  /// 0: everything; then, one after the other, texts of buttons and the time that is left go, and the time line moves
+  /// below the buttons. Never STOP.
   void set_tightness(int tightness);
   void fit();
+  void put_time_line(bool below);
   void show_time();
   void dress();
   QString phase_text_of(const RunState& state);
@@ -58,9 +63,13 @@ class RunBar final : public QWidget {
   QPushButton *step_, *stop_;
   QComboBox* speed_;
   TimeLine* time_line_;
+  QHBoxLayout* beside_;
+  QVBoxLayout* below_;
   QSize smallest_;
   int tightness_ = 0;
-  double duration_ = 0.0, t_ = 0.0;
+  double t_ = 0.0;
+  std::optional<double> end_;
+  bool has_time_ = false;
   std::optional<RunState::Go> shown_go_;
   QElapsedTimer since_;
   double since_t_ = 0.0, pace_ = 1.0;  // how fast the experiment's time really goes

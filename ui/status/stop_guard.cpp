@@ -64,6 +64,11 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
     auto* dialog = qobject_cast<QDialog*>(watched);
     if (dialog && dialog->isWindow()) keep_clear_of(dialog, *button_);
   }
+  // A window that was opened with a file is placed, and sized, after the dialog that it opens with.
+  const bool is_placed = event->type() == QEvent::Move || event->type() == QEvent::Resize;
+  if (is_placed && button_ && watched == button_->window() && button_->isVisible())
+    for (auto* dialog : button_->window()->findChildren<QDialog*>())
+      if (dialog->isWindow() && dialog->isVisible()) keep_clear_of(dialog, *button_);
   if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
     // An open menu would take the press only to close itself.
     const auto* press = static_cast<const QMouseEvent*>(event);

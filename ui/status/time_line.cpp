@@ -28,6 +28,12 @@ TimeLine::TimeLine(QWidget* parent) : QWidget(parent) {
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
 }
 
+void TimeLine::set_flat(bool flat) {
+  flat_ = flat;
+  setSizePolicy(QSizePolicy::Expanding, flat ? QSizePolicy::Fixed : QSizePolicy::Preferred);
+  updateGeometry();
+}
+
 void TimeLine::show_experiment(const app::Experiment& experiment) {
   duration_ = experiment.duration;
   t_ = 0.0;
@@ -60,6 +66,7 @@ void TimeLine::set_scrubbable(bool on, const RunHistory::Rows& rows) {
   for (const auto& row : rows)
     if (!row->events.empty() && (events_.empty() || row->t > events_.back())) events_.push_back(row->t);
   if (!rows.empty()) duration_ = std::max(rows.back()->t, 1e-3);
+  std::erase_if(marks_, [this](const Mark& mark) { return mark.t > duration_; });  // the run ended before it
   update();
 }
 
@@ -141,7 +148,8 @@ void TimeLine::paintEvent(QPaintEvent*) {
   if (!scrubbable_) return;
   p.setPen(QPen(c.panel, 2));  // the handle
   p.setBrush(c.accent);
-  p.drawRoundedRect(QRectF(x(t_) - 5, middle - 13, 10, 26), 4, 4);
+  const double tall = std::min(13.0, middle);
+  p.drawRoundedRect(QRectF(x(t_) - 5, middle - tall, 10, 2 * tall), 4, 4);
   if (hasFocus()) {
     p.setPen(QPen(c.accent, 1, Qt::DotLine));
     p.setBrush(Qt::NoBrush);

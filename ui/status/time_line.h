@@ -19,8 +19,9 @@ class TimeLine final : public QWidget {
   void show_record(const app::TickRecord& record);
   /// A place on it is a time to go to. `rows`: the whole run, for its length and its events.
   void set_scrubbable(bool on, const RunHistory::Rows& rows);
-  QSize sizeHint() const override { return {320, 40}; }
-  QSize minimumSizeHint() const override { return {140, 36}; }
+  void set_flat(bool flat);  ///< no higher than its marks
+  QSize sizeHint() const override { return {320, flat_ ? flat_height : 40}; }
+  QSize minimumSizeHint() const override { return {140, flat_ ? flat_height : 36}; }
 
  signals:
   void time_wanted(double t);
@@ -44,7 +45,8 @@ class TimeLine final : public QWidget {
   double duration_ = 1.0, t_ = 0.0;
   std::vector<Mark> marks_;
   std::vector<double> events_;  // of a replay, where something happened
-  bool scrubbable_ = false;
+  static constexpr int flat_height = 20;
+  bool scrubbable_ = false, flat_ = false;
 };
 
 }  // namespace skein::ui

@@ -131,7 +131,11 @@ std::string calibrate(const std::vector<BoardView*>& views, int width, int heigh
     result.focal_sigma = std::max(sigmas.at<double>(0), sigmas.at<double>(1));
     result.centre_sigma = std::max(sigmas.at<double>(2), sigmas.at<double>(3));
     residuals.clear();
+    result.tilt = 0.0;
     for (std::size_t i = 0; i < seen.size(); ++i) {
+      cv::Matx33d rotation;
+      cv::Rodrigues(rotations[i], rotation);
+      result.tilt = std::max(result.tilt, std::acos(std::min(1.0, std::abs(rotation(2, 2)))));
       std::vector<cv::Point2f> expected;
       cv::projectPoints(on_board[i], rotations[i], translations[i], camera, distortion, expected);
       auto& distances = residuals.emplace_back();

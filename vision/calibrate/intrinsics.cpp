@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/pose.h"
 #include "vision/modules/media_loader.h"
 
 namespace skein::vision {
@@ -16,6 +17,7 @@ constexpr double corner_limit = 4.0;  // times the usual residual of a corner of
 constexpr double view_limit = 3.0;    // times that of the middle view
 constexpr double least_limit = 0.3;   // nothing closer than this is an outlier [px]
 constexpr int most_rounds = 15;
+constexpr double least_tilt = 5.0;  // of the board in one view [deg]
 // A board that is another one than was said, or pictures of several cameras. Of the picture's width; blurred corners in
 // large pictures scatter by a thousandth.
 constexpr double largest_rms = 0.0025;
@@ -88,7 +90,7 @@ void Coverage::add(const BoardView& view) {
     const int column = static_cast<int>((corner.u + 0.5) / width * columns);
     const int row = static_cast<int>((corner.v + 0.5) / height * rows);
     if (column >= 0 && column < columns && row >= 0 && row < rows)
-      ++corners[static_cast<std::size_t>(row * columns + column)];
+      ++corners[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
   }
 }
 
@@ -124,9 +126,14 @@ tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> vi
   for (int round = 0;; ++round) {
     const std::vector<BoardView*> in = used(views);
     if (in.size() < least_views)
-      return tl::unexpected(
-          fmt::format("{} of {} views can be used; needed: {} and more, each with {} corners, from different sides",
-                      in.size(), views.size(), least_views, least_corners));
+      return tl::unexpected(fmt::format(
+          "{}, allowed: {} or more, each with at least {} corners, from different sides",
+          views.size() < least_views
+              ? fmt::format("found the board in {} view{}", views.size(), views.size() == 1 ? "" : "s")
+              : fmt::format("only {} of {} views of the board can be used, since the others show too few corners or "
+                            "do not fit",
+                            in.size(), views.size()),
+          least_views, least_corners));
     std::vector<std::vector<double>> residuals;
     if (std::string problem = (*module)->calibrate(in, width, height, result, residuals); !problem.empty())
       return tl::unexpected(problem);
@@ -150,6 +157,12 @@ tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> vi
   if (!std::isfinite(result.rms + result.focal_sigma + result.centre_sigma) || !(result.calibration.fx > 0.0))
     return tl::unexpected(
         std::string("the views do not determine the camera: show the board from other sides, tilted"));
+  // Of a board that is parallel to the picture, a camera twice as far away with twice the focal length sees the same.
+  if (constexpr double degree = core::pi / 180.0; result.tilt < least_tilt * degree)
+    return tl::unexpected(
+        fmt::format("the views do not determine the focal length: in none is the board tilted by more than {:.1f} deg; "
+                    "needed: {:g} deg in some, better 30",
+                    result.tilt / degree, least_tilt));
   result.views = std::move(views);
   return result;
 }

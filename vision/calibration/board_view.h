@@ -24,6 +24,7 @@ struct Intrinsics {
   double rms = 0.0;                // over all corners that were used [px]
   double focal_sigma = 0.0;        // standard deviation of fx and fy, from the residuals [px]
   double centre_sigma = 0.0;       // of cx and cy [px]
+  double tilt = 0.0;               // of the view that is tilted most, against the picture's plane [rad]
 };
 
 }  // namespace skein::vision

@@ -48,7 +48,7 @@ double likeness(const Frame& frame, const Corners& corners, const TagPattern& pa
   double n = 0.0, seen = 0.0, seen2 = 0.0, like = 0.0, like2 = 0.0, both = 0.0;
   for (std::size_t i = 0; i < SampleGrid::points; ++i) {
     const auto [u, v] =
-        map(0.5 + static_cast<double>(sample_grid.x[i]) / 8.0, 0.5 + static_cast<double>(sample_grid.y[i]) / 8.0);
+        map(0.5 + static_cast<double>(sample_grid.x_of(i)) / 8.0, 0.5 + static_cast<double>(sample_grid.y_of(i)) / 8.0);
     if (!(u >= 0.0 && v >= 0.0 && u < frame.width - 1.0 && v < frame.height - 1.0)) continue;
     const int column = static_cast<int>(u);
     const int row = static_cast<int>(v);

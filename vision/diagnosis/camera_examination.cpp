@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 
+#include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/light_limits.h"
 #include "vision/tags/detection.h"
 
@@ -41,7 +42,7 @@ constexpr double late = 0.1;            // [s]
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return nan;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -264,9 +265,7 @@ CameraMeasurements CameraExamination::measure() const {
   measured.noise = quantile(noises_, 0.5);
   measured.contrast = measured.tag_edge = nan;
 
-  // Ink and paper may differ by as little as this. [grey levels]
-  constexpr int faint = 2;
-  TagDetector detector({.min_white_black_diff = faint});
+  TagDetector detector({.min_white_black_diff = detail::faint});
   std::vector<double> widths_at_tags, widths;
   const double noise = std::isfinite(measured.noise) ? measured.noise : 0.0;
   for (const Frame& frame : samples_) {
@@ -291,6 +290,7 @@ CameraMeasurements CameraExamination::measure() const {
     }
     edge_widths(frame, {0, 0, frame.width, frame.height}, noise, widths);
   }
+  if (measured.tags == 0 && !samples_.empty()) measured.why_no_tag = why_no_tag(samples_.back());
   measured.edge_width = quantile(widths_at_tags.empty() ? widths : widths_at_tags, 0.5);
   return measured;
 }
@@ -389,8 +389,11 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
   else
     say(State::note, "sharpness", "no clear edge in the picture", "put a tag or a printed page under the camera");
   if (m.tags == 0) {
-    say(State::note, "tags", "none of the family 36h11 is in the picture",
-        "put printed tags under the camera: skein tags 1-4");
+    if (m.why_no_tag.empty())
+      say(State::note, "tags", "none of the family 36h11 is in the picture",
+          "put printed tags under the camera: skein tags 1-4");
+    else
+      say(State::ill, "tags", "none of the family 36h11 can be read", m.why_no_tag);
     return findings;
   }
   say(m.contrast < detail::least_contrast ? State::ill

@@ -47,6 +47,7 @@ struct CameraMeasurements {
   double noise = 0.0;           // of a pixel from frame to frame [grey levels]
   double edge_width = 0.0;  // from dark to bright, at the tags if there are any: contrast through slope, median [px]
   int tags = 0;             // of 36h11, most in a frame
+  std::string why_no_tag;   // where there are none: see vision::why_no_tag, of the last frame searched
   double contrast = 0.0;    // between ink and paper, of the faintest tag [grey levels]
   double tag_edge = 0.0;    // of the smallest [px]
 };

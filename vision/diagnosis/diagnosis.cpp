@@ -21,6 +21,7 @@ namespace skein::vision {
 namespace {
 
 using detail::dark_grey;
+using detail::faint;
 using detail::least_contrast;
 using detail::saturated_share;
 
@@ -230,8 +231,6 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
                                    std::span<const MissingTag> missing) {
   std::vector<TagDiagnosis> answers;
   for (const MissingTag& tag : missing) answers.push_back({.tag = tag.tag});
-  // Ink and paper may differ by as little as this. [grey levels]
-  constexpr int faint = 2;
   TagDetector detector({.min_white_black_diff = faint});
   const std::vector<Detection> found = detect_at_both(detector, frame);
   const std::optional<double> usual = usual_edge(found, missing, calibration);
@@ -284,7 +283,15 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   return answers;
 }
 
-std::string other_family(const Frame& frame) {
+std::string why_no_tag(const Frame& frame) {
+  TagDetector detector({.min_white_black_diff = faint});
+  std::vector<int> reversed;
+  for (const Detection& seen : detect_at_both(detector, mirrored(frame))) reversed.push_back(seen.tag);
+  if (!reversed.empty()) {
+    std::sort(reversed.begin(), reversed.end());
+    return fmt::format("tag{} {} {} mirrored: switch the camera's mirror off", reversed.size() == 1 ? "" : "s",
+                       fmt::join(reversed, ", "), reversed.size() == 1 ? "is" : "are");
+  }
   // A single one of 16 bits may be a ghost.
   constexpr std::string_view smallest = "16h5";
   std::vector<int> ids;

@@ -40,9 +40,10 @@ struct TagDiagnosis {
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
                                    std::span<const MissingTag> missing);
 
-/// What to do about a frame in which no tag of 36h11 is: "no tag is of the family 36h11, but 4 look like 25h9 (1, 2, 3,
-/// 4): print them anew in 36h11"; empty where there is none of another family either. As slow as `diagnose`.
-std::string other_family(const Frame& frame);
+/// Why no tag of 36h11 was found in a frame, and what to do: "tags 1, 2, 3, 4 are mirrored: switch the camera's mirror
+/// off", "no tag is of the family 36h11, but 4 look like 25h9 (1, 2, 3, 4): print them anew in 36h11"; empty: there is
+/// none. As slow as `diagnose`.
+std::string why_no_tag(const Frame& frame);
 
 /// One sentence without a full stop, for people: "tag 3 is there, but its edge is 40 mm, 33 % smaller than [tags] size
 /// 60 mm".

@@ -1,5 +1,6 @@
 #include "vision/fit/photometric_fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -19,13 +20,23 @@ constexpr double small_step_px = 0.1;
 // Below this something is wrong that a clean tag's noise does not explain: a finger, a shadow, glare.
 constexpr double clean_correlation = 0.98;
 
-// Around the tag's middle, so that the map holds wherever the fit may wander. [modules]
-constexpr double map_radius = 8.0;
-
 // Further from where it began, a fit has found something else.
 constexpr double longest_way = 1.6;  // [modules], or
 constexpr double longest_way_px = 6.0;
 constexpr double longest_turn = 0.5;  // [rad]
+
+// The picture's border may cut the paper, and the black frame, which all tags have: what tells them apart is inside.
+// [modules]
+constexpr double bits_reach = 3.25;
+
+// The grid's edge. [modules]
+constexpr double reach = static_cast<double>(SampleGrid::reach);
+
+// A map's terms, which count in grid's edges, per module.
+constexpr std::array<double, LocalMap::terms> per_module = [] {
+  constexpr double one = 1.0 / reach, two = one * one, three = two * one;
+  return std::array{1.0, one, one, two, two, two, three, three, three, three};
+}();
 
 /// Points closer than two pixels share pixels, and with them noise: how much less they know together than they seem to.
 /// The triangle that reads between pixels is a cubic B-spline when it is correlated with itself.
@@ -59,7 +70,11 @@ double tukey(double residual, double scale) {
 }  // namespace
 
 const TagTemplate& TagModel::sharp(double px_per_module) {
+  if (px_per_module > last_from_ && px_per_module < last_to_) return *last_sharp_;
   const int level = static_cast<int>(std::lround(std::log(px_per_module) / std::log(level_ratio)));
+  // For as good as all that are rounded to it.
+  last_from_ = std::pow(level_ratio, level - 0.499);
+  last_to_ = std::pow(level_ratio, level + 0.499);
   for (const auto& [known, tag] : sharp_)
     if (known == level) return *(last_sharp_ = tag.get());
   const double sigma = sharp_sigma_px / std::pow(level_ratio, level);
@@ -71,7 +86,8 @@ void TagModel::fetch() const {
   constexpr std::size_t line = 64;
   if (last_sharp_ == nullptr) return;
   const auto* const bytes = reinterpret_cast<const char*>(last_sharp_);
-  for (std::size_t at = 0; at < sizeof(TagTemplate); at += line) __builtin_prefetch(bytes + at);
+  const auto* const end = reinterpret_cast<const char*>(&last_sharp_->normal);  // seldom needed
+  for (const char* at = bytes; at < end; at += line) __builtin_prefetch(at);
 }
 
 const TagTemplate& TagModel::smooth() {
@@ -82,100 +98,139 @@ const TagTemplate& TagModel::smooth() {
 /// What a look at the picture says.
 struct PhotometricFit::Look {
   Sums sums;
-  Eigen::Matrix<double, TagTemplate::rigid_columns, 1> solution;  // gain * (-dx, -dy, -dtheta), gain, offset, light
+  std::array<double, TagTemplate::rigid_columns> solution;  // gain * (-dx, -dy, -dtheta), gain, offset, light
   double correlation = 0.0;
   double scatter = 0.0;  // sum of squares around the mean
+  double points = 0.0;   // that were looked at
   bool outside = false;  // not all of the tag is in the picture
+  bool cut = false;      // not all of its white border is
   double gain() const { return solution[TagTemplate::paper]; }
-  Eigen::Vector3d change() const { return -solution.head<3>() / gain(); }  // (dx, dy) in modules, dtheta
+  Eigen::Vector3d change() const {  // (dx, dy) in modules, dtheta
+    return Eigen::Vector3d(solution[0], solution[1], solution[2]) / -gain();
+  }
 };
 
 /// The same look, with the tag free to stretch, shear and blur.
 struct PhotometricFit::Free {
-  Eigen::Matrix<double, TagTemplate::columns, 1> solution;
+  std::array<double, TagTemplate::columns> solution;
   double residual = 0.0;   // sum of squares that it leaves
   double explained = 0.0;  // multiple correlation of grey levels and columns
 };
 
 PhotometricFit::PhotometricFit(const PlaneMap& map, double module, bool exact, const FitOptions& options)
-    : plane_(map), module_(module), exact_(exact), options_(options), sorted_(SampleGrid::points) {}
+    : plane_(map), module_(module), exact_(exact), options_(options), sorted_(SampleGrid::points) {
+  left_out_.reserve(SampleGrid::points);
+}
+
+/// Makes the map for looks at this pose.
+void PhotometricFit::aim(const core::Pose& pose) {
+  map_ = plane_.around(pose.x, pose.y, reach * module_, std::cos(pose.theta), std::sin(pose.theta));
+}
 
 /// false: not all of the tag is in the picture, or there is nothing to be seen.
-bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, const core::Pose& pose, Look& look) {
-  const double c = std::cos(pose.theta) * module_;
-  const double s = std::sin(pose.theta) * module_;
-  Eigen::Vector2d least(1e9, 1e9);
-  Eigen::Vector2d most(-1e9, -1e9);
-  for (const double y : {-1.0, 1.0}) {
-    for (const double x : {-1.0, 1.0}) {
-      constexpr double reach = static_cast<double>(SampleGrid::reach);
-      const Eigen::Vector2d corner = map_.pixel(pose.x + reach * (c * x - s * y), pose.y + reach * (s * x + c * y));
-      least = least.cwiseMin(corner);
-      most = most.cwiseMax(corner);
-    }
-  }
+bool PhotometricFit::look(const Frame& frame, const TagTemplate& tag, Look& look) {
+  const LocalMap::Box box = map_.corners();
   // One pixel to spare for sides that the lens bends, and four bytes are read from every place on.
-  look.outside = !(least.minCoeff() >= 1.0 && most.x() + 5.0 < frame.width && most.y() + 3.0 < frame.height);
-  if (look.outside) return false;
-  const int left = static_cast<int>(least.x()) - 1;
-  const int top = static_cast<int>(least.y()) - 1;
+  look.cut = !(box.left >= 1.0 && box.top >= 1.0 && box.right + 5.0 < frame.width && box.bottom + 3.0 < frame.height);
+  if (look.cut) {
+    const LocalMap::Box bits = map_.corners(bits_reach / reach);
+    look.outside =
+        !(bits.left > 0.0 && bits.top > 0.0 && bits.right < frame.width - 1 && bits.bottom < frame.height - 1);
+  }
+  if (look.cut && look.outside) return false;
+  look.outside = false;
+  const int left = std::max(0, static_cast<int>(box.left) - 1);
+  const int top = std::max(0, static_cast<int>(box.top) - 1);
+  // At the border two bytes are read from a place, and by the baseline's instructions.
+  const int most_u = frame.width - left - (look.cut ? 2 : 5);
+  const int most_v = frame.height - top - (look.cut ? 2 : 3);
+  const Instructions instructions = look.cut ? Instructions::baseline : options_.instructions;
 
   if (exact_) {
+    const double c = map_.c * module_, s = map_.s * module_;
     for (std::size_t i = 0; i < SampleGrid::count; ++i) {
-      const auto x = static_cast<double>(sample_grid.x[i]);
-      const auto y = static_cast<double>(sample_grid.y[i]);
-      const Eigen::Vector2d at = plane_.pixel(pose.x + c * x - s * y, pose.y + s * x + c * y);
-      places_.u[i] = static_cast<float>(std::clamp(at.x() - left, 0.0, frame.width - 5.0 - left));
-      places_.v[i] = static_cast<float>(std::clamp(at.y() - top, 0.0, frame.height - 3.0 - top));
+      const auto x = static_cast<double>(sample_grid.x[i % SampleGrid::across]);
+      const auto y = static_cast<double>(sample_grid.y[i / SampleGrid::across]);
+      const Eigen::Vector2d at = plane_.pixel(map_.x + c * x - s * y, map_.y + s * x + c * y);
+      places_.u[i] = static_cast<float>(std::clamp(at.x() - left, 0.0, static_cast<double>(most_u)));
+      places_.v[i] = static_cast<float>(std::clamp(at.y() - top, 0.0, static_cast<double>(most_v)));
     }
   } else {
     FloatMap map;
     for (std::size_t i = 0; i < LocalMap::terms; ++i) {
-      map.u[i] = static_cast<float>(map_.u[i] - (i == 0 ? left : 0));
-      map.v[i] = static_cast<float>(map_.v[i] - (i == 0 ? top : 0));
+      map.u[i] = static_cast<float>((map_.u[i] - (i == 0 ? left : 0)) * per_module[i]);
+      map.v[i] = static_cast<float>((map_.v[i] - (i == 0 ? top : 0)) * per_module[i]);
     }
-    map.most_u = static_cast<float>(frame.width - 5 - left);
-    map.most_v = static_cast<float>(frame.height - 3 - top);
-    const double scale = 1.0 / map_.radius;
-    const Turn turn{static_cast<float>(c * scale), static_cast<float>(s * scale),
-                    static_cast<float>((pose.x - map_.x) * scale), static_cast<float>((pose.y - map_.y) * scale)};
-    place_points(options_.instructions, map, turn, places_);
+    map.most_u = static_cast<float>(most_u);
+    map.most_v = static_cast<float>(most_v);
+    place_points(instructions, map, places_);
   }
-  look_at_points(options_.instructions, {frame.row(top) + left, frame.width}, places_, tag, values_, look.sums);
+  look_at_points(instructions, {frame.row(top) + left, frame.width}, places_, tag, values_, look.sums);
 
   const auto& sum = look.sums.sum;
-  Eigen::Matrix<double, TagTemplate::rigid_columns, 1> seen;
-  seen << sum[Sums::along_x], sum[Sums::along_y], sum[Sums::turn], sum[Sums::paper], sum[Sums::constant],
-      sum[Sums::light_x], sum[Sums::light_y];
-  look.solution = tag.rigid_inverse * seen;
-  const double residual = std::max(0.0, sum[Sums::square] - look.solution.dot(seen));
-  look.scatter =
-      sum[Sums::square] - sum[Sums::constant] * sum[Sums::constant] / static_cast<double>(SampleGrid::points);
-  look.correlation = std::sqrt(std::max(0.0, 1.0 - residual / (look.scatter + 1e-9)));
+  constexpr auto columns = static_cast<std::size_t>(TagTemplate::rigid_columns);
+  look.solution = {};
+  look.points = static_cast<double>(SampleGrid::points);
+  if (look.cut) {
+    if (!leave_out(tag, static_cast<float>(most_u), static_cast<float>(most_v), look)) return false;
+  } else {
+    for (std::size_t k = 0; k < columns; ++k)
+      for (std::size_t i = 0; i < columns; ++i) look.solution[i] += tag.rigid_inverse[k * columns + i] * sum[k];
+  }
+  double residual = sum[Sums::square];
+  for (std::size_t i = 0; i < columns; ++i) residual -= look.solution[i] * sum[i];
+  look.scatter = sum[Sums::square] - sum[TagTemplate::constant] * sum[TagTemplate::constant] / look.points;
+  look.correlation = std::sqrt(std::max(0.0, 1.0 - std::max(0.0, residual) / (look.scatter + 1e-9)));
   return look.gain() >= options_.least_contrast;
 }
 
+/// Points that the picture's border held back say nothing: the sums and the normal matrix without them, and the
+/// solution. false: they are too many.
+bool PhotometricFit::leave_out(const TagTemplate& tag, float most_u, float most_v, Look& look) {
+  constexpr double least_points = 0.75;  // of all of them
+  auto& sum = look.sums.sum;
+  cut_normal_ = tag.normal;
+  left_out_.clear();
+  for (std::size_t i = 0; i < SampleGrid::points; ++i) {
+    const std::size_t place = SampleGrid::place_of(i);
+    const float u = places_.u[place], v = places_.v[place];
+    if (u > 0.0F && v > 0.0F && u < most_u && v < most_v) continue;
+    const auto row = tag.row(i);
+    const auto value = static_cast<double>(values_[place]);
+    for (std::size_t k = 0; k < Sums::square; ++k) sum[k] -= value * row[static_cast<Eigen::Index>(k)];
+    sum[Sums::square] -= value * value;
+    cut_normal_ -= row * row.transpose();
+    left_out_.push_back(i);
+  }
+  look.points -= static_cast<double>(left_out_.size());
+  if (look.points < least_points * static_cast<double>(SampleGrid::points)) return false;
+  using Vector = Eigen::Matrix<double, TagTemplate::rigid_columns, 1>;
+  const TagTemplate::Rigid rigid = cut_normal_.topLeftCorner<TagTemplate::rigid_columns, TagTemplate::rigid_columns>();
+  Vector::Map(look.solution.data()) = rigid.llt().solve(Vector::Map(sum.data()));
+  return true;
+}
+
 PhotometricFit::Free PhotometricFit::explain(const TagTemplate& tag, const Look& look) const {
-  FreeSums free_sums;
-  sum_free_columns(options_.instructions, tag, values_, free_sums);
   const auto& sum = look.sums.sum;
-  const auto& more = free_sums.sum;
-  Eigen::Matrix<double, TagTemplate::columns, 1> seen;
-  seen << sum[Sums::along_x], sum[Sums::along_y], sum[Sums::turn], sum[Sums::paper], sum[Sums::constant],
-      sum[Sums::light_x], sum[Sums::light_y], more[FreeSums::stretch_x], more[FreeSums::stretch_y],
-      more[FreeSums::shear], more[FreeSums::blur_x], more[FreeSums::blur_y];
+  constexpr auto columns = static_cast<std::size_t>(TagTemplate::columns);
   Free free;
-  free.solution = tag.full_inverse * seen;
-  free.residual = std::max(0.0, sum[Sums::square] - free.solution.dot(seen));
+  free.solution = {};
+  for (std::size_t k = 0; k < columns; ++k)
+    for (std::size_t i = 0; i < columns; ++i)
+      free.solution[i] +=
+          (look.cut ? cut_inverse_.data()[k * columns + i] : static_cast<double>(tag.full_inverse[k * columns + i])) *
+          sum[k];
+  free.residual = sum[Sums::square];
+  for (std::size_t i = 0; i < columns; ++i) free.residual -= free.solution[i] * sum[i];
+  free.residual = std::max(0.0, free.residual);
   free.explained = std::sqrt(std::max(0.0, 1.0 - free.residual / (look.scatter + 1e-9)));
   return free;
 }
 
+/// Moves the pose by a step from where the last look was aimed.
 void PhotometricFit::step(const Eigen::Vector3d& change, core::Pose& pose) const {
-  const double c = std::cos(pose.theta);
-  const double s = std::sin(pose.theta);
-  pose.x += module_ * (c * change.x() - s * change.y());
-  pose.y += module_ * (s * change.x() + c * change.y());
+  pose.x += module_ * (map_.c * change.x() - map_.s * change.y());
+  pose.y += module_ * (map_.s * change.x() + map_.c * change.y());
   pose.theta = core::wrap_angle(pose.theta + change.z());
 }
 
@@ -184,12 +239,13 @@ double PhotometricFit::in_pixels(const Eigen::Vector3d& change) const {
   return px_per_module_ * (change.head<2>().norm() + 4.0 * std::abs(change.z()));
 }
 
-/// Gauss and Newton. false: no step became small.
+/// Gauss and Newton, from a pose that was aimed at. false: no step became small.
 bool PhotometricFit::descend(const Frame& frame, const TagTemplate& tag, int most_looks, core::Pose& pose, Look& seen,
                              int& looks) {
   for (int i = 0; i < most_looks; ++i) {
     ++looks;
-    if (!look(frame, tag, pose, seen)) return false;
+    if (i > 0) aim(pose);
+    if (!look(frame, tag, seen)) return false;
     Eigen::Vector3d change = seen.change();
     const double length = in_pixels(change);
     // The linear picture ends about a module away.
@@ -206,13 +262,15 @@ bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose
                           Eigen::Matrix3d& covariance, int& looks) {
   using Vector = Eigen::Matrix<double, TagTemplate::rigid_columns, 1>;
   constexpr int rounds = 4;
-  Vector solution = seen.solution;
+  Vector solution = Vector::Map(seen.solution.data());
   for (int round = 0; round < rounds; ++round) {
     ++looks;
-    if (!look(frame, tag, pose, seen)) return false;
+    aim(pose);
+    if (!look(frame, tag, seen) || seen.cut) return false;
     if (round > 0) solution.head<3>().setZero();  // the step has been made
     const auto residual = [&](std::size_t i) {
-      return static_cast<double>(values_[i]) - solution.dot(tag.row(i).head<TagTemplate::rigid_columns>());
+      return static_cast<double>(values_[SampleGrid::place_of(i)]) -
+             solution.dot(tag.row(i).head<TagTemplate::rigid_columns>());
     };
     for (std::size_t i = 0; i < SampleGrid::points; ++i) sorted_[i] = static_cast<float>(std::abs(residual(i)));
     std::nth_element(sorted_.begin(), sorted_.begin() + SampleGrid::points / 2, sorted_.end());
@@ -225,7 +283,7 @@ bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose
       const double weight = tukey(residual(i), scale);
       const Vector row = tag.row(i).head<TagTemplate::rigid_columns>();
       normal += weight * row * row.transpose();
-      seen_columns += weight * static_cast<double>(values_[i]) * row;
+      seen_columns += weight * static_cast<double>(values_[SampleGrid::place_of(i)]) * row;
       weights += weight;
     }
     // More than two modules of ten hidden: what is left may not be enough to tell this tag from another.
@@ -243,13 +301,18 @@ bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose
   return false;
 }
 
-/// From a step's (modules, in the tag's frame) to a pose's (metres, in the world).
-Eigen::Matrix3d PhotometricFit::in_world(const Eigen::Matrix3d& of_step, const core::Pose& pose) const {
+/// From a step's (modules, in the tag's frame) to a pose's (metres, in the world). c, s: of the heading.
+Eigen::Matrix3d PhotometricFit::in_world(const Eigen::Matrix3d& of_step, double c, double s) const {
   Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
-  turned.topLeftCorner<2, 2>() << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta),
-      std::cos(pose.theta);
+  turned.topLeftCorner<2, 2>() << c, -s, s, c;
   turned.topLeftCorner<2, 2>() *= module_;
   return turned * of_step * turned.transpose();
+}
+
+double PhotometricFit::felt(const TagTemplate& tag, const Free& free) const {
+  std::array<float, TagTemplate::columns> solution;
+  for (std::size_t i = 0; i < solution.size(); ++i) solution[i] = static_cast<float>(free.solution[i]);
+  return static_cast<double>(felt_noise(options_.instructions, tag, values_, solution));
 }
 
 double PhotometricFit::least_likeness(double px_per_module) const {
@@ -257,7 +320,7 @@ double PhotometricFit::least_likeness(double px_per_module) const {
 }
 
 Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& from) {
-  map_ = plane_.around(from.x, from.y, map_radius * module_);
+  aim(from);
   px_per_module_ = map_.px_per_metre() * module_;
   Fit result;
   if (!(px_per_module_ > 0.5 && px_per_module_ < 1e3)) return result;
@@ -270,7 +333,9 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   bool arrived = descend(frame, tag, 6, result.pose, seen, result.looks) && seen.correlation >= least;
   if (!arrived) {
     result.pose = from;
+    aim(from);
     descend(frame, model.smooth(), 6, result.pose, seen, result.looks);
+    aim(result.pose);
     arrived = descend(frame, tag, 10, result.pose, seen, result.looks);
   }
   const double way = std::hypot(result.pose.x - from.x, result.pose.y - from.y) / module_;
@@ -280,30 +345,44 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   if (seen.outside) result.verdict = FitVerdict::outside;
   if (!arrived || strayed || seen.correlation < least) return result;
 
+  if (seen.cut) cut_inverse_ = cut_normal_.inverse();
   Free free = explain(tag, seen);
-  if (free.explained < clean_correlation) {
-    Eigen::Matrix3d of_step;
+  const bool covered = free.explained < clean_correlation;
+  Eigen::Matrix3d of_step;
+  if (covered && seen.cut) {
+    result.verdict = FitVerdict::outside;
+    return result;
+  }
+  if (seen.cut) {
+    constexpr int rigid = TagTemplate::rigid_columns;
+    const TagTemplate::Rigid inverse = TagTemplate::Rigid(cut_normal_.topLeftCorner<rigid, rigid>()).inverse();
+    // Of paper that is not seen, nothing is felt.
+    for (const std::size_t i : left_out_)
+      values_[SampleGrid::place_of(i)] =
+          static_cast<float>(Eigen::Matrix<double, TagTemplate::columns, 1>::Map(free.solution.data()).dot(tag.row(i)));
+    of_step = felt(tag, free) / (seen.gain() * seen.gain()) * inverse.topLeftCorner<3, 3>();
+  } else if (covered) {
     if (!trim(frame, tag, result.pose, seen, of_step, result.looks)) return result;
     if (seen.correlation < least) return result;
     free = explain(tag, seen);
-    const double shared = shared_noise(static_cast<double>(SampleGrid::pitch) * px_per_module_);
-    result.covariance = in_world(shared * of_step, result.pose);
+    of_step *= shared_noise(static_cast<double>(SampleGrid::pitch) * px_per_module_);
   } else {
-    std::array<float, TagTemplate::columns> solution{};
-    for (int i = 0; i < TagTemplate::columns; ++i)
-      solution[static_cast<std::size_t>(i)] = static_cast<float>(free.solution[i]);
-    const auto noise = static_cast<double>(felt_noise(options_.instructions, tag, values_, solution));
-    result.covariance =
-        in_world(noise / (seen.gain() * seen.gain()) * tag.rigid_inverse.topLeftCorner<3, 3>(), result.pose);
+    const double noise = felt(tag, free);
+    for (Eigen::Index k = 0; k < 3; ++k)
+      for (Eigen::Index i = 0; i < 3; ++i) of_step(i, k) = noise / (seen.gain() * seen.gain()) * tag.rigid(i, k);
   }
+  const double cosine = std::cos(result.pose.theta);
+  const double sine = std::sin(result.pose.theta);
+  result.covariance = in_world(of_step, cosine, sine);
   result.correlation = seen.correlation;
   result.contrast = seen.gain();
-  result.noise = std::sqrt(free.residual / static_cast<double>(SampleGrid::points)) / between_pixels;
+  result.noise = std::sqrt(free.residual / seen.points) / between_pixels;
   result.edge_px = 8.0 * px_per_module_;
 
-  const double sigma2 = free.residual / static_cast<double>(SampleGrid::points) / (seen.gain() * seen.gain());
-  const Eigen::Vector3d stretch = -free.solution.segment<3>(TagTemplate::stretch_x) / free.solution[TagTemplate::paper];
-  const auto& f = tag.full_inverse;
+  const double sigma2 = free.residual / seen.points / (seen.gain() * seen.gain());
+  const Eigen::Vector3d stretch =
+      Eigen::Vector3d::Map(&free.solution[TagTemplate::stretch_x]) / -free.solution[TagTemplate::paper];
+  const auto f = [&](int i, int k) { return seen.cut ? cut_inverse_(i, k) : static_cast<double>(tag.full(i, k)); };
   constexpr int in_x = TagTemplate::stretch_x;
   constexpr int in_y = TagTemplate::stretch_y;
   result.stretch = 0.5 * (stretch[0] + stretch[1]);
@@ -315,8 +394,8 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
 
   // In AprilTag's order.
   constexpr double corner[4][2] = {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}};
-  const double c = std::cos(result.pose.theta) * module_;
-  const double s = std::sin(result.pose.theta) * module_;
+  const double c = cosine * module_;
+  const double s = sine * module_;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector2d at = plane_.pixel(result.pose.x + c * corner[i][0] - s * corner[i][1],
                                             result.pose.y + s * corner[i][0] + c * corner[i][1]);

@@ -29,13 +29,15 @@ class TagModel {
  private:
   TagPattern pattern_;
   const TagTemplate* last_sharp_ = nullptr;
+  double last_from_ = 0.0;  // it is the one for more than this, and for less than the next [px per module]
+  double last_to_ = 0.0;
   std::vector<std::pair<int, std::unique_ptr<TagTemplate>>> sharp_;
   std::unique_ptr<TagTemplate> smooth_;
 };
 
 enum class FitVerdict {
   good,
-  outside,    // part of the tag, or of its white border, is not in the picture
+  outside,    // too much of the tag is not in the picture: more than its paper and a part of its black frame
   unlike,     // does not look like this tag, or too much of it is hidden
   misshapen,  // looks like it, but is larger, smaller or tilted
 };
@@ -81,22 +83,29 @@ class PhotometricFit {
  private:
   struct Look;
   struct Free;
-  bool look(const Frame& frame, const TagTemplate& tag, const core::Pose& pose, Look& look);
+  void aim(const core::Pose& pose);
+  bool look(const Frame& frame, const TagTemplate& tag, Look& look);
   bool descend(const Frame& frame, const TagTemplate& tag, int most_looks, core::Pose& pose, Look& look, int& looks);
   bool trim(const Frame& frame, const TagTemplate& tag, core::Pose& pose, Look& look, Eigen::Matrix3d& covariance,
             int& looks);
   void step(const Eigen::Vector3d& change, core::Pose& pose) const;
   Free explain(const TagTemplate& tag, const Look& look) const;
+  bool leave_out(const TagTemplate& tag, float most_u, float most_v, Look& look);
+  double felt(const TagTemplate& tag, const Free& free) const;
   double in_pixels(const Eigen::Vector3d& change) const;
-  Eigen::Matrix3d in_world(const Eigen::Matrix3d& of_step, const core::Pose& pose) const;
+  Eigen::Matrix3d in_world(const Eigen::Matrix3d& of_step, double c, double s) const;
 
   PlaneMap plane_;
   double module_;
   bool exact_;
   FitOptions options_;
-  LocalMap map_;
+  LocalMap map_;  // around the pose that is looked at, turned as it is
   double px_per_module_ = 1.0;
   Places places_;
+  // What is left of the normal matrix, and of its inverse, where the picture's border cuts the grid.
+  TagTemplate::Full cut_normal_;
+  TagTemplate::Full cut_inverse_;
+  std::vector<std::size_t> left_out_;  // points
   Values values_;
   std::vector<float> sorted_;
 };

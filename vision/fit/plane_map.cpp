@@ -1,49 +1,80 @@
 #include "vision/fit/plane_map.h"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace skein::vision::detail {
 namespace {
 
-constexpr int side = 4;  // nodes along each axis, where Chebyshev has them: the error is spread evenly
-constexpr int nodes = side * side;
+constexpr std::size_t side = 4;  // nodes along each axis, where Chebyshev has them: the error is spread evenly
+constexpr std::size_t nodes = side * side;
 
-using Terms = Eigen::Matrix<double, 1, LocalMap::terms>;
-using FromNodes = Eigen::Matrix<double, LocalMap::terms, nodes>;
+using AtNodes = std::array<double, nodes>;
 
-Terms terms_at(double x, double y) {
-  Terms t;
-  t << 1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
-  return t;
+// -cos((i + 1/2) pi / side)
+constexpr std::array<double, side> node = {-0.92387953251128674, -0.38268343236508978, 0.38268343236508978,
+                                           0.92387953251128674};
+
+/// Chebyshev's polynomials of degree 0 to 3 at these nodes are orthogonal: their coefficients along one axis.
+struct Chebyshev {
+  double c0, c1, c2, c3;
+};
+
+Chebyshev along(double a, double b, double c, double d) {
+  const double outer = a + d, inner = b + c, far = d - a, near = c - b;
+  constexpr double half_root = 0.70710678118654752;  // T2 at the nodes: half_root, -half_root, -half_root, half_root
+  return {0.25 * (outer + inner), 0.5 * (node[3] * far + node[2] * near), 0.5 * half_root * (outer - inner),
+          0.5 * (node[2] * far - node[3] * near)};
 }
 
-double node(int i) {
-  return -std::cos((i + 0.5) * std::numbers::pi / side);
-}
-
-/// Least squares, once and for all: polynomial = from_nodes * values at the nodes.
-const FromNodes& from_nodes() {
-  static const FromNodes inverse = [] {
-    Eigen::Matrix<double, nodes, LocalMap::terms> rows;
-    for (int i = 0; i < nodes; ++i) rows.row(i) = terms_at(node(i % side), node(i / side));
-    return FromNodes(rows.completeOrthogonalDecomposition().pseudoInverse());
-  }();
-  return inverse;
+/// Least squares: a product of polynomials of degree 3 and less in X and Y, cut off behind degree 3 of both together.
+std::array<double, LocalMap::terms> cubic_through(const AtNodes& f) {
+  std::array<Chebyshev, side> x;
+  for (std::size_t row = 0; row < side; ++row)
+    x[row] = along(f[4 * row], f[4 * row + 1], f[4 * row + 2], f[4 * row + 3]);
+  const Chebyshev y0 = along(x[0].c0, x[1].c0, x[2].c0, x[3].c0);
+  const Chebyshev y1 = along(x[0].c1, x[1].c1, x[2].c1, x[3].c1);
+  const Chebyshev y2 = along(x[0].c2, x[1].c2, x[2].c2, x[3].c2);
+  const Chebyshev y3 = along(x[0].c3, x[1].c3, x[2].c3, x[3].c3);
+  // T2 = 2 X^2 - 1, T3 = 4 X^3 - 3 X
+  return {y0.c0 - y2.c0 - y0.c2,
+          y1.c0 - 3.0 * y3.c0 - y1.c2,
+          y0.c1 - 3.0 * y0.c3 - y2.c1,
+          2.0 * y2.c0,
+          y1.c1,
+          2.0 * y0.c2,
+          4.0 * y3.c0,
+          2.0 * y2.c1,
+          2.0 * y1.c2,
+          4.0 * y0.c3};
 }
 
 }  // namespace
 
 Eigen::Vector2d LocalMap::pixel(double px, double py) const {
-  const Terms at = terms_at((px - x) / radius, (py - y) / radius);
-  Eigen::Vector2d result(0.0, 0.0);
-  for (std::size_t i = 0; i < terms; ++i) {
-    result.x() += at[static_cast<Eigen::Index>(i)] * u[i];
-    result.y() += at[static_cast<Eigen::Index>(i)] * v[i];
-  }
-  return result;
+  const double dx = (px - x) / radius, dy = (py - y) / radius;
+  const double X = c * dx + s * dy, Y = c * dy - s * dx;
+  const auto cubic = [X, Y](const std::array<double, terms>& a) {
+    return a[0] + X * (a[1] + X * (a[3] + X * a[6]) + Y * (a[4] + X * a[7] + Y * a[8])) +
+           Y * (a[2] + Y * (a[5] + Y * a[9]));
+  };
+  return {cubic(u), cubic(v)};
+}
+
+LocalMap::Box LocalMap::corners(double reach) const {
+  const auto span = [r = reach, r2 = reach * reach](const std::array<double, terms>& a) {
+    const double middle = a[0] + r2 * (a[3] + a[5]), slant = r2 * a[4];
+    const double in_x = r * (a[1] + r2 * (a[6] + a[8])), in_y = r * (a[2] + r2 * (a[7] + a[9]));
+    // At (1, 1) and (-1, -1), and at the other two.
+    const double one = std::abs(in_x + in_y), other = std::abs(in_x - in_y);
+    return std::array{std::min(middle + slant - one, middle - slant - other),
+                      std::max(middle + slant + one, middle - slant + other)};
+  };
+  const auto [left, right] = span(u);
+  const auto [top, bottom] = span(v);
+  return {left, right, top, bottom};
 }
 
 double LocalMap::px_per_metre() const {
@@ -78,19 +109,42 @@ Eigen::Vector2d PlaneMap::pixel(double x, double y) const {
           fy_ * (b * radial + p1 * (r2 + 2.0 * b * b) + 2.0 * p2 * a * b) + cy_};
 }
 
-LocalMap PlaneMap::around(double x, double y, double radius) const {
-  const FromNodes& inverse = from_nodes();
+LocalMap PlaneMap::around(double x, double y, double radius, double c, double s) const {
   LocalMap map;
   map.x = x;
   map.y = y;
+  map.c = c;
+  map.s = s;
   map.radius = radius;
-  for (int i = 0; i < nodes; ++i) {
-    const Eigen::Vector2d at = pixel(x + radius * node(i % side), y + radius * node(i / side));
-    for (std::size_t k = 0; k < LocalMap::terms; ++k) {
-      map.u[k] += inverse(static_cast<Eigen::Index>(k), i) * at.x();
-      map.v[k] += inverse(static_cast<Eigen::Index>(k), i) * at.y();
+  // Rays are linear in X and Y.
+  const Eigen::Matrix3d& h = ray_from_plane_;
+  struct Ray {
+    double middle, in_x, in_y;
+  };
+  const auto ray = [&](int i) {
+    return Ray{h(i, 0) * x + h(i, 1) * y + h(i, 2), radius * (h(i, 0) * c + h(i, 1) * s),
+               radius * (h(i, 1) * c - h(i, 0) * s)};
+  };
+  const Ray ray_a = ray(0), ray_b = ray(1), ray_depth = ray(2);
+  const auto [k1, k2, p1, p2, k3] = distortion_;
+  const double fx = fx_, fy = fy_, cx = cx_, cy = cy_;
+  AtNodes u, v;
+  for (std::size_t row = 0; row < side; ++row) {
+    const double a0 = ray_a.middle + ray_a.in_y * node[row];
+    const double b0 = ray_b.middle + ray_b.in_y * node[row];
+    const double depth0 = ray_depth.middle + ray_depth.in_y * node[row];
+    for (std::size_t column = 0; column < side; ++column) {
+      const double depth = 1.0 / (depth0 + ray_depth.in_x * node[column]);
+      const double a = (a0 + ray_a.in_x * node[column]) * depth;
+      const double b = (b0 + ray_b.in_x * node[column]) * depth;
+      const double r2 = a * a + b * b;
+      const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+      u[side * row + column] = fx * (a * radial + 2.0 * p1 * a * b + p2 * (r2 + 2.0 * a * a)) + cx;
+      v[side * row + column] = fy * (b * radial + p1 * (r2 + 2.0 * b * b) + 2.0 * p2 * a * b) + cy;
     }
   }
+  map.u = cubic_through(u);
+  map.v = cubic_through(v);
   return map;
 }
 
@@ -99,8 +153,9 @@ double PlaneMap::worst_error(const Calibration& calibration, double radius) cons
   constexpr int directions = 8;
   double worst = 0.0;
   for (int i = 0; i <= grid * grid + 2 * grid; ++i) {
-    const Eigen::Vector2d seen(calibration.width * (i % (grid + 1)) / static_cast<double>(grid),
-                               calibration.height * (i / (grid + 1)) / static_cast<double>(grid));
+    const int column = i % (grid + 1), row = i / (grid + 1);
+    const Eigen::Vector2d seen(calibration.width * column / static_cast<double>(grid),
+                               calibration.height * row / static_cast<double>(grid));
     const auto place = world_from_pixel(calibration, seen, calibration.tag_height);
     if (!place) continue;
     const LocalMap map = around(place->x(), place->y(), radius);

@@ -8,17 +8,24 @@
 
 namespace skein::vision::detail {
 
-/// A PlaneMap around one place, as two cubic polynomials in X = (x - x0) / radius, Y = (y - y0) / radius. Terms in the
-/// order 1 X Y XX XY YY XXX XXY XYY YYY.
+/// A PlaneMap around one place, as two cubic polynomials in X and Y, along and across the heading (c, s) from there, in
+/// radii. Terms in the order 1 X Y XX XY YY XXX XXY XYY YYY.
 struct LocalMap {
   static constexpr std::size_t terms = 10;
   double x = 0.0;  // the place [m]
   double y = 0.0;
+  double c = 1.0;  // cosine and sine of its heading
+  double s = 0.0;
   double radius = 1.0;            // [m]
   std::array<double, terms> u{};  // [px]
   std::array<double, terms> v{};
 
   Eigen::Vector2d pixel(double px, double py) const;
+  /// The smallest and the largest pixel coordinates of the four corners at X, Y = -reach, reach.
+  struct Box {
+    double left, right, top, bottom;
+  };
+  Box corners(double reach = 1.0) const;
   /// Scale in pixels per metre: the square root of the area's scale.
   double px_per_metre() const;
 };
@@ -34,9 +41,9 @@ class PlaneMap {
 
   Eigen::Vector2d pixel(double x, double y) const;
 
-  /// The best cubic on the square of half-width `radius` around a place. Tags are small where cameras see many of them:
-  /// worst_error says whether it is good enough.
-  LocalMap around(double x, double y, double radius) const;
+  /// The best cubic on the square of half-width `radius` around a place, turned by the heading whose cosine and sine
+  /// are c and s. Tags are small where cameras see many of them: worst_error says whether it is good enough.
+  LocalMap around(double x, double y, double radius, double c = 1.0, double s = 0.0) const;
 
   /// The largest distance between around() and pixel() within `radius`, over the whole of a calibration's picture. [px]
   double worst_error(const Calibration& calibration, double radius) const;

@@ -25,16 +25,9 @@ struct Places {
   alignas(32) std::array<float, SampleGrid::count> v;
 };
 
-/// From the tag's frame (modules) to the local map's: X = c x - s y + X0, Y = s x + c y + Y0.
-struct Turn {
-  float c = 1.0F;
-  float s = 0.0F;
-  float x0 = 0.0F;
-  float y0 = 0.0F;
-};
-
-/// The polynomials of a LocalMap, their constants counted from the corner. Places are held between 0 and these:
-/// whatever a polynomial says far from where it was made, nothing is read outside the picture.
+/// The polynomials of a LocalMap in the tag's own frame (modules), their constants counted from the corner. Places are
+/// held between 0 and these: whatever a polynomial says far from where it was made, nothing is read outside the
+/// picture.
 struct FloatMap {
   std::array<float, LocalMap::terms> u;
   std::array<float, LocalMap::terms> v;
@@ -42,18 +35,11 @@ struct FloatMap {
   float most_v;
 };
 
-/// What one look at the picture comes down to: sums over the points of grey level times column, for the columns that a
-/// robot's tag may have.
+/// What one look at the picture comes down to: sums over the points of grey level times column, in the order of
+/// TagTemplate's columns, and of the grey levels' squares.
 struct Sums {
-  enum Sum { along_x, along_y, turn, paper, constant, light_x, light_y, square };
-  static constexpr std::size_t count = 8;
-  std::array<double, count> sum{};
-};
-
-/// The same for the other columns.
-struct FreeSums {
-  enum Sum { stretch_x, stretch_y, shear, blur_x, blur_y };
-  static constexpr std::size_t count = 5;
+  static constexpr std::size_t square = TagTemplate::columns;
+  static constexpr std::size_t count = TagTemplate::columns + 1;
   std::array<double, count> sum{};
 };
 
@@ -66,10 +52,9 @@ struct Patch {
   int stride = 0;
 };
 
-void place_points(Instructions instructions, const FloatMap& map, const Turn& turn, Places& places);
+void place_points(Instructions instructions, const FloatMap& map, Places& places);
 void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
                     Values& values, Sums& sums);
-void sum_free_columns(Instructions instructions, const TagTemplate& tag, const Values& values, FreeSums& sums);
 
 /// The variance of the noise as the pose feels it, from what a solution of all columns leaves of the values: the sums
 /// of residual times column over each of the template's blocks are taken to be independent. Noise that neighbouring

@@ -2,7 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace skein::vision::detail {
@@ -47,6 +49,22 @@ Profiles profiles_at(double sigma) {
   return profiles;
 }
 
+using Levels = std::array<double, SampleGrid::points>;
+
+/// The power of two of which all these levels are whole numbers, nearly, and none of them larger than `most`.
+float unit_for(double most, const Levels& a, const Levels& b) {
+  double largest = 1e-6;
+  for (std::size_t i = 0; i < SampleGrid::points; ++i) largest = std::max({largest, std::abs(a[i]), std::abs(b[i])});
+  return static_cast<float>(std::exp2(std::ceil(std::log2(largest / most))));
+}
+
+template <class Numbers>
+void count_in(float unit, const Levels& levels, Numbers& numbers) {
+  for (std::size_t i = 0; i < SampleGrid::points; ++i)
+    numbers[SampleGrid::place_of(i)] =
+        static_cast<typename Numbers::value_type>(std::lround(levels[i] / static_cast<double>(unit)));
+}
+
 }  // namespace
 
 std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern, double sigma) {
@@ -69,6 +87,7 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
 
 TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(blur_sigma) {
   const Profiles profiles = profiles_at(sigma);
+  Levels level, level_x, level_y, level_xx, level_yy;
   for (std::size_t point = 0; point < SampleGrid::points; ++point) {
     const Profile& across = profiles[point % SampleGrid::side];
     const Profile& up = profiles[point / SampleGrid::side];
@@ -88,17 +107,26 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
         value_yy += up.bend[height] * across.share[column];
       }
     }
-    t[point] = static_cast<float>(value);
-    t_x[point] = static_cast<float>(value_x);
-    t_y[point] = static_cast<float>(value_y);
-    t_xx[point] = static_cast<float>(value_xx);
-    t_yy[point] = static_cast<float>(value_yy);
+    level[point] = value;
+    level_x[point] = value_x;
+    level_y[point] = value_y;
+    level_xx[point] = value_xx;
+    level_yy[point] = value_yy;
   }
+  slope_unit = unit_for(std::numeric_limits<Numbers::value_type>::max(), level_x, level_y);
+  bend_unit = unit_for(std::numeric_limits<SmallNumbers::value_type>::max(), level_xx, level_yy);
+  count_in(paper_unit, level, t);
+  count_in(slope_unit, level_x, t_x);
+  count_in(slope_unit, level_y, t_y);
+  count_in(bend_unit, level_xx, t_xx);
+  count_in(bend_unit, level_yy, t_yy);
 
-  Full normal = Full::Zero();
+  normal.setZero();
   for (std::size_t point = 0; point < SampleGrid::points; ++point) normal += row(point) * row(point).transpose();
-  rigid_inverse = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
-  full_inverse = normal.inverse();
+  const Rigid rigid_part = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
+  Rigid::Map(rigid_inverse.data()) = rigid_part;
+  const Full inverse = normal.inverse();
+  Eigen::Matrix<float, columns, columns>::Map(full_inverse.data()) = inverse.cast<float>();
 
   // What a fit takes of the noise for changes of its columns is missing from the residual.
   std::array<Eigen::Matrix<double, columns, 3>, static_cast<std::size_t>(Blocks::bands * Blocks::across)> blocks;
@@ -113,24 +141,29 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
       }
     }
   }
-  const Eigen::Matrix3d of_step = rigid_inverse.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d of_step = rigid_part.topLeftCorner<3, 3>();
   double felt = 0.0;
   for (const auto& block : blocks)
-    felt += (of_step * (block.topRows<3>() - block.transpose() * full_inverse * block)).trace();
+    felt += (of_step * (block.topRows<3>() - block.transpose() * inverse * block)).trace();
   const Eigen::Matrix3d root = of_step.llt().matrixU().toDenseMatrix() / std::sqrt(felt);
   whitening = {static_cast<float>(root(0, 0)), static_cast<float>(root(0, 1)), static_cast<float>(root(0, 2)),
                static_cast<float>(root(1, 1)), static_cast<float>(root(1, 2)), static_cast<float>(root(2, 2))};
 }
 
 Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t point) const {
-  const auto x = static_cast<double>(sample_grid.x[point]);
-  const auto y = static_cast<double>(sample_grid.y[point]);
-  const auto tx = static_cast<double>(t_x[point]);
-  const auto ty = static_cast<double>(t_y[point]);
+  const std::size_t place = SampleGrid::place_of(point);
+  const auto value = [place](const auto& numbers, float unit) {
+    return static_cast<double>(numbers[place]) * static_cast<double>(unit);
+  };
+  const auto x = static_cast<double>(sample_grid.x_of(point));
+  const auto y = static_cast<double>(sample_grid.y_of(point));
+  const double grey = value(t, paper_unit);
+  const double tx = value(t_x, slope_unit);
+  const double ty = value(t_y, slope_unit);
   Eigen::Matrix<double, columns, 1> result;
-  const double lit = static_cast<double>(t[point]) + static_cast<double>(ink);
-  result << tx, ty, x * ty - y * tx, static_cast<double>(t[point]), 1.0, x * lit, y * lit, x * tx, y * ty,
-      x * ty + y * tx, static_cast<double>(t_xx[point]), static_cast<double>(t_yy[point]);
+  const double lit = grey + static_cast<double>(ink);
+  result << tx, ty, x * ty - y * tx, grey, 1.0, x * lit, y * lit, x * tx, y * ty, x * ty + y * tx,
+      value(t_xx, bend_unit), value(t_yy, bend_unit);
   return result;
 }
 

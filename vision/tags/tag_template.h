@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "vision/tags/tag_pattern.h"
 
@@ -11,26 +12,31 @@ namespace skein::vision::detail {
 
 /// Where a tag is looked at: a square lattice in the tag's own frame, x along its heading, y to the left, in modules
 /// (eighths of the black square), the same for all tags. It reaches into the white border, but not to its edge, whose
-/// other side is unknown; its pitch is no simple part of a module, so that edges are met at every phase.
+/// other side is unknown; its pitch is no simple part of a module, so that edges are met at every phase. In arrays over
+/// the lattice a row takes whole vectors.
 struct SampleGrid {
   static constexpr int side = 22;
   static constexpr std::size_t points = side * side;
-  static constexpr std::size_t count = (points + 7) / 8 * 8;  // whole vectors; the last few points weigh nothing
+  static constexpr std::size_t across = (side + 7) / 8 * 8;  // of a row: the last few weigh nothing
+  static constexpr std::size_t count = across * side;
   static constexpr float reach = 4.6F;
   static constexpr float pitch = 2.0F * reach / (side - 1);
 
-  alignas(32) std::array<float, count> x{};
-  alignas(32) std::array<float, count> y{};
-  alignas(32) std::array<float, count> weight{};  // 1, 0 for the points that only fill up the last vector
+  alignas(32) std::array<float, across> x{};       // of each column
+  alignas(32) std::array<float, across> weight{};  // 1, 0 for the columns that only fill up the last vector
+  alignas(32) std::array<float, across> y{};       // of each row
 
   constexpr SampleGrid() {
-    for (std::size_t i = 0; i < points; ++i) {
-      const std::size_t column = i % side, row = i / side;
-      x[i] = static_cast<float>(column) * pitch - reach;
-      y[i] = static_cast<float>(row) * pitch - reach;
+    for (std::size_t i = 0; i < side; ++i) {
+      x[i] = y[i] = static_cast<float>(i) * pitch - reach;
       weight[i] = 1.0F;
     }
   }
+
+  /// Of a point, row by row, its coordinates and its place in an array.
+  constexpr float x_of(std::size_t point) const { return x[point % side]; }
+  constexpr float y_of(std::size_t point) const { return y[point / side]; }
+  static constexpr std::size_t place_of(std::size_t point) { return point / side * across + point % side; }
 };
 inline constexpr SampleGrid sample_grid;
 
@@ -57,7 +63,7 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
 /// a tag half in a lamp's cone, or in one row's light and the next's, is shifted. Three more columns let the tag
 /// stretch and shear, too: no robot's tag does, one that is held up or tilted does. The last two blur it along its
 /// axes: focus and motion differ from what the template was made for, but move no edge.
-struct TagTemplate {
+struct alignas(64) TagTemplate {
   /// blur_sigma: in modules.
   TagTemplate(const TagPattern& pattern, double blur_sigma);
 
@@ -83,23 +89,39 @@ struct TagTemplate {
   using Rigid = Eigen::Matrix<double, rigid_columns, rigid_columns>;
   using Full = Eigen::Matrix<double, columns, columns>;
 
-  alignas(32) std::array<float, SampleGrid::count> t{};    // 0 ink, 1 paper
-  alignas(32) std::array<float, SampleGrid::count> t_x{};  // per module
-  alignas(32) std::array<float, SampleGrid::count> t_y{};
-  alignas(32) std::array<float, SampleGrid::count> t_xx{};
-  alignas(32) std::array<float, SampleGrid::count> t_yy{};
-  Rigid rigid_inverse;  // of the normal matrix of the first seven columns
-  Full full_inverse;    // of all of them
+  /// Whole numbers of a unit, a power of two: less than half the memory of floats, which has to come to the caches in
+  /// every frame.
+  using Numbers = std::array<std::int16_t, SampleGrid::count>;
+  using SmallNumbers = std::array<std::int8_t, SampleGrid::count>;
+  alignas(32) Numbers t{};    // 0 ink, 1 paper
+  alignas(32) Numbers t_x{};  // per module
+  alignas(32) Numbers t_y{};
+  alignas(32) SmallNumbers t_xx{};
+  alignas(32) SmallNumbers t_yy{};
+  static constexpr float paper_unit = 1.0F / 16384.0F;                // of t
+  float slope_unit = 1.0F;                                            // of t_x and t_y
+  float bend_unit = 1.0F;                                             // of t_xx and t_yy
+  std::array<double, rigid_columns * rigid_columns> rigid_inverse{};  // of the normal matrix of the first seven columns
+  std::array<float, columns * columns> full_inverse{};                // of all of them
+  double rigid(Eigen::Index row, Eigen::Index column) const {
+    return rigid_inverse[static_cast<std::size_t>(row * rigid_columns + column)];
+  }
+  float full(Eigen::Index row, Eigen::Index column) const {
+    return full_inverse[static_cast<std::size_t>(row * columns + column)];
+  }
 
-  /// Blocks of the grid: three rows high, four points wide. The pose feels the sums over a block of residual times
-  /// column: multiplied by this, their squares add up to the noise's variance (see felt_noise).
+  /// Blocks of the grid: three rows high, four points wide (the last two). The pose feels the sums over a block of
+  /// residual times column: multiplied by this, their squares add up to the noise's variance (see felt_noise).
   struct Blocks {
     static constexpr int bands = 7;
     static constexpr int first_row(int band) { return band * SampleGrid::side / bands; }
     static constexpr int across = 6;
-    static constexpr int of_column(int column) { return column < 16 ? column / 4 : column < 18 ? 4 : 5; }
+    static constexpr int of_column(int column) { return column / 4; }
   };
   std::array<float, 6> whitening{};  // an upper triangle, row by row
+
+  /// The normal matrix itself, for fits that leave points out.
+  Full normal;
 
   /// The value of every column at a point.
   Eigen::Matrix<double, columns, 1> row(std::size_t point) const;

@@ -112,7 +112,7 @@ tl::expected<TrackSummary, std::string> track(const TrackOptions& options) {
     if (options.keep_going && !options.keep_going(summary.frames)) break;
   }
 
-  if (summary.frames > 0 && summary.detections == 0) summary.other_family = other_family(frame);
+  if (summary.frames > 0 && summary.detections == 0) summary.why_no_tag = why_no_tag(frame);
   if (*recorder) summary.recording = (*recorder)->finish();
   if (!table.finish()) return tl::unexpected(std::string("the CSV cannot be written"));
   summary.status = (*source)->status();

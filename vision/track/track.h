@@ -32,7 +32,7 @@ struct TrackSummary {
   std::int64_t detections = 0;
   std::vector<std::string> skipped;  // pictures that could not be read: file and reason
   std::vector<int> ids;              // seen, ascending
-  std::string other_family{};        // where no tag was seen: see vision::other_family, of the last frame; else empty
+  std::string why_no_tag{};          // where no tag was seen: see vision::why_no_tag, of the last frame; else empty
   std::string source{};              // FrameSource::describe()
   RecorderStatus recording{};
   SourceStatus status{};  // of the source at the end

@@ -60,12 +60,13 @@ class Explainer {
     if (answer_.valid()) tell(answer_.get());
   }
 
-  bool other_family() const { return other_family_; }
+  /// Why all tags look so has been said.
+  bool of_all() const { return of_all_; }
 
  private:
   void tell(const std::vector<TagDiagnosis>& answers) {
     for (const TagDiagnosis& tag : answers) {
-      other_family_ = other_family_ || tag.why == NotSeen::other_family;
+      of_all_ = of_all_ || tag.why == NotSeen::other_family || tag.why == NotSeen::mirrored;
       // Of many pictures, each shows some of the tags.
       if (!where_.empty() && tag.why == NotSeen::not_found) continue;
       if (told_.insert({where_, {tag.tag, tag.why}}).second && options_.tell)
@@ -78,7 +79,7 @@ class Explainer {
   std::string where_;
   std::future<std::vector<TagDiagnosis>> answer_;
   std::set<std::pair<std::string, std::pair<int, NotSeen>>> told_;
-  bool other_family_ = false;
+  bool of_all_ = false;
 };
 
 /// The work of one call.
@@ -164,8 +165,8 @@ class Body {
             options_.tell(fmt::format("tag {} came later and was not followed: name it with --tags", tag));
     }
     const bool none = summary_.track.frames > 0 && summary_.track.detections == 0;
-    if (none && !explainer_.other_family() && (!stills || options_.tags.empty()))
-      summary_.track.other_family = other_family(last);
+    if (none && !explainer_.of_all() && (!stills || options_.tags.empty()))
+      summary_.track.why_no_tag = why_no_tag(last);
     return std::move(summary_);
   }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <numbers>
+#include <numeric>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -34,6 +35,7 @@ Gate::Gate(int width, int height, double edge_px, Instructions instructions)
     : instructions_(instructions),
       step_(std::max(2, static_cast<int>(std::lround(edge_px / 8.0)))),
       row_step_(edge_px >= 28.0 ? 2 : 1),
+      down_(step_ / row_step_ * row_step_),
       columns_(width >= 2 * step_ + cell ? width / cell : 0),
       rows_(height >= 2 * step_ + cell ? height / cell : 0),
       // What the paper covers whichever way it is turned and wherever the cells happen to lie.
@@ -118,7 +120,7 @@ void Gate::count_busy(const Frame& frame, int first, int last, int threshold) {
   const int need = cell * rows * 2 * busy_per_cent / 100;
   for (int r = first; r < last; ++r) {
     std::uint8_t* busy = busy_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
-    const int down = (r + 1) * cell + step_ <= frame.height ? step_ : -step_;
+    const int down = (r + 1) * cell + down_ <= frame.height ? down_ : -down_;
     int column = 0;
 #if defined(__x86_64__)
     const CellRow row{frame, r * cell, step_, down, row_step_, threshold, need};
@@ -145,6 +147,39 @@ void Gate::count_busy(const Frame& frame, int first, int last, int threshold) {
   }
 }
 
+namespace {
+
+/// Of every column, the busy cells among the next `square`, for `squares` columns.
+void count_across(const std::uint8_t* busy, int square, int squares, std::uint8_t* across) {
+  int column = 0;
+#if defined(__x86_64__)
+  constexpr int columns = 16;
+  while (squares >= columns && column < squares) {
+    column = std::min(column, squares - columns);
+    __m128i sum = _mm_setzero_si128();
+    for (int k = 0; k < square; ++k)
+      sum = _mm_add_epi8(sum, _mm_loadu_si128(reinterpret_cast<const __m128i*>(busy + column + k)));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(across + column), sum);
+    column += columns;
+  }
+#endif
+  for (; column < squares; ++column)
+    across[column] = static_cast<std::uint8_t>(std::accumulate(busy + column, busy + column + square, 0));
+}
+
+}  // namespace
+
+void Gate::fetch(const Frame& frame, int first, int last, int part, int parts) const {
+  constexpr int line = 64;  // of a cache [bytes]
+  const int top = std::clamp(first, 0, rows_) * cell / row_step_;
+  const int bottom = (std::clamp(last, 0, rows_) * cell + down_) / row_step_;
+  const int end = std::min(top + (bottom - top) * (part + 1) / parts, (frame.height - 1) / row_step_ + 1);
+  for (int row = top + (bottom - top) * part / parts; row < end; ++row) {
+    const std::uint8_t* const pixels = frame.row(row * row_step_);
+    for (int at = 0; at < frame.width; at += line) __builtin_prefetch(pixels + at, 0, 2);
+  }
+}
+
 void Gate::scan(const Frame& frame, int first, int last, int threshold) {
   first = std::clamp(first, 0, rows_);
   last = std::clamp(last, first, rows_);
@@ -153,10 +188,7 @@ void Gate::scan(const Frame& frame, int first, int last, int threshold) {
     const std::uint8_t* busy = busy_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
     std::uint8_t* across = across_.data() + static_cast<std::ptrdiff_t>(r) * columns_;
     const int squares = columns_ - square_ + 1;
-    if (squares <= 0) continue;
-    std::copy_n(busy, squares, across);
-    for (int k = 1; k < square_; ++k)
-      for (int c = 0; c < squares; ++c) across[c] = static_cast<std::uint8_t>(across[c] + busy[c + k]);
+    if (squares > 0) count_across(busy, square_, squares, across);
   }
 }
 
@@ -175,7 +207,7 @@ int next_column(const std::uint8_t* across, int c, int end, int least) {
   return c;
 }
 
-const std::vector<Gate::Place>& Gate::places(int first, int last, const std::vector<Place>& known, double apart) {
+const std::vector<Gate::Place>& Gate::places(int first, int last, const std::vector<Known>& known, double apart) {
   marks_.clear();
   places_.clear();
   const int need = static_cast<int>(std::ceil(filled * square_ * square_ - 1e-9));
@@ -192,7 +224,7 @@ const std::vector<Gate::Place>& Gate::places(int first, int last, const std::vec
       if (sum < need) continue;
       // What is compared lies half a step to the right of where it is counted.
       const Place mark{c * cell + middle + 0.5 * step_, r * cell + middle};
-      if (std::none_of(known.begin(), known.end(), [&](const Place& k) { return near(k, mark, apart); }))
+      if (std::none_of(known.begin(), known.end(), [&](const Known& k) { return near(k.middle, mark, k.apart); }))
         marks_.push_back(mark);
     }
   }

@@ -20,6 +20,12 @@ class Gate {
     double v = 0.0;
   };
 
+  /// A tag that was found: no place is named so near to its middle.
+  struct Known {
+    Place middle;
+    double apart = 0.0;  // [px]
+  };
+
   /// edge_px: of a tag's black square, at the least. The places are the same with all instructions.
   Gate(int width, int height, double edge_px, Instructions instructions = best_instructions());
 
@@ -28,12 +34,15 @@ class Gate {
   /// Edge of the squares that are looked for, in cells.
   int square() const { return square_; }
 
+  /// A part of what scan() will read for these rows of cells, [part, part + 1) of `parts`, is on its way from memory.
+  void fetch(const Frame& frame, int first, int last, int part, int parts) const;
+
   /// Examines the rows of cells [first, last) of the image; the other rows keep their results.
   void scan(const Frame& frame, int first, int last, int threshold);
 
   /// Middles of the squares of busy cells that begin in the rows [first, last), none of them within `apart` of another
-  /// or of one of `known`. Valid until the next call.
-  const std::vector<Place>& places(int first, int last, const std::vector<Place>& known, double apart);
+  /// or near one of `known`. Valid until the next call.
+  const std::vector<Place>& places(int first, int last, const std::vector<Known>& known, double apart);
 
  private:
   void count_busy(const Frame& frame, int first, int last, int threshold);
@@ -41,6 +50,7 @@ class Gate {
   Instructions instructions_;
   int step_;      // between the two pixels that are compared: about a module [px]
   int row_step_;  // rows that are looked at: all, or every other
+  int down_;      // as step_, downwards: to one of these rows
   int columns_;
   int rows_;
   int square_;                        // edge of the squares that are looked for [cells]

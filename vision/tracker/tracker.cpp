@@ -201,11 +201,22 @@ core::Pose TrackerParts::predict(const WantedTag& tag, double captured_at) const
           core::wrap_angle(tag.last.theta + tag.velocity.theta * elapsed)};
 }
 
+namespace {
+
+constexpr std::size_t cache_line = 64;  // [bytes]
+
+void fetch_memory(const WantedTag& tag) {
+  const auto* const bytes = reinterpret_cast<const char*>(&tag);
+  for (std::size_t at = 0; at < sizeof tag; at += cache_line) __builtin_prefetch(bytes + at);
+}
+
+}  // namespace
+
 /// What a fit to this tag will read is on its way from memory while others are fitted: since the last frame, other work
 /// has had the caches.
 void TrackerParts::fetch(const Frame& frame, const WantedTag& tag) {
   constexpr double around = 0.12;  // the fit's reach and how far a robot drives in a frame, in edges
-  constexpr int line = 64;         // of a cache [bytes]
+  constexpr int line = cache_line;
   const Corners& corners = tag.pose.corners;
   const auto [left, right] = std::minmax({corners[0][0], corners[1][0], corners[2][0], corners[3][0]});
   const auto [top, bottom] = std::minmax({corners[0][1], corners[1][1], corners[2][1], corners[3][1]});
@@ -222,12 +233,17 @@ void TrackerParts::fetch(const Frame& frame, const WantedTag& tag) {
 }
 
 void TrackerParts::follow(const Frame& frame) {
-  // So many tags ahead: the memory is as busy as it can be.
+  // So many tags ahead, and what is remembered of them before: the memory is as busy as it can be.
   constexpr std::size_t ahead = 2;
-  for (std::size_t i = 0; i < std::min(ahead, wanted.size()); ++i)
+  const std::size_t tags = wanted.size();
+  for (std::size_t i = 0; i < std::min(2 * ahead, tags); ++i) fetch_memory(wanted[i]);
+  for (std::size_t i = 0; i < std::min(ahead, tags); ++i)
     if (wanted[i].following) fetch(frame, wanted[i]);
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (i + ahead < wanted.size() && wanted[i + ahead].following) fetch(frame, wanted[i + ahead]);
+  const Strip strip = audit_strip();
+  for (std::size_t i = 0; i < tags; ++i) {
+    if (i + 2 * ahead < tags) fetch_memory(wanted[i + 2 * ahead]);
+    if (i + ahead < tags && wanted[i + ahead].following) fetch(frame, wanted[i + ahead]);
+    gate.fetch(frame, strip.first, strip.last, static_cast<int>(i), static_cast<int>(tags));
     WantedTag& tag = wanted[i];
     if (!tag.following) continue;
     detail::Fit fit = fitter.fit(frame, tag.model, predict(tag, frame.captured_at));

@@ -76,7 +76,7 @@ struct TrackerParts {
     std::int64_t looked_at = 0;  // number of the frame
   };
   std::vector<Refuted> refuted;
-  std::vector<detail::Gate::Place> known;  // middles of the tags found in this frame
+  std::vector<detail::Gate::Known> known;  // the tags found in this frame
   std::vector<double> stretches;
 
   TrackerParts(Calibration c, TrackerOptions o);
@@ -91,6 +91,10 @@ struct TrackerParts {
   void search(const Frame& frame);        // AprilTag over the full frame or a part of it, where it is due
   void audit(const Frame& frame);         // a strip of the gate, for second copies
   static void fetch(const Frame& frame, const WantedTag& tag);
+  struct Strip {  // rows of the gate
+    int first, last;
+  };
+  Strip audit_strip() const;
   void reject(std::int64_t& reason);
   void compare_shapes();
   void conclude(const Frame& frame);

@@ -29,6 +29,9 @@ constexpr int recheck_every = 26;
 // So that the list of such places stays short where robots drive about that nobody wants. [frames]
 constexpr std::int64_t forget_after = 500;
 
+// Two tags side by side are an edge apart and two papers' widths: what the gate sees nearer to one is the tag itself.
+constexpr double beside = 0.9;  // [edges]
+
 constexpr int dim_every = 2;  // [times round all parts]
 
 // A detector's small corner errors must not pass for a tag out of shape; the fit is the one to say so.
@@ -78,7 +81,7 @@ int TrackerParts::detector_threshold() const {
 void TrackerParts::list_known() {
   known.clear();
   for (const WantedTag& tag : wanted)
-    if (tag.found) known.push_back(middle_of(tag.pose.corners));
+    if (tag.found) known.push_back({middle_of(tag.pose.corners), beside * tag.edge_px});
 }
 
 /// A tag that another camera sees may be in this picture too, or enter it: it is fitted where that camera sees it, and
@@ -284,13 +287,17 @@ void TrackerParts::search_part(const Frame& frame) {
   consider_all(frame, detector.detect(frame, part), /*whole_frame=*/parts == 1);
 }
 
+/// What the audit looks at in this frame.
+TrackerParts::Strip TrackerParts::audit_strip() const {
+  const int strips = std::max(1, options.audit_every);
+  const int strip = static_cast<int>(counters.frames % strips);
+  return {gate.rows() * strip / strips, gate.rows() * (strip + 1) / strips};
+}
+
 /// Every frame a strip of the picture, so that no frame has to wait for the whole of it.
 void TrackerParts::audit(const Frame& frame) {
   if (!contrast || last_search == counters.frames) return;
-  const int strips = std::max(1, options.audit_every);
-  const int strip = static_cast<int>(counters.frames % strips);
-  const int first = gate.rows() * strip / strips;
-  const int last = gate.rows() * (strip + 1) / strips;
+  const auto [first, last] = audit_strip();
   gate.scan(frame, first, last, gate_threshold());
   list_known();
   const int before = gate.square() - 1;  // squares that begin above the strip end in it

@@ -72,7 +72,8 @@ TEST(CalibrationFile, WhatIsSavedReadsBackToTheSameBits) {
     camera.tag_height = width / 7.0;
     camera.row_time = 1e-4 * width / 3.0;
     const Eigen::Vector3d axis(width, 1.0, -0.3);
-    camera.world_from_camera->rotation = Eigen::AngleAxisd(width, axis.normalized()).toRotationMatrix();
+    camera.world_from_camera->rotation =
+        Eigen::AngleAxisd(0.2 * width, axis.normalized()) * camera.world_from_camera->rotation;
     if (*rc::gen::arbitrary<bool>()) camera.world_from_camera.reset();
     if (*rc::gen::arbitrary<bool>()) {
       camera.marks = {{"tag 7", 7, width, -1.0 / 3.0, 0.0, 100.0 / width, 17.3, true, width / 9.0},
@@ -115,6 +116,11 @@ TEST(CalibrationFile, ProblemsSayWhereAndWhat) {
       {with("[[1, 0, 0]", "[[1, 0.1, 0]"),
        "cal.toml:11:12: world.rotation: found a matrix R with R R' off the identity"},
       {with("[0, -1, 0]", "[0, 1, 0]"), "and det R = -1, allowed: a rotation"},
+      {with("[[1, 0, 0], [0, -1, 0], [0, 0, -1]]", "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"),
+       "cal.toml:11:12: world.rotation: found a camera that looks up (the last number is 1), allowed: one that looks "
+       "down"},
+      {with("[0, 0, 2.5]", "[0, 0, -2.5]"),
+       "cal.toml:12:12: world.position: found a camera at a height of -2.5 m, allowed: above 0.06 m"},
       {with("[[1, 0, 0], ", "["), "cal.toml:11:12: world.rotation: found an array, allowed: 3 rows of 3 numbers"},
       {with("position = [0, 0, 2.5]", "position = 2.5"),
        "cal.toml:12:12: world.position: found 2.5, allowed: 3 numbers, each a number from -100 to 100 m"},

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 class KnownRobotsCommands : public ::testing::Test {
- protected:
+ public:
   KnownRobotsCommands() : directory(fs::temp_directory_path() / ("skein-robots-" + std::to_string(::getpid()))) {
     fs::create_directories(directory);
     write("robots.toml",
@@ -128,6 +128,12 @@ TEST_F(KnownRobotsCommands, AreIdentifiedFromARunAndTheNextRunKnows) {
   EXPECT_NEAR(anna.drive.track / 0.0515, 1.0, 0.01);
   EXPECT_NEAR(anna.actuation_delay.value_or(0.0), 0.05, 0.01);
   EXPECT_EQ(next->robots.at(1).drive.wheel_ratio, 1.0);
+
+  fs::copy_file(path("run.csv"), path("copy.csv"));
+  request.runs = {path("run.csv"), path("copy.csv")};
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(identify(request), wrong_input);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("copy.csv: is the same run as " + path("run.csv")));
 
   request.runs = {path("robots.toml")};
   testing::internal::CaptureStderr();

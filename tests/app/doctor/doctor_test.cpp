@@ -50,6 +50,8 @@ class Patient {
     machine.keep_time = [](double) { return late(60e-6); };
     machine.disk_speed = [] { return 120e6; };
     machine.disk_free = [] { return 50e9; };
+    machine.runs_directory = [this]() -> tl::expected<std::string, std::string> { return (folder / "runs").string(); };
+    machine.free_in = [](const std::string&) { return 50e9; };
     machine.guard = [] { return tl::expected<void, std::string>(); };
     machine.bad_ends = [] { return std::vector<std::string>(); };
     machine.modules = [] { return tl::expected<void, std::string>(); };
@@ -133,6 +135,10 @@ const Fault faults[] = {
     {"PriorityBelowTheGuards", State::ill, "limit 21, requested 22", [](Patient& p) { p.machine.rtprio = 21; }},
     {"NoShareForRealTime", State::ill, "sched_rt_runtime_us is 0",
      [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_runtime_us", "0\n"); }},
+    {"HardlyAnyShareForRealTime", State::ill, "sched_rt_runtime_us is 1000 of 1e+06",
+     [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_runtime_us", "1000\n"); }},
+    {"HardlyAnyShareOfAnotherPeriod", State::ill, "sched_rt_runtime_us is 950000 of 1e+07",
+     [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_period_us", "10000000\n"); }},
     {"Governor", State::ill, "CPU frequency: governor powersave",
      [](Patient& p) { p.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "powersave\n"); }},
     {"GovernorOnDemand", State::note, "governor ondemand",
@@ -143,6 +149,11 @@ const Fault faults[] = {
      [](Patient& p) { p.write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n"); }},
     {"Load", State::ill, "load: 3.1 threads at work on 2 cores",
      [](Patient& p) { p.write("/proc/loadavg", "3.10 2.0 1.0 4/200 1\n"); }},
+    {"LoadOnTheOneProcessorThatIsOn", State::ill, "load: 1.2 threads at work on 1 core",
+     [](Patient& p) {
+       p.write("/proc/loadavg", "1.20 1.0 1.0 2/200 1\n");
+       p.write("/sys/devices/system/cpu/cpu1/online", "0\n");
+     }},
     {"Memory", State::ill, "memory: 98 MB available",
      [](Patient& p) { p.write("/proc/meminfo", "MemAvailable: 100000 kB\n"); }},
     {"KeepingTime", State::ill, "keeping time: latency of bare threads",
@@ -163,6 +174,27 @@ const Fault faults[] = {
          return tl::unexpected(std::string("nothing can be written here"));
        };
      }},
+    {"NoHomeForRuns", State::ill, "kept runs: no folder for kept runs",
+     [](Patient& p) {
+       p.machine.runs_directory = []() -> tl::expected<std::string, std::string> {
+         return tl::unexpected(std::string("no folder for kept runs: this user has no home"));
+       };
+     }},
+    {"RunsAreAFile", State::ill, "/runs is no folder", [](Patient& p) { p.write("/runs", "a text\n"); }},
+    {"RunsBelowAFile", State::ill, "/dev/video0 is no folder",
+     [](Patient& p) {
+       p.machine.runs_directory = [&p]() -> tl::expected<std::string, std::string> {
+         return (p.folder / "dev/video0/runs").string();
+       };
+     }},
+    {"RunsCannotBeWritten", State::ill, "kept runs: /proc/self/runs: nothing can be written in /proc/",
+     [](Patient& p) {
+       p.machine.runs_directory = []() -> tl::expected<std::string, std::string> { return "/proc/self/runs"; };
+     }},
+    {"NoRoomForRuns", State::ill, "/runs: 0.3 GB free",
+     [](Patient& p) { p.machine.free_in = [](const std::string&) { return 0.3e9; }; }},
+    {"IndexOfRunsIsNoDatabase", State::note, "/runs/.index.sqlite: is damaged: file is not a database",
+     [](Patient& p) { p.write("/runs/.index.sqlite", std::string(4096, 'x')); }},
     {"NoAdapter", State::ill, "Bluetooth: no adapter", [](Patient& p) { p.remove("/sys/class/bluetooth"); }},
     {"RadioSwitch", State::ill, "hci0 is blocked by software",
      [](Patient& p) { p.write("/sys/class/rfkill/rfkill0/soft", "1\n"); }},

@@ -219,7 +219,8 @@ TEST(ExperimentFile, ASingleRobotNeedsNoCouplings) {
 TEST(ExperimentFile, AFileThatCannotBeReadIsAProblem) {
   EXPECT_EQ(load_experiment("/nowhere/e.toml").error().at(0).message(),
             "/nowhere/e.toml: cannot be read: No such file or directory");
-  EXPECT_EQ(load_experiment(experiments).error().at(0).message(), experiments + ": cannot be read: it is a directory");
+  EXPECT_EQ(load_experiment(experiments).error().at(0).message(),
+            experiments + ": cannot be read: it is a folder, allowed: a file");
 }
 
 std::string file_text(const std::string& path) {

@@ -1,7 +1,10 @@
 // Experiment files that are refused: each kind of mistake, its place, and what is said about it.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <ostream>
+
+#include <toml++/toml.h>
 
 #include "tests/app/experiment_texts.h"
 
@@ -220,6 +223,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "e.toml:2:10: reference.change: found 0.07, with which robots of 0.07 m width come within"},
         Refused{"[reference]\nspacing = 0.2\nchange = [{ t = 1, duration = 2, spacing = 0.15 }]",
                 "e.toml:3:10: reference.change: found changes of spacing in which robots drive up to 0.190625 m/s"},
+        Refused{"[reference]\nkind = 'formation'\nshape = 'line'\nspacing = 0.183\nspeed = 0.028\nstart = 0.975\n"
+                "path = { shape = 'circle', radius = 0.273 }\nchange = [{ t = 4, duration = 8, shape = 'column' }]",
+                "e.toml:8:10: reference.change: found changes of shape in which robots drive up to"},
         Refused{"[reference]\nspeed = 0.08", "e.toml:2:9: reference.speed: (18f) fails for robot 1 by 0.004 m/s"},
         Refused{"[reference]\nspeed = 0.2", "e.toml:2:9: reference.speed: found 0.2, for which (18f) fails with any"},
         Refused{"[controller.gains]\nk_xx = 0.02",
@@ -252,6 +258,71 @@ TEST(ExperimentFile, SaysEverythingAtOnceInTheOrderOfTheFile) {
   EXPECT_THAT(said[2], HasSubstr("e.toml:5:1: arena.wide"));
   EXPECT_THAT(said[3], HasSubstr("e.toml:7:14: expect.collisions"));
   EXPECT_THAT(said[4], HasSubstr("--set rate=0: rate: found 0, allowed: a number from 1 to 1000 Hz"));
+}
+
+// One mistake, one message: what is wrong leads to nothing else that is said.
+TEST(ExperimentFile, AMistakeIsSaidOnce) {
+  const struct {
+    const char* text;
+    const char* only;
+  } cases[] = {
+      {"[arena]\nwidth = 'a'\n[[obstacle]]\nx = 1.2\ny = 0\nradius = 0.1", "e.toml:2:9: arena.width: found"},
+      {"[arena]\nwidht = 6\n[[robot]]\nstart = [2.5, 0, 0]", "e.toml:2:1: arena.widht: unknown key"},
+      {"rate = '50 Hz'\n[shield]\ngamma = 40", "e.toml:1:8: rate: found"},
+      {"rate = 2000\n[links]\ncommand_silence = 0.02", "e.toml:1:8: rate: found"},
+      {"[reference]\nkind = 'formatoin'\nshape = 'v'\nspacing = 0.2", "e.toml:2:8: reference.kind: found"},
+      {"[reference.path]\nshape = 'elipse'\nwidth = 1.9\npoints = [[0, 0]]", "e.toml:2:9: reference.path.shape: found"},
+      {"[reference]\nspeed = 'slow'\n[controller.gains]\nk_xx = 0.02", "e.toml:2:9: reference.speed: found"},
+      {"[controller]\nv_max = '1 m/s'\n[reference]\nspeed = 0.2", "e.toml:2:9: controller.v_max: found"},
+      {"[controller]\npolicy = 'fix'\nk_x = 0.02\nk_theta = 0.2", "e.toml:2:10: controller.policy: found"},
+      {"[controller]\ncommand = 3\ndeadline = 0.01\nlog = ['a']\n[controller.parameters]\na = 1",
+       "e.toml:2:11: controller.command: found 3"},
+      {"[controller]\nkind = 'leader'\n[controller.parameters]\nalpha_l = 1", "e.toml:2:8: controller.kind: found"},
+      {"[[operator]]\nt = 1\ndoes = 3", "e.toml:3:8: operator.1.does: found 3"},
+      {"robot = 6\n[[perturb]]\nt = 1\nrobot = 5\ndx = 0.1", "e.toml:1:9: robot: found 6"},
+      {"robot = 6\n[controller.gains]\nk_xx = [[1, 5, 0.001]]", "e.toml:1:9: robot: found 6"},
+      {"[shield]\ndistance = 'far'\n[reference]\nspacing = 0.11", "e.toml:2:12: shield.distance: found"},
+      {"[avoidance]\nkind = 'plans'\nformation_waits = true", "e.toml:2:8: avoidance.kind: found"},
+      {"[simulation]\nlatency = 0.3\n[estimation]\nbridge = '0.4'", "e.toml:4:10: estimation.bridge: found"},
+      {"[camera]\nsource = 3\ntrigger = 'Line0'", "e.toml:2:10: camera.source: found 3"},
+      {"[camera]\nsource = 'webcam'\ntrigger = 'Line0'", "e.toml:2:10: camera.source: found \"webcam\""},
+      {"[camera]\nsource = 'v4l2:a'\ncalibration = 'a'\n[[camera.also]]\nsource = 3\ncalibration = 'b'",
+       "e.toml:5:10: camera.also.1.source: found 3"},
+      {"[[robot]]\nlink = 'serial'\n[camera]\nsource = 'none'", "e.toml:2:8: robot.1.link: found \"serial\""},
+      {"robots_file = 'no-such.toml'\n[[robot]]\nname = 'anna'", "e.toml:1:15: robots_file: "},
+      {"[[gain_change]]\nt = 1\nk_xx = 'a'", "e.toml:3:8: gain_change.1.k_xx: found"},
+      {"[reference]\nkind = 'independent'\n[[robot]]\ntrajectory = { csv = 'no-such.csv' }", "no-such.csv: "},
+  };
+  for (const auto& [text, only] : cases) EXPECT_THAT(messages(text), ElementsAre(StartsWith(only))) << text;
+}
+
+/// Every leaf of a document, as a key of --set.
+void add_keys(const toml::node& node, const std::string& name, std::vector<std::string>& keys) {
+  if (const toml::table* const table = node.as_table()) {
+    for (const auto& [key, value] : *table)
+      add_keys(value, (name.empty() ? "" : name + ".") + std::string(key.str()), keys);
+  } else if (const toml::array* const array = node.as_array(); array != nullptr && node.is_array_of_tables()) {
+    for (std::size_t k = 0; k < array->size(); ++k) add_keys((*array)[k], name + "." + std::to_string(k + 1), keys);
+  } else {
+    keys.push_back(name);
+  }
+}
+
+TEST(ExperimentFile, AValueOfAWrongKindIsSaidOnceWhateverKeyOfWhateverExperiment) {
+  int keys_tried = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(experiments)) {
+    if (entry.path().extension() != ".toml") continue;
+    std::vector<std::string> keys;
+    add_keys(toml::parse_file(entry.path().string()), "", keys);
+    for (const std::string& key : keys) {
+      if (key.starts_with("controller.parameters") || key == "name") continue;  // any name is one
+      const auto refused = load_experiment(entry.path(), {key + "=1979-05-27"});
+      ASSERT_FALSE(refused) << entry.path() << " " << key;
+      EXPECT_EQ(refused.error().size(), 1u) << entry.path() << "\n" << messages(refused.error());
+      ++keys_tried;
+    }
+  }
+  EXPECT_GT(keys_tried, 300);
 }
 
 }  // namespace

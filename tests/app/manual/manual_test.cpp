@@ -1,4 +1,6 @@
 #include "app/manual/manual.h"
+#include "app/manual/mistakes.h"
+#include "app/manual/whole_number.h"
 
 #include <gtest/gtest.h>
 
@@ -55,6 +57,38 @@ TEST_F(Manual, AnOptionIsNotTheValueOfAnotherOne) {
   EXPECT_EQ(said("run x --set -1 --quiet"), "") << "a negative number is a value";
   EXPECT_EQ(said("run --quiet -- --odd"), "") << "a file may be called so, behind --";
   EXPECT_EQ(text, "--odd");
+}
+
+TEST_F(Manual, AMistakeIsSaidWithItsPlaceAndWhatIsAllowed) {
+  refuse_missing_values(program);
+  say_mistakes_plainly(program);
+  program.require_subcommand(0, 1);
+  int size = 0;
+  program.get_subcommand("replay")->add_option("--size", size, "how large")->check(whole_number(1, 9));
+  const auto said = [&](std::string words) -> std::string {
+    try {
+      program.parse(std::move(words));
+    } catch (const CLI::ParseError& error) {
+      return what_is_wrong(program, error);
+    }
+    return misplaced(program).value_or("");
+  };
+  EXPECT_EQ(said("run x --speed max --quiet"), "");
+  EXPECT_EQ(said("run"), "skein run: experiment: missing, allowed: which (skein run --help)");
+  EXPECT_EQ(said("run x --speed slow"), "skein run: --speed: found slow, allowed: max, realtime (skein run --help)");
+  EXPECT_EQ(said("run x --speed max --speed max"), "skein run: --speed: found twice, allowed: once (skein run --help)");
+  EXPECT_EQ(said("run x --set"), "skein run: --set: found no value, allowed: KEY=VALUE (skein run --help)");
+  EXPECT_EQ(said("run x --quiet=3"), "skein run: --quiet: found 3, allowed: no value (skein run --help)");
+  EXPECT_EQ(said("run x --quiet=true"), "");
+  EXPECT_EQ(said("run x --sed a=1"),
+            "skein run: found --sed, a=1; did you mean --set? allowed: --help, --set, --speed, --quiet (skein run "
+            "--help)");
+  EXPECT_EQ(said("run x y"), "skein run: found y at the end, allowed: no more than experiment (skein run --help)");
+  EXPECT_EQ(said("replay x"), "skein replay: found x at the end, allowed: options only (skein replay --help)");
+  EXPECT_EQ(said("replay --size 3mm"),
+            "skein replay: --size: found 3mm, allowed: a whole number from 1 to 9 (skein replay --help)");
+  EXPECT_EQ(said("robots"), "skein robots: found no command, allowed: scan (skein robots --help)");
+  EXPECT_EQ(said("rnu"), "skein: found rnu; did you mean run? allowed: run, replay, robots (skein --help)");
 }
 
 TEST_F(Manual, EveryCommandHasAPageAndHiddenOnesHaveNone) {

@@ -21,7 +21,7 @@ using ::testing::Not;
 
 /// A shell in a folder of its own, with `$skein`, and the paper's experiment as e.toml.
 class Mistakes : public ::testing::Test {
- protected:
+ public:
   Mistakes() {
     std::filesystem::create_directories(folder_);
     std::filesystem::copy_file(skein::test::in_source("resources/experiments/platoon.toml"), folder_ / "e.toml");
@@ -63,6 +63,8 @@ TEST_F(Mistakes, RunsAreRemovedWhereNameAndConditionHold) {
   keep_run("c", "2026-11-03T12:00:00.000+01:00", 3);
   EXPECT_EQ(shell("$skein runs remove a b --where 'collisions > 0' --runs-dir runs --yes"), 0) << said;
   EXPECT_TRUE(exists("runs/a")) << "named, but the condition does not hold";
+  EXPECT_EQ(shell("$skein runs remove a --where 'collisions > 0' --runs-dir runs"), 0) << said;
+  EXPECT_EQ(out, "0 runs, 0.0 MB: there is none to remove\n");
   EXPECT_FALSE(exists("runs/b"));
   EXPECT_TRUE(exists("runs/c")) << "the condition holds, but it is not named";
   EXPECT_EQ(shell("mkdir other && cp -r runs/c other/c && $skein runs remove other/c --where 'collisions > 0' "
@@ -161,6 +163,14 @@ TEST_F(Mistakes, AnEmptyTextIsNoValue) {
   }
 }
 
+TEST_F(Mistakes, WhatIsNotANumberIsNoNumberOfSeconds) {
+  for (const char* words : {"doctor --seconds nan", "doctor --seconds -1", "robots ping x --minutes nan",
+                            "robots test x --reply-timeout nan", "camera latency e.toml --seconds inf"}) {
+    EXPECT_EQ(shell(std::string("$skein ") + words), 2) << words;
+    EXPECT_THAT(said, HasSubstr("allowed: a number from ")) << words;
+  }
+}
+
 TEST_F(Mistakes, ListsOfRunsSayWhatIsWrong) {
   keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
   for (const char* number : {"-1", "0"}) {
@@ -170,6 +180,52 @@ TEST_F(Mistakes, ListsOfRunsSayWhatIsWrong) {
   EXPECT_EQ(shell("$skein runs list --runs-dir runs --show nosuch"), 2);
   EXPECT_THAT(said, HasSubstr("nosuch: no run has such a key"));
   EXPECT_EQ(shell("$skein runs list --runs-dir runs --show collisions --newest 1"), 0) << said;
+}
+
+TEST_F(Mistakes, AFileOfAnotherKindIsNamed) {
+  EXPECT_EQ(
+      shell("$skein run e.toml --set duration=1 --csv run.csv --quiet; mkdir folder; head -c 500 $skein > binary"), 0);
+  for (const char* command : {"run", "check", "doctor", "sweep", "tune", "camera latency"}) {
+    EXPECT_EQ(shell(std::string("$skein ") + command + " run.csv"), 2) << command;
+    EXPECT_THAT(said, HasSubstr("run.csv:1:1: found a recorded run (CSV), allowed: a text in TOML")) << command;
+    EXPECT_EQ(shell(std::string("$skein ") + command + " binary"), 2) << command;
+    EXPECT_THAT(said, HasSubstr("binary: found bytes that are no text, allowed: a text in TOML")) << command;
+    EXPECT_EQ(shell(std::string("$skein ") + command + " folder"), 2) << command;
+    EXPECT_THAT(said, HasSubstr("folder: cannot be read: it is a folder, allowed: a file")) << command;
+  }
+  EXPECT_EQ(shell("$skein replay nowhere.csv"), 2);
+  EXPECT_THAT(said, HasSubstr("nowhere.csv: cannot be read: No such file or directory"));
+}
+
+TEST_F(Mistakes, WhatTheWordsOrTheFileAreWrongAboutIsNoFailureOfADevice) {
+  EXPECT_EQ(shell("$skein camera latency e.toml"), 2);
+  EXPECT_THAT(said, HasSubstr("allowed: a robot with a link"));
+  EXPECT_EQ(shell("$skein run e.toml --video film.mkv"), 2);
+  EXPECT_THAT(said, HasSubstr("allowed: an experiment with a camera"));
+  EXPECT_EQ(shell("$skein camera doctor --size 3mm"), 2);
+  EXPECT_THAT(said, HasSubstr("--size 3mm; allowed: WIDTHxHEIGHT"));
+  EXPECT_EQ(shell("$skein camera doctor --rate nan"), 2);
+  EXPECT_THAT(said, HasSubstr("--rate: found nan, allowed: a number from 0.1 to 10000"));
+  EXPECT_EQ(shell("$skein camera doctor --camera nowhere.toml"), 2);
+  EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read"));
+  EXPECT_EQ(shell("unset DISPLAY WAYLAND_DISPLAY QT_QPA_PLATFORM; $skein e.toml"), 2);
+  EXPECT_THAT(said, AnyOf(HasSubstr("no display for the window"), HasSubstr("built without a window")));
+}
+
+TEST_F(Mistakes, NoRunIsFoundByANumberThatIsNone) {
+  keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
+  EXPECT_EQ(shell("$skein runs find 'collisions = nan' --runs-dir runs"), 2);
+  EXPECT_THAT(said, HasSubstr("column 14 of the condition: found nan, which no key has, allowed: a finite number"));
+  EXPECT_EQ(shell("$skein runs find 'collisions = 0' --runs-dir runs"), 0) << said;
+}
+
+TEST_F(Mistakes, TooFewPicturesOfABoardAreCounted) {
+  EXPECT_EQ(shell("$skein tags board --out board.svg && mkdir pictures"), 0) << said;
+  EXPECT_EQ(shell("printf 'P5 64 64 255\\n' > pictures/a.pgm && head -c 4096 /dev/zero >> pictures/a.pgm && "
+                  "$skein calibrate intrinsics images:pictures --out cal.toml"),
+            3);
+  EXPECT_THAT(said, HasSubstr("found the board in 0 views, allowed: 3 or more, each with at least 6 corners"));
+  EXPECT_THAT(said, HasSubstr("(pictures looked at: 1)"));
 }
 
 TEST_F(Mistakes, SheetsAreNotOverwritten) {

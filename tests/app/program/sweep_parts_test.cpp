@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -19,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 class Parts : public ::testing::Test {
- protected:
+ public:
   Parts() {
     std::filesystem::create_directories(folder_);
     std::ofstream(folder_ / "study.toml")
@@ -55,6 +56,11 @@ TEST_F(Parts, MergedAreTheStudyOfOneMachineBitForBit) {
   EXPECT_EQ(shell("$skein --merge parts --csv merged.csv --json > merged.json"), 0);
   EXPECT_EQ(read("whole.csv"), read("merged.csv"));
   EXPECT_EQ(read("whole.json"), read("merged.json"));
+  std::ostringstream document;
+  document << std::ifstream(skein::test::in_source("docs/studies.md")).rdbuf();
+  std::istringstream header(read("merged.csv").substr(0, read("merged.csv").find('\n')));
+  for (std::string column; std::getline(header, column, ',');)
+    EXPECT_THAT(document.str(), HasSubstr("`" + column + "`"));
   EXPECT_THAT(read("merged.json"), HasSubstr("\"runs\": 13"));
   EXPECT_THAT(read("merged.csv"), HasSubstr("\ncontrol,13,"));
   EXPECT_THAT(read("merged.csv"), HasSubstr("\n\"stiff, coupled\",13,"));
@@ -78,6 +84,11 @@ TEST_F(Parts, ThoseThatWereKilledAreNamedAndMadeAgain) {
             0);
   EXPECT_EQ(shell("$skein --merge parts > merged.txt 2> said.txt"), 1);
   EXPECT_THAT(read("said.txt"), HasSubstr("torn"));
+  // Nor is one with another digit, wherever it is.
+  EXPECT_EQ(shell("sed '/^study,/s/0\\.1/0.2/' kept > parts/part-2-of-3.csv && ! cmp -s kept parts/part-2-of-3.csv"),
+            0);
+  EXPECT_EQ(shell("$skein --merge parts > merged.txt 2> said.txt"), 1);
+  EXPECT_THAT(read("said.txt"), HasSubstr("part-2-of-3.csv: it has been changed since it was computed"));
   EXPECT_EQ(shell("$skein --part 2/3 --into parts > again.txt && cmp kept parts/part-2-of-3.csv"), 0);
   EXPECT_THAT(read("again.txt"), Not(HasSubstr("already")));
   EXPECT_EQ(shell("$skein --part 2/3 --into parts > again.txt"), 0);
@@ -113,6 +124,35 @@ TEST_F(Parts, JobsSayThemselvesWhichPartIsTheirs) {
   for (const char* part : {"0/3", "4/3", "1", "1/0", "a/b", "1/3x"})
     EXPECT_EQ(shell(std::string("$skein --part ") + part + " --into parts 2> said.txt"), 2) << part;
   EXPECT_THAT(read("said.txt"), HasSubstr("found \"1/3x\""));
+}
+
+TEST_F(Parts, APlanSaysWhatAMillionRunsCostAndHowTheyAreStarted) {
+  EXPECT_EQ(shell("$skein --plan --runs 1000000 --threads 2 > plan.txt"), 0);
+  const std::string plan = read("plan.txt");
+  EXPECT_THAT(plan, HasSubstr("study: parts\nruns: 1000000\ndrives_per_run: 3\nsampled_runs: 32\nseconds_per_run: "));
+  const auto number = [&](const std::string& key) {
+    const auto at = plan.find("\n" + key + ": ");
+    return at == std::string::npos ? std::nan("") : std::strtod(plan.c_str() + at + key.size() + 3, nullptr);
+  };
+  const double hours = 1e6 * number("seconds_per_run") / 3600.0;
+  EXPECT_GT(hours, 0.0);
+  EXPECT_NEAR(number("core_hours") / hours, 1.0, 0.01);
+  EXPECT_NEAR(number("hours_on_64_cores") * 64.0 / hours, 1.0, 0.01);
+  EXPECT_GE(number("parts"), number("core_hours") * 0.99);
+  const std::string parts = std::to_string(static_cast<int>(number("parts")));
+  EXPECT_THAT(plan, HasSubstr("slurm: STUDY='study.toml' PARTS=" + parts + " WORDS='--runs 1000000' sbatch --array=1-" +
+                              parts + " --export=ALL "));
+  EXPECT_THAT(plan, HasSubstr("merge: skein sweep 'study.toml' --runs 1000000 --merge parts\n"));
+  EXPECT_EQ(shell("$skein --plan --csv rows.csv 2> said.txt"), 2);
+  EXPECT_THAT(read("said.txt"), HasSubstr("--csv"));
+  // What it prints for Slurm is what a task runs.
+  EXPECT_EQ(
+      shell("printf '#!/bin/sh\nfor a; do script=$a; done; SLURM_ARRAY_TASK_ID=1 SKEIN=" + skein::test::program() +
+            " exec bash \"$script\"\n' > sbatch && chmod +x sbatch && " + skein::test::program() +
+            " sweep study.toml --plan --runs 4 --set duration=4 > small.txt && "
+            "PATH=$PWD:$PATH sh -c \"$(sed -n 's/^slurm: //p' small.txt)\" && test -s parts/part-1-of-1.csv"),
+      0)
+      << read("small.txt");
 }
 
 }  // namespace

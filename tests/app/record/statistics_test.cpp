@@ -300,6 +300,34 @@ TEST(Expectations, SayByHowMuchTheyFailed) {
   EXPECT_EQ(failed_expectations({0.01, 0.07, {}, {}, {}}, s).size(), 2u) << "no value is no success";
 }
 
+TEST(Statistics, ARobotThatIsNeverSeenMakesErrorsUnknownAndNotZero) {
+  History h;
+  for (int k = 0; k < 50; ++k) {
+    TickRecord r = h.row();
+    r.robots[1].pose = {none, none, none};
+    r.delta = {none};
+    h.add(r);
+  }
+  EXPECT_TRUE(std::isnan(h.summary().final_error));
+  EXPECT_TRUE(std::isnan(h.summary().final_formation_error));
+  EXPECT_TRUE(std::isnan(h.summary().arrived));
+  EXPECT_EQ(failed_expectations({0.1, {}, 25.0, {}, {}}, h.summary()).size(), 2u);
+}
+
+TEST(Statistics, NobodyArrivesBecauseTheReferencesWereStopped) {
+  History stopped;
+  const auto add = [&](Phase phase, double v) {
+    TickRecord r = stopped.row();
+    r.phase = phase;
+    for (RobotRecord& robot : r.robots) robot.nominal.twist = {v, 0.0};
+    stopped.add(r);
+  };
+  add(Phase::running, 0.05);
+  add(Phase::paused, 0.0);
+  add(Phase::stopped, 0.0);
+  EXPECT_TRUE(std::isnan(stopped.summary().arrived));
+}
+
 TEST(Summary, ReadsAsLinesAndAsJson) {
   Statistics::Summary s;
   s.name = "a \"name\"";

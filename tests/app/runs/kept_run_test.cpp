@@ -1,14 +1,17 @@
 #include "app/runs/kept_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <sstream>
 
+#include "app/calibration/calibration_file.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_file.h"
 #include "app/runs/machine.h"
 #include "app/runs/run_folder.h"
+#include "app/runs/run_page.h"
 #include "app/runs/sha256.h"
 #include "app/runs/verify.h"
 #include "app/session/session.h"
@@ -130,6 +133,23 @@ TEST(KeptRun, ADirectoryThatCannotBeMadeIsSaid) {
   EXPECT_NE(kept.error().find("/proc/none"), std::string::npos);
 }
 
+TEST(KeptRun, HasTheFilesOfAControllerOfOnesOwn) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "laws");
+  std::ofstream(folder / "laws/mine.py") << "the law";
+  std::ofstream(folder / "table.csv") << "its table";
+  std::ofstream(folder / "experiment.toml") << "the run has a file of this name";
+  std::ofstream(folder / "my.toml")
+      << "controller.command = 'python3 laws/mine.py ./table.csv experiment.toml none.py'\n";
+  const auto experiment = load_experiment(folder / "my.toml");
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  const auto kept = KeptRun::begin({folder / "runs", folder / "my.toml", {}, {}, false}, *experiment);
+  ASSERT_TRUE(kept) << kept.error();
+  EXPECT_EQ(read_file(kept->folder() + "/laws/mine.py"), "the law");
+  EXPECT_EQ(read_file(kept->folder() + "/table.csv"), "its table");
+  EXPECT_EQ(read_file(kept->folder() + "/experiment.toml"), experiment->source);
+}
+
 TEST(Verify, HoldsForAnUntouchedRunWhereverItIs) {
   const Folder folder, elsewhere;
   const std::string run = keep(folder, folder / "runs", text);
@@ -137,8 +157,108 @@ TEST(Verify, HoldsForAnUntouchedRunWhereverItIs) {
   std::filesystem::remove_all(folder / "my.toml");
   const auto found = verify_run(elsewhere / "copy").value();
   EXPECT_TRUE(found.holds());
-  EXPECT_EQ(found.steps.size(), 4u);
+  EXPECT_EQ(found.steps.size(), 5u);
   for (const Verification::Step& step : found.steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+}
+
+TEST(KeptRun, ASeedThatNoDoubleHoldsKeepsItsDigits) {
+  const Folder folder;
+  const std::string seed = "9007199254740993";
+  const std::string run = keep(folder, folder / "runs", "seed = " + seed + "\nduration = 0.2\n");
+  EXPECT_NE(read_file(run + "/run.json").find("\"experiment.seed\": " + seed + ","), std::string::npos);
+  EXPECT_EQ(std::get<std::int64_t>(run_facts(read_story(run).value()).at("experiment.seed")), 9007199254740993);
+  EXPECT_TRUE(verify_run(run)->holds());
+}
+
+TEST(KeptRun, CalibrationsFromAnywhereHaveNamesOfTheirOwn) {
+  EXPECT_EQ(calibration_in_folder("sub/./lab.toml", 0), "sub/lab.toml");
+  EXPECT_EQ(calibration_in_folder("lab..2.toml", 0), "lab..2.toml");
+  for (const char* const elsewhere : {"/lab/one.toml", "../one.toml", "a/../../one.toml"})
+    EXPECT_EQ(calibration_in_folder(elsewhere, 1), "calibration-2.toml") << elsewhere;
+  EXPECT_EQ(calibration_in_folder("calibration.toml", 0), "calibration.toml");
+  EXPECT_EQ(calibration_in_folder("calibration.toml", 1), "calibration-2.toml")
+      << "that of camera 1 may have that name";
+  EXPECT_EQ(calibration_in_folder("experiment.toml", 0), "calibration.toml") << "the run has a file of that name";
+}
+
+TEST(Verify, UsesTheCalibrationOfTheFolderAndNotWhatLiesWhereItWas) {
+  const Folder folder;
+  const std::string calibration = folder / "lab..1.toml";
+  ASSERT_TRUE(save_calibration(vision::overhead_calibration(2.0, 1.5), calibration));
+  for (const std::string& named : {calibration, std::string("lab..1.toml")}) {
+    ASSERT_TRUE(save_calibration(vision::overhead_calibration(2.0, 1.5), calibration));
+    const std::string run = keep(folder, folder / "runs",
+                                 "duration = 0.2\n[camera]\nsource = \"synthetic\"\ncalibration = \"" + named + "\"\n");
+    ASSERT_TRUE(
+        save_calibration(vision::overhead_calibration(2.6, 1.9), calibration));  // the camera hangs elsewhere now
+    const auto found = verify_run(run).value();
+    for (const Verification::Step& step : found.steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+  }
+}
+
+/// Each file in turn, by one byte in its middle, is noticed and named.
+TEST(Verify, NamesWhicheverFileIsDamaged) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  ASSERT_TRUE(verify_run(run)->holds());
+  const std::vector<std::string> files = files_of_run(run);
+  EXPECT_GE(files.size(), 5u);
+  for (const std::string& name : files) {
+    const std::string path = fmt::format("{}/{}", run, name), whole = read_file(path);
+    std::string damaged = whole;
+    std::size_t at = damaged.size() / 2;
+    if (name == "run.json") at = damaged.find("\"host\": \"") + 9;  // still JSON
+    damaged[at] = damaged[at] == 'x' ? 'y' : 'x';
+    std::ofstream(path, std::ios::binary) << damaged;
+    const auto found = verify_run(run);
+    ASSERT_TRUE(found) << name << ": " << found.error();
+    EXPECT_FALSE(found->holds()) << name;
+    std::string findings;
+    for (const Verification::Step& step : found->steps) findings += step.finding + "\n";
+    EXPECT_NE(findings.find(name + ":"), std::string::npos) << findings;
+    std::ofstream(path, std::ios::binary) << whole;
+  }
+  EXPECT_TRUE(verify_run(run)->holds());
+}
+
+/// What somebody has written into run.json by hand is no bug of ours.
+TEST(Verify, AnEditedRunJsonIsAFindingWhateverStandsInIt) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", "duration = 0.2\n");
+  const auto story = read_story(run).value();
+  for (const auto& [key, value] : story.items()) {
+    auto edited = story;
+    edited[key] = value.is_array() ? nlohmann::ordered_json("x") : nlohmann::ordered_json::array({7});
+    std::ofstream(run + "/run.json") << edited;
+    const auto found = verify_run(run);
+    EXPECT_FALSE(found && found->holds()) << key;
+    EXPECT_TRUE(found || key == "format") << found.error();
+    EXPECT_TRUE(page_of_run(run + "/run.csv", run)) << key;
+    EXPECT_FALSE(run_facts(edited).empty());
+  }
+  auto hashes = story;
+  hashes["files"]["run.csv"]["sha256"] = 7;
+  std::ofstream(run + "/run.json") << hashes;
+  EXPECT_FALSE(holds(*verify_run(run), "files"));
+}
+
+TEST(Verify, ARunOfANewerFormatIsLeftToTheVersionThatKeptIt) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  auto story = read_story(run).value();
+  story["format"] = story_format + 1;
+  std::ofstream(run + "/run.json") << sealed(story);
+  const auto found = verify_run(run);
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().find("found format 2, allowed: 1"), std::string::npos) << found.error();
+  // One from before run.json had a hash: all else is checked.
+  story["format"] = story_format;
+  story.erase("sha256");
+  std::ofstream(run + "/run.json") << story;
+  const auto old = verify_run(run);
+  ASSERT_TRUE(old);
+  EXPECT_TRUE(old->holds());
+  EXPECT_EQ(old->notes.size(), 1u);
 }
 
 TEST(Verify, NoticesAChangedByteAMissingFileAndOneTooMany) {
@@ -166,7 +286,7 @@ TEST(Verify, NoticesARecordThatDoesNotFollowFromItsInputs) {
     auto story = read_story(run).value();
     story["files"]["run.csv"]["sha256"] = sha256_of_file(run + "/run.csv").value();
     std::ofstream(run + "/run.json") << story;
-    const auto found = verify_run(run).value();
+    auto found = verify_run(run).value();
     EXPECT_TRUE(holds(found, "files"));
     return found;
   };
@@ -195,7 +315,8 @@ TEST(Sha256, IsThatOfTheStandard) {
 }
 
 TEST(MachineDescription, TimesNameTheirZone) {
-  const std::string before = getenv("TZ") ? getenv("TZ") : "";
+  const char* const zone = getenv("TZ");
+  const std::string before = zone != nullptr ? zone : "";
   ::setenv("TZ", "CET-1CEST", 1);
   ::tzset();
   const auto time = std::chrono::system_clock::time_point(std::chrono::milliseconds(1'764'000'000'250));

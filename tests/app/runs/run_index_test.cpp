@@ -65,6 +65,47 @@ TEST(RunIndex, FindsRunsByWhatTheyWereAndWhatCameOfThem) {
   EXPECT_EQ(found(index, "v_max = 0.1").size(), 4u) << "keys of single robots stand behind that of the group";
 }
 
+TEST(RunIndex, SeedsThatNoDoubleHoldsAreToldApart) {
+  const Folder runs;
+  keep_run(runs, "2026-11-01_120000_a", R"({"experiment":{"experiment.seed":9007199254740992}})");
+  keep_run(runs, "2026-11-02_120000_a", R"({"experiment":{"experiment.seed":9007199254740993}})");
+  keep_run(runs, "2026-11-03_120000_a", R"({"experiment":{"experiment.seed":9223372036854775807}})");
+  RunIndex index = RunIndex::open(runs.path).value();
+  EXPECT_EQ(found(index, "seed = 9007199254740993"), Days({"2"}));
+  EXPECT_EQ(found(index, "seed = 9007199254740992"), Days({"1"}));
+  EXPECT_EQ(found(index, "seed > 9007199254740992"), Days({"2", "3"}));
+  EXPECT_EQ(found(index, "seed >= 9223372036854775807 or seed < 1e16"), Days({"1", "2", "3"}));
+}
+
+/// Wherever in the file it is: nobody has to delete it by hand.
+TEST(RunIndex, AnIndexThatIsDamagedInTheMidstIsMadeAnew) {
+  const Folder runs;
+  for (int run = 0; run < 60; ++run)
+    keep_run(runs,
+             std::string("2026-11-01_1200") + static_cast<char>('0' + run / 10) + static_cast<char>('0' + run % 10),
+             R"({"experiment":{"k_xx":0.01,"name":")" + std::string(200, 'x') + R"("}})");
+  const std::string file = runs / ".index.sqlite";
+  const auto query = parse_query("k_xx = 0.01").value();
+  std::filesystem::remove(file);
+  ASSERT_EQ(RunIndex::open(runs.path)->find(query, {})->size(), 60u);
+  const auto size = std::filesystem::file_size(file);
+  for (std::uintmax_t at = 100; at < size; at += 1024) {
+    {
+      std::fstream damaged(file, std::ios::binary | std::ios::in | std::ios::out);
+      damaged.seekp(static_cast<std::streamoff>(at));
+      damaged << std::string(512, '\xa5');
+    }
+    auto index = RunIndex::open(runs.path);
+    ASSERT_TRUE(index) << at;
+    const auto matching = index->find(query, {"name"});
+    ASSERT_TRUE(matching) << at << ": " << matching.error();
+    EXPECT_EQ(index->all({"name"}).size(), 60u) << at;
+    EXPECT_EQ(index->newest(), "2026-11-01_120059") << at;
+    std::filesystem::remove(file);
+    ASSERT_EQ(RunIndex::open(runs.path)->size(), 60u);
+  }
+}
+
 TEST(RunIndex, ShowsWhatIsAskedForByItsShortName) {
   FourRuns four;
   auto index = RunIndex::open(four.runs.path).value();

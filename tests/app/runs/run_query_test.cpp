@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "app/run/event.h"
 #include "tests/property.h"
 
 namespace skein::app {
@@ -20,8 +21,9 @@ std::string shown(const RunQuery& query) {
   switch (query.kind) {
     case RunQuery::Kind::comparison:
       return c.key + signs[static_cast<int>(c.relation)] +
-             (std::holds_alternative<double>(c.value) ? fmt::format("{}", std::get<double>(c.value))
-                                                      : "'" + std::get<std::string>(c.value) + "'");
+             std::visit(Overloaded{[](const std::string& words) { return "'" + words + "'"; },
+                                   [](const auto& number) { return fmt::format("{}", number); }},
+                        c.value);
     case RunQuery::Kind::negation:
       return "not " + shown(query.of.front());
     case RunQuery::Kind::all:
@@ -43,6 +45,14 @@ TEST(RunQuery, ReadsWhatItSays) {
   EXPECT_EQ(read("host='lab 2' and name ~ \"pla\""), "(host='lab 2' and name~'pla')");
   EXPECT_EQ(read("began < 2026-11-01"), "began<'2026-11-01'");
   EXPECT_EQ(read("not not (a!=1)"), "not not a!=1");
+  EXPECT_EQ(read("seed = 9007199254740993"), "seed=9007199254740993");
+}
+
+TEST(RunQuery, NoKeyIsNotANumberOrInfinite) {
+  for (const char* const bad : {"k_xx = nan", "k_xx != -nan", "k_xx < inf", "a = 1 and k_xx >= -inf"})
+    EXPECT_NE(read(bad).find("allowed: a finite number"), std::string::npos) << bad << ": " << read(bad);
+  EXPECT_EQ(read("a = 1 and b = nan").substr(0, 30), "column 15 of the condition: fo");
+  EXPECT_EQ(read("name = 'nan'"), "name='nan'");
 }
 
 TEST(RunQuery, WhatItCannotReadIsRefusedWithItsPlace) {
@@ -54,6 +64,10 @@ TEST(RunQuery, WhatItCannotReadIsRefusedWithItsPlace) {
   }
   EXPECT_NE(read("a=1 b=2").find("column 5"), std::string::npos);
   EXPECT_FALSE(parse_query(std::string(100'000, '(')));
+  std::string long_one = "a=1";
+  for (int i = 1; i < 500; ++i) long_one += i % 2 == 0 ? " or a=1" : " and a=1";
+  EXPECT_TRUE(parse_query(long_one));
+  EXPECT_NE(read(long_one + " or a=1").find("at most 500 comparisons"), std::string::npos);
 }
 
 TEST(RunQuery, AnyTextIsReadOrRefused) {

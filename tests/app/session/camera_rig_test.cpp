@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -65,6 +66,32 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
   EXPECT_TRUE(why[0].sentence.starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << why[0].sentence;
   EXPECT_EQ(why[1].sentence, "no tag 2 is in the picture");
+}
+
+TEST(CameraRig, AFrameThatIsDueIsWatchedForWithoutSleeping) {
+  const Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml");
+  SessionClock clock(true);
+  SimulatedWorld world(experiment);
+  auto rig = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
+  ASSERT_TRUE(rig) << rig.error();
+  (*rig)->start();
+  const auto sleeps = [] {
+    rusage use{};
+    ::getrusage(RUSAGE_THREAD, &use);
+    return use.ru_nvcsw;
+  };
+  const double since = clock.now();
+  const auto before = sleeps();
+  (*rig)->watch_for_frame(since, since + 60.0);
+  EXPECT_EQ(sleeps(), before);
+  std::vector<core::Measurement> newest(4);
+  FrameTimes times;
+  ASSERT_TRUE((*rig)->newest(newest, times));
+  EXPECT_GE(times.ready_at, since);
+  const double passed = clock.now();
+  (*rig)->watch_for_frame(passed + 60.0, passed);  // a time that has passed is not waited for
+  (*rig)->end();
 }
 
 TEST(CameraRig, AFilmThatIsEndedHasEveryFrameWhosePosesWereGiven) {

@@ -45,6 +45,24 @@ TEST(PlannedRoutes, RepeatToTheBit) {
       ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
 }
 
+TEST(PlannedRoutes, LeaveARobotAtItsPlaceThatWasOutOfSightForAMoment) {
+  const Experiment e = good(
+      "duration = 60\nreference.kind = 'independent'\nreference.speed = 0.09\navoidance.kind = 'plan'\n"
+      "controller.gains = { k_xx = 0, k_tt = 0, k_yy = 0 }\nestimation.bridge = 0.12\n"
+      "simulation = { pose_noise = 0.001, dropout = 0.3 }\n"
+      "[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.3, 0.1], to = [0.3, 0.1] } }\n"
+      "[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.3, -0.3], to = [0.3, -0.3] } }\n");
+  double turned = 0.0;
+  int losses = 0;
+  for (const TickRecord& row : test::simulate(e)) {
+    if (row.t < 20.0) continue;  // both rest from 15 s on
+    for (const Event& event : row.events) losses += is<events::Lost>(event) ? 1 : 0;
+    for (const RobotRecord& r : row.robots) turned += std::abs(r.command.omega) * e.period();
+  }
+  EXPECT_GT(losses, 3);
+  EXPECT_LT(turned, 0.5) << "of two robots in 40 s";
+}
+
 TEST(PlannedRoutes, BringAKickedRobotBackAndReleaseItsCouplingsMeanwhile) {
   Experiment e = paper_experiment();
   e.avoidance.kind = core::AvoidanceKind::plan;
@@ -215,6 +233,30 @@ TEST(PlannedRoutes, SayWhereThereIsNoWay) {
     }
   EXPECT_GE(no_way, 1);
   EXPECT_GE(no_progress, 1);
+}
+
+TEST(PlannedRoutes, LeadPastAnObstacleOnTheLaneWithoutAJumpOrAReport) {
+  Experiment e = paper_experiment();
+  e.avoidance.kind = core::AvoidanceKind::plan;
+  e.perturbations.clear();
+  e.gain_changes.clear();
+  e.duration = 45.0;
+  e.obstacles = {{0.0, 0.45, 0.05}};
+  double aside = 0.0;
+  std::vector<double> before;
+  for (const TickRecord& row : test::simulate(e)) {
+    for (const Event& event : row.events) EXPECT_FALSE((is<events::NoProgress, events::NoWay>(event))) << row.t;
+    aside = std::fmax(aside, farthest(row));
+    for (std::size_t i = 0; i < row.robots.size(); ++i) {
+      const double was = before.empty() ? row.robots[i].command.v : before[i];
+      EXPECT_LE(std::abs(row.robots[i].command.v - was), 0.03) << row.t;
+      EXPECT_GE(row.robots[i].command.v, -0.005) << row.t;
+      EXPECT_TRUE(row.robots[i].margins.hold()) << "(18) at " << row.t << " s";
+    }
+    before.resize(row.robots.size());
+    for (std::size_t i = 0; i < row.robots.size(); ++i) before[i] = row.robots[i].command.v;
+  }
+  EXPECT_LE(aside, 0.05 + 0.043 + 0.008);
 }
 
 }  // namespace

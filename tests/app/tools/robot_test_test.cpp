@@ -54,6 +54,20 @@ TEST(RobotTest, FindsNothingWrongWithAGoodRobotAndMeasuresItsWheels) {
   EXPECT_NEAR(*robot.track / 0.053, 1.0, 0.005);
 }
 
+TEST(RobotTest, OverASlowRadioAGoodRobotIsFoundGoodAndSaysItsVersion) {
+  const Experiment lab = good(two_robots, {"links.reply_timeout=4"});
+  SessionClock clock(true);
+  SessionOptions options;
+  options.faults = {{.kind = comms::FaultKind::latency, .median = 0.4, .p99 = 0.6}};
+  auto plant = Plant::open(lab, clock, options);
+  ASSERT_TRUE(plant) << plant.error();
+  const auto robot = RobotTest(**plant, clock, lab, {}).test(0);
+  (*plant)->close();
+  ASSERT_TRUE(robot) << robot.error();
+  EXPECT_THAT(robot->faults, IsEmpty());
+  EXPECT_EQ(robot->status.version, "Version 2.0 January 2018 GCtronic");
+}
+
 TEST(RobotTest, NamesSwappedWheels) {
   const RobotTestResult robot = test(with_camera(), with_camera(), {{.kind = comms::FaultKind::swapped_wheels}});
   EXPECT_THAT(robot.faults, ElementsAre("the wheels are swapped: the left wheel's command turns the other wheel",

@@ -72,6 +72,10 @@ TEST(Tune, SaysWhatIsWrongWithItsStudy) {
               AllOf(HasSubstr("`skein check` refuses"), HasSubstr("UNSTABLE")));
   EXPECT_THAT(refusal("set = [\"duration=2\"]\n[hand]\nt = 3.0\n[tune.search]\n\"controller.k_y\" = [4, 5]\n"),
               HasSubstr("hand.t"));
+  // All times would be the same, whatever the gains.
+  EXPECT_THAT(refusal("runs = 2\nset = [\"duration=2\", \"perturb=[]\"]\n[hand]\nt = 1.0\n"
+                      "[tune.search]\n\"controller.k_y\" = [4, 5]\n"),
+              HasSubstr("none of 2 kicks has settled 1 s later"));
 }
 
 TEST(Tune, FindsGainsThatAreBetterOnKicksThatItHasNotSeen) {

@@ -33,18 +33,19 @@ double gauss(detail::Random& random) {
 /// How `camera` sees a board that is tilted and shifted at random, turned by at most `turn`, and printed higher than it
 /// should be.
 BoardView view_of(const Calibration& camera, const Board& board, detail::Random& random, double noise,
-                  double turn = 3.0, double stretch = 1.0) {
+                  double turn = 3.0, double stretch = 1.0, double tilted = 0.6) {
   Calibration placed = camera;
-  const Eigen::Matrix3d tilt = (Eigen::AngleAxisd(random.between(-0.6, 0.6), Eigen::Vector3d::UnitX()) *
-                                Eigen::AngleAxisd(random.between(-0.6, 0.6), Eigen::Vector3d::UnitY()) *
+  const Eigen::Matrix3d tilt = (Eigen::AngleAxisd(random.between(-tilted, tilted), Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(random.between(-tilted, tilted), Eigen::Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(random.between(-turn, turn), Eigen::Vector3d::UnitZ()))
                                    .toRotationMatrix();
   const Eigen::Vector3d away(random.between(-0.15, 0.15), random.between(-0.1, 0.1), random.between(0.35, 0.6));
   placed.world_from_camera = CameraPose{tilt.transpose(), -(tilt.transpose() * away)};
   BoardView view;
   for (int id = 0; id < board.inner_corners(); ++id) {
-    const double x = (id % (board.columns - 1) + 1) * board.square;
-    const double y = (id / (board.columns - 1) + 1) * board.square;
+    const int column = id % (board.columns - 1) + 1, row = id / (board.columns - 1) + 1;
+    const double x = column * board.square;
+    const double y = row * board.square;
     const auto at = pixel_from_world(
         placed, {x - 0.5 * board.columns * board.square, stretch * (y - 0.5 * board.rows * board.square), 0.0});
     if (!at || at->x() < 0.0 || at->y() < 0.0 || at->x() > camera.width || at->y() > camera.height) continue;
@@ -96,8 +97,9 @@ TEST(Intrinsics, ABoardThatIsAnotherOneIsAnError) {
   std::vector<BoardView> views = views_of(lens(), 12, 0.1);
   for (BoardView& view : views)
     for (BoardCorner& corner : view.corners) {  // taken for one of 9 columns
-      corner.x = (corner.id % 8 + 1) * 0.02;
-      corner.y = (corner.id / 8 + 1) * 0.02;
+      const int column = corner.id % 8 + 1, row = corner.id / 8 + 1;
+      corner.x = column * 0.02;
+      corner.y = row * 0.02;
     }
   const auto result = solve_intrinsics(views, 1280, 960);
   ASSERT_FALSE(result);
@@ -127,10 +129,23 @@ TEST(Intrinsics, SayThatABoardIsPrintedLongerOneWay) {
       << uneven_focal_lengths(*bad);
 }
 
+TEST(Intrinsics, NeedABoardThatIsTilted) {
+  detail::Random random(22);
+  std::vector<BoardView> views;
+  while (views.size() < 12) {
+    views.push_back(view_of(lens(), {}, random, 0.1, 3.0, 1.0, 0.01));
+    views.back().source = std::to_string(views.size());
+  }
+  const auto result = solve_intrinsics(views, 1280, 960);
+  ASSERT_FALSE(result) << result->calibration.fx;
+  EXPECT_NE(result.error().find("do not determine the focal length"), std::string::npos) << result.error();
+}
+
 TEST(Intrinsics, NeedThreeViews) {
   const auto result = solve_intrinsics(views_of(lens(), 2, 0.1), 1280, 960);
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error(), "2 of 2 views can be used; needed: 3 and more, each with 6 corners, from different sides");
+  EXPECT_EQ(result.error(),
+            "found the board in 2 views, allowed: 3 or more, each with at least 6 corners, from different sides");
 }
 
 TEST(Intrinsics, TheSameViewTwiceIsNotNew) {

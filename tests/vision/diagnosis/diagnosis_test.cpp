@@ -87,6 +87,7 @@ TEST(Diagnosis, MirroredFrames) {
   for (int v = 0; v < lab.frame.height; ++v) std::reverse(lab.frame.row(v), lab.frame.row(v) + lab.frame.width);
   ASSERT_FALSE(lab.tracked());
   EXPECT_EQ(lab.diagnosis().why, NotSeen::mirrored);
+  EXPECT_EQ(why_no_tag(lab.frame), "tag 3 is mirrored: switch the camera's mirror off");
 }
 
 TEST(Diagnosis, TagThatTheBorderCuts) {
@@ -133,10 +134,9 @@ TEST(Diagnosis, TagOfAnotherFamily) {
   ASSERT_FALSE(lab.tracked());
   EXPECT_EQ(lab.diagnosis().why, NotSeen::other_family);
   EXPECT_EQ(lab.said(), "tag 3 looks like 3 of the family 25h9: print it anew in 36h11");
-  EXPECT_EQ(other_family(lab.frame),
-            "no tag is of the family 36h11, but 1 looks like 25h9 (3): print it anew in 36h11");
+  EXPECT_EQ(why_no_tag(lab.frame), "no tag is of the family 36h11, but 1 looks like 25h9 (3): print it anew in 36h11");
   lab.show({});
-  EXPECT_EQ(other_family(lab.frame), "") << "the control: a floor with clutter";
+  EXPECT_EQ(why_no_tag(lab.frame), "") << "the control: a floor with clutter";
 }
 
 TEST(Diagnosis, EmptyFloorHasNoTag) {

@@ -126,7 +126,7 @@ TEST(TrackTracker, AGoodFilmHasNothingToSay) {
   ASSERT_TRUE(summary) << summary.error();
   EXPECT_EQ(lab.told, std::vector<std::string>{});
   EXPECT_EQ(summary->lost + summary->counters.rejected, 0);
-  EXPECT_EQ(summary->track.other_family, "");
+  EXPECT_EQ(summary->track.why_no_tag, "");
 }
 
 TEST(TrackTracker, PicturesAreSearchedEachByItself) {

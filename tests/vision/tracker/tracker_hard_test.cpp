@@ -13,7 +13,7 @@
 namespace skein::vision {
 namespace {
 
-constexpr double degree = core::pi / 180.0;
+constexpr double one_degree = core::pi / 180.0;
 
 struct Tally {
   int in_sight = 0;
@@ -27,7 +27,7 @@ struct Tally {
 
   double recall() const { return static_cast<double>(seen) / in_sight; }
   double xy_mm() const { return 1e3 * std::sqrt(xy2 / counted); }
-  double theta_deg() const { return std::sqrt(theta2 / counted) / degree; }
+  double theta_deg() const { return std::sqrt(theta2 / counted) / one_degree; }
 
   void add(const detail::BenchMoment& truth, const std::vector<TagPose>& reported) {
     for (std::size_t i = 0; i < truth.tags.size(); ++i) {
@@ -38,7 +38,7 @@ struct Tally {
       if (pose == reported.end()) continue;
       const double xy = core::distance(pose->pose, tag.pose);
       const double theta = core::wrap_angle(pose->pose.theta - tag.pose.theta);
-      wrong += xy > 2e-3 || std::abs(theta) > 2.0 * degree ? 1 : 0;
+      wrong += xy > 2e-3 || std::abs(theta) > 2.0 * one_degree ? 1 : 0;
       if (!truth.in_sight[i]) continue;
       ++seen;
       xy2 += xy * xy;

@@ -1,0 +1,1 @@
+// Empty: its target precompiles headers for the others (skein.cmake).

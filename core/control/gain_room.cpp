@@ -1,0 +1,58 @@
+#include "core/control/gain_room.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace skein::core {
+namespace {
+
+PairTable times(const PairTable& table, double factor) {
+  PairTable result(table.robots());
+  for (std::size_t i = 0; i < table.robots(); ++i)
+    for (std::size_t j = i + 1; j < table.robots(); ++j) result.set(i, j, factor * table(i, j));
+  return result;
+}
+
+}  // namespace
+
+std::optional<GainName> shares_limit_with(GainName name) noexcept {
+  switch (name) {
+    case GainName::k_tt:
+      return GainName::k_yy;
+    case GainName::k_yy:
+      return GainName::k_tt;
+    case GainName::k_xx:
+    case GainName::c_xx:
+    case GainName::c_tt:
+    case GainName::c_yy:
+    case GainName::l_xx:
+    case GainName::l_tt:
+      break;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> lowered_for(GainName name, double wanted, GainName other, const Gains& gains,
+                                  const CouplingGains& couplings, const PairTable& coupled,
+                                  const ReferenceDemand& demand, double per_unit) {
+  if (gains.robots() < 2 || shares_limit_with(name) != other) return std::nullopt;
+  const auto partners = static_cast<double>(gains.robots() - 1);
+  double most = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < gains.robots(); ++i) {
+    const double left = free_omega(gains, i) - demand.turning - partners * wanted;
+    if (const double sharing = coupled.row_sum(i); sharing > 0.0) most = std::min(most, left / sharing);
+  }
+  CouplingGains lowered = couplings;
+  const auto suffices = [&](double steps) {
+    table(lowered, other) = times(coupled, steps / per_unit);
+    return gain_limit(name, gains, lowered, demand) >= wanted;
+  };
+  // The limit is computed in another order, and may come out an ulp below what is wanted.
+  double steps = std::isfinite(most) ? std::floor(most * per_unit) : 0.0;
+  if (steps >= 1.0 && !suffices(steps)) steps -= 1.0;
+  if (steps < 0.0 || !suffices(steps)) return std::nullopt;
+  return steps / per_unit;
+}
+
+}  // namespace skein::core

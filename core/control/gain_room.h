@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "core/control/gain_schedule.h"
+
+namespace skein::core {
+
+/// The gain with which `name` shares a bound of (18f, g), which limits their sum. Nothing: it has one of its own.
+std::optional<GainName> shares_limit_with(GainName name) noexcept;
+
+/// To what `other` has to be lowered, for all pairs that are coupled, so that (18f, g) allow `name` the value `wanted`
+/// for all pairs: the largest multiple of 1 / `per_unit` with which `gain_limit` is no less than `wanted`. Nothing: the
+/// two gains share no bound, or not even 0 would be low enough. `coupled(i, j)` is 0 where a pair is switched off.
+std::optional<double> lowered_for(GainName name, double wanted, GainName other, const Gains& gains,
+                                  const CouplingGains& couplings, const PairTable& coupled,
+                                  const ReferenceDemand& demand, double per_unit);
+
+}  // namespace skein::core
