@@ -399,17 +399,26 @@ class AravisSource final : public FrameSource {
     }
     // What came of triggers that were thought lost is none of this one's.
     while (ArvBuffer* late = arv_stream_try_pop_buffer(stream_.get())) Buffer(late, {stream_.get()});
+    asked_ = 0;
+    return ask(problem);
+  }
+  /// Sends one software trigger. false: the camera did not hear it.
+  bool ask(std::string& problem) {
     Failure failed;
     const double before = monotonic_now();
     arv_camera_software_trigger(camera_.get(), &failed);
     triggered_at_ = 0.5 * (before + monotonic_now());
+    ++asked_;
     if (failed) problem = failed_to("did not hear its trigger", failed);
     return !failed;
   }
 
   /// Until a frame is there. None: why none will come, or nobody waits for it any more.
   Buffer wait(std::string& problem) {
-    const double seconds = fresh_ ? first_frame_wait : stall_wait();
+    // Cameras ignore a trigger that comes before they are ready, and networks lose frames: one that does not come is
+    // asked for again.
+    const double patience = stall_wait();
+    const double seconds = fresh_ ? first_frame_wait : software_trigger() ? 2.0 * patience : patience;
     const double until = monotonic_now() + seconds;
     for (double left = seconds; left > 0.0; left = until - monotonic_now()) {
       const auto slice = static_cast<guint64>(1e6 * std::min(left, look));
@@ -420,6 +429,8 @@ class AravisSource final : public FrameSource {
         problem = address() + ": stopped answering (unplugged, or another program took it?)";
         return Buffer(nullptr, {stream_.get()});
       }
+      if (software_trigger() && monotonic_now() - triggered_at_ > patience && !ask(problem))
+        return Buffer(nullptr, {stream_.get()});
     }
     problem = fmt::format(
         "{}: no frame for {:.3g} s (unplugged{}?)", address(), seconds,
@@ -456,7 +467,8 @@ class AravisSource final : public FrameSource {
       const bool at_the_end = clock_.delay() && *clock_.delay() < 0.9 * exposure_;
       return at_the_end ? stamped - half : stamped + half;
     }
-    if (software_trigger() && passed_over == 0) {
+    // Of a frame that was asked for twice nobody knows by which trigger.
+    if (software_trigger() && passed_over == 0 && asked_ == 1) {
       stamps_.store(TimeStamps::exposure_start, std::memory_order_relaxed);
       return triggered_at_ + half;
     }
@@ -516,6 +528,7 @@ class AravisSource final : public FrameSource {
   double last_capture_ = 0.0;
   double last_arrival_ = 0.0;  // or when it was opened
   double trigger_at_ = 0.0, triggered_at_ = 0.0;
+  int asked_ = 0;  // triggers sent for the frame that is awaited
   std::atomic<TimeStamps> stamps_{TimeStamps::arrival};  // until a frame has said better
   mutable std::mutex status_mutex_;
   SourceStatus status_;

@@ -146,6 +146,21 @@ TEST(Aravis, SoftwareTriggerGivesAFrameWhenItIsTime) {
   EXPECT_NEAR(timing.late, 0.0, 0.02);
 }
 
+TEST(Aravis, AFrameThatDoesNotComeIsAskedForAgain) {
+  test::FakeGige fake({"--lose-frames", "2"});
+  ASSERT_TRUE(fake.running());
+  auto camera = open_source(
+      address, {.width = 320, .height = 240, .rate = 20.0, .trigger = "software", .controls = {{"exposure", 0.004}}});
+  ASSERT_TRUE(camera) << camera.error();
+  Frame frame;
+  const auto read = (*camera)->read(frame);
+  ASSERT_TRUE(read && *read) << (read ? std::string("end") : read.error());
+  EXPECT_NE((*camera)->stamps(), TimeStamps::exposure_start) << "nobody knows by which trigger it came";
+  EXPECT_EQ((*camera)->status().outages, 0);
+  ASSERT_TRUE((*camera)->read(frame).value());
+  EXPECT_EQ((*camera)->stamps(), TimeStamps::exposure_start);
+}
+
 TEST(Aravis, HardwareTriggerGivesAFrameForEachPulse) {
   test::FakeGige fake({"--clock", "--line", "40"});
   ASSERT_TRUE(fake.running());

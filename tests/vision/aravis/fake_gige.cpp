@@ -1,11 +1,12 @@
 // A GigE Vision camera in software on 127.0.0.1 (Aravis's own), as a program of its own so that it can be killed. One
 // at a time can have the protocol's port: it waits until the port is free, and says "ready".
 //
-//   skein_fake_gige [--clock] [--lost PER_THOUSAND] [--line HZ] [--tags]
+//   skein_fake_gige [--clock] [--lost PER_THOUSAND] [--lose-frames N] [--line HZ] [--tags]
 //
 // Its pictures rise from left to right, the same in every format (grey_of). In Mono8 the first eight pixels are the
 // time at which the exposure began, CLOCK_MONOTONIC as a double. Its own clock is 1234 s off and 50 ppm too fast; after
-// the exposure it needs 1 to 3 ms until it sends.
+// the exposure it needs 1 to 3 ms until it sends. Of each packet the network loses a part (--lost), and all packets of
+// the first frames (--lose-frames).
 #include <arv.h>
 #include <time.h>
 
@@ -43,6 +44,9 @@ struct Scene {
   bool tags = false;
   vision::SyntheticCamera camera{vision::overhead_calibration(2.0, 1.5), {}, 1};
   vision::Frame frame;
+  ArvGvFakeCamera* sender = nullptr;
+  int lose_frames = 0;
+  double lost = 0.0;  // part of the packets
 };
 
 void fill_tags(Scene& scene, std::uint8_t* pixels, int width, int height) {
@@ -72,6 +76,8 @@ void fill_ramp(ArvPixelFormat format, std::uint8_t* pixels, int width, int heigh
 
 void fill(ArvBuffer* buffer, void* scene, guint32 exposure_us, guint32, ArvPixelFormat format) {
   const double began = monotonic_now();
+  if (auto& what = *static_cast<Scene*>(scene); what.lose_frames >= 0)
+    g_object_set(what.sender, "gvsp-lost-ratio", what.lose_frames-- > 0 ? 1.0 : what.lost, nullptr);
   arv_buffer_set_timestamp(buffer, own_clock(began));
   std::size_t size = 0;
   auto* pixels = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &size)));
@@ -117,14 +123,14 @@ ArvGvFakeCamera* start(const std::string& genicam) {
 
 int main(int count, char** words) {
   bool clock = false;
-  double lost = 0.0;
   double line = 0.0;
   Scene scene;
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
     if (word == "--clock") clock = true;
     if (word == "--tags") scene.tags = true;
-    if (word == "--lost") lost = std::atof(words[++i]) / 1000.0;
+    if (word == "--lost") scene.lost = std::atof(words[++i]) / 1000.0;
+    if (word == "--lose-frames") scene.lose_frames = std::atoi(words[++i]);
     if (word == "--line") line = std::atof(words[++i]);
   }
   std::string genicam;
@@ -137,7 +143,7 @@ int main(int count, char** words) {
   const test::PortLock lock;
   ArvGvFakeCamera* camera = start(genicam);
   if (clock) std::remove(genicam.c_str());
-  g_object_set(camera, "gvsp-lost-ratio", lost, nullptr);
+  scene.sender = camera;
   ArvFakeCamera* registers = arv_gv_fake_camera_get_fake_camera(camera);
   arv_fake_camera_set_fill_pattern(registers, fill, &scene);
   arv_fake_camera_set_trigger_frequency(registers, 1000.0);
