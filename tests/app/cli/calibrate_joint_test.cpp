@@ -76,7 +76,7 @@ struct JointLab {
 
 TEST(CalibrateJoint, MakesTwoCamerasAgreeAndOverwritesNothingUnasked) {
   JointLab lab;
-  lab.film(30);
+  lab.film(22);
   lab.request.out = lab.folder / "joint";
   const std::string out = lab.run(0);
   EXPECT_THAT(out, HasSubstr("cameras 1 and 2: "));

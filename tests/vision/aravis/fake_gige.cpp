@@ -51,7 +51,7 @@ struct Scene {
 
 void fill_tags(Scene& scene, std::uint8_t* pixels, int width, int height) {
   const auto tags = test::fake_gige_tags();
-  scene.camera.render(tags, 0.0, scene.frame);
+  if (scene.frame.grey.empty()) scene.camera.render(tags, 0.0, scene.frame);  // it stands still
   if (scene.frame.width == width && scene.frame.height == height)
     std::memcpy(pixels, scene.frame.grey.data(), scene.frame.grey.size());
 }
