@@ -66,6 +66,7 @@ endif()
 # --- skein-permissions: what an administrator decides; nothing of it is in the other packages ---
 install(FILES resources/debian/60-skein.rules DESTINATION lib/udev/rules.d COMPONENT skein-permissions)
 install(FILES resources/debian/60-skein.conf DESTINATION /etc/security/limits.d COMPONENT skein-permissions)
+install(FILES resources/debian/60-skein-sysctl.conf DESTINATION lib/sysctl.d RENAME 60-skein.conf COMPONENT skein-permissions)
 install(FILES resources/debian/README.permissions DESTINATION ${SKEIN_DOC}/skein-permissions RENAME README.Debian
   COMPONENT skein-permissions)
 
@@ -129,8 +130,8 @@ skein_debian(skein-dev libdevel "coordination of unicycle robots as a C++ librar
   "The science of Skein for other programs: references, the coordinated law,\navoidance, shield, planning, estimation and simulation of unicycle robots,\nas pure functions. A static library, its headers, and a package for CMake:\nfind_package(skein) gives skein::core."
   DEPENDS "libeigen3-dev (>= 3.4)")
 skein_debian(skein-permissions admin "real-time priority and devices for users of Skein"
-  "Makes the group skein, lets its members use real-time priority up to 25\n(/etc/security/limits.d/60-skein.conf), gives whoever sits at the machine its\nBluetooth serial lines and e-pucks on USB, and keeps ModemManager away from\nthem (udev rules). It adds nobody to the group."
-  DEPENDS "adduser, udev" ARCHITECTURE all)
+  "Makes the group skein, lets its members use real-time priority up to 25\n(/etc/security/limits.d/60-skein.conf), gives whoever sits at the machine its\nBluetooth serial lines and e-pucks on USB, and keeps ModemManager away from\nthem (udev rules). Programs may ask the kernel for larger receive buffers, for\nGigE cameras (sysctl net.core.rmem_max). It adds nobody to the group."
+  DEPENDS "adduser, udev" RECOMMENDS procps ARCHITECTURE all)
 set(CPACK_DEBIAN_SKEIN-PERMISSIONS_PACKAGE_CONTROL_EXTRA
   "${PROJECT_SOURCE_DIR}/resources/debian/postinst;${PROJECT_SOURCE_DIR}/resources/debian/conffiles")
 skein_debian(python3-skein python "Skein's experiments, runs and sweeps from Python"

@@ -359,6 +359,22 @@ std::vector<std::pair<std::string, CameraSpec>> all_cameras(const Examination& e
   return all;
 }
 
+/// What the kernel holds of a GigE camera's frame while its receiver waits for a processor.
+void check_receive_buffer(const Machine& machine, Findings& result) {
+  constexpr long large_frame = 4L << 20;  // [bytes]
+  const std::string text = read(below(machine, vision::receive_buffer_setting));
+  const long limit = text.empty() ? 0 : std::strtol(text.c_str(), nullptr, 10);
+  if (limit >= large_frame) return;
+  const std::string setting = fmt::format("net.core.rmem_max={}", vision::good_receive_buffer_limit);
+  result.push_back({State::note,
+                    "receive buffer",
+                    fmt::format("{} bytes; a frame of a GigE camera may be larger, and is not whole when this machine "
+                                "is busy",
+                                limit),
+                    fmt::format("install skein-permissions, or as root: sysctl -w {}", setting),
+                    {{"sysctl", "-w", setting}}});
+}
+
 Findings cameras(const Machine& machine, const Examination& examination) {
   Findings result;
   const auto devices = entries(below(machine, "/sys/class/video4linux"), "video");
@@ -370,6 +386,7 @@ Findings cameras(const Machine& machine, const Examination& examination) {
       result.push_back({State::ill, path, "you have no permission to open it", "see the group video above"});
   }
   bool wanted = false;
+  bool receivers = false;
   std::vector<std::string> answered;  // cameras of the network
   for (const auto& [file, camera] : all_cameras(examination)) {
     if (camera.kind() != CameraKind::live) continue;
@@ -378,11 +395,13 @@ Findings cameras(const Machine& machine, const Examination& examination) {
     if (source.starts_with("aravis:")) {
       if (answered.empty()) answered = machine.network_cameras();
       const bool there = std::find(answered.begin(), answered.end(), device) != answered.end();
-      if (there)
+      if (there) {
         names.push_back(device);
-      else
+        receivers = true;
+      } else {
         result.push_back({State::ill, device, fmt::format("does not answer; {} sees its robots with it", file),
                           "plug it in, or name another: skein camera list"});
+      }
       continue;
     }
     wanted = true;
@@ -395,6 +414,7 @@ Findings cameras(const Machine& machine, const Examination& examination) {
     result.push_back({wanted ? State::ill : State::note, "camera", "none", "plug one in; skein camera list shows it"});
   else if (result.empty())
     result.push_back(well("camera", fmt::format("{}; examined by: skein camera doctor", fmt::join(names, ", "))));
+  if (receivers) check_receive_buffer(machine, result);
   return result;
 }
 

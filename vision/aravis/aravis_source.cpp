@@ -1,6 +1,7 @@
 #include "vision/aravis/aravis_source.h"
 
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
@@ -8,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <fstream>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -24,6 +26,12 @@ namespace {
 
 // One is being filled, one waits for packets to be sent again, one is read; more would only hold older frames.
 constexpr int buffers = 5;
+
+// What the kernel is asked to hold of them until Aravis reads it. [frames]
+constexpr guint buffered_frames = 2;
+
+// Below that of the control thread's ticks, above that of its poses.
+constexpr int receiver_priority = 15;
 
 // Opening the shutter and settling the exposure takes cameras a second or two. [s]
 constexpr double first_frame_wait = 5.0;
@@ -85,6 +93,12 @@ double monotonic_now() {
   clock_gettime(CLOCK_MONOTONIC, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
+/// How much the kernel holds at most for a program that receives; 0: unknown. [bytes]
+long receive_buffer_limit() {
+  long bytes = 0;
+  std::ifstream(receive_buffer_setting) >> bytes;
+  return bytes;
+}
 void sleep_for(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
@@ -114,7 +128,7 @@ class AravisSource final : public FrameSource {
     if (problem.empty()) problem = set_region();
     if (problem.empty()) problem = set_trigger();
     if (problem.empty()) problem = set_rate(notices);
-    if (problem.empty()) problem = start();
+    if (problem.empty()) problem = start(notices);
     if (!problem.empty()) {
       close();
       return problem;
@@ -300,17 +314,46 @@ class AravisSource final : public FrameSource {
     return {};
   }
 
-  std::string start() {
+  /// Whether the kernel holds a whole frame of a GigE camera until it is read. Else a receiver that waits for its
+  /// processor for a millisecond or two loses packets.
+  bool holds(guint payload, std::vector<std::string>& notices) const {
+    if (!arv_camera_is_gv_device(camera_.get())) return true;
+    const long limit = receive_buffer_limit();
+    if (limit < static_cast<long>(payload)) {
+      notices.push_back(fmt::format(
+          "{}: a frame has {} bytes, and this machine holds {} of a receiver that is busy: frames may not be whole; as "
+          "root: sysctl net.core.rmem_max={}",
+          address(), payload, limit, good_receive_buffer_limit));
+      return false;
+    }
+    // For root Aravis would read the network's packets raw, and others' too until its filter is in place, which it
+    // takes for frames. With a buffer that holds a frame, root needs no other way than everybody else.
+    arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+    return true;
+  }
+  /// Aravis's thread that receives: packets do not wait for it for long. Refused: `skein run` says so of its own.
+  static void on_stream(void*, ArvStreamCallbackType type, ArvBuffer*) {
+    if (type != ARV_STREAM_CALLBACK_TYPE_INIT) return;
+    sched_param wanted{};
+    wanted.sched_priority = receiver_priority;
+    ::pthread_setschedparam(::pthread_self(), SCHED_FIFO | SCHED_RESET_ON_FORK, &wanted);
+  }
+
+  std::string start(std::vector<std::string>& notices) {
     Failure failed;
-    stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, &failed));
+    const guint payload = arv_camera_get_payload(camera_.get(), &failed);
+    if (failed) return failed_to("does not tell how large its frames are", failed);
+    const bool held = holds(payload, notices);
+    stream_.reset(arv_camera_create_stream(camera_.get(), on_stream, nullptr, &failed));
     if (!stream_) return failed_to("does not stream", failed);
     if (ARV_IS_GV_STREAM(stream_.get())) {
       const auto retention = static_cast<guint>(1e6 * std::clamp(period_, least_retention, most_retention));
       g_object_set(stream_.get(), "packet-resend", ARV_GV_STREAM_PACKET_RESEND_ALWAYS, "frame-retention", retention,
                    nullptr);
+      if (held)  // Aravis's own is the kernel's default, a sixth of a megapixel
+        g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
+                     static_cast<gint>(buffered_frames * payload), nullptr);
     }
-    const guint payload = arv_camera_get_payload(camera_.get(), &failed);
-    if (failed) return failed_to("does not tell how large its frames are", failed);
     for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
     arv_camera_start_acquisition(camera_.get(), &failed);
     return failed ? failed_to("does not start", failed) : std::string();
@@ -528,7 +571,7 @@ class AravisSource final : public FrameSource {
   double last_capture_ = 0.0;
   double last_arrival_ = 0.0;  // or when it was opened
   double trigger_at_ = 0.0, triggered_at_ = 0.0;
-  int asked_ = 0;  // triggers sent for the frame that is awaited
+  int asked_ = 0;                                        // triggers sent for the frame that is awaited
   std::atomic<TimeStamps> stamps_{TimeStamps::arrival};  // until a frame has said better
   mutable std::mutex status_mutex_;
   SourceStatus status_;

@@ -35,6 +35,11 @@ struct Aravis {
   CameraSettings (*settings)(const std::string& camera, const ControlSettings& set, std::string& error);
 };
 
+/// What the kernel holds at most for a program that receives, until the program reads it, and what is enough for
+/// several frames of every camera. Debian's own limit is a sixth of a megapixel. [bytes]
+inline constexpr const char* receive_buffer_setting = "/proc/sys/net/core/rmem_max";
+inline constexpr long good_receive_buffer_limit = 32L << 20;
+
 /// Carries a number for the same reason as media_symbol; SourceOptions counts too.
 inline constexpr const char* aravis_symbol = "skein_aravis_3";
 

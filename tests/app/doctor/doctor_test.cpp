@@ -28,6 +28,7 @@ class Patient {
     write("/proc/loadavg", "0.31 0.20 0.10 1/200 4711\n");
     write("/proc/meminfo", "MemTotal: 8000000 kB\nMemAvailable:    4000000 kB\n");
     write("/proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+    write("/proc/sys/net/core/rmem_max", "33554432\n");
     write("/proc/4711/comm", "bash\n");
     for (const char* cpu : {"cpu0", "cpu1"}) write(std::string("/sys/devices/system/cpu/") + cpu + "/online", "1\n");
     write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "performance\n");
@@ -223,6 +224,12 @@ const Fault faults[] = {
      [](Patient& p) {
        p.lab().camera.source = "aravis:Basler-1";
        p.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+     }},
+    {"ReceiveBufferBelowAFrame", State::note, "receive buffer: 212992 bytes",
+     [](Patient& p) {
+       p.lab().camera.source = "aravis:Basler-2";
+       p.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+       p.write("/proc/sys/net/core/rmem_max", "212992\n");
      }},
     {"NoCalibration", State::ill, "calibration: ", [](Patient& p) { p.remove("/cal.toml"); }},
     {"CalibrationTorn", State::ill, "calibration: ", [](Patient& p) { p.write("/cal.toml", "width = 1280\nhei"); }},

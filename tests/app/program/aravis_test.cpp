@@ -22,6 +22,7 @@
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
 #include "vision/calibration/calibration.h"
+#include "vision/modules/aravis.h"
 
 namespace {
 
@@ -34,6 +35,14 @@ std::string text_of(const fs::path& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
+}
+
+/// Whether this machine holds a frame of 1280x960 until it is read: the camera in software sends it at once, where a
+/// network would take 10 ms. Root reads it from the network itself.
+bool frames_are_whole() {
+  long limit = 0;
+  std::ifstream(vision::receive_buffer_setting) >> limit;
+  return ::geteuid() == 0 || limit >= 1280L * 960;
 }
 
 /// A folder with the calibration of the fake camera's pictures, and the program, running in it.
@@ -109,6 +118,7 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& text)
 }
 
 TEST_F(AravisRun, TagsOfANetworkCameraAreTracked) {
+  if (!frames_are_whole()) GTEST_SKIP() << "wants: sysctl net.core.rmem_max=33554432";
   test::FakeGige fake({"--tags", "--clock"});
   ASSERT_TRUE(fake.running());
   begin({"track", camera, "--camera", file("cal.toml"), "--rate", "25", "--set", "exposure=0.002", "--csv",
@@ -133,6 +143,7 @@ TEST_F(AravisRun, TagsOfANetworkCameraAreTracked) {
 }
 
 TEST_F(AravisRun, ACameraThatIsLostEndsTheRunAndTheOperatorIsToldWhy) {
+  if (!frames_are_whole()) GTEST_SKIP() << "wants: sysctl net.core.rmem_max=33554432";
   test::FakeGige fake({"--tags"});
   ASSERT_TRUE(fake.running());
   begin({"run", test::in_source("resources/experiments/platoon.toml"), "--set", std::string("camera.source=") + camera,

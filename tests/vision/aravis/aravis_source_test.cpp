@@ -6,12 +6,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "tests/vision/aravis/fake_gige.h"
 #include "tests/vision/support.h"
+#include "vision/modules/aravis.h"
 #include "vision/modules/media_loader.h"
 #include "vision/sources/open_source.h"
 
@@ -77,17 +79,17 @@ TEST(Aravis, GivesFramesOfTheSizeThatWasAskedFor) {
   test::FakeGige fake;
   ASSERT_TRUE(fake.running());
   auto camera = open_source("aravis:Aravis-Fake-SKEIN1",
-                            {.width = 640, .height = 480, .rate = 50.0, .controls = {{"exposure", 0.002}}});
+                            {.width = 480, .height = 360, .rate = 50.0, .controls = {{"exposure", 0.002}}});
   ASSERT_TRUE(camera) << camera.error();
-  EXPECT_EQ((*camera)->describe(), "camera aravis:Aravis-Fake-SKEIN1 (640x480 Mono8, 50 frames/s)");
+  EXPECT_EQ((*camera)->describe(), "camera aravis:Aravis-Fake-SKEIN1 (480x360 Mono8, 50 frames/s)");
   EXPECT_FALSE((*camera)->stills());
   Frame frame;
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE((*camera)->read(frame).value());
     EXPECT_EQ(frame.index, i);
-    EXPECT_EQ(frame.width, 640);
-    EXPECT_EQ(frame.height, 480);
-    for (const int u : {10, 100, 639}) EXPECT_EQ(frame.row(479)[u], test::fake_gige_grey(u));
+    EXPECT_EQ(frame.width, 480);
+    EXPECT_EQ(frame.height, 360);
+    for (const int u : {10, 100, 479}) EXPECT_EQ(frame.row(359)[u], test::fake_gige_grey(u));
   }
   EXPECT_EQ((*camera)->status().outages, 0);
 }
@@ -102,6 +104,30 @@ TEST(Aravis, TellsTheSameGreyInEveryFormat) {
     Frame frame;
     ASSERT_TRUE((*camera)->read(frame).value()) << format;
     for (int u = 16; u < 304; ++u) ASSERT_NEAR(frame.row(120)[u], test::fake_gige_grey(u), 1) << format << " " << u;
+  }
+}
+
+TEST(Aravis, AFrameThatTheKernelCannotHoldIsNamed) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  long limit = 0;
+  std::ifstream(receive_buffer_setting) >> limit;
+  ASSERT_GT(limit, 0);
+  const struct {
+    int width, height;
+    const char* format;
+    long bytes;
+  } cases[] = {{320, 240, "Mono8", 76'800}, {2048, 2048, "RGB8", 12'582'912}};
+  for (const auto& each : cases) {
+    auto camera =
+        open_source(address, {.width = each.width, .height = each.height, .rate = 10.0, .format = each.format});
+    ASSERT_TRUE(camera) << camera.error();
+    const auto notices = (*camera)->status().notices;
+    const bool named = std::any_of(notices.begin(), notices.end(), [&](const std::string& notice) {
+      return notice.find(std::to_string(each.bytes) + " bytes") != std::string::npos &&
+             notice.find("net.core.rmem_max=33554432") != std::string::npos;
+    });
+    EXPECT_EQ(named, each.bytes > limit) << each.bytes << " of " << limit;
   }
 }
 
