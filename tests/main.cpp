@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "tests/app/folder.h"
 #include "tests/places.h"
 
 int main(int argc, char** argv) {
@@ -19,5 +20,8 @@ int main(int argc, char** argv) {
   }
   setenv("RC_PARAMS", "seed=20101208 max_success=1000", /*overwrite=*/0);
   ::testing::InitGoogleTest(&argc, argv);
+  // testing::TempDir() of this process alone: another checkout's tests, or another user's, may run at the same time.
+  const skein::test::Folder folder;
+  setenv("TEST_TMPDIR", (folder.path + "/").c_str(), /*overwrite=*/1);
   return RUN_ALL_TESTS();
 }
