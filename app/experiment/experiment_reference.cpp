@@ -235,7 +235,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
   });
   if (nearest <= core::standard_radius + core::standard_radius) return refuse_meeting(e, closest, problems);
   const char* where = e.reference.may_meet ? "where they begin or come to rest" : "of the formation";
-  if (e.avoidance.enabled && level <= 1.0) {
+  if (e.avoidance.enabled && e.avoidance.kind == core::AvoidanceKind::field && level <= 1.0) {
     const double fits = std::pow(level, 1.0 / e.avoidance.p);
     problems.add(
         e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",

@@ -8,6 +8,8 @@ namespace skein::app {
 namespace {
 
 using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 /// Two robots that swap places along one line; `more` goes into [reference], `first` into the first trajectory.
@@ -54,6 +56,17 @@ TEST(Trajectories, ThatMeetAreRefusedUnlessTheFileSaysSo) {
                "from = [-0.5, 0.3], to = [0.5, 0.05] } }"),
       Contains(StartsWith("e.toml:7:14: robot.2.trajectory: found a reference that comes within 0.05 m of robot "
                           "1's at t = ")));
+}
+
+/// The field has a detection region, planned routes have none.
+TEST(Trajectories, OfPlannedRoutesMayRestAsNearAsTheShieldAllows) {
+  const auto beside = [](const std::string& more) {
+    return "[reference]\nkind = 'independent'\nmay_meet = true\n" + more +
+           "[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.5, 0], to = [0.5, 0] } }\n"
+           "[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.5, 0.3], to = [0.5, 0.08] } }\n";
+  };
+  EXPECT_THAT(messages(beside("")), Contains(HasSubstr("avoidance.alpha: found a detection region of 0.1 m x 0.1 m")));
+  EXPECT_THAT(messages(beside("[avoidance]\nkind = 'plan'\n")), IsEmpty());
 }
 
 /// Two robots that cross the floor side by side and change sides; `first` is the first one's path.
