@@ -21,6 +21,7 @@ constexpr double pushed_off_place = 0.008;  // from a place at rest [m]
 constexpr double release = 0.1;             // of couplings [s]
 constexpr double ramp = 0.3;                // of couplings that come back [s]
 constexpr double rate_slope = 2.0;          // of a clock [1/s]
+constexpr double unseen = 0.02;             // who is so little behind does not count [s]
 constexpr double error_free = 0.010;        // behind its route: clocks run on; at `error_stop` they stand [m]
 constexpr double error_stop = 0.025;        // [m]
 constexpr double looks_every = 5;           // ticks
@@ -31,16 +32,38 @@ bool is_at(const Pose& place, const Pose& pose) noexcept {
   return distance(pose, place) < arrived && std::abs(wrap_angle(pose.theta - place.theta)) < route_end_angle;
 }
 
+/// How much smaller than the largest bodies are, each size once.
+std::vector<double> sizes_of(const Planner::Setup& setup) {
+  std::vector<double> sizes = setup.smaller;
+  if (sizes.empty()) sizes.push_back(0.0);
+  std::sort(sizes.begin(), sizes.end());
+  sizes.erase(std::unique(sizes.begin(), sizes.end()), sizes.end());
+  return sizes;
+}
+
+std::vector<Lattice> make_lattices(const Planner::Setup& setup) {
+  std::vector<Lattice> lattices;
+  for (const double smaller : sizes_of(setup))
+    lattices.emplace_back(setup.arena, setup.shield_distance - setup.radius - smaller + 0.0005, setup.obstacles);
+  return lattices;
+}
+
+const Lattice& finest(const std::vector<Lattice>& lattices) {
+  return *std::max_element(lattices.begin(), lattices.end(),
+                           [](const Lattice& a, const Lattice& b) { return a.size() < b.size(); });
+}
+
 }  // namespace
 
 Planner::Planner(const Setup& setup, const Reference& reference, FormationClock* clock)
     : reference_(&reference),
       clock_(clock),
       setup_(setup),
-      lattice_(setup.arena, setup.shield_distance - setup.radius + 0.0005, setup.obstacles),
+      lattices_(make_lattices(setup)),
+      lattice_of_(setup.robots),
       traffic_(setup.robots),
       expected_(setup.robots),
-      search_(lattice_, setup.robots),
+      search_(finest(lattices_), setup.robots),
       paces_(setup.robots),
       robots_(setup.robots),
       goals_(setup.robots),
@@ -49,6 +72,9 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
       on_route_(setup.robots),
       shift_(setup.robots * setup.robots) {
   constexpr double sampled = 0.1;  // [s]
+  const std::vector<double> sizes = sizes_of(setup);
+  for (std::size_t i = 0; i < setup.smaller.size(); ++i)
+    lattice_of_[i] = static_cast<std::size_t>(std::find(sizes.begin(), sizes.end(), setup.smaller[i]) - sizes.begin());
   // Beyond the end as well: a robot may be on its way to a place at rest when time is over.
   const double end = setup.duration + longest_way;
   for (std::size_t i = 0; i < setup.robots; ++i) {
@@ -59,7 +85,6 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
   group_.order.reserve(setup.robots);
   group_.member.resize(setup.robots);
   group_.planned.resize(setup.robots);
-  group_.failed.resize(setup.robots);
   group_.from.resize(setup.robots);
   group_.stands.resize(setup.robots);
   group_.routes.resize(setup.robots);
@@ -77,7 +102,7 @@ void Planner::go_on_from(const Planner& other) {
   *this = other;
   reference_ = reference;
   clock_ = clock;
-  search_.look_at(lattice_, traffic_);
+  search_.look_at(lattice(group_.asking ? group_.order[group_.next] : 0), traffic_);
 }
 
 void Planner::reset() noexcept {
@@ -110,7 +135,7 @@ bool Planner::is_back(std::size_t i, const Scene& scene, const Pose& place) cons
 void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
                     std::span<const ReferencePoint> nominal) noexcept {
   Robot& robot = robots_[i];
-  if (lattice_.has_obstacles() && pass_obstacle(i, scene, gains, nominal)) return;
+  if (lattice(i).has_obstacles() && pass_obstacle(i, scene, gains, nominal)) return;
   const bool follows = robot.state == State::nominal && nominal[i].twist != Twist{};
   if (!follows && robot.state != State::driving) return;
   constexpr double step = 0.2;
@@ -119,9 +144,9 @@ void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
   while ((ahead += step) < sees_ahead) {
     const Pose there = follows ? reference_->at(i, scene.t + ahead).pose : robot.route.at(robot.clock + ahead).pose;
     bool meets = false;
-    if (const Lattice::Place in = lattice_.inside(there.x, there.y);
-        !lattice_.free(in.x, in.y) || !lattice_.free({before.x, before.y}, {before.x, before.y}))
-      meets = !lattice_.free(in.x, in.y) && lattice_.free(before.x, before.y);
+    if (const Lattice::Place in = lattice(i).inside(there.x, there.y);
+        !lattice(i).free(in.x, in.y) || !lattice(i).free({before.x, before.y}, {before.x, before.y}))
+      meets = !lattice(i).free(in.x, in.y) && lattice(i).free(before.x, before.y);
     for (std::size_t j = 0; j < robots_.size() && !meets; ++j) {
       if (j == i) continue;
       const bool stays = stands(j, scene) || (robots_[j].state == State::waiting && robots_[j].no_way);
@@ -156,10 +181,9 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     const double until = std::min(planned - theirs, other.route.duration());
     // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
     const double runs = robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0, runs_to = other.clock + runs;
-    if (runs_to >= until - 0.02) continue;
+    if (runs_to >= until - unseen) continue;
     const Pose now = on_route_[j];
-    const bool merges = robot.joins > 0.0 || other.joins > 0.0;
-    const double most = std::min(robot.keeps, other.keeps) - (merges ? closer(i, j) : 0.0) - less;
+    const double most = std::min(robot.keeps, other.keeps) - closer(i, j) - less;
     // Too far away to get there by then.
     const double reach = most + fastest * (until + step - other.clock);
     if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
@@ -178,12 +202,25 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   return false;
 }
 
+/// How fast the clock of robot i may run: so that it can stop before the first moment ahead at which it must wait. One
+/// that stands looks ahead no farther than others may be behind it unseen: of two that looked farther, each would stand
+/// for the other. On its way to a place that drives on a robot stops early: it is replanned where it is late.
+double Planner::may_run(std::size_t i, const Scene& scene) noexcept {
+  if (!rests(i, scene)) return must_wait(i, 0.2) || must_wait(i, 0.4) ? 0.0 : 1.0;
+  double free = 0.0;
+  for (const double ahead : {unseen, 0.1, 0.2, 0.4}) {
+    if (must_wait(i, ahead)) return std::sqrt(2.0 * rate_slope * free);
+    free = ahead;
+  }
+  return 1.0;
+}
+
 void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   Robot& robot = robots_[i];
   const Pose here = on_route_[i];
   const double error = distance(here, scene.poses[i]);
   double wanted = std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0);
-  if (must_wait(i, 0.2) || must_wait(i, 0.4)) wanted = 0.0;
+  wanted = std::min(wanted, may_run(i, scene));
   robot.rate += std::clamp(wanted - robot.rate, -rate_slope * dt, rate_slope * dt);
   robot.held_for = robot.rate < 0.3 ? robot.held_for + dt : 0.0;
   const State before = robot.state;
@@ -241,7 +278,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       !std::equal(obstacles_.begin(), obstacles_.end(), scene.obstacles.begin(), scene.obstacles.end());
   if (changed) {
     obstacles_.assign(scene.obstacles.begin(), scene.obstacles.end());
-    lattice_.build(scene.obstacles);
+    for (Lattice& each : lattices_) each.build(scene.obstacles);
     for (Robot& robot : robots_) robot.retry = robot.patience = 0.0;
   }
   for (std::size_t i = 0; i < n; ++i)

@@ -54,7 +54,7 @@ class Planner {
     double shield_distance = 0.078;  ///< of two bodies of `radius` [m]
     double duration = 0.0;           ///< of the experiment [s]
     double shield_gamma = 4.0;       ///< [1/s]
-    /// Of the largest body: routes to places at rest are planned as if all had it. [m]
+    /// Of the largest body. [m]
     double radius = standard_radius;
     std::vector<double> smaller{};  ///< than that is each body; empty: all are as large [m]
   };
@@ -182,6 +182,7 @@ class Planner {
   void set_off(std::size_t i, double due) noexcept;
   void run_clock(std::size_t i, const Scene& scene, double dt) noexcept;
   bool must_wait(std::size_t i, double ahead) noexcept;
+  double may_run(std::size_t i, const Scene& scene) noexcept;
   bool rests(std::size_t i, const Scene& scene) const noexcept;
   bool is_back(std::size_t i, const Scene& scene, const Pose& place) const noexcept;
   static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
@@ -191,6 +192,7 @@ class Planner {
   double closer(std::size_t i, std::size_t j) const noexcept {
     return setup_.smaller.empty() ? 0.0 : setup_.smaller[i] + setup_.smaller[j];
   }
+  const Lattice& lattice(std::size_t i) const noexcept { return lattices_[lattice_of_[i]]; }
   double lag(std::size_t i) const noexcept { return now_ - robots_[i].due - robots_[i].clock; }
 
   static constexpr double never = std::numeric_limits<double>::infinity();
@@ -201,7 +203,8 @@ class Planner {
   const Reference* reference_;
   FormationClock* clock_;
   Setup setup_;
-  Lattice lattice_;
+  std::vector<Lattice> lattices_;        // one for each size of body
+  std::vector<std::size_t> lattice_of_;  // each robot
   Traffic traffic_, expected_;
   RouteSearch search_;
   Merge merge_;
@@ -229,7 +232,7 @@ class Planner {
     enum class Others { leave, stay, absent } others = Others::leave;  // assumed behaviour of robots without a route
     int attempt = 0;
     std::vector<std::size_t> order;
-    std::vector<std::uint8_t> member, planned, failed;
+    std::vector<std::uint8_t> member, planned;
     std::vector<Pose> from;      // poses of members after braking
     std::vector<double> stands;  // since when, after `began` [s]
     std::vector<Route> routes, best;

@@ -15,6 +15,7 @@ constexpr double longest_lead = 0.8;           // [s]
 constexpr double leaves_within = 4.0;          // so long whoever has no route yet is taken to stand where it is [s]
 constexpr std::size_t nodes_each_tick = 1300;  // some 2 us each on a processor of 2.6 GHz
 constexpr int most_attempts = 40;
+constexpr double longest_planning = 4.0;  // then whoever finds no way is left standing, and the others drive [s]
 constexpr int most_improvements = 6;
 constexpr double good_enough = 1.12;  // against the straight line of whoever has the longest
 constexpr double slowest = 0.005;     // who is slower stands [m/s]
@@ -54,7 +55,7 @@ void Planner::find_conflicts_of_all(const Scene& scene, std::span<const Referenc
       double least = never;
       for (std::size_t k = 0; k <= end; k += 2)
         least = std::min(least, std::hypot(traffic_.x(i, k) - traffic_.x(j, k), traffic_.y(i, k) - traffic_.y(j, k)));
-      if (least < keep_) {
+      if (least < keep_ - closer(i, j)) {
         if (rests(i, scene)) robots_[i].needs_plan = true;
         if (rests(j, scene)) robots_[j].needs_plan = true;
       }
@@ -62,7 +63,7 @@ void Planner::find_conflicts_of_all(const Scene& scene, std::span<const Referenc
     // Obstacles on its way.
     if (!rests(i, scene)) continue;
     for (std::size_t k = 0; k <= traffic_.still_from(i); k += 2)
-      if (!lattice_.free(traffic_.x(i, k), traffic_.y(i, k)) && k > 0) robots_[i].needs_plan = true;
+      if (!lattice(i).free(traffic_.x(i, k), traffic_.y(i, k)) && k > 0) robots_[i].needs_plan = true;
   }
 }
 
@@ -90,11 +91,12 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   Robot& robot = robots_[i];
   const Pose& pose = scene.poses[i];
   // Whoever drives goes on from its reference, so that noise does not become a jump; whoever stands, from where it is.
+  // On a route, this tick's is still to come: from that of the tick before, it would be driven back.
+  const bool on_route = robot.state == State::waiting || (robot.state == State::driving && rests(i, scene));
+  const Pose on = on_route ? robot.route.at(robot.clock).pose : robot.reference.pose;
   const double v = std::abs(scene.commands[i].v) < slowest ? 0.0 : scene.commands[i].v;
-  const bool tracks = v != 0.0 && distance(pose, robot.reference.pose) < put_elsewhere &&
-                      std::abs(wrap_angle(pose.theta - robot.reference.pose.theta)) < looks_elsewhere;
-  // One that brakes already has its reference of this tick still to come.
-  const Pose on = robot.state == State::waiting ? robot.route.at(robot.clock).pose : robot.reference.pose;
+  const bool tracks =
+      v != 0.0 && distance(pose, on) < put_elsewhere && std::abs(wrap_angle(pose.theta - on.theta)) < looks_elsewhere;
   const Pose from = tracks ? on : pose;
   robot.route.brake(from, v, paces_[i]);
   group_.from[i] = robot.route.end();
@@ -110,7 +112,6 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   const std::size_t n = robots_.size();
   g.order.clear();
   std::fill(g.planned.begin(), g.planned.end(), std::uint8_t{0});
-  std::fill(g.failed.begin(), g.failed.end(), std::uint8_t{0});
   for (std::size_t i = 0; i < n; ++i) {
     const bool can = rests(i, scene) && !stands(i, scene) && !std::isnan(scene.poses[i].x);
     g.member[i] = can && (robots_[i].needs_plan || everybody);
@@ -131,6 +132,7 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   for (const std::size_t i : g.order) {
     begin_route(i, scene);
     robots_[i].needs_plan = false;
+    g.lead = std::max(g.lead, g.stands[i]);  // a route that begins late does not repeat the braking
   }
   for (std::size_t j = 0; j < n; ++j)
     if (!g.member[j]) expect(j, scene, nominal);
@@ -176,6 +178,8 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       query.keep = keep_;
       query.least = setup_.shield_distance + 5e-4;
       query.pace = paces_[i];
+      query.smaller = setup_.smaller;
+      search_.look_at(lattice(i), traffic_);
       search_.begin(query, traffic_);
       spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
       g.asking = true;
@@ -202,8 +206,8 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       end_group(scene);
       return;
     }
-    if (g.attempt > most_attempts || g.next == 0) {  // first and yet no way: it stands where it is
-      g.failed[i] = 1;
+    const bool gives_up = g.attempt > most_attempts || scene.t > g.began + longest_planning;
+    if (gives_up || g.next == 0) {  // first and yet no way: it stands where it is
       traffic_.stands(i, g.from[i].x, g.from[i].y);
       g.planned[i] = 0;
       g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
@@ -216,7 +220,7 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(g.next),
                   g.order.begin() + static_cast<std::ptrdiff_t>(g.next + 1));
     }
-    if (g.attempt <= most_attempts) {
+    if (!gives_up) {
       for (const std::size_t j : g.order) g.planned[j] = 0;
       g.next = 0;
       g.others = Group::Others::leave;
@@ -269,7 +273,9 @@ void Planner::end_group(const Scene& scene) noexcept {
 
 void Planner::plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
   if (group_.active) return go_on_with_group(scene, nominal);
-  bool group = false, everybody = false;
+  bool group = false, everybody = false, somebody_drives = false;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    somebody_drives = somebody_drives || (robots_[i].state == State::driving && !stands(i, scene));
   const std::array<std::size_t, Merging::most> before = merging_.robots;
   merging_.count = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -279,7 +285,8 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
       if (merging_.count < Merging::most) merging_.robots[merging_.count++] = i;
     } else {
       group = true;
-      everybody = everybody || robot.no_way;
+      // While others drive there may soon be a way that there was not: they are not stopped for it.
+      everybody = everybody || (robot.no_way && (robot.state == State::driving || !somebody_drives));
     }
   }
   if (merging_.robots != before) merging_.searched = 0;

@@ -135,7 +135,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
     query.enough = m.soonest[at] + may_be_better;
     query.most_work = (most_each_tick - std::min(spent_, most_each_tick)) / (m.count - k);
     if (m.urgent[at]) query.most_work = std::min(query.most_work, quick_work);
-    const Merge::Way way = merge_.find(query, *reference_, lattice_, traffic_, m.routes[at]);
+    const Merge::Way way = merge_.find(query, *reference_, lattice(i), traffic_, m.routes[at]);
     spent_ += merge_.work();
     if (!way.found) return never;
     m.joins[at] = way.joins;
@@ -211,7 +211,7 @@ void Planner::find_alone(const Merge::Query& like) noexcept {
     query.crowded = false;
     query.obstacles = !m.around;
     query.most_work = most_each_tick / (2 * m.count);
-    m.soonest[k] = merge_.find(query, *reference_, lattice_, traffic_, m.routes[k]).joins;
+    m.soonest[k] = merge_.find(query, *reference_, lattice(m.robots[k]), traffic_, m.routes[k]).joins;
     spent_ += merge_.work();
   }
 }
@@ -274,7 +274,7 @@ void Planner::look_again(std::size_t i, const Scene& scene, const Gains& gains,
   group_.from[i] = Route::stop(from.from, from.v, m.paces[0]);
   bool somebody_yields = false;
   Merge::Query like = expect_all(scene, gains, nominal, somebody_yields);
-  if (lattice_.has_obstacles()) like.stays_free = sees_ahead + 0.5;
+  if (lattices_.front().has_obstacles()) like.stays_free = sees_ahead + 0.5;
   find_alone(like);
   if (remaining < m.soonest[0] + worth_looking) {
     robot.looks_at = scene.t + 3.0 * looks_every_time;
@@ -323,7 +323,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
   const auto settle = [&] {
     soonest = *std::max_element(m.soonest.begin(), m.soonest.begin() + static_cast<std::ptrdiff_t>(m.count));
   };
-  if (m.searched != m.count) begin(lattice_.has_obstacles());
+  if (m.searched != m.count) begin(lattices_.front().has_obstacles());
   settle();
   const double hurry = hurry_of_all(gains), slope = m.paces[0].acceleration / reference_->demand(gains.k_y).v;
 

@@ -73,7 +73,7 @@ bool Planner::slow_down(std::size_t i, const Scene& scene, const Gains& gains, s
       spent_ += 5 * robots_.size();
       if (!who_yields(i, scene, delay)) continue;
       query.delay = delay;
-      if (sidesteps_.begin(query, *reference_, lattice_) != SidestepSearch::Lane::blocked) continue;
+      if (sidesteps_.begin(query, *reference_, lattice(i)) != SidestepSearch::Lane::blocked) continue;
       bool found = false;
       yield_ = delay;
       while (!found && sidesteps_.next(way)) found = meets_nobody(i, way, scene, nominal, merging_.yields);
@@ -95,7 +95,7 @@ bool Planner::pass_obstacle(std::size_t i, const Scene& scene, const Gains& gain
   if ((!passes && !yields && robot.state != State::nominal) || robot.needs_plan || rests(i, scene) ||
       nominal[i].twist == Twist{})
     return false;
-  if (passes && SidestepSearch::clear(robot.aside, i, scene.t, *reference_, lattice_)) return true;
+  if (passes && SidestepSearch::clear(robot.aside, i, scene.t, *reference_, lattice(i))) return true;
   if (spent_ >= passing_work) return passes || robot.state == State::nominal;  // it looks again in a moment
   SidestepSearch::Query query;
   query.robot = i;
@@ -114,7 +114,7 @@ bool Planner::pass_obstacle(std::size_t i, const Scene& scene, const Gains& gain
     spent_ += sidesteps_.work();
     return found;
   };
-  switch (sidesteps_.begin(query, *reference_, lattice_)) {
+  switch (sidesteps_.begin(query, *reference_, lattice(i))) {
     case SidestepSearch::Lane::free:
       break;
     case SidestepSearch::Lane::later:

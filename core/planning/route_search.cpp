@@ -57,7 +57,9 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
     const double at_start = std::hypot(traffic.x(j, k0) - query.from.x, traffic.y(j, k0) - query.from.y);
     const double at_end = std::hypot(traffic.x(j, last) - query.to.x, traffic.y(j, last) - query.to.y);
     constexpr double less = 1e-3;
-    radius_[j] = std::min(std::max(std::min(query.keep, at_end - less), query.least), at_start - less);
+    const double closer = query.smaller.empty() ? 0.0 : query.smaller[query.robot] + query.smaller[j];
+    radius_[j] =
+        std::min(std::max(std::min(query.keep - closer, at_end - less), query.least - closer), at_start - less);
   }
   if (direct()) {
     searching_ = false;

@@ -33,6 +33,7 @@ class RouteSearch {
     double keep = 0.1;      ///< between two midpoints [m]
     double least = 0.0785;  ///< smaller limit if both goals are closer than that [m]
     Pace pace;
+    std::span<const double> smaller{};  ///< than `keep` and `least` are for: each body [m]; empty: none is
   };
   void begin(const Query& query, const Traffic& traffic) noexcept;
   /// Continues with up to this many nodes; returns the number expanded.

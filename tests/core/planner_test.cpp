@@ -68,6 +68,7 @@ struct Outcome {
   double fastest_change = 0.0;              // of a speed between two ticks [m/s]
   double most_v = 0.0, most_turning = 0.0;  // of references, against (18f, g)
   bool no_way = false;
+  int reversals = 0;  // of the robot that has most
   // Of those that are stuck, at the end of that: whether they are told to drive, and the others are at their places.
   bool told = false, others_there = false;
   std::vector<Pose> last;
@@ -91,6 +92,7 @@ Outcome run(const Scene& scene) {
   std::vector<core::TrackingError> errors(n);
   std::vector<double> v_limit(n);
   std::vector<std::uint8_t> out(n), stuck(n);
+  std::vector<int> direction(n), reversals(n);
   const std::unique_ptr<bool[]> touched(new bool[n]());
   Outcome o;
   for (int k = 0; k * dt < scene.duration; ++k) {
@@ -118,6 +120,11 @@ Outcome run(const Scene& scene) {
     bool there = true, others_there = true;
     for (std::size_t i = 0; i < n; ++i) {
       if (k > 0 && !out[i]) o.fastest_change = std::max(o.fastest_change, std::abs(commands[i].v - last[i].v));
+      if (std::abs(commands[i].v) > 0.005) {
+        const int now = commands[i].v > 0.0 ? 1 : -1;
+        if (direction[i] == -now) o.reversals = std::max(o.reversals, ++reversals[i]);
+        direction[i] = now;
+      }
       poses[i] = core::advance(poses[i], commands[i], dt);
       const ReferencePoint place = scene.lines.at(i, t + dt);
       const bool at_its_place = core::distance(poses[i], place.pose) < 0.01 && place.twist == Twist{};
@@ -179,7 +186,8 @@ TEST(Route, IsDrivenExactlyByAUnicycle) {
   Pose pose{0.1, 0.2, 0.5};
   constexpr double step = 0.001;
   double last_v = 0.06;
-  for (double t = 0.0; t < route.duration() + 1.0; t += step) {
+  for (int k = 0; k * step < route.duration() + 1.0; ++k) {
+    const double t = k * step;
     const Twist twist = route.twist(t, step);
     EXPECT_LE(std::abs(twist.v), pace.v + 1e-9);
     EXPECT_LE(std::abs(twist.omega), pace.omega + 1e-9);
@@ -241,6 +249,52 @@ TEST_P(ManyRobots, EverybodyArrivesAndNobodyTouchesOrLeaves) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, ManyRobots, testing::Values(4, 12, 20, 30));
+
+/// Two clocks that looked farther ahead than they were apart each stood for the other, until everybody was planned anew
+/// (`no_way`, though there was one).
+TEST(Planner, NobodyWaitsForOneWhoWaitsForIt) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Outcome o = run(crowd(30, seed));
+    EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
+    EXPECT_FALSE(o.no_way) << "seed " << seed;
+  }
+}
+
+/// Who is planned anew brakes from where it was to be by then, not from where it was to be a tick before.
+TEST(Planner, WhoIsPlannedAnewIsNotDrivenBack) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Scene scene = crowd(12, seed);
+    scene.out = [](std::size_t n, double t) {
+      std::vector<std::uint8_t> out(n);
+      out[5] = t >= 4.0 && t < 10.0;
+      return out;
+    };
+    EXPECT_LE(run(scene).reversals, 1) << "seed " << seed;
+  }
+}
+
+/// Robots close together, whose places are close together in another order: those inside have no way until others have
+/// left. While everybody stopped for whoever had none, and planning took 12 s of every 13, nobody arrived.
+TEST(Planner, LetsThoseDriveWhoHaveAWay) {
+  Draw draw(1);
+  std::vector<int> order{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
+  for (std::size_t k = order.size() - 1; k > 0; --k)
+    std::swap(order[k], order[static_cast<std::size_t>(draw.between(0.0, 1.0) * static_cast<double>(k))]);
+  Scene scene;
+  scene.duration = 200.0;
+  constexpr double apart = 0.0865;
+  const auto place = [](double x, double y, int k, double theta) {
+    const int column = k / 3, row = k % 3;
+    return Pose{x + apart * column, y + apart * row, theta};
+  };
+  for (int i = 0; i < 15; ++i) {
+    scene.starts.push_back(place(-0.85, -0.45, i, draw.angle()));
+    scene.lines.add(scene.starts.back(), place(0.45, 0.1, order[static_cast<std::size_t>(i)], 0.0));
+  }
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 0.0);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
 
 TEST(Planner, RepeatsToTheBit) {
   const Outcome first = run(crowd(16, 7)), again = run(crowd(16, 7));

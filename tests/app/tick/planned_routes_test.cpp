@@ -45,6 +45,27 @@ TEST(PlannedRoutes, RepeatToTheBit) {
       ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
 }
 
+/// Beside a larger one: two small robots 0.12 m from each other, and one 1 cm from the edge. While all were planned as
+/// if they had the largest body there was no way to the one, and the other turned on the spot for ever.
+TEST(PlannedRoutes, BringSmallRobotsToPlacesThatALargeOneHasNoRoomFor) {
+  const Experiment e = good(
+      "duration = 40\nreference.kind = 'independent'\nreference.speed = 0.09\nreference.may_meet = true\n"
+      "avoidance.kind = 'plan'\ncontroller.k_y = 4\ncontroller.gains = { k_xx = 0, k_tt = 0, k_yy = 0 }\n"
+      "staging.automatic = false\n"
+      "[[robot]]\nmodel = 'khepera4'\nstart = [0, -0.4, 0]\n"
+      "trajectory = { path = { shape = 'line', from = [0, -0.4], to = [0, 0.5] } }\n"
+      "[[robot]]\nstart = [-0.6, 0, 0]\n"
+      "trajectory = { path = { shape = 'line', from = [-0.6, 0], to = [0.6, 0] } }\n"
+      "[[robot]]\nstart = [0.6, 0.3, 3]\n"
+      "trajectory = { path = { shape = 'line', from = [0.6, 0.3], to = [0.6, -0.12] } }\n"
+      "[[robot]]\nstart = [0.3, -0.4, 3]\n"
+      "trajectory = { path = { shape = 'line', from = [0.3, -0.4], to = [-0.955, 0.1] } }\n");
+  const std::vector<TickRecord> rows = test::simulate(e);
+  EXPECT_LT(farthest(rows.back()), 0.005);
+  for (const TickRecord& row : rows)
+    for (const Event& event : row.events) EXPECT_FALSE(is<events::NoWay>(event)) << row.t;
+}
+
 TEST(PlannedRoutes, LeaveARobotAtItsPlaceThatWasOutOfSightForAMoment) {
   const Experiment e = good(
       "duration = 60\nreference.kind = 'independent'\nreference.speed = 0.09\navoidance.kind = 'plan'\n"
