@@ -5,10 +5,11 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 
-#include "tests/app/folder.h"
 #include "tests/places.h"
 
 int main(int argc, char** argv) {
@@ -21,7 +22,10 @@ int main(int argc, char** argv) {
   setenv("RC_PARAMS", "seed=20101208 max_success=1000", /*overwrite=*/0);
   ::testing::InitGoogleTest(&argc, argv);
   // testing::TempDir() of this process alone: another checkout's tests, or another user's, may run at the same time.
-  const skein::test::Folder folder;
-  setenv("TEST_TMPDIR", (folder.path + "/").c_str(), /*overwrite=*/1);
-  return RUN_ALL_TESTS();
+  std::string folder = (std::filesystem::temp_directory_path() / "skein-tests-XXXXXX").string();
+  if (mkdtemp(folder.data()) != nullptr) setenv("TEST_TMPDIR", (folder + "/").c_str(), /*overwrite=*/1);
+  const int status = RUN_ALL_TESTS();
+  std::error_code gone;
+  std::filesystem::remove_all(folder, gone);
+  return status;
 }
