@@ -248,6 +248,21 @@ TEST_F(Display, WithoutAnExperimentNothingIsSaidToHaveFailed) {
   EXPECT_EQ(find<QLabel>("time")->text().toStdString(), "") << "of nothing";
 }
 
+TEST_F(Display, TextsAreRenewedFiveTimesASecondHoweverRareFramesAre) {
+  start();
+  auto* pace = find<QLabel>("pace");
+  const auto renewed_at = [&](double now) {
+    pace->setText(QStringLiteral("old"));
+    emit const_cast<LiveRun&>(live()).frame(now);
+    return pace->text() != QStringLiteral("old");
+  };
+  constexpr double later = 1e6;  // than any frame of this run [s]
+  for (const double t : {0.0, 0.2, 0.9, 3.0, 3.5}) EXPECT_TRUE(renewed_at(later + t)) << t;
+  for (const double t : {3.53, 3.56, 3.6})
+    EXPECT_FALSE(renewed_at(later + t)) << "control: too often to be read, " << t;
+  EXPECT_TRUE(renewed_at(later + 3.7));
+}
+
 TEST_F(Display, NumbersThatAreNotKnownAreNotShown) {
   QStringList said;
   const auto listen = [&] { said << find<QLabel>("pace")->text(); };

@@ -59,9 +59,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr int frames_per_text = 6;       // numbers that change five times a second can be read
-constexpr int frames_per_question = 15;  // to the display
-constexpr int layout_version = 2;        // of the docks: a layout of another version is not restored
+constexpr int layout_version = 2;  // of the docks: a layout of another version is not restored
 
 /// The panel in as much room as there is: what is higher scrolls.
 QScrollArea* scrolling(QWidget* panel) {
@@ -671,7 +669,7 @@ void MainWindow::on_open_failed(const QString& reason) {
   messages_->problem(tr("The experiment could not be opened"), text);
 }
 
-void MainWindow::on_frame() {
+void MainWindow::on_frame(double now) {
   if (app::interrupted() && !may_close_) close();
   for (const QString& sentence : runs_.live().alarms()) log_->note(0.0, sentence, Severity::alarm);
   calibration_->refresh();
@@ -697,8 +695,8 @@ void MainWindow::on_frame() {
   recording_->refresh();
   // A question to the display, which waits for the answer: one that has stalled holds this thread up as well, and who
   // cannot see the robots cannot stop them. The session takes care of that (3 s).
-  if (frames_ % frames_per_question == 0) static_cast<void>(QCursor::pos());
-  if (++frames_ % frames_per_text == 0 || phase != shown_phase_) show_state();
+  if (question_pace_.due(now)) static_cast<void>(QCursor::pos());
+  if (text_pace_.due(now) || phase != shown_phase_) show_state();
 }
 
 void MainWindow::show_state() {

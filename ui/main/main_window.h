@@ -6,6 +6,7 @@
 #include <map>
 
 #include "app/session/readiness.h"
+#include "ui/base/pace.h"
 #include "ui/base/palette.h"
 #include "ui/main/messages.h"
 #include "ui/run/runs.h"
@@ -115,12 +116,12 @@ class MainWindow final : public QMainWindow {
   QDockWidget* dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area);
 
   void show_run();    // another run, or another experiment
-  void show_state();  // five times a second
+  void show_state();  // five times a second, however many frames there are, and when something changes
   void show_timing();
   void show_numbers();
   void on_opened();
   void on_open_failed(const QString& reason);
-  void on_frame();
+  void on_frame(double now);
   void select_robot(int robot);
   void seek(double t);
   void mend(app::Check::What what);
@@ -177,7 +178,8 @@ class MainWindow final : public QMainWindow {
   bool theme_chosen_ = false;                       // else the desktop's
   bool teaches_ = false;                            // the hint stands until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
-  int frames_ = 0;
+  Pace text_pace_{0.19};     // numbers that change five times a second can be read
+  Pace question_pace_{0.5};  // to the display
 };
 
 }  // namespace skein::ui

@@ -10,10 +10,9 @@
 namespace skein::ui {
 namespace {
 
-constexpr int frame_ms = 32;         // the screen's pace: faster than the eye minds, far slower than the machine can
-constexpr int polls_per_status = 8;  // links change slowly, and asking for them makes strings
-constexpr int rest_ms = 500;         // after the end of a run its last row has reached the recorder
-constexpr int stand_ms = 3000;       // by then its robots have had a fair chance to acknowledge their stop
+constexpr int frame_ms = 32;    // the screen's pace: faster than the eye minds, far slower than the machine can
+constexpr int rest_ms = 500;    // after the end of a run its last row has reached the recorder
+constexpr int stand_ms = 3000;  // by then its robots have had a fair chance to acknowledge their stop
 
 /// A recording whose session is gone. There is nobody left to tell but the terminal.
 void complete(app::CsvRecorder* recorder) {
@@ -51,6 +50,7 @@ LiveRun::LiveRun(QObject* parent) : RunSource(parent) {
   timer_.setTimerType(Qt::PreciseTimer);
   connect(&timer_, &QTimer::timeout, this, &LiveRun::poll);
   timer_.start(frame_ms);
+  clock_.start();
 }
 
 LiveRun::~LiveRun() {
@@ -172,8 +172,8 @@ void LiveRun::settle() {
 
 void LiveRun::poll() {
   constexpr double noticed = 1.0;  // the window's thread stood still for longer than this [s]
-  const double away = since_poll_.isValid() ? 1e-3 * static_cast<double>(since_poll_.restart()) : 0.0;
-  if (!since_poll_.isValid()) since_poll_.start();
+  const double now = 1e-3 * static_cast<double>(clock_.elapsed());
+  const double away = now - std::exchange(polled_at_, now);
   if (away > noticed && session_) emit was_away(away);
   settle();
   if (session_) {
@@ -185,7 +185,7 @@ void LiveRun::poll() {
       emit row_added(record);
       emit record_shown(record);
     });
-    if (++polls_ % polls_per_status == 0) take_robots();
+    if (status_pace_.due(now)) take_robots();
     if (const auto tested = session_->wheel_check()) {
       tests_ = false;
       if (*tested)
@@ -200,7 +200,7 @@ void LiveRun::poll() {
     finish_files();
   }
   tell_of_kept();
-  emit frame();
+  emit frame(now);
 }
 
 void LiveRun::finish_files() {

@@ -11,6 +11,7 @@
 #include "app/record/csv_file.h"
 #include "app/runs/run_keeper.h"
 #include "app/session/session.h"
+#include "ui/base/pace.h"
 #include "ui/run/run_source.h"
 
 namespace skein::ui {
@@ -133,7 +134,7 @@ class LiveRun final : public RunSource {
  signals:
   void opened();
   void open_failed(const QString& reason);
-  void frame();  ///< after each poll, thirty times a second
+  void frame(double now);  ///< after each poll, thirty times a second, fewer on a busy machine; the window's clock [s]
   void closed();
   void was_away(double seconds);             ///< the window's thread stood still so long; the control thread did not
   void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
@@ -177,7 +178,7 @@ class LiveRun final : public RunSource {
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
   bool start_at_once_ = false, stop_asked_ = false, close_asked_ = false, film_is_broken_ = false;
   bool tests_ = false;  // a robot turns its wheels
-  QElapsedTimer since_stop_, since_poll_, since_over_;
+  QElapsedTimer since_stop_, since_over_;
   double wanted_speed_ = 1.0;
   QString record_file_;
   FilmOfRun film_;
@@ -198,7 +199,9 @@ class LiveRun final : public RunSource {
   bool records_next_ = false;
   std::uint64_t rows_missed_ = 0;  // of this session
   QTimer timer_;
-  int polls_ = 0;
+  QElapsedTimer clock_;  // the window's
+  double polled_at_ = 0.0;
+  Pace status_pace_{0.25};  // links change slowly, and asking for them makes strings
 };
 
 }  // namespace skein::ui
