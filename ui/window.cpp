@@ -5,6 +5,7 @@
 #include <QStyleFactory>
 #include <cstdlib>
 
+#include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "ui/base/icons.h"
 #include "ui/main/main_window.h"
@@ -21,6 +22,19 @@ void stop_robots_at_exit() {
   app::complain("the display is gone: stopping all robots");
   app::complain(result.toStdString());
   std::_Exit(3);  // a device failed; the destructors that are left would ask the display
+}
+
+QtMessageHandler usual_messages = nullptr;
+
+/// Qt aborts when it cannot show windows, and says so in a message first: here the program ends in order instead.
+void message_at_start(QtMsgType type, const QMessageLogContext& context, const QString& text) {
+  if (type != QtFatalMsg) return usual_messages(type, context, text);
+  std::string tried;
+  for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"})
+    if (const QByteArray value = qgetenv(name); !value.isEmpty())
+      tried += (tried.empty() ? "" : ", ") + std::string(name) + " is " + value.toStdString();
+  app::complain("no display for the window (" + tried + "); try: skein run EXPERIMENT, skein --help");
+  std::_Exit(app::wrong_input);
 }
 
 }  // namespace
@@ -41,7 +55,9 @@ void prepare(QApplication& application) {
 }
 
 int show_window(const app::WindowRequest& request, int& argc, char** argv) {
+  usual_messages = qInstallMessageHandler(message_at_start);
   QApplication application(argc, argv);
+  qInstallMessageHandler(nullptr);
   prepare(application);
   MainWindow window;
   open_window = &window;

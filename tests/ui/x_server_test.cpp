@@ -34,7 +34,7 @@ class XServer : public ::testing::Test {
         process->waitForFinished(patience_ms);
       }
   }
-  void start(const QStringList& words) {
+  void launch(const QStringList& words) {
     QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
     environment.insert(QStringLiteral("DISPLAY"), display);
     environment.insert(QStringLiteral("QT_QPA_PLATFORM"), QStringLiteral("xcb"));
@@ -46,6 +46,9 @@ class XServer : public ::testing::Test {
     skein.setProcessEnvironment(environment);
     skein.start(QString::fromStdString(skein::test::program()), words);
     ASSERT_TRUE(skein.waitForStarted(patience_ms));
+  }
+  void start(const QStringList& words) {
+    launch(words);
     skein.waitForFinished(1500);  // long enough to be on the screen and running
     ASSERT_EQ(skein.state(), QProcess::Running) << skein.readAllStandardError().toStdString();
   }
@@ -61,6 +64,18 @@ TEST_F(XServer, ShowsTheWindowUntilItIsToldToEnd) {
   ASSERT_TRUE(skein.waitForFinished(patience_ms)) << "it does not end";
   EXPECT_EQ(skein.exitStatus(), QProcess::NormalExit);
   EXPECT_EQ(skein.exitCode(), 0) << skein.readAllStandardError().toStdString();
+}
+
+TEST_F(XServer, ThatIsNotThereIsSaidInOneSentence) {
+  server.kill();
+  ASSERT_TRUE(server.waitForFinished(patience_ms));
+  launch({});
+  ASSERT_TRUE(skein.waitForFinished(patience_ms)) << "it does not end";
+  const QString said = QString::fromUtf8(skein.readAllStandardError());
+  EXPECT_EQ(skein.exitStatus(), QProcess::NormalExit) << said.toStdString();
+  EXPECT_EQ(skein.exitCode(), 2) << said.toStdString();
+  EXPECT_TRUE(said.contains(QStringLiteral("skein: no display for the window (DISPLAY is %1, ").arg(display)))
+      << said.toStdString();
 }
 
 TEST_F(XServer, StopsTheRobotsWhenTheServerDies) {
