@@ -151,9 +151,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       .add_option("--video", run_request.video,
                   "record the camera's frames to this film (Matroska), lossless unless camera.film is small")
       ->type_name("FILE.MKV");
-  run_command.add_flag("--keep", run_request.keep,
-                       "keep the run with all its inputs in a folder of its own (docs/runs.md)");
-  add_runs_directory(run_command, run_request.runs_directory);
+  CLI::Option* const keep = run_command.add_flag(
+      "--keep", run_request.keep, "keep the run with all its inputs in a folder of its own (docs/runs.md)");
+  add_runs_directory(run_command, run_request.runs_directory)->needs(keep);
   run_command
       .add_option("--publish", run_request.publish,
                   "send every tick as JSON datagrams, live, to PlotJuggler's UDP server or your own program; then the "

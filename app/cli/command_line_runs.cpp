@@ -5,8 +5,8 @@
 
 namespace skein::app {
 
-void add_runs_directory(CLI::App& command, std::string& directory) {
-  command
+CLI::Option* add_runs_directory(CLI::App& command, std::string& directory) {
+  return command
       .add_option("--runs-dir", directory,
                   "folder of the kept runs; default: $SKEIN_RUNS, else $XDG_DATA_HOME/skein/runs, else "
                   "~/.local/share/skein/runs")

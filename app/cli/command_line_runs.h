@@ -31,7 +31,7 @@ struct IdentifyRequest {
 int identify(const IdentifyRequest& request);
 
 /// --runs-dir of a command.
-void add_runs_directory(CLI::App& command, std::string& directory);
+CLI::Option* add_runs_directory(CLI::App& command, std::string& directory);
 
 /// The options of `skein export` and `skein runs`.
 class RunCommands {

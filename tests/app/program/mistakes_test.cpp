@@ -208,6 +208,8 @@ TEST_F(Mistakes, WhatTheWordsOrTheFileAreWrongAboutIsNoFailureOfADevice) {
   EXPECT_THAT(said, HasSubstr("--rate: found nan, allowed: a number from 0.1 to 10000"));
   EXPECT_EQ(shell("$skein camera doctor --camera nowhere.toml"), 2);
   EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read"));
+  EXPECT_EQ(shell("$skein run e.toml --runs-dir runs"), 2);
+  EXPECT_THAT(said, HasSubstr("--runs-dir: found without --keep, allowed: with it"));
   EXPECT_EQ(shell("unset DISPLAY WAYLAND_DISPLAY QT_QPA_PLATFORM; $skein e.toml"), 2);
   EXPECT_THAT(said, AnyOf(HasSubstr("no display for the window"), HasSubstr("built without a window")));
 }
