@@ -55,4 +55,30 @@ std::optional<double> lowered_for(GainName name, double wanted, GainName other, 
   return steps / per_unit;
 }
 
+std::optional<double> lowered_for(GainName name, std::size_t i, std::size_t j, double wanted, GainName other,
+                                  const Gains& gains, const CouplingGains& couplings, const ReferenceDemand& demand,
+                                  double per_unit) {
+  if (shares_limit_with(name) != other) return std::nullopt;
+  CouplingGains lowered = couplings;
+  const auto limit_with = [&](double steps) {
+    table(lowered, other).set(i, j, steps / per_unit);
+    return gain_limit(name, i, j, gains, lowered, demand);
+  };
+  double steps = std::floor((limit_with(0.0) - wanted) * per_unit);
+  while (steps >= 1.0 && limit_with(steps) < wanted) steps -= 1.0;
+  if (steps < 0.0 || limit_with(steps) < wanted) return std::nullopt;
+  return steps / per_unit;
+}
+
+double given_up_for(GainName name, std::size_t i, std::size_t j, double wanted, const Gains& gains,
+                    const CouplingGains& couplings, const ReferenceDemand& demand) noexcept {
+  double left = free_v(gains, i) - demand.v;
+  if (const auto other = shares_limit_with(name))
+    left = free_omega(gains, i) - demand.turning - table(couplings, *other).row_sum(i);
+  else if (name != GainName::k_xx)
+    return 0.0;  // slopes and weights have no part in (18f, g)
+  const double with_others = table(couplings, name).row_sum(i) - table(couplings, name)(i, j);
+  return std::max(0.0, with_others + wanted - left);
+}
+
 }  // namespace skein::core

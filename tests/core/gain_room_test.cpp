@@ -75,6 +75,61 @@ TEST(GainRoom, TheNumberThatIsGivenMakesTheWantedValuePossibleAndNoLargerOneDoes
   EXPECT_GT(none, 5);
 }
 
+TEST(GainRoom, OfOnePairTheNumberThatIsGivenMakesTheWantedValuePossibleAndNoLargerOneDoes) {
+  int given = 0, none = 0;
+  holds("set as proposed, (18g) allows the pair what was wanted; a ten-thousandth more, and it does not", [&] {
+    Draw draw(any_seed());
+    const Room room(draw);
+    const bool yy = draw.chance(0.5);
+    const GainName name = yy ? GainName::k_yy : GainName::k_tt, other = yy ? GainName::k_tt : GainName::k_yy;
+    const double limit = core::gain_limit(name, 0, 1, room.gains, room.couplings, room.demand);
+    const double wanted = std::ceil((limit + draw.between(0.0, 0.15)) * per_unit) / per_unit;
+    RC_PRE(wanted > limit);
+    const auto limit_with = [&](double value) {
+      CouplingGains set = room.couplings;
+      core::table(set, other).set(0, 1, value);
+      return core::gain_limit(name, 0, 1, room.gains, set, room.demand);
+    };
+    const auto to = core::lowered_for(name, 0, 1, wanted, other, room.gains, room.couplings, room.demand, per_unit);
+    if (!to) {
+      ++none;
+      RC_ASSERT(limit_with(0.0) < wanted);
+      return;
+    }
+    ++given;
+    RC_ASSERT(*to >= 0.0);
+    RC_ASSERT(limit_with(*to) >= wanted);
+    RC_ASSERT(limit_with(*to + 1.0 / per_unit) < wanted);
+    RC_ASSERT(*to <= core::table(room.couplings, other)(0, 1));
+  });
+  EXPECT_GT(given, 5);
+  EXPECT_GT(none, 5);
+}
+
+TEST(GainRoom, WhatTheOtherPairsOfBothRobotsGiveUpIsWhatOnePairLacks) {
+  int made = 0;
+  holds("lowered by that much in total, the limit of the pair is what was wanted", [&] {
+    Draw draw(any_seed());
+    const Room room(draw, static_cast<std::size_t>(draw.whole(3, 8)));
+    const GainName name = core::gain_names[static_cast<std::size_t>(draw.whole(0, 2))];
+    const double limit = core::gain_limit(name, 0, 1, room.gains, room.couplings, room.demand);
+    const double wanted = limit + draw.between(0.001, 0.1);
+    CouplingGains lowered = room.couplings;
+    core::PairTable& gains = core::table(lowered, name);
+    for (const std::size_t robot : {0U, 1U}) {
+      const double others = gains.row_sum(robot) - gains(0, 1);
+      const double given_up =
+          core::given_up_for(name, robot, 1 - robot, wanted, room.gains, room.couplings, room.demand);
+      RC_PRE(given_up <= others);
+      for (std::size_t j = 2; j < room.gains.robots() && others > 0.0; ++j)
+        gains.set(robot, j, gains(robot, j) * (1.0 - given_up / others));
+    }
+    ++made;
+    RC_ASSERT(std::abs(core::gain_limit(name, 0, 1, room.gains, lowered, room.demand) - wanted) < 1e-12);
+  });
+  EXPECT_GT(made, 5);
+}
+
 TEST(GainRoom, NobodyMakesRoomForTheForwardGainNorItForOthers) {
   const Gains gains = core::paper_gains(4);
   const CouplingGains paper{gains.k_xx, gains.k_tt, gains.k_yy};

@@ -233,6 +233,43 @@ TEST_F(Gains, AreSetPairByPairAndHeldAtTheLimit) {
   EXPECT_TRUE(eventually([&] { return cell(1, 2).toString() == QStringLiteral("0.008"); }));
 }
 
+TEST_F(Gains, OfAPairAtItsLimitSayWhichOtherGainMakesRoom) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.duration = 7200.0;
+  experiment.perturbations.clear();
+  start(experiment);
+  window.set_speed(10.0);  // ramps
+  find<QTabWidget>("gain_tabs")->setCurrentWidget(find("pairs"));
+  auto* table = find<QAbstractItemView>("pair_table");
+  const auto put = [&](core::GainName gain, int i, int j, const char* value) {
+    find<QComboBox>("pair_gain")->setCurrentIndex(static_cast<int>(gain));
+    ASSERT_TRUE(table->model()->setData(table->model()->index(i, j), QString::fromLatin1(value), Qt::EditRole));
+  };
+  const auto says = [&](const QString& text) {
+    return eventually([&] { return find<QLabel>("alert")->text().contains(text); });
+  };
+  put(core::GainName::k_yy, 0, 1, "0.42");
+  EXPECT_TRUE(
+      says(QStringLiteral("k_yy of robots 1 and 2 is held at 0.4097, its limit: lower k_θθ of the same pair "
+                          "from 0.0250 to 0.0147 to allow 0.4200")))
+      << find<QLabel>("alert")->text().toStdString();
+  put(core::GainName::k_tt, 0, 1, "0.0147");
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_tt, 0, 1) == 0.0147; }));
+  put(core::GainName::k_yy, 0, 1, "0.42");
+  EXPECT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_yy, 0, 1) == 0.42; }));
+
+  put(core::GainName::k_xx, 0, 1, "0.004");
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_xx, 0, 1) == 0.004; }));
+  put(core::GainName::k_xx, 0, 2, "0.034");
+  EXPECT_TRUE(
+      says(QStringLiteral(": lower k_xx in the other pairs of robot 1 by 0.0010 and of robot 3 by 0.0050 in "
+                          "total to allow 0.0340")))
+      << find<QLabel>("alert")->text().toStdString();
+  put(core::GainName::k_xx, 0, 2, "5");
+  EXPECT_TRUE(says(QStringLiteral("its limit: that takes a slower reference (18f)")))
+      << find<QLabel>("alert")->text().toStdString();
+}
+
 TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
   open_before_start();
   auto* panel = find<GainsPanel>("gains");

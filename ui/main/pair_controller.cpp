@@ -6,6 +6,7 @@
 #include "core/control/gain_room.h"
 #include "ui/arena/arena_view.h"
 #include "ui/base/sentence.h"
+#include "ui/base/tr.h"
 #include "ui/gains/gains_panel.h"
 
 namespace skein::ui {
@@ -18,6 +19,43 @@ double largest_target(const RunSource& run, core::GainName gain) {
     for (std::size_t j = i + 1; j < run.experiment().robots.size(); ++j)
       largest = std::max(largest, run.gain_target(gain, i, j));
   return largest;
+}
+
+/// Where the gains of all pairs are going to; the pairs that are coupled as 1.
+struct Targets {
+  core::CouplingGains gains;
+  core::PairTable coupled;
+};
+
+Targets targets_of(const RunSource& run) {
+  const std::size_t n = run.experiment().robots.size();
+  Targets targets{{core::PairTable(n), core::PairTable(n), core::PairTable(n)}, core::PairTable(n)};
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      for (const core::GainName name : core::gain_names)
+        core::table(targets.gains, name).set(i, j, run.gain_target(name, i, j));
+      targets.coupled.set(i, j, run.coupled(i, j) ? 1.0 : 0.0);
+    }
+  return targets;
+}
+
+constexpr double per_unit = 1e4, rounding = 1e-6;  // what is shown and typed has four places
+
+double rounded_up(double value) {
+  return std::ceil(value * per_unit - rounding) / per_unit;
+}
+
+QString four_places(double value) {
+  return QString::number(value, 'f', 4);
+}
+
+/// Where no gain makes room. `fixed`: of k_x and k_theta, which the file then has.
+QString slower_reference(core::GainName gain, bool fixed) {
+  if (core::shares_limit_with(gain))
+    return fixed ? tr("that takes a slower reference, or a smaller k_theta in the file (18g)")
+                 : tr("that takes a slower reference (18g)");
+  return fixed ? tr("that takes a slower reference, or a smaller k_x in the file (18f)")
+               : tr("that takes a slower reference (18f)");
 }
 
 }  // namespace
@@ -59,54 +97,70 @@ void PairController::refresh() {
   show_couplings();
 }
 
+const core::ReferenceDemand& PairController::demand() {
+  const app::Experiment& experiment = runs_.live().experiment();
+  if (!demand_) demand_ = app::make_reference(experiment)->demand(experiment.controller.k_y);
+  return *demand_;
+}
+
 /// What has to be done for (18f, g) to allow this value, which is beyond the gain's limit; empty: it is no live run.
 QString PairController::remedy(core::GainName gain, double wanted) {
   const LiveRun& run = runs_.live();
   if (&runs_.shown() != &run || !run.is_open()) return {};
-  const app::Experiment& experiment = run.experiment();
-  const core::Gains gains = app::make_gains(experiment);
+  const core::Gains gains = app::make_gains(run.experiment());
   const bool fixed = gains.policy == core::GainPolicy::fixed;
   const std::optional<core::GainName> other = core::shares_limit_with(gain);
-  if (!other)
-    return fixed ? tr("that takes a slower reference, or a smaller k_x in the file (18f)")
-                 : tr("that takes a slower reference (18f)");
-  if (!demand_) demand_ = app::make_reference(experiment)->demand(experiment.controller.k_y);
-  const std::size_t n = experiment.robots.size();
-  core::CouplingGains targets{core::PairTable(n), core::PairTable(n), core::PairTable(n)};
-  core::PairTable coupled(n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j) {
-      for (const core::GainName name : core::gain_names)
-        core::table(targets, name).set(i, j, run.gain_target(name, i, j));
-      coupled.set(i, j, run.coupled(i, j) ? 1.0 : 0.0);
-    }
-  constexpr double per_unit = 1e4, rounding = 1e-6;  // what is shown and typed has four places
-  const double shown = std::ceil(wanted * per_unit - rounding) / per_unit;
-  const auto to = core::lowered_for(gain, shown, *other, gains, targets, coupled, *demand_, per_unit);
+  if (!other) return slower_reference(gain, fixed);
+  const Targets targets = targets_of(run);
+  const double shown = rounded_up(wanted);
+  const auto to = core::lowered_for(gain, shown, *other, gains, targets.gains, targets.coupled, demand(), per_unit);
   if (!to)
-    return fixed ? tr("for %1 even %2 = 0 is not enough; that takes a slower reference, or a smaller k_theta in the "
-                      "file (18g)")
-                       .arg(shown, 0, 'f', 4)
-                       .arg(gain_symbol(*other))
-                 : tr("for %1 even %2 = 0 is not enough; that takes a slower reference (18g)")
-                       .arg(shown, 0, 'f', 4)
-                       .arg(gain_symbol(*other));
+    return tr("for %1 even %2 = 0 is not enough; %3")
+        .arg(four_places(shown), gain_symbol(*other), slower_reference(gain, fixed));
   return tr("lower %1 from %2 to %3 to allow %4")
-      .arg(gain_symbol(*other))
-      .arg(core::table(targets, *other).largest(), 0, 'f', 4)
-      .arg(*to, 0, 'f', 4)
-      .arg(shown, 0, 'f', 4);
+      .arg(gain_symbol(*other), four_places(core::table(targets.gains, *other).largest()), four_places(*to),
+           four_places(shown));
+}
+
+/// The same for one pair: its other gain makes room, or else the two robots' pairs with the others.
+QString PairController::remedy(core::GainName gain, std::size_t i, std::size_t j, double wanted) {
+  const LiveRun& run = runs_.live();
+  if (&runs_.shown() != &run || !run.is_open()) return {};
+  const core::Gains gains = app::make_gains(run.experiment());
+  const Targets targets = targets_of(run);
+  const double shown = rounded_up(wanted);
+  if (const auto other = core::shares_limit_with(gain))
+    if (const auto to = core::lowered_for(gain, i, j, shown, *other, gains, targets.gains, demand(), per_unit))
+      return tr("lower %1 of the same pair from %2 to %3 to allow %4")
+          .arg(gain_symbol(*other), four_places(core::table(targets.gains, *other)(i, j)), four_places(*to),
+               four_places(shown));
+  const core::PairTable& table = core::table(targets.gains, gain);
+  QStringList parts;
+  for (const auto& [robot, partner] : {std::pair(i, j), std::pair(j, i)}) {
+    const double less = core::given_up_for(gain, robot, partner, shown, gains, targets.gains, demand());
+    if (less > table.row_sum(robot) - table(robot, partner))
+      return slower_reference(gain, gains.policy == core::GainPolicy::fixed);
+    if (less > 0.0) parts << tr("robot %1 by %2").arg(robot + 1).arg(four_places(rounded_up(less)));
+  }
+  return tr("lower %1 in the other pairs of %2 in total to allow %3")
+      .arg(gain_symbol(gain), parts.join(tr(" and of ")), four_places(shown));
 }
 
 void PairController::explain(const app::TickRecord& record) {
   for (const app::Event& event : record.events) {
-    const auto* const held = std::get_if<app::events::GainHeld>(&event);
-    if (held == nullptr) continue;
-    const QString what = remedy(held->gain, held->asked);
-    if (!what.isEmpty())
-      messages_.say(
-          tr("%1 is held at %2, its limit: %3").arg(gain_symbol(held->gain)).arg(held->held, 0, 'g', 4).arg(what),
-          Severity::warning);
+    QString what, held_at;
+    if (const auto* const held = std::get_if<app::events::GainHeld>(&event)) {
+      held_at = tr("%1 is held at %2, its limit").arg(gain_symbol(held->gain)).arg(held->held, 0, 'g', 4);
+      what = remedy(held->gain, held->asked);
+    } else if (const auto* const pair = std::get_if<app::events::PairGainHeld>(&event)) {
+      held_at = tr("%1 of robots %2 and %3 is held at %4, its limit")
+                    .arg(gain_symbol(pair->gain))
+                    .arg(pair->i + 1)
+                    .arg(pair->j + 1)
+                    .arg(pair->held, 0, 'g', 4);
+      what = remedy(pair->gain, pair->i, pair->j, pair->asked);
+    }
+    if (!what.isEmpty()) messages_.say(QStringLiteral("%1: %2").arg(held_at, what), Severity::warning);
   }
 }
 

@@ -23,6 +23,8 @@ class PairController final : public QObject {
  private:
   void show_couplings();
   QString remedy(core::GainName gain, double wanted);
+  QString remedy(core::GainName gain, std::size_t i, std::size_t j, double wanted);
+  const core::ReferenceDemand& demand();
 
   Runs& runs_;
   const Messages& messages_;
