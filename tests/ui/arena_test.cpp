@@ -260,6 +260,86 @@ TEST(ArenaHint, ThatOnlyTeachesIsNotShownWhereItWouldHideRobots) {
   EXPECT_NE(seen(1, hint, true), seen(1, {}, true)) << "control: there is room beside one robot";
 }
 
+/// The paper's platoon of so many robots at this time, in an arena of this size; how many of its bodies a message
+/// hides.
+int hidden(QSize size, std::size_t robots, double t, const QString& banner, const QString& alert) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.robots.resize(robots, experiment.robots.front());
+  for (app::RobotSpec& robot : experiment.robots) robot.start.reset();
+  const auto reference = app::make_reference(experiment);
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(robots);
+  for (std::size_t i = 0; i < robots; ++i) {
+    record.robots[i].truth = reference->at(i, t).pose;
+    record.robots[i].nominal.pose = {100.0, 100.0, 0.0};
+  }
+  const auto picture = [&](const QString& over, const QString& below) {
+    ArenaView view;
+    view.resize(size);
+    view.show_experiment(experiment);
+    view.show_record(record);
+    view.set_banner(over, true);
+    view.set_alert(below, Qt::darkRed);
+    return view.grab().toImage();
+  };
+  ArenaMap map;
+  map.resize(size);
+  map.show_plan(experiment.arena_width, experiment.arena_height);
+  const QImage bare = picture({}, {}), said = picture(banner, alert);
+  EXPECT_NE(bare, said) << "it is not said at all";
+  int count = 0;
+  for (const app::RobotRecord& robot : record.robots) {
+    const QPoint centre = map.to_screen({robot.truth.x, robot.truth.y}).toPoint();
+    bool whole = true;
+    for (int dy = -5; dy <= 5; ++dy)
+      for (int dx = -5; dx <= 5; ++dx) {
+        const QPoint at = centre + QPoint(dx, dy);
+        whole = whole && bare.pixelColor(at) == said.pixelColor(at);
+      }
+    count += whole ? 0 : 1;
+  }
+  return count;
+}
+
+TEST(ArenaMessages, HideNoRobotOfAPlatoonInASmallWindowWhereverItIs) {
+  const QSize small(512, 298);  // the arena of a window of 800x600
+  const QString alert =
+      QStringLiteral("LIMITED: the law commands robot 2 more than (14) or its wheels allow; it drives at its limits");
+  const QString banner = QStringLiteral("STOPPED by operator \u2013 new run: Ctrl+N");
+  for (const std::size_t robots : {4U, 20U})
+    for (double t = 0.0; t < 84.0; t += 4.0) {
+      EXPECT_EQ(hidden(small, robots, t, {}, alert), 0) << robots << " robots, " << t << " s";
+      EXPECT_EQ(hidden(small, robots, t, banner, {}), 0) << robots << " robots, " << t << " s";
+    }
+}
+
+TEST(ArenaCrowd, ScaleAndLegendHideNoRobot) {
+  const QSize size(512, 298);
+  app::Experiment experiment = app::paper_experiment();
+  ArenaView view;
+  view.resize(size);
+  view.show_experiment(experiment);
+  app::TickRecord record;
+  record.robots.resize(4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    record.robots[i].truth = {-0.8 + 0.15 * static_cast<double>(i), -0.62, 0.0};  // on the scale
+    record.robots[i].mode = app::shielded;                                        // which has a legend
+  }
+  record.robots[3].truth = {0.85, -0.62, 0.0};  // on the legend
+  view.show_record(record);
+  const QImage picture = view.grab().toImage();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const core::Pose& pose = record.robots[i].truth;
+    const QPoint centre = view.map().to_screen({pose.x, pose.y}).toPoint();
+    int seen = 0;
+    for (int dy = -8; dy <= 8; ++dy)
+      for (int dx = -8; dx <= 8; ++dx)
+        seen += picture.pixelColor(centre + QPoint(dx, dy)) == colours(view.palette()).robot(i) ? 1 : 0;
+    EXPECT_GT(seen, 20) << "of robot " << i + 1;
+  }
+}
+
 /// 64 robots in rows, this far apart [m], on a floor of this width; `alone`: where only this one is seen.
 QImage crowd(QSize size, double width, double apart, int alone = -1) {
   ArenaView view;

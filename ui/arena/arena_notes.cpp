@@ -1,7 +1,9 @@
 // What is written and drawn over the arena: what a gesture would do, ruler, scale, legend, banner.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "ui/arena/arena_painter.h"
 #include "ui/arena/arena_pens.h"
@@ -12,6 +14,7 @@ namespace skein::ui {
 namespace {
 
 constexpr double chip_beside = 10.0, chip_above = 6.0;  // between a message and its card's edges
+constexpr double chip_highest = 1e4;
 constexpr int chip_flags = Qt::AlignHCenter | Qt::TextWordWrap;
 
 QFont banner_font(QFont font) {
@@ -149,7 +152,7 @@ void ArenaPainter::legend(const QRectF& widget) {
 /// In as many lines as it takes, from the top of the place on; returns what it covers.
 QRectF ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
                           bool bold) {
-  const QSizeF size = chip_size(text, where.width(), bold);
+  const QSizeF size = chip_size(text, where.width(), bold).boundedTo({where.width(), chip_highest});
   const QRectF card(QPointF(where.center().x() - size.width() / 2, where.top()), size);
   p_.save();
   if (bold) p_.setFont(banner_font(p_.font()));
@@ -162,66 +165,85 @@ QRectF ArenaPainter::chip(const QRectF& where, const QString& text, const QColor
   return card;
 }
 
-/// In a place of this width.
+/// In a place of this width; wider than that where a word is.
 QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) const {
-  constexpr double highest = 1e4, more = 8.0;  // more: than the text has, so that it is not wrapped anew
+  constexpr double more = 8.0;  // than the text has, so that it is not wrapped anew
   if (text.isEmpty()) return {0, 0};
-  const QRectF room(0, 0, width - 2 * chip_beside, highest);
+  const QRectF room(0, 0, width - 2 * chip_beside - more, chip_highest);
   const QFontMetricsF metrics(bold ? banner_font(p_.font()) : p_.font());
   const QSizeF size = metrics.boundingRect(room, chip_flags, text).size();
-  return {std::min(width, size.width() + 2 * chip_beside + more), size.height() + 2 * chip_above};
+  return {size.width() + 2 * chip_beside + more, size.height() + 2 * chip_above};
 }
 
-/// How many robots a message of this size would hide; one that lies over another message counts as all, and one more.
-std::size_t ArenaPainter::hidden_by(const QSizeF& size, double middle, double top) const {
-  const QRectF card(QPointF(middle - size.width() / 2, top), size);
+/// How many robots a message here would hide; one that lies over another message counts as all, and one more.
+std::size_t ArenaPainter::hidden_by(const QRectF& card) const {
   std::size_t count = card.intersects(said_) ? scene_.experiment.robots.size() + 1 : 0;
-  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i) {
-    const auto pose = scene_.pose(i);
-    if (!pose) continue;
-    const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
-    count += card.adjusted(-radius, -radius, radius, radius).contains(at(pose->x, pose->y)) ? 1 : 0;
-  }
+  for (const auto& [centre, radius] : bodies_)
+    count += card.adjusted(-radius, -radius, radius, radius).contains(centre) ? 1 : 0;
   return count;
 }
 
-/// The first of the tops where a message of this size hides fewest robots and no message.
-double ArenaPainter::freest(const QSizeF& size, double middle, std::initializer_list<double> tops) const {
-  return std::min(tops, [&](double a, double b) { return hidden_by(size, middle, a) < hidden_by(size, middle, b); });
+/// Where a message hides no robot and no other message, or else fewest: as wide as it may be, high up or low down,
+/// beside the floor where there is room; then elsewhere, and narrower, in more lines. `size_in`: in a place of this
+/// width.
+QRectF ArenaPainter::freest(const QRectF& widget, const std::function<QSizeF(double)>& size_in, bool low) const {
+  constexpr double gap = 8.0, under_top = 44.0, over_scale = 50.0, beside = 20.0;
+  const QRectF floor = map_.sheet() & widget, room = widget.adjusted(beside, gap, -beside, -gap);
+  std::optional<QRectF> best;
+  std::size_t fewest = 0;
+  for (const double share : {1.0, 0.75, 0.5, 0.35}) {
+    const double width = share * room.width();
+    const QSizeF size = size_in(width);
+    const double high = widget.top() + under_top, deep = floor.bottom() - over_scale - size.height();
+    const double above = floor.top() - gap - size.height(), below = floor.bottom() + gap;
+    const double centre = room.center().y() - size.height() / 2;
+    const std::array tops =
+        low ? std::array{below, deep, above, high, centre} : std::array{above, high, below, centre, deep};
+    for (const double left : {room.center().x() - width / 2, room.left() - (width - size.width()) / 2,
+                              room.right() - (width + size.width()) / 2})
+      for (const double top : tops) {
+        const QRectF place(left, top, width, size.height());
+        const QRectF card(place.center().x() - size.width() / 2, top, size.width(), size.height());
+        const bool usual = !best && top == (low ? deep : high);  // whatever else there is
+        if (!usual && (size.width() > width || !room.contains(card))) continue;
+        const std::size_t hidden = hidden_by(card);
+        if (best && hidden >= fewest) continue;
+        best = place;
+        fewest = hidden;
+        if (hidden == 0) return place;
+      }
+  }
+  return best.value_or(room);
 }
 
-/// The banner with its alert high up and the hint low down, beside the floor where there is room, and where they hide
-/// no robot.
+/// The banner with its alert high up and the hint low down, where they hide no robot.
 void ArenaPainter::messages(const QRectF& widget) {
-  constexpr double gap = 8.0, under_top = 44.0, over_scale = 50.0;
-  const double left = widget.left() + 20, width = widget.width() - 40, middle = widget.center().x();
-  const QRectF floor = map_.sheet() & widget;
-  const auto fits = [&](double top, const QSizeF& size, double otherwise) {
-    return top >= widget.top() + gap && top + size.height() + gap <= widget.bottom() ? top : otherwise;
+  constexpr double gap = 8.0;
+  for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i)
+    if (const auto pose = scene_.pose(i))
+      bodies_.emplace_back(at(pose->x, pose->y), scene_.radius(i) * map_.scale_at({pose->x, pose->y}));
+  const auto said_in = [&](double width) {
+    const QSizeF banner = chip_size(scene_.banner, width, true), alert = chip_size(scene_.alert, width, false);
+    const double between = scene_.banner.isEmpty() || scene_.alert.isEmpty() ? 0.0 : gap;
+    return QSizeF(std::max(banner.width(), alert.width()), banner.height() + between + alert.height());
   };
-  const auto best = [&](const QSizeF& size, bool low) {
-    const double in_floor = low ? floor.bottom() - over_scale - size.height() : widget.top() + under_top;
-    const double above = fits(floor.top() - gap - size.height(), size, in_floor);
-    const double below = fits(floor.bottom() + gap, size, in_floor);
-    const double high = fits(widget.top() + under_top, size, in_floor);
-    const double centre = fits(widget.center().y() - size.height() / 2, size, in_floor);
-    return low ? freest(size, middle, {below, in_floor, above, high, centre})
-               : freest(size, middle, {above, in_floor, below, centre});
-  };
-  const QSizeF banner = chip_size(scene_.banner, width, true), alert = chip_size(scene_.alert, width, false);
-  double top = best({std::max(banner.width(), alert.width()), banner.height() + gap + alert.height()}, false);
-  if (!scene_.banner.isEmpty()) {
-    said_ = chip({left, top, width, 0}, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
-                 scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
-    top = said_.bottom() + gap;
+  if (!scene_.banner.isEmpty() || !scene_.alert.isEmpty()) {
+    QRectF place = freest(widget, said_in, false);
+    if (!scene_.banner.isEmpty()) {
+      said_ = chip(place, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
+                   scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
+      place.setTop(said_.bottom() + gap);
+    }
+    if (!scene_.alert.isEmpty())
+      said_ |= chip(place, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
   }
-  if (!scene_.alert.isEmpty())
-    said_ |= chip({left, top, width, 0}, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
   if (scene_.hint.isEmpty()) return;
-  const QSizeF hint = chip_size(scene_.hint, width, false);
-  const double low = best(hint, true);
-  if (!scene_.hint_gives_way || hidden_by(hint, middle, low) == 0)
-    chip({left, low, width, 0}, scene_.hint, faded(c_.notice, 0.92), ink_on(c_.notice), false);
+  const auto hint_in = [&](double width) { return chip_size(scene_.hint, width, false); };
+  const QRectF place = freest(widget, hint_in, true);
+  const QSizeF size = hint_in(place.width());
+  const QRectF card(place.center().x() - size.width() / 2, place.top(), size.width(), size.height());
+  if (!scene_.hint_gives_way || hidden_by(card) == 0)
+    chip(place, scene_.hint, faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 
 }  // namespace skein::ui

@@ -31,13 +31,15 @@ void ArenaPainter::paint(const QRectF& widget) {
     if (scene_.draws_couplings()) couplings();
     if (scene_.show_regions) regions();
     references();
+  }
+  scale_bar(widget);  // these two would hide robots
+  legend(widget);
+  if (scene_.record) {
     robots();
     ghost();
     kick();
   }
   ruler();
-  scale_bar(widget);
-  legend(widget);
   messages(widget);
   keyboard(widget);
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <QPainter>
-#include <initializer_list>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_scene.h"
@@ -41,8 +43,8 @@ class ArenaPainter {
   QRectF chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
   QSizeF chip_size(const QString& text, double width, bool bold) const;
   void messages(const QRectF& widget);
-  std::size_t hidden_by(const QSizeF& size, double middle, double top) const;
-  double freest(const QSizeF& size, double middle, std::initializer_list<double> tops) const;
+  std::size_t hidden_by(const QRectF& card) const;
+  QRectF freest(const QRectF& widget, const std::function<QSizeF(double)>& size_in, bool low) const;
 
   QPointF at(double x, double y) const { return map_.to_screen({x, y}); }
 
@@ -50,7 +52,8 @@ class ArenaPainter {
   const ArenaScene& scene_;
   const ArenaMap& map_;
   const Colours& c_;
-  QRectF said_;  // where messages are
+  QRectF said_;                                     // where messages are
+  std::vector<std::pair<QPointF, double>> bodies_;  // of the robots, with their radius [px]: no message should hide one
 };
 
 }  // namespace skein::ui
