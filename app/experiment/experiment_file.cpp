@@ -65,6 +65,17 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
   return experiment;
 }
 
+tl::expected<std::string, std::vector<Problem>> whole_text(std::string_view text, const std::string& file) {
+  auto document = parse_toml(text, file);
+  if (!document) return tl::unexpected(document.error());
+  std::vector<Problem> refused;
+  const std::string directory = std::filesystem::path(file).parent_path().string();
+  bool embedded = embed_known_robots(*document, directory, refused);
+  embedded = embed_samples(*document, directory, refused) || embedded;
+  if (!refused.empty()) return tl::unexpected(refused);
+  return embedded ? with_document(text, *document) : std::string(text);
+}
+
 tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,
                                                                const std::vector<std::string>& sets) {
   const auto read = read_text(path);

@@ -6,17 +6,21 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_sets.h"
+#include "app/experiment/text_file.h"
 
 namespace skein::app {
 
 namespace {
 
-/// What the experiment has otherwise than its file; nothing, if the file no longer can be read.
+/// What the experiment has otherwise than its file; nothing, if the file no longer can be read. It is not checked once
+/// more: of many robots that takes seconds, in which the window could not answer.
 std::vector<std::string> changes(const KeepRequest& request, const Experiment& experiment) {
-  const auto as_written = !request.experiment.empty() ? load_experiment(request.experiment)
-                          : !request.text.empty()     ? parse_experiment(request.text, experiment.name)
-                                                      : paper_experiment();
-  return as_written ? sets_between(as_written->source, experiment.source) : std::vector<std::string>{};
+  const auto text = request.experiment.empty() ? tl::expected<std::string, std::vector<Problem>>(
+                                                     request.text.empty() ? paper_experiment().source : request.text)
+                                               : read_text(request.experiment);
+  const std::string& file = request.experiment.empty() ? experiment.name : request.experiment;
+  const auto as_written = text.and_then([&](const std::string& read) { return whole_text(read, file); });
+  return as_written ? sets_between(*as_written, experiment.source) : std::vector<std::string>{};
 }
 
 }  // namespace

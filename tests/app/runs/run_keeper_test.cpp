@@ -122,6 +122,23 @@ TEST(RunKeeper, SaysWhatTheOperatorChangedAsSetsThatRepeatTheRun) {
   EXPECT_TRUE(read_story(repeated.folder()).value()["sets"].empty()) << "its file has everything";
 }
 
+TEST(RunKeeper, ComparesWithTheFileWithoutCheckingItOnceMore) {
+  const Folder place;
+  const Experiment experiment = seconds(2);
+  std::string refused = experiment.source;  // as somebody has edited it since
+  const std::size_t rate = refused.find("rate = 25.0");
+  ASSERT_NE(rate, std::string::npos);
+  refused.replace(rate, 11, "rate = -3.0");
+  RunKeeper keeper;
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {"window"}, true, refused}, experiment));
+  SessionFacts facts;
+  EXPECT_EQ(run(experiment, keeper, facts), Phase::finished);
+  ASSERT_TRUE(keeper.end(facts));
+  const auto sets = read_story(keeper.folder()).value()["sets"].get<std::vector<std::string>>();
+  ASSERT_EQ(sets.size(), 1u);
+  EXPECT_EQ(sets[0].substr(0, 7), "rate=25") << sets[0];
+}
+
 TEST(RunKeeper, WithoutABeginningTakesNothing) {
   RunKeeper keeper;
   SessionFacts facts;
