@@ -396,6 +396,56 @@ TEST(ArenaCrowd, EveryNumberOf64RobotsCanBeReadWhereThereIsRoom) {
   }
 }
 
+/// Two robots that look to the left, or one of them alone, with a badge each.
+QImage two_robots(QPointF one, QPointF two, int alone = -1) {
+  ArenaView view;
+  view.resize(480, 330);
+  app::Experiment experiment = app::paper_experiment();
+  experiment.arena_width = 1.2;
+  experiment.arena_height = 0.9;
+  experiment.robots.resize(2);
+  view.show_experiment(experiment);
+  view.show_couplings(false);
+  view.show_regions(false);
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(2);
+  for (int i = 0; i < 2; ++i) {
+    app::RobotRecord& robot = record.robots[static_cast<std::size_t>(i)];
+    const QPointF at = i == 0 ? one : two;
+    robot.nominal.pose = {100.0, 100.0, 0.0};
+    robot.mode = app::tracking | app::shielded;
+    robot.measurement.captured_at = -1e9;
+    robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
+    if (alone < 0 || alone == i) robot.truth = {at.x(), at.y(), core::pi};
+  }
+  view.show_record(record);
+  return view.grab().toImage();
+}
+
+TEST(ArenaCrowd, ANumberLiesOverTheBodyAndTheBadgeOfANeighbour) {
+  ArenaMap map;
+  map.resize({480, 330});
+  map.show_plan(1.2, 0.9);
+  const QPointF first(0.0, 0.0);
+  // The body of the second would lie on the first's number; the badge of the first on the second's.
+  for (const auto& [second, i] : {std::pair(QPointF(0.035, 0.0), 0), std::pair(QPointF(0.04, 0.04), 1)}) {
+    const QImage both = two_robots(first, second), one = two_robots(first, second, i);
+    const QPoint centre = map.to_screen(i == 0 ? first : second).toPoint();
+    const QColor ink = ink_on(colours(QPalette()).robot(static_cast<std::size_t>(i)));
+    int written = 0, kept = 0;
+    for (int dy = -7; dy <= 7; ++dy)
+      for (int dx = -4; dx <= 7; ++dx) {  // not the notch at the left
+        const QPoint at = centre + QPoint(dx, dy);
+        if (one.pixelColor(at) != ink) continue;
+        ++written;
+        kept += both.pixelColor(at) == ink ? 1 : 0;
+      }
+    EXPECT_GE(written, 8) << i + 1;
+    EXPECT_EQ(kept, written) << i + 1;
+  }
+}
+
 TEST(ArenaCrowd, TheNumberOfASmallRobotStandsOnItsColourAndNotOnTheFloor) {
   const QSize size(480, 330);
   constexpr double width = 4.0, apart = 0.25;
