@@ -148,19 +148,25 @@ QString PairController::remedy(core::GainName gain, std::size_t i, std::size_t j
 
 void PairController::explain(const app::TickRecord& record) {
   for (const app::Event& event : record.events) {
-    QString what, held_at;
     if (const auto* const held = std::get_if<app::events::GainHeld>(&event)) {
-      held_at = tr("%1 is held at %2, its limit").arg(gain_symbol(held->gain)).arg(held->held, 0, 'g', 4);
-      what = remedy(held->gain, held->asked);
-    } else if (const auto* const pair = std::get_if<app::events::PairGainHeld>(&event)) {
-      held_at = tr("%1 of robots %2 and %3 is held at %4, its limit")
-                    .arg(gain_symbol(pair->gain))
-                    .arg(pair->i + 1)
-                    .arg(pair->j + 1)
-                    .arg(pair->held, 0, 'g', 4);
-      what = remedy(pair->gain, pair->i, pair->j, pair->asked);
+      const QString what = remedy(held->gain, held->asked);
+      if (!what.isEmpty())
+        messages_.say(
+            tr("%1 is held at %2, its limit: %3").arg(gain_symbol(held->gain)).arg(held->held, 0, 'g', 4).arg(what),
+            Severity::warning);
     }
-    if (!what.isEmpty()) messages_.say(QStringLiteral("%1: %2").arg(held_at, what), Severity::warning);
+    if (const auto* const held = std::get_if<app::events::PairGainHeld>(&event)) {
+      const QString what = remedy(held->gain, held->i, held->j, held->asked);
+      if (!what.isEmpty())  // in the log too: below the slider of a single gain it goes on being said, of a pair
+                            // nowhere
+        messages_.note(tr("%1 of robots %2 and %3 is held at %4, its limit: %5")
+                           .arg(gain_symbol(held->gain))
+                           .arg(held->i + 1)
+                           .arg(held->j + 1)
+                           .arg(held->held, 0, 'g', 4)
+                           .arg(what),
+                       Severity::warning);
+    }
   }
 }
 
