@@ -5,7 +5,9 @@
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QScrollArea>
+#include <QScrollBar>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <cmath>
 
 #include "ui/base/palette.h"
@@ -53,6 +55,11 @@ ResultPanel::ResultPanel(QWidget* parent)
   table_->verticalHeader()->hide();
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+  // First the numbers: a narrow panel has no room for the sentences as well.
+  for (const int sentence : {1, 4}) {
+    QHeaderView* header = table_->horizontalHeader();
+    header->moveSection(header->visualIndex(sentence), header->visualIndex(against) - 1);
+  }
   table_->setColumnHidden(against, true);
   rest_->setObjectName(QStringLiteral("result_text"));
   rest_->setTextFormat(Qt::RichText);
@@ -88,6 +95,7 @@ ResultPanel::ResultPanel(QWidget* parent)
   row->addWidget(save_);
   row->addStretch();
   content->addLayout(row);
+  content->addStretch();
   auto* scroll = new QScrollArea(this);
   scroll->setWidget(inside);
   scroll->setWidgetResizable(true);
@@ -144,7 +152,16 @@ void ResultPanel::show_kicks() {
   others.reserve(others_.size());
   for (const Beside& other : others_) others.push_back(other.results->kicks());
   table_->setColumnHidden(against, others_.empty());
-  table_->setRowCount(static_cast<int>(kicks.size()));
+  const int rows = static_cast<int>(kicks.size());
+  table_->setRowCount(rows);
+  // No higher than its rows, so that the text below is not behind an empty table.
+  constexpr int few = 4;
+  const auto height_of = [&](int shown) {
+    return table_->horizontalHeader()->sizeHint().height() + shown * table_->verticalHeader()->defaultSectionSize() +
+           table_->horizontalScrollBar()->sizeHint().height();
+  };
+  table_->setMinimumHeight(height_of(std::min(rows, few)));
+  table_->setMaximumHeight(height_of(rows));
   for (std::size_t k = 0; k < kicks.size(); ++k) {
     const RunResults::Kick& kick = kicks[k];
     QStringList differences;
