@@ -22,6 +22,7 @@
 #include <QTimer>
 #include <QToolTip>
 #include <QWindow>
+#include <map>
 #include <set>
 
 #include "app/record/csv_file.h"
@@ -523,6 +524,22 @@ std::set<QWidget*> round_of(QWidget* window) {
     if (QWidget* focus = QApplication::focusWidget()) again = seen.insert(focus).second ? 0 : again + 1;
   }
   return seen;
+}
+
+TEST_F(Keyboard, NoTwoEntriesOfAMenuHaveTheSameLetter) {
+  int menus = 0;
+  for (QMenu* menu : window.findChildren<QMenu*>()) {
+    std::map<QChar, QString> letters;
+    menus += menu->actions().size() > 1 ? 1 : 0;
+    for (const QAction* action : menu->actions()) {
+      const qsizetype at = action->text().indexOf(QLatin1Char('&'));
+      if (at < 0 || at + 1 >= action->text().size()) continue;
+      const auto [first, is_new] = letters.try_emplace(action->text().at(at + 1).toLower(), action->text());
+      EXPECT_TRUE(is_new) << "the letter of \"" << action->text().toStdString() << "\" only goes from \""
+                          << first->second.toStdString() << "\" to it, and opens neither";
+    }
+  }
+  EXPECT_GT(menus, 5);
 }
 
 TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {

@@ -23,7 +23,7 @@ ArenaActions::ArenaActions(ArenaView* arena, QObject* parent) : QObject(parent),
   };
   fit_ = action(tr("&Whole arena"), QStringLiteral("fit"), QKeySequence(tr("Ctrl+0")), &ArenaView::fit);
   zoom_in_ = action(tr("Zoom &in"), QStringLiteral("zoom_in"), QKeySequence::ZoomIn, &ArenaView::zoom_in);
-  zoom_out_ = action(tr("Zoom &out"), QStringLiteral("zoom_out"), QKeySequence::ZoomOut, &ArenaView::zoom_out);
+  zoom_out_ = action(tr("&Zoom out"), QStringLiteral("zoom_out"), QKeySequence::ZoomOut, &ArenaView::zoom_out);
 
   auto* group = new QActionGroup(this);
   const auto tool = [&](ArenaTool which, const QString& text, const QString& name, const QKeySequence& keys,

@@ -35,9 +35,9 @@ void ComparisonController::build_menu(QMenu* file) {
     made->setObjectName(name);
     made->setShortcut(keys);
   };
-  action(tr("&Compare with …"), QStringLiteral("compare"), QKeySequence(tr("Ctrl+D")), [this] { ask(); });
+  action(tr("Co&mpare with …"), QStringLiteral("compare"), QKeySequence(tr("Ctrl+D")), [this] { ask(); });
   action(tr("Compare with this run as it is &now"), QStringLiteral("compare_now"), {}, [this] { compare_with_now(); });
-  action(tr("&End the comparison"), QStringLiteral("compare_end"), {}, [this] { end(); });
+  action(tr("En&d the comparison"), QStringLiteral("compare_end"), {}, [this] { end(); });
 }
 
 void ComparisonController::ask() {
