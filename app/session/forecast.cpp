@@ -22,7 +22,9 @@ double next(double now, double period, double rate) noexcept {
 }  // namespace
 
 std::optional<std::string> Forecast::impossible(const Experiment& experiment) {
-  if (experiment.controller.law.own()) return "the run has a controller of its own, which is asked in its turn only";
+  if (experiment.controller.law.own())
+    return "the run has a controller of its own, whose answers could change if it were asked about a future that never "
+           "comes";
   return {};
 }
 

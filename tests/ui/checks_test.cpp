@@ -54,6 +54,8 @@ TEST_F(Checks, NameARobotOutOfItsPlaceAndBringItBack) {
   window.go();
   EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("Not started")))
       << find<QLabel>("alert")->text().toStdString();
+  EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("robot 2")); }));
+  EXPECT_TRUE(arena().scene().alert.isEmpty()) << "twice, one below the other: " << arena().scene().alert.toStdString();
   QTest::mouseClick(find<QPushButton>("mend_places"), Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return !seen(); })) << "it was not brought back";
   EXPECT_EQ(live().phase(), app::Phase::ready) << "Start was refused, and must not come back by itself";

@@ -178,6 +178,16 @@ TEST_F(Gains, OfAnotherLawAreTheParametersThatItDeclares) {
   EXPECT_EQ(count(events, "parameter ahead 0.5 -> 0.03"), 1);
 }
 
+TEST_F(Gains, OfALawWithoutParametersAreGoneToByTheKeyboardAllTheSame) {
+  const auto experiment =
+      app::parse_experiment(app::paper_experiment().source, "own.toml", {"controller.command=\"false\""});
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  ASSERT_TRUE(show_and_open(*experiment, false));
+  find<QDockWidget>("gains_dock")->hide();
+  key(Qt::Key_2, nullptr, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return find<QDockWidget>("gains_dock")->isVisible(); }));
+}
+
 TEST_F(Gains, OfAProcessAreTheParametersThatItDeclares) {
   if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
     GTEST_SKIP() << "no python3";
@@ -201,6 +211,13 @@ TEST_F(Gains, OfAProcessAreTheParametersThatItDeclares) {
   EXPECT_EQ(window.findChild<QSlider*>(QStringLiteral("slider_anything")), nullptr) << "it has no range";
   EXPECT_TRUE(find<QSlider>("slider_speed")->toolTip().contains(QStringLiteral("No preview: the run has a controller")))
       << find<QSlider>("slider_speed")->toolTip().toStdString();
+  auto* slider = find<QSlider>("slider_speed");
+  slider->setFocus();
+  QTest::keyClick(slider, Qt::Key_Right);
+  EXPECT_TRUE(eventually([&] {
+    return arena().scene().hint.startsWith(QStringLiteral("No preview: the run has a controller of its own"));
+  })) << arena().scene().hint.toStdString();
+  QTest::keyClick(slider, Qt::Key_Left);
   EXPECT_EQ(spin("spin_anything"), 1.0);
   ASSERT_TRUE(eventually([&] { return record().robots[0].law.v == 0.0; }));
   set("spin_speed", 0.05);
@@ -245,16 +262,14 @@ TEST_F(Gains, OfAPairAtItsLimitSayWhichOtherGainMakesRoom) {
     find<QComboBox>("pair_gain")->setCurrentIndex(static_cast<int>(gain));
     ASSERT_TRUE(table->model()->setData(table->model()->index(i, j), QString::fromLatin1(value), Qt::EditRole));
   };
-  const auto says = [&](const QString& text) {
-    return eventually([&] { return find<QLabel>("alert")->text().contains(text); });
-  };
+  const auto says = [&](const QString& text) { return eventually([&] { return logged().contains(text); }); };
   put(core::GainName::k_yy, 0, 1, "0.42");
   EXPECT_TRUE(
-      says(QStringLiteral("k_yy of robots 1 and 2 is held at 0.4097, its limit: lower k_θθ of the same pair "
-                          "from 0.0250 to 0.0147 to allow 0.4200")))
-      << find<QLabel>("alert")->text().toStdString();
-  put(core::GainName::k_tt, 0, 1, "0.0147");
-  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_tt, 0, 1) == 0.0147; }));
+      says(QStringLiteral("k_yy of robots 1 and 2 is held at 0.4098, its limit: lower k_θθ of the same pair "
+                          "from 0.0250 to 0.0148 to allow 0.4200")))
+      << logged().toStdString();
+  put(core::GainName::k_tt, 0, 1, "0.0148");
+  ASSERT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_tt, 0, 1) == 0.0148; }));
   put(core::GainName::k_yy, 0, 1, "0.42");
   EXPECT_TRUE(eventually([&] { return live().gain_target(core::GainName::k_yy, 0, 1) == 0.42; }));
 
@@ -264,10 +279,9 @@ TEST_F(Gains, OfAPairAtItsLimitSayWhichOtherGainMakesRoom) {
   EXPECT_TRUE(
       says(QStringLiteral(": lower k_xx in the other pairs of robot 1 by 0.0010 and of robot 3 by 0.0050 in "
                           "total to allow 0.0340")))
-      << find<QLabel>("alert")->text().toStdString();
+      << logged().toStdString();
   put(core::GainName::k_xx, 0, 2, "5");
-  EXPECT_TRUE(says(QStringLiteral("its limit: that takes a slower reference (18f)")))
-      << find<QLabel>("alert")->text().toStdString();
+  EXPECT_TRUE(says(QStringLiteral("its limit: that takes a slower reference (18f)"))) << logged().toStdString();
 }
 
 TEST_F(Gains, AreToldWhyAScheduleCannotBe) {

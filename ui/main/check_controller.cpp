@@ -72,10 +72,15 @@ const app::Check* CheckController::first_amiss() const {
   return nullptr;
 }
 
+QString CheckController::why_not() const {
+  const app::Check* amiss = first_amiss();
+  return amiss ? QString::fromStdString(amiss->reason) : QString();
+}
+
 Notice CheckController::banner() const {
   const app::Check* amiss = first_amiss();
   if (!amiss) return {tr("Ready – start with F5")};
-  const QString reason = QString::fromStdString(amiss->reason);
+  const QString reason = why_not();
   if (amiss->state == app::Check::State::waits) return {tr("Not ready yet: %1").arg(reason)};
   return {amiss->hard ? tr("Not ready: %1").arg(reason) : tr("Check failed: %1").arg(reason)};
 }
@@ -89,8 +94,7 @@ void CheckController::start(bool overrule) {
   if (app::may_start(checks) && (overrule || app::all_hold(checks))) return messages_.tell(live_.start());
   list_->show_checks(checks);
   list_->show();
-  if (const app::Check* amiss = first_amiss())
-    messages_.say(tr("Not started: %1").arg(QString::fromStdString(amiss->reason)), Severity::warning);
+  if (first_amiss()) messages_.say(tr("Not started: %1").arg(why_not()), Severity::warning);
 }
 
 }  // namespace skein::ui

@@ -22,6 +22,7 @@ class CheckController final : public QObject {
   void set_wanted(bool on);  ///< the operator requests the list, whatever its results
   void refresh();            ///< five times a second
   Notice banner() const;     ///< before a start: whether it can be started, and else why not
+  QString why_not() const;   ///< of it the reason; empty: it can be started
   bool all_hold() const { return first_amiss() == nullptr; }
   void start(bool overrule);                    ///< if all checks hold, or the operator overrides the soft ones
   void set_testing(bool on) { testing_ = on; }  ///< a robot turns its wheels: no start meanwhile

@@ -230,6 +230,7 @@ QDockWidget* MainWindow::dock(QWidget* panel, const QString& title, const QStrin
 
 void MainWindow::go_to(QDockWidget* dock, QWidget* first) {
   bring_forward(dock);
+  if (!first) return;
   first->setFocus(Qt::ShortcutFocusReason);
   // A table without a current cell shows nobody where the keys go.
   auto* table = qobject_cast<QAbstractItemView*>(first);
@@ -403,7 +404,7 @@ void MainWindow::build_run_menu(QMenu* run) {
   undo->setShortcut(QKeySequence::Undo);
   undo->setToolTip(tr("Takes the last change of a gain, a coupling or a parameter back"));
   QAction* redo = changes.createRedoAction(this);
-  name_change(redo, tr("&Redo gain"), changes, &QUndoStack::redoTextChanged);
+  name_change(redo, tr("Re&do gain"), changes, &QUndoStack::redoTextChanged);
   redo->setShortcut(QKeySequence(tr("Ctrl+Shift+Z")));
   redo->setToolTip(tr("Makes the change again that was taken back last"));
   run->addActions({undo, redo});
@@ -448,7 +449,7 @@ void MainWindow::build_view_menu(QMenu* view) {
   view->addSeparator();
   dark_ = add_toggle(view, tr("Dar&k palette"), QStringLiteral("view_dark"),
                      [this](bool on) { set_theme(on ? Theme::dark : Theme::light); });
-  add(view, tr("Like the des&ktop"), QStringLiteral("view_as_desktop"), {}, [this] {
+  add(view, tr("&Like the desktop"), QStringLiteral("view_as_desktop"), {}, [this] {
     set_theme(desktop_at_start_);
     theme_chosen_ = false;
   });
@@ -456,7 +457,7 @@ void MainWindow::build_view_menu(QMenu* view) {
     on ? showFullScreen() : showNormal();
   })->setShortcut(QKeySequence(tr("F11")));
   voice_action_ =
-      add_toggle(view, tr("Speak a&larms"), QStringLiteral("view_voice"), [this](bool on) { voice_->set_on(on); });
+      add_toggle(view, tr("&Speak alarms"), QStringLiteral("view_voice"), [this](bool on) { voice_->set_on(on); });
   voice_action_->setToolTip(
       AlertVoice::can_speak() ? tr("Says stops, lost tags and links and low batteries aloud")
                               : tr("Beeps at stops, lost tags and links and low batteries: this machine has no speech "
@@ -685,7 +686,8 @@ void MainWindow::on_frame(double now) {
   const app::Phase phase = runs_.shown().phase();
   // Where the eye is; what the banner says already needs no second line.
   const bool said = phase == app::Phase::stopped || phase == app::Phase::finished ||
-                    (phase == app::Phase::ready && !alert_->lost_robots().isEmpty());
+                    (phase == app::Phase::ready && !alert_->lost_robots().isEmpty()) ||
+                    (phase == app::Phase::ready && !checks_->all_hold() && alert_->loud().endsWith(checks_->why_not()));
   arena_->set_alert(said ? QString() : alert_->loud(),
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
   replay_->refresh();

@@ -109,7 +109,7 @@ class MainWindow final : public QMainWindow {
   /// In a narrow window the plots are a tab behind the gains, where both are where they usually are: the arena has
   /// their place.
   void stack_columns();
-  /// Brings a panel to the front, and the keyboard to its first control.
+  /// Brings a panel to the front, and the keyboard to its first control, if it has one.
   void go_to(QDockWidget* dock, QWidget* first);
   /// The tip that a mouse would find over the control with the focus.
   void show_tip_of_focus();
