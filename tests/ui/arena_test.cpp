@@ -314,6 +314,25 @@ TEST(ArenaMessages, HideNoRobotOfAPlatoonInASmallWindowWhereverItIs) {
     }
 }
 
+TEST(ArenaMessages, LieNotOverWhatTheRulerMeasures) {
+  ArenaView view;
+  view.resize(620, 460);
+  view.show_experiment(app::paper_experiment());
+  view.grab();  // it has its size from here on
+  view.set_tool(ArenaTool::measure);
+  const QPoint from(260, 98), to(360, 98);
+  QTest::mousePress(&view, Qt::LeftButton, {}, from);
+  for (int k = 1; k <= 5; ++k) QTest::mouseMove(&view, from + (to - from) * k / 5);
+  QTest::mouseRelease(&view, Qt::LeftButton, {}, to);
+  ASSERT_TRUE(view.scene().ruler);
+  const QRect numbers(260, 48, 100, 12);
+  const QImage bare = view.grab().toImage();
+  view.set_alert(QStringLiteral("k_yy is held at 0.1899, its limit: lower another one"), Qt::darkRed);
+  const QImage said = view.grab().toImage();
+  EXPECT_NE(bare, said);
+  EXPECT_EQ(bare.copy(numbers), said.copy(numbers));
+}
+
 TEST(ArenaCrowd, ScaleAndLegendHideNoRobot) {
   const QSize size(512, 298);
   app::Experiment experiment = app::paper_experiment();

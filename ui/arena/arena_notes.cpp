@@ -65,6 +65,7 @@ void ArenaPainter::note(QPointF centre, const QString& text) {
   p_.drawRoundedRect(card, 4, 4);
   p_.setPen(c_.text);
   p_.drawText(card, Qt::AlignCenter, text);
+  written_.push_back(card);
 }
 
 void ArenaPainter::ruler() {
@@ -149,8 +150,8 @@ void ArenaPainter::legend(const QRectF& widget) {
   }
 }
 
-/// In as many lines as it takes, from the top of the place on; returns what it covers.
-QRectF ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
+/// In as many lines as it takes, from the top of the place on; returns where it ends.
+double ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
                           bool bold) {
   const QSizeF size = chip_size(text, where.width(), bold).boundedTo({where.width(), chip_highest});
   const QRectF card(QPointF(where.center().x() - size.width() / 2, where.top()), size);
@@ -162,7 +163,8 @@ QRectF ArenaPainter::chip(const QRectF& where, const QString& text, const QColor
   p_.setPen(ink);
   p_.drawText(card.adjusted(chip_beside, chip_above, -chip_beside, 0), chip_flags, text);
   p_.restore();
-  return card;
+  written_.push_back(card);
+  return card.bottom();
 }
 
 /// In a place of this width; wider than that where a word is.
@@ -175,9 +177,11 @@ QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) con
   return {size.width() + 2 * chip_beside + more, size.height() + 2 * chip_above};
 }
 
-/// How many robots a message here would hide; one that lies over another message counts as all, and one more.
+/// How many robots a message here would hide; one that lies over another text counts as all, and one more.
 std::size_t ArenaPainter::hidden_by(const QRectF& card) const {
-  std::size_t count = card.intersects(said_) ? scene_.experiment.robots.size() + 1 : 0;
+  const bool over_text =
+      std::any_of(written_.begin(), written_.end(), [&](const QRectF& text) { return card.intersects(text); });
+  std::size_t count = over_text ? scene_.experiment.robots.size() + 1 : 0;
   for (const auto& [centre, radius] : bodies_)
     count += card.adjusted(-radius, -radius, radius, radius).contains(centre) ? 1 : 0;
   return count;
@@ -230,12 +234,11 @@ void ArenaPainter::messages(const QRectF& widget) {
   if (!scene_.banner.isEmpty() || !scene_.alert.isEmpty()) {
     QRectF place = freest(widget, said_in, false);
     if (!scene_.banner.isEmpty()) {
-      said_ = chip(place, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
-                   scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
-      place.setTop(said_.bottom() + gap);
+      const double end = chip(place, scene_.banner, scene_.banner_alarms ? c_.alarm_fill : faded(c_.text, 0.85),
+                              scene_.banner_alarms ? QColor(Qt::white) : c_.panel, true);
+      place.setTop(end + gap);
     }
-    if (!scene_.alert.isEmpty())
-      said_ |= chip(place, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
+    if (!scene_.alert.isEmpty()) chip(place, scene_.alert, scene_.alert_colour, ink_on(scene_.alert_colour), false);
   }
   if (scene_.hint.isEmpty()) return;
   const auto hint_in = [&](double width) { return chip_size(scene_.hint, width, false); };

@@ -40,7 +40,7 @@ class ArenaPainter {
   void note(QPointF centre, const QString& text);
   void scale_bar(const QRectF& widget);
   void legend(const QRectF& widget);
-  QRectF chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
+  double chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink, bool bold);
   QSizeF chip_size(const QString& text, double width, bool bold) const;
   void messages(const QRectF& widget);
   std::size_t hidden_by(const QRectF& card) const;
@@ -52,7 +52,7 @@ class ArenaPainter {
   const ArenaScene& scene_;
   const ArenaMap& map_;
   const Colours& c_;
-  QRectF said_;                                     // where messages are
+  std::vector<QRectF> written_;                     // messages and notes, which no other should lie over
   std::vector<std::pair<QPointF, double>> bodies_;  // of the robots, with their radius [px]: no message should hide one
 };
 
