@@ -127,6 +127,7 @@ class PastRun final : public app::RecordSink {
 /// How late each tick began, against the deadlines that the earliest of them stands for. [ms]
 std::vector<double> lateness(const std::vector<std::pair<std::int64_t, double>>& ticks, double period) {
   std::vector<double> late;
+  late.reserve(ticks.size());
   for (const auto& [tick, now] : ticks) late.push_back(1e3 * (now - static_cast<double>(tick) * period));
   const double earliest = late.empty() ? 0.0 : *std::min_element(late.begin(), late.end());
   for (double& value : late) value -= earliest;
@@ -140,6 +141,7 @@ std::vector<double> headless_lateness(const app::Experiment& experiment, double 
   std::this_thread::sleep_for(std::chrono::duration<double>(how_long));
   (*session)->close();
   std::vector<std::pair<std::int64_t, double>> ticks;
+  ticks.reserve(recording.records.size());
   for (const app::TickRecord& row : recording.records) ticks.emplace_back(row.tick, row.now);
   return lateness(ticks, experiment.period());
 }
@@ -266,8 +268,9 @@ double first_frame() {
 int measure_memory(double hours) {
   constexpr double limit = 200.0;  // [MB]
   app::Experiment experiment = group_of(4, 3600.0 * hours);
-  for (double t = 60.0; t < experiment.duration; t += 60.0)
-    experiment.perturbations.push_back({.t = t, .robot = 1, .dy = 0.05});
+  constexpr double minute = 60.0;  // [s]
+  for (int k = 1; k * minute < experiment.duration; ++k)
+    experiment.perturbations.push_back({.t = k * minute, .robot = 1, .dy = 0.05});
   MainWindow window;
   window.resize(1280, 800);
   window.show();

@@ -436,9 +436,9 @@ class AravisSource final : public FrameSource {
     if (!software_trigger()) return true;
     const double now = monotonic_now();
     trigger_at_ = std::max(trigger_at_ + period_, now - period_);
-    for (double left = trigger_at_ - now; left > 0.0; left = trigger_at_ - monotonic_now()) {
+    while (monotonic_now() < trigger_at_) {
       if (nobody_waits()) return false;
-      sleep_for(std::min(left, look));
+      sleep_for(std::clamp(trigger_at_ - monotonic_now(), 0.0, look));
     }
     // What came of triggers that were thought lost is none of this one's.
     while (ArvBuffer* late = arv_stream_try_pop_buffer(stream_.get())) Buffer(late, {stream_.get()});
@@ -463,8 +463,8 @@ class AravisSource final : public FrameSource {
     const double patience = stall_wait();
     const double seconds = fresh_ ? first_frame_wait : software_trigger() ? 2.0 * patience : patience;
     const double until = monotonic_now() + seconds;
-    for (double left = seconds; left > 0.0; left = until - monotonic_now()) {
-      const auto slice = static_cast<guint64>(1e6 * std::min(left, look));
+    while (monotonic_now() < until) {
+      const auto slice = static_cast<guint64>(1e6 * std::clamp(until - monotonic_now(), 0.0, look));
       if (ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), slice))
         return Buffer(buffer, {stream_.get()});
       if (nobody_waits()) return Buffer(nullptr, {stream_.get()});
