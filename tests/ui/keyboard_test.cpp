@@ -574,8 +574,9 @@ TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
     find<QAction>(action)->trigger();
     auto* dialog = comes_up<QDialog>(&window, name);
     ASSERT_NE(dialog, nullptr) << name;
-    if (auto* search = dialog->findChild<QPushButton*>(QStringLiteral("camera_search")))
+    if (auto* search = dialog->findChild<QPushButton*>(QStringLiteral("camera_search"))) {
       ASSERT_TRUE(eventually([&] { return search->isEnabled(); })) << "cameras are still being looked for";
+    }
     EXPECT_GT(expect_all(dialog), 0) << name;
     delete dialog;
     window.activateWindow();
