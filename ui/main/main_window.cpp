@@ -685,9 +685,10 @@ void MainWindow::on_frame(double now) {
   const Colours c = colours(palette());
   const app::Phase phase = runs_.shown().phase();
   // Where the eye is; what the banner says already needs no second line.
-  const bool said = phase == app::Phase::stopped || phase == app::Phase::finished ||
-                    (phase == app::Phase::ready && !alert_->lost_robots().isEmpty()) ||
-                    (phase == app::Phase::ready && !checks_->all_hold() && alert_->loud().endsWith(checks_->why_not()));
+  const bool said =
+      phase == app::Phase::stopped || phase == app::Phase::finished ||
+      (phase == app::Phase::ready &&
+       (!alert_->lost_robots().isEmpty() || (!checks_->all_hold() && alert_->loud().endsWith(checks_->why_not()))));
   arena_->set_alert(said ? QString() : alert_->loud(),
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
   replay_->refresh();
@@ -697,8 +698,8 @@ void MainWindow::on_frame(double now) {
   recording_->refresh();
   // A question to the display, which waits for the answer: one that has stalled holds this thread up as well, and who
   // cannot see the robots cannot stop them. The session takes care of that (3 s).
-  if (question_pace_.due(now)) static_cast<void>(QCursor::pos());
-  if (text_pace_.due(now) || phase != shown_phase_) show_state();
+  if (questions_.due(now)) static_cast<void>(QCursor::pos());
+  if (texts_.due(now) || phase != shown_phase_) show_state();
 }
 
 void MainWindow::show_state() {

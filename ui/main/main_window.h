@@ -6,8 +6,8 @@
 #include <map>
 
 #include "app/session/readiness.h"
-#include "ui/base/pace.h"
 #include "ui/base/palette.h"
+#include "ui/base/throttle.h"
 #include "ui/main/messages.h"
 #include "ui/run/runs.h"
 
@@ -178,8 +178,8 @@ class MainWindow final : public QMainWindow {
   bool theme_chosen_ = false;                       // else the desktop's
   bool teaches_ = false;                            // the hint stands until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
-  Pace text_pace_{0.19};     // numbers that change five times a second can be read
-  Pace question_pace_{0.5};  // to the display
+  Throttle texts_{0.19};     // numbers that change five times a second can be read
+  Throttle questions_{0.5};  // to the display
 };
 
 }  // namespace skein::ui

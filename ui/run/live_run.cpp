@@ -185,7 +185,7 @@ void LiveRun::poll() {
       emit row_added(record);
       emit record_shown(record);
     });
-    if (status_pace_.due(now)) take_robots();
+    if (statuses_.due(now)) take_robots();
     if (const auto tested = session_->wheel_check()) {
       tests_ = false;
       if (*tested)

@@ -11,7 +11,7 @@
 #include "app/record/csv_file.h"
 #include "app/runs/run_keeper.h"
 #include "app/session/session.h"
-#include "ui/base/pace.h"
+#include "ui/base/throttle.h"
 #include "ui/run/run_source.h"
 
 namespace skein::ui {
@@ -201,7 +201,7 @@ class LiveRun final : public RunSource {
   QTimer timer_;
   QElapsedTimer clock_;  // the window's
   double polled_at_ = 0.0;
-  Pace status_pace_{0.25};  // links change slowly, and asking for them makes strings
+  Throttle statuses_{0.25};  // links change slowly, and asking for them makes strings
 };
 
 }  // namespace skein::ui

@@ -5,9 +5,9 @@
 namespace skein::ui {
 
 /// Lets something be done at most so often, however often or rarely it is asked. Time is an argument.
-class Pace {
+class Throttle {
  public:
-  explicit Pace(double seconds) : seconds_(seconds) {}
+  explicit Throttle(double seconds) : seconds_(seconds) {}
 
   bool due(double now) {
     if (now - last_ < seconds_) return false;
