@@ -72,13 +72,8 @@ std::optional<double> lowered_for(GainName name, std::size_t i, std::size_t j, d
 
 double given_up_for(GainName name, std::size_t i, std::size_t j, double wanted, const Gains& gains,
                     const CouplingGains& couplings, const ReferenceDemand& demand) noexcept {
-  double left = free_v(gains, i) - demand.v;
-  if (const auto other = shares_limit_with(name))
-    left = free_omega(gains, i) - demand.turning - table(couplings, *other).row_sum(i);
-  else if (name != GainName::k_xx)
-    return 0.0;  // slopes and weights have no part in (18f, g)
   const double with_others = table(couplings, name).row_sum(i) - table(couplings, name)(i, j);
-  return std::max(0.0, with_others + wanted - left);
+  return std::max(0.0, with_others + wanted - row_limit(name, i, gains, couplings, demand));
 }
 
 }  // namespace skein::core

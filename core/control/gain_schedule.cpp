@@ -46,11 +46,8 @@ PairTable& table(CouplingGains& gains, GainName name) noexcept {
   return const_cast<PairTable&>(table(static_cast<const CouplingGains&>(gains), name));
 }
 
-namespace {
-
-/// What (18f) or (18g) leaves one gain's row of robot i, beside the gain that shares the bound.
-double left_to(GainName name, std::size_t i, const Gains& gains, const CouplingGains& couplings,
-               const ReferenceDemand& demand) noexcept {
+double row_limit(GainName name, std::size_t i, const Gains& gains, const CouplingGains& couplings,
+                 const ReferenceDemand& demand) noexcept {
   switch (name) {
     case GainName::k_xx:
       return free_v(gains, i) - demand.v;
@@ -68,15 +65,13 @@ double left_to(GainName name, std::size_t i, const Gains& gains, const CouplingG
   return std::numeric_limits<double>::infinity();  // slopes and weights have no part in (18f, g)
 }
 
-}  // namespace
-
 double gain_limit(GainName name, const Gains& gains, const CouplingGains& others,
                   const ReferenceDemand& demand) noexcept {
   if (gains.robots() < 2) return 0.0;
   const auto partners = static_cast<double>(gains.robots() - 1);
   double limit = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < gains.robots(); ++i) {
-    const double left = left_to(name, i, gains, others, demand);
+    const double left = row_limit(name, i, gains, others, demand);
     limit = std::min(limit, left / partners);
   }
   return std::max(0.0, limit);
@@ -116,7 +111,7 @@ double held_share(GainName name, const Gains& gains, const CouplingGains& coupli
   double share = 1.0;
   for (std::size_t i = 0; i < gains.robots(); ++i) {
     const double taken = table(couplings, name).row_sum(i);
-    const double left = left_to(name, i, gains, couplings, demand);
+    const double left = row_limit(name, i, gains, couplings, demand);
     if (taken > left + rounding) share = std::min(share, std::max(0.0, left) / taken);
   }
   return share;

@@ -52,6 +52,11 @@ struct ReferenceDemand {
   double turning = 0.0;  ///< largest |omega_ref| + k_y |v_ref| [rad/s]
 };
 
+/// The largest sum that robot i's gains of one name may have: what (18f) or (18g) leaves them beside the gain that
+/// shares the bound, less `tracking_share`. May be negative; infinite for slopes and weights, which have no bound.
+double row_limit(GainName name, std::size_t i, const Gains& gains, const CouplingGains& couplings,
+                 const ReferenceDemand& demand) noexcept;
+
 /// The largest value that one gain may have for all pairs at once: (18f, g) hold, and `tracking_share` of v_max and
 /// omega_max is left to tracking at every point of the reference. Never negative. `others` holds the gains that share
 /// the bound (18g).
