@@ -87,15 +87,18 @@ Finding priority(const Machine& machine) {
            {"adduser", machine.user, "skein"}}};
 }
 
+/// A number that the kernel has in a file below /proc/sys.
+double kernel_setting(const Machine& machine, const char* file, double otherwise) {
+  std::istringstream text(read(below(machine, file)));
+  double value = 0.0;
+  return text >> value ? value : otherwise;
+}
+
 Finding throttling(const Machine& machine) {
   const char* const subject = "real-time share";
-  const auto number = [&](const char* name, double otherwise) {
-    std::istringstream text(read(below(machine, std::string("/proc/sys/kernel/") + name)));
-    double value = 0.0;
-    return text >> value ? value : otherwise;
-  };
   // Below zero: no limit.
-  const double runtime = number("sched_rt_runtime_us", -1.0), period = number("sched_rt_period_us", 1e6);
+  const double runtime = kernel_setting(machine, "/proc/sys/kernel/sched_rt_runtime_us", -1.0);
+  const double period = kernel_setting(machine, "/proc/sys/kernel/sched_rt_period_us", 1e6);
   constexpr double least = 0.5;
   if (runtime < 0.0 || runtime >= least * period) return well(subject, "threads with real-time priority may run");
   return {State::ill,
@@ -361,18 +364,18 @@ std::vector<std::pair<std::string, CameraSpec>> all_cameras(const Examination& e
 
 /// What the kernel holds of a GigE camera's frame while its receiver waits for a processor.
 void check_receive_buffer(const Machine& machine, Findings& result) {
-  constexpr long large_frame = 4L << 20;  // [bytes]
-  const std::string text = read(below(machine, vision::receive_buffer_setting));
-  const long limit = text.empty() ? 0 : std::strtol(text.c_str(), nullptr, 10);
+  constexpr double large_frame = 4 << 20;  // [bytes]
+  const double limit = kernel_setting(machine, vision::receive_buffer_setting, 0.0);
   if (limit >= large_frame) return;
   const std::string setting = fmt::format("net.core.rmem_max={}", vision::good_receive_buffer_limit);
-  result.push_back({State::note,
-                    "receive buffer",
-                    fmt::format("{} bytes; a frame of a GigE camera may be larger, and is not whole when this machine "
-                                "is busy",
-                                limit),
-                    fmt::format("install skein-permissions, or as root: sysctl -w {}", setting),
-                    {{"sysctl", "-w", setting}}});
+  result.push_back(
+      {State::note,
+       "receive buffer",
+       fmt::format("{:.0f} bytes; a frame of a GigE camera may be larger, and is not whole when this machine "
+                   "is busy",
+                   limit),
+       fmt::format("install skein-permissions, or as root: sysctl {}", setting),
+       {{"sysctl", setting}}});
 }
 
 Findings cameras(const Machine& machine, const Examination& examination) {
