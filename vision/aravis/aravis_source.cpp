@@ -314,24 +314,24 @@ class AravisSource final : public FrameSource {
     return {};
   }
 
-  /// Whether the kernel holds a whole frame of a GigE camera until it is read. Else a receiver that waits for its
-  /// processor for a millisecond or two loses packets.
-  bool holds(guint payload, std::vector<std::string>& notices) const {
-    if (!arv_camera_is_gv_device(camera_.get())) return true;
+  /// How a GigE camera's packets reach us. The kernel holds what the receiver has not read yet: where it cannot hold a
+  /// frame, a receiver that waits for a processor for a millisecond or two loses packets.
+  void choose_receiver(guint payload, std::vector<std::string>& notices) const {
+    if (!arv_camera_is_gv_device(camera_.get())) return;
     const long limit = receive_buffer_limit();
     if (limit < static_cast<long>(payload)) {
       notices.push_back(fmt::format(
           "{}: a frame has {} bytes, and this machine holds {} of a receiver that is busy: frames may not be whole; as "
           "root: sysctl net.core.rmem_max={}",
           address(), payload, limit, good_receive_buffer_limit));
-      return false;
+      return;
     }
-    // For root Aravis would read the network's packets raw, and others' too until its filter is in place, which it
-    // takes for frames. With a buffer that holds a frame, root needs no other way than everybody else.
+    // As root Aravis would read the network's packets raw, and until its filter is in place others' too, which it takes
+    // for frames. A buffer that holds a frame is good enough for root as well.
     arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
-    return true;
   }
-  /// Aravis's thread that receives: packets do not wait for it for long. Refused: `skein run` says so of its own.
+  /// Gives Aravis's receiving thread a real-time priority. Where it is refused, so is that of the control thread, and
+  /// `skein run` says so.
   static void on_stream(void*, ArvStreamCallbackType type, ArvBuffer*) {
     if (type != ARV_STREAM_CALLBACK_TYPE_INIT) return;
     sched_param wanted{};
@@ -343,16 +343,14 @@ class AravisSource final : public FrameSource {
     Failure failed;
     const guint payload = arv_camera_get_payload(camera_.get(), &failed);
     if (failed) return failed_to("does not tell how large its frames are", failed);
-    const bool held = holds(payload, notices);
+    choose_receiver(payload, notices);
     stream_.reset(arv_camera_create_stream(camera_.get(), on_stream, nullptr, &failed));
     if (!stream_) return failed_to("does not stream", failed);
     if (ARV_IS_GV_STREAM(stream_.get())) {
       const auto retention = static_cast<guint>(1e6 * std::clamp(period_, least_retention, most_retention));
       g_object_set(stream_.get(), "packet-resend", ARV_GV_STREAM_PACKET_RESEND_ALWAYS, "frame-retention", retention,
-                   nullptr);
-      if (held)  // Aravis's own is the kernel's default, a sixth of a megapixel
-        g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
-                     static_cast<gint>(buffered_frames * payload), nullptr);
+                   "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
+                   static_cast<gint>(buffered_frames * payload), nullptr);
     }
     for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
     arv_camera_start_acquisition(camera_.get(), &failed);
@@ -510,7 +508,7 @@ class AravisSource final : public FrameSource {
       const bool at_the_end = clock_.delay() && *clock_.delay() < 0.9 * exposure_;
       return at_the_end ? stamped - half : stamped + half;
     }
-    // Of a frame that was asked for twice nobody knows by which trigger.
+    // A frame that was asked for twice may be that of either trigger.
     if (software_trigger() && passed_over == 0 && asked_ == 1) {
       stamps_.store(TimeStamps::exposure_start, std::memory_order_relaxed);
       return triggered_at_ + half;
