@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -57,9 +58,18 @@ struct Scene {
   std::vector<Pose> starts;
   std::vector<Obstacle> obstacles;
   double duration = 90.0;
-  std::vector<std::uint8_t> (*out)(std::size_t n, double t) = nullptr;
-  std::vector<std::uint8_t> (*stuck)(std::size_t n, double t) = nullptr;
+  using Who = std::function<std::vector<std::uint8_t>(std::size_t n, double t)>;
+  Who out, stuck;
 };
+
+/// The sixth robot, from `from` until `until` [s].
+Scene::Who robot_6(double from, double until) {
+  return [from, until](std::size_t n, double t) {
+    std::vector<std::uint8_t> who(n);
+    who[5] = t >= from && t < until;
+    return who;
+  };
+}
 
 struct Outcome {
   double arrived = -1.0;                    // since when everybody is within 1 cm of its last place; negative: not [s]
@@ -264,11 +274,7 @@ TEST(Planner, NobodyWaitsForOneWhoWaitsForIt) {
 TEST(Planner, WhoIsPlannedAnewIsNotDrivenBack) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Scene scene = crowd(12, seed);
-    scene.out = [](std::size_t n, double t) {
-      std::vector<std::uint8_t> out(n);
-      out[5] = t >= 4.0 && t < 10.0;
-      return out;
-    };
+    scene.out = robot_6(4.0, 10.0);
     EXPECT_LE(run(scene).reversals, 1) << "seed " << seed;
   }
 }
@@ -330,11 +336,7 @@ TEST(Planner, LeavesADeadEnd) {
 
 TEST(Planner, GoesRoundWhoeverIsHeldAndFetchesItLater) {
   Scene scene = crowd(12, 3);
-  scene.out = [](std::size_t n, double t) {
-    std::vector<std::uint8_t> out(n);
-    out[5] = t >= 4.0 && t < 24.0;
-    return out;
-  };
+  scene.out = robot_6(4.0, 24.0);
   const Outcome o = run(scene);
   EXPECT_GT(o.arrived, 24.0);
   EXPECT_GE(o.least, 0.078 - 1e-6);
@@ -343,11 +345,7 @@ TEST(Planner, GoesRoundWhoeverIsHeldAndFetchesItLater) {
 TEST(Planner, GoesRoundWhoeverIsStuckAndFetchesItLater) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Scene scene = crowd(12, seed);
-    scene.stuck = [](std::size_t n, double t) {
-      std::vector<std::uint8_t> stuck(n);
-      stuck[5] = t >= 2.0 && t < 40.0;
-      return stuck;
-    };
+    scene.stuck = robot_6(2.0, 40.0);
     const Outcome o = run(scene);
     EXPECT_GT(o.arrived, 40.0) << seed;
     EXPECT_TRUE(o.others_there) << seed;

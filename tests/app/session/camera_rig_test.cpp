@@ -52,16 +52,27 @@ struct Lab {
   }
 };
 
+/// The cameras of an experiment, on a clock and with a world of their own.
+struct OpenRig {
+  OpenRig(const Experiment& experiment, bool wall_clock) : clock(wall_clock), world(experiment) {
+    auto opened = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
+    EXPECT_TRUE(opened) << opened.error();
+    if (opened) rig = std::move(*opened);
+  }
+  SessionClock clock;
+  SimulatedWorld world;
+  std::unique_ptr<CameraRig> rig;
+};
+
 TEST(CameraRig, SaysWhyATagIsNotSeen) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
-  SessionClock clock(true);
-  SimulatedWorld world(experiment);
-  auto rig = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
-  ASSERT_TRUE(rig) << rig.error();
-  (*rig)->start();
-  const std::vector<CameraRig::Absence> why = (*rig)->why_not_seen();
-  (*rig)->end();
+  OpenRig opened(experiment, true);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
+  rig->start();
+  const std::vector<CameraRig::Absence> why = rig->why_not_seen();
+  rig->end();
   ASSERT_EQ(why.size(), 4U) << "one sentence a robot";
   EXPECT_TRUE(why[0].sentence.starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << why[0].sentence;
@@ -71,11 +82,10 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
 TEST(CameraRig, AFrameThatIsDueIsWatchedForWithoutSleeping) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
-  SessionClock clock(true);
-  SimulatedWorld world(experiment);
-  auto rig = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
-  ASSERT_TRUE(rig) << rig.error();
-  (*rig)->start();
+  OpenRig opened(experiment, true);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
+  rig->start();
   const auto sleeps = [] {
     rusage use{};
     ::getrusage(RUSAGE_THREAD, &use);
@@ -83,36 +93,35 @@ TEST(CameraRig, AFrameThatIsDueIsWatchedForWithoutSleeping) {
   };
   const double since = clock.now();
   const auto before = sleeps();
-  (*rig)->watch_for_frame(since, since + 60.0);
+  rig->watch_for_frame(since, since + 60.0);
   EXPECT_EQ(sleeps(), before);
   std::vector<core::Measurement> newest(4);
   FrameTimes times;
-  ASSERT_TRUE((*rig)->newest(newest, times));
+  ASSERT_TRUE(rig->newest(newest, times));
   EXPECT_GE(times.ready_at, since);
   const double passed = clock.now();
-  (*rig)->watch_for_frame(passed + 60.0, passed);  // a time that has passed is not waited for
-  (*rig)->end();
+  rig->watch_for_frame(passed + 60.0, passed);  // a time that has passed is not waited for
+  rig->end();
 }
 
 TEST(CameraRig, AFilmThatIsEndedHasEveryFrameWhosePosesWereGiven) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
   for (int repeat = 0; repeat < 5; ++repeat) {
-    SessionClock clock(true);
-    SimulatedWorld world(experiment);
-    auto rig = CameraRig::open(experiment, clock, world, false, wanted_tags(experiment));
-    ASSERT_TRUE(rig) << rig.error();
+    OpenRig opened(experiment, true);
+    auto& [clock, world, rig] = opened;
+    ASSERT_TRUE(rig);
     const std::string path = lab.folder / fmt::format("ended-{}.mkv", repeat);
-    ASSERT_TRUE((*rig)->keep(path));
-    (*rig)->start();
+    ASSERT_TRUE(rig->keep(path));
+    rig->start();
     std::vector<core::Measurement> measurements(experiment.robots.size());
     FrameTimes times;
-    while (!(*rig)->newest(measurements, times)) {
+    while (!rig->newest(measurements, times)) {
     }
-    const auto complete = (*rig)->end_film();  // at once, as a run may end with the tick that takes these poses
+    const auto complete = rig->end_film();  // at once, as a run may end with the tick that takes these poses
     ASSERT_TRUE(complete);
     EXPECT_EQ(complete().dropped, 0);
-    (*rig)->end();
+    rig->end();
     auto film = vision::open_source("video:" + path);
     ASSERT_TRUE(film) << film.error();
     double last = -1.0;
@@ -147,19 +156,18 @@ TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
                        std::vector<std::string>{"camera.source=images:" + film.string(),
                                                 "camera.calibration=" + (lab.folder / "cal.toml").string()});
   ASSERT_TRUE(experiment);
-  SessionClock clock(false);
-  SimulatedWorld world(*experiment);
-  auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
-  ASSERT_TRUE(rig) << rig.error();
+  OpenRig opened(*experiment, false);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
   std::vector<std::string> events, sentences;
   int said_at = 0;
   for (int k = 0; k < frames; ++k) {
     clock.set(0.04 * k);
-    (*rig)->process_frame();
+    rig->process_frame();
     EventList list(16);
-    (*rig)->tell(list);
+    rig->tell(list);
     for (const Event& event : list) events.push_back(describe(event)), said_at = k;
-    for (const std::string& sentence : (*rig)->alarms()) sentences.push_back(sentence);
+    for (const std::string& sentence : rig->alarms()) sentences.push_back(sentence);
   }
   EXPECT_EQ(events, (std::vector<std::string>{"not_seen r2 lifted", "not_seen r3 not_found"}));
   EXPECT_NEAR(said_at, fine + 13, 1) << "half a second later, and once";
@@ -220,18 +228,17 @@ TEST(CameraRig, CorrectsTheTimeOfCapture) {
       paper_experiment().source, "platoon.toml",
       std::vector<std::string>{"camera.source=synthetic", "camera.stamps_late=0.05", "camera.latency=0.04"});
   ASSERT_TRUE(experiment);
-  SessionClock clock(false);
-  SimulatedWorld world(*experiment);
-  auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
-  ASSERT_TRUE(rig) << rig.error();
+  OpenRig opened(*experiment, false);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
   world.command(0, {500.0, 500.0});
   std::vector<core::Pose> truth(4);
   std::vector<core::Measurement> seen(4);
   FrameTimes times;
   for (int k = 0; k <= 25; ++k) {
     clock.set(0.04 * k);
-    (*rig)->process_frame();
-    ASSERT_TRUE((*rig)->newest(seen, times));
+    rig->process_frame();
+    ASSERT_TRUE(rig->newest(seen, times));
     EXPECT_DOUBLE_EQ(times.captured_at, 0.04 * k - 0.04);
     EXPECT_DOUBLE_EQ(times.arrived_at, 0.04 * k);
     EXPECT_DOUBLE_EQ(seen[0].captured_at, times.captured_at);
@@ -254,15 +261,14 @@ TEST(CameraRig, NothingIsCapturedAfterItHasArrived) {
   const auto experiment = parse_experiment(paper_experiment().source, "platoon.toml",
                                            std::vector<std::string>{"camera.source=synthetic", "camera.latency=-0.1"});
   ASSERT_TRUE(experiment);
-  SessionClock clock(false);
-  SimulatedWorld world(*experiment);
-  auto rig = CameraRig::open(*experiment, clock, world, false, wanted_tags(*experiment));
-  ASSERT_TRUE(rig) << rig.error();
+  OpenRig opened(*experiment, false);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
   clock.set(0.04);
-  (*rig)->process_frame();
+  rig->process_frame();
   std::vector<core::Measurement> seen(4);
   FrameTimes times;
-  ASSERT_TRUE((*rig)->newest(seen, times));
+  ASSERT_TRUE(rig->newest(seen, times));
   EXPECT_DOUBLE_EQ(times.captured_at, 0.04);
 }
 
