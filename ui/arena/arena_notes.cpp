@@ -17,6 +17,11 @@ constexpr double chip_beside = 10.0, chip_above = 6.0;  // between a message and
 constexpr double chip_highest = 1e4;
 constexpr int chip_flags = Qt::AlignHCenter | Qt::TextWordWrap;
 
+/// A message of this size, in the middle of its place's top.
+QRectF card_in(const QRectF& place, const QSizeF& size) {
+  return {QPointF(place.center().x() - size.width() / 2, place.top()), size};
+}
+
 QFont banner_font(QFont font) {
   font.setBold(true);
   font.setPointSizeF(font.pointSizeF() * 1.25);
@@ -154,7 +159,7 @@ void ArenaPainter::legend(const QRectF& widget) {
 double ArenaPainter::chip(const QRectF& where, const QString& text, const QColor& background, const QColor& ink,
                           bool bold) {
   const QSizeF size = chip_size(text, where.width(), bold).boundedTo({where.width(), chip_highest});
-  const QRectF card(QPointF(where.center().x() - size.width() / 2, where.top()), size);
+  const QRectF card = card_in(where, size);
   p_.save();
   if (bold) p_.setFont(banner_font(p_.font()));
   p_.setPen(Qt::NoPen);
@@ -207,7 +212,7 @@ QRectF ArenaPainter::freest(const QRectF& widget, const std::function<QSizeF(dou
                               room.right() - (width + size.width()) / 2})
       for (const double top : tops) {
         const QRectF place(left, top, width, size.height());
-        const QRectF card(place.center().x() - size.width() / 2, top, size.width(), size.height());
+        const QRectF card = card_in(place, size);
         const bool usual = !best && top == (low ? deep : high);  // whatever else there is
         if (!usual && (size.width() > width || !room.contains(card))) continue;
         const std::size_t hidden = hidden_by(card);
@@ -243,9 +248,7 @@ void ArenaPainter::messages(const QRectF& widget) {
   if (scene_.hint.isEmpty()) return;
   const auto hint_in = [&](double width) { return chip_size(scene_.hint, width, false); };
   const QRectF place = freest(widget, hint_in, true);
-  const QSizeF size = hint_in(place.width());
-  const QRectF card(place.center().x() - size.width() / 2, place.top(), size.width(), size.height());
-  if (!scene_.hint_gives_way || hidden_by(card) == 0)
+  if (!scene_.hint_gives_way || hidden_by(card_in(place, hint_in(place.width()))) == 0)
     chip(place, scene_.hint, faded(c_.notice, 0.92), ink_on(c_.notice), false);
 }
 
