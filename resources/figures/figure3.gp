@@ -14,8 +14,8 @@ of_robot(i, quantity) = column(sprintf("r%d_%s", i, quantity))
 smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
 
-# What is drawn, a block in memory for each robot: x, y, x_ref, y_ref. The file is read once for all of them: with 64
-# robots it has half a gigabyte in ten minutes. While robots drive to their starts t stands still: no part of the run.
+# What is drawn, a block in memory for each robot: x, y, x_ref, y_ref. The file is read twice,
+# to count its rows and for all robots at once: with 64 of them it has half a gigabyte in ten minutes. While robots drive to their starts t stands still: no part of the run.
 per_robot = 4
 stats data using (0) nooutput
 rows = int(STATS_records)

@@ -16,7 +16,7 @@ smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
 
 # What the panels show, in mm and rad, a block in memory for each robot: t, e_x, e_y, e_theta, delta to the next robot. The
-# file is read once for all of them: with 64 robots it has half a gigabyte in ten minutes.
+# file is read twice, to count its rows and for all robots at once: with 64 of them it has half a gigabyte in ten minutes.
 wrapped(angle) = angle - 2 * pi * floor((angle + pi) / (2 * pi))
 e(i, quantity) = column(sprintf("r%d_%s_nom", i, quantity)) - column(sprintf("r%d_%s", i, quantity))
 delta(i) = (i < n ? column(sprintf("delta_%d_%d", i, i + 1)) : 0)
