@@ -359,8 +359,15 @@ TEST(ArenaCrowd, ScaleAndLegendHideNoRobot) {
   }
 }
 
+/// How the robots of a crowd are, and whether their couplings are drawn.
+struct CrowdLook {
+  std::uint8_t mode = app::tracking | app::shielded;
+  bool couplings = false;
+  int selected = -1;
+};
+
 /// 64 robots in rows, this far apart [m], on a floor of this width; `alone`: where only this one is seen.
-QImage crowd(QSize size, double width, double apart, int alone = -1) {
+QImage crowd(QSize size, double width, double apart, int alone = -1, CrowdLook look = {}) {
   ArenaView view;
   view.resize(size);
   app::Experiment experiment = app::paper_experiment();
@@ -369,7 +376,9 @@ QImage crowd(QSize size, double width, double apart, int alone = -1) {
   experiment.avoidance.enabled = experiment.shield.enabled = false;
   experiment.robots.resize(64, experiment.robots.front());
   view.show_experiment(experiment);
-  view.show_couplings(false);
+  view.show_couplings(look.couplings);
+  for (std::size_t i = 0; i < 64; ++i)
+    for (std::size_t j = i + 1; j < 64; ++j) view.set_coupling(i, j, 0.5);
   app::TickRecord record;
   record.phase = app::Phase::running;
   record.robots.resize(64);
@@ -377,13 +386,31 @@ QImage crowd(QSize size, double width, double apart, int alone = -1) {
     app::RobotRecord& robot = record.robots[static_cast<std::size_t>(i)];
     const core::Pose pose{column_of(i) * apart, row_of(i) * apart, 0.1 * i};
     robot.nominal.pose = {100.0, 100.0, 0.0};
-    robot.mode = app::tracking | app::shielded;
+    robot.mode = look.mode;
     robot.measurement.captured_at = -1e9;
     robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
     if (alone < 0 || alone == i) robot.truth = pose;
   }
   view.show_record(record);
+  view.select(look.selected);
   return view.grab().toImage();
+}
+
+TEST(ArenaCrowd, Of64RobotsTheCouplingsOfNeighboursAreDrawnAndThoseOfTheSelectedRobot) {
+  const auto picture = [](bool couplings, int selected) {
+    return crowd({480, 330}, 2.0, 0.13, -1, {.mode = app::tracking, .couplings = couplings, .selected = selected});
+  };
+  const auto drawn = [&](int selected) {  // pixels of couplings
+    const QImage with = picture(true, selected), without = picture(false, selected);
+    int pixels = 0;
+    for (int y = 0; y < with.height(); ++y)
+      for (int x = 0; x < with.width(); ++x) pixels += with.pixel(x, y) != without.pixel(x, y);
+    return pixels;
+  };
+  const int neighbours = drawn(-1), of_robot_20 = drawn(19);
+  EXPECT_GT(neighbours, 500);
+  EXPECT_LT(neighbours, 480 * 330 / 10) << "a haze";
+  EXPECT_GT(of_robot_20, neighbours + 2000);
 }
 
 TEST(ArenaCrowd, EveryNumberOf64RobotsCanBeReadWhereThereIsRoom) {

@@ -105,6 +105,22 @@ TEST(Dialogs, StandClearOfStopOnEveryScreen) {
   }
 }
 
+TEST(ArenaMap, ACircleLooksRoundHoweverLargeItIs) {
+  ArenaMap map;
+  map.show_plan(2.0, 1.5);
+  map.resize({800, 600});
+  for (const double radius : {0.002, 0.01, 0.035, 0.1, 0.3}) {
+    const QPolygonF circle = map.outline({0.0, 0.0}, radius, radius);
+    const double pixels = radius * map.scale_at({0.0, 0.0});
+    const QPointF centre = map.to_screen({0.0, 0.0});
+    EXPECT_EQ(circle.first(), circle.last());
+    for (qsizetype k = 1; k < circle.size(); ++k) {
+      const QPointF middle = (circle[k - 1] + circle[k]) / 2 - centre;
+      EXPECT_NEAR(std::hypot(middle.x(), middle.y()), pixels, 0.15) << radius;
+    }
+  }
+}
+
 TEST(ArenaMap, GoesThereAndBack) {
   ArenaMap map;
   map.resize({700, 500});

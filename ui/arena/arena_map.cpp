@@ -82,14 +82,21 @@ double ArenaMap::scale_at(QPointF floor) const {
 }
 
 QPolygonF ArenaMap::outline(QPointF centre, double a, double b, double p) const {
-  constexpr int corners = 64;
+  constexpr int most = 64;
+  constexpr double finest = 0.1;  // how far a side of the polygon may be from the curve [px]
+  const bool ellipse = p == 2.0;
+  const double radius = std::max(a, b) * scale_at(centre);
+  // A quarter at least, and four times as many, so that the four extreme points are corners.
+  const int corners =
+      ellipse ? std::clamp(4 * static_cast<int>(std::ceil(std::numbers::pi / 4 * std::sqrt(radius / (2 * finest)))), 12,
+                           most)
+              : most;
+  const auto along = [&](double x) { return ellipse ? x : std::copysign(std::pow(std::abs(x), 2 / p), x); };
   QPolygonF polygon;
   polygon.reserve(corners + 1);
   for (int k = 0; k <= corners; ++k) {
     const double angle = 2 * std::numbers::pi * k / corners;
-    const double c = std::cos(angle), s = std::sin(angle);
-    polygon << to_screen(centre + QPointF(a * std::copysign(std::pow(std::abs(c), 2 / p), c),
-                                          b * std::copysign(std::pow(std::abs(s), 2 / p), s)));
+    polygon << to_screen(centre + QPointF(a * along(std::cos(angle)), b * along(std::sin(angle))));
   }
   return polygon;
 }

@@ -165,10 +165,10 @@ void ArenaPainter::couplings() {
   const bool crowd = n > many;
   constexpr double pairs_of_20 = 190.0, palest = 0.25;
   const double share = std::clamp(2.0 * pairs_of_20 / static_cast<double>(n * n), palest, 1.0);
+  const double scale = map_.scale_at({0.0, 0.0});
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
-      QPolygonF line;
-      for (const QPointF& point : scene_.coupling_line(i, j)) line << map_.to_screen(point);
+      if (!scene_.draws_coupling(i, j)) continue;
       // Lost, or made to stand: out of the group until it drives again.
       const bool out = scene_.is_out_of_group(i) || scene_.is_out_of_group(j);
       const bool hovered = scene_.hovered_coupling == std::array{static_cast<int>(i), static_cast<int>(j)};
@@ -180,10 +180,12 @@ void ArenaPainter::couplings() {
       QPen pen = strength > 0.0
                      ? cosmetic(faded(c_.coupling, hovered ? 0.9 : opacity),
                                 crowd ? 1.0 : std::clamp(thinnest + widest * strength, thinnest, widest))
-                     : cosmetic(faded(c_.faint_text, hovered ? 0.9 : 0.35), hovered ? 2.0 : 1.0, Qt::DotLine);
+                     : cosmetic(faded(c_.faint_text, hovered ? 0.9 : 0.35 * paler), hovered ? 2.0 : 1.0, Qt::DotLine);
       pen.setCapStyle(Qt::FlatCap);
       p_.setBrush(Qt::NoBrush);
       p_.setPen(pen);
+      QPolygonF line;
+      for (const QPointF& point : scene_.coupling_line(i, j, scale)) line << map_.to_screen(point);
       p_.drawPolyline(line);
     }
 }

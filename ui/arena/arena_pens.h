@@ -12,7 +12,7 @@ inline QColor faded(QColor colour, double opacity) {
 inline QPen cosmetic(const QColor& colour, double width, Qt::PenStyle style = Qt::SolidLine) {
   QPen pen(colour, width, style);
   pen.setCapStyle(Qt::RoundCap);
-  pen.setJoinStyle(Qt::RoundJoin);
+  pen.setJoinStyle(Qt::BevelJoin);  // curves are many short pieces: a round join at each costs more than the line
   return pen;
 }
 

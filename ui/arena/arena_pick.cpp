@@ -38,9 +38,12 @@ std::optional<std::array<int, 2>> ArenaView::coupling_under(QPointF screen) cons
   std::optional<std::array<int, 2>> nearest;
   double least = reach;
   const auto robots = static_cast<int>(scene_.experiment.robots.size());
+  const double scale = map_.scale_at({0.0, 0.0});
   for (int i = 0; i < robots; ++i)
     for (int j = i + 1; j < robots; ++j) {
-      const std::vector<QPointF> line = scene_.coupling_line(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+      const auto one = static_cast<std::size_t>(i), other = static_cast<std::size_t>(j);
+      if (!scene_.draws_coupling(one, other)) continue;
+      const std::vector<QPointF> line = scene_.coupling_line(one, other, scale);
       for (std::size_t k = 1; k < line.size(); ++k) {
         const double away = distance_to(screen, map_.to_screen(line[k - 1]), map_.to_screen(line[k]));
         if (away >= least) continue;

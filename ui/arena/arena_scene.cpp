@@ -55,6 +55,12 @@ std::optional<core::Pose> ArenaScene::pose(std::size_t i) const {
   return robot.pose;
 }
 
+bool ArenaScene::draws_coupling(std::size_t i, std::size_t j) const {
+  constexpr std::size_t most = 30;  // robots
+  if (experiment.robots.size() <= most || j == i + 1) return true;
+  return selected == static_cast<int>(i) || selected == static_cast<int>(j);
+}
+
 bool ArenaScene::is_out_of_group(std::size_t i) const {
   const app::RobotRecord& robot = record->robots[i];
   return robot.is(app::lost) || (record->phase == app::Phase::running && robot.is(app::stopped));
@@ -92,15 +98,18 @@ int ArenaScene::obstacle_at(double x, double y) const {
   return -1;
 }
 
-std::vector<QPointF> ArenaScene::coupling_line(std::size_t i, std::size_t j) const {
+std::vector<QPointF> ArenaScene::coupling_line(std::size_t i, std::size_t j, double scale) const {
   const auto one = pose(i), other = pose(j);
   if (!one || !other) return {};
   const QPointF a(one->x, one->y), b(other->x, other->y), way = b - a;
   if (j == i + 1) return {a, b};
-  constexpr double bow = 0.16;  // of its length
-  constexpr int pieces = 12;
+  constexpr double bow = 0.16;    // of its length
+  constexpr double finest = 0.5;  // how far a piece may be from the curve [px]
+  const int pieces =
+      std::clamp(static_cast<int>(std::ceil(std::sqrt(bow * std::hypot(way.x(), way.y()) * scale / finest))), 2, 12);
   const QPointF across(-way.y(), way.x());
   std::vector<QPointF> line;
+  line.reserve(static_cast<std::size_t>(pieces) + 1);
   for (int k = 0; k <= pieces; ++k) {
     const double s = static_cast<double>(k) / pieces;
     line.push_back(a + way * s + across * (4 * bow * s * (1 - s)));

@@ -43,6 +43,9 @@ struct ArenaScene {
   /// Couplings are drawn: not where the law has none.
   bool draws_couplings() const { return show_couplings && experiment.controller.law.uses_gains(); }
 
+  /// Of more than 30 robots, those of neighbours and of the selected robot: all of them would be a haze.
+  bool draws_coupling(std::size_t i, std::size_t j) const;
+
   std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
 
   std::vector<OtherRun> compared;
@@ -103,8 +106,8 @@ struct ArenaScene {
   /// The obstacle on this point of the floor, or -1.
   int obstacle_at(double x, double y) const;
   /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that
-  /// it does not hide behind those between them. Empty: one of them was never seen.
-  std::vector<QPointF> coupling_line(std::size_t i, std::size_t j) const;
+  /// it does not hide behind those between them; `scale` [px/m] says how fine. Empty: one of them was never seen.
+  std::vector<QPointF> coupling_line(std::size_t i, std::size_t j, double scale) const;
   /// Robot i is not coupled to anybody now: it is lost, or it was made to stand while the others drive.
   bool is_out_of_group(std::size_t i) const;
   /// How robot i looks now.

@@ -81,13 +81,12 @@ void MarginBars::paintEvent(QPaintEvent*) {
     p.setPen(ink_on(robot));
     p.drawText(QRectF(0, top, 18, line), Qt::AlignCenter, QString::number(i + 1));
     if (i >= forward_.size()) continue;
-    paint_bar(p, QRectF(first, top + 2, width, line - 4), forward_[i]);
-    paint_bar(p, QRectF(second, top + 2, width, line - 4), turning_[i]);
+    paint_bar(p, QRectF(first, top + 2, width, line - 4), forward_[i], c);
+    paint_bar(p, QRectF(second, top + 2, width, line - 4), turning_[i], c);
   }
 }
 
-void MarginBars::paint_bar(QPainter& p, const QRectF& where, const Bar& bar) const {
-  const Colours c = colours(palette());
+void MarginBars::paint_bar(QPainter& p, const QRectF& where, const Bar& bar, const Colours& c) const {
   const double share = std::clamp(bar.left / bar.of, 0.0, 1.0);
   p.setPen(Qt::NoPen);
   p.setBrush(c.dark ? c.panel.lighter(140) : c.panel.darker(108));

@@ -6,6 +6,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 
@@ -30,7 +31,7 @@ class MarginBars final : public QWidget {
     bool holds;
   };
   QString spoken() const;
-  void paint_bar(QPainter& p, const QRectF& where, const Bar& bar) const;
+  void paint_bar(QPainter& p, const QRectF& where, const Bar& bar, const Colours& c) const;
 
   std::size_t robots_ = 0;
   std::vector<core::CommandLimits> limits_;  // of every robot
