@@ -347,11 +347,12 @@ void ControlLoop::thread(const std::stop_token& stop) {
   int elapsed = 1;
   auto last = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
-    if (speed() != 1.0) {
-      pace(last, stop);
+    if (paced_ || speed() != 1.0) {
+      const double late = pace(last, stop);
       const double now = timer.window().latest;
       clock_.set(now);
       cycle(now, 1);
+      if (speed() == 1.0) count_lateness(late);
       timer = TickTimer(period, now + period);
       elapsed = 1;
       continue;
@@ -371,14 +372,19 @@ void ControlLoop::thread(const std::stop_token& stop) {
       plant_.stop();
     }
     cycle(clock_.now(), elapsed);
-    timing_.tick.add(std::max(0.0, woke - window.due(frame_.ready_at)));
-    late_.draft() = timing_.tick;
-    late_.publish();
-    ticks_.store(true, std::memory_order_release);
+    count_lateness(std::max(0.0, woke - window.due(frame_.ready_at)));
     if (new_frame_) timer.frame(frame_.captured_at, frame_.ready_at);
     // Deadlines that have passed by now are missed, and the next tick says how many.
     elapsed = timer.ticked(clock_.now());
   }
+}
+
+/// Of a tick at real-time speed. [s]
+void ControlLoop::count_lateness(double late) noexcept {
+  timing_.tick.add(late);
+  late_.draft() = timing_.tick;
+  late_.publish();
+  ticks_.store(true, std::memory_order_release);
 }
 
 /// Asleep, but for the moments around the time at which the frame is expected: then the tick begins when its poses are
@@ -402,8 +408,9 @@ void ControlLoop::wake_controller(const TickTimer::Window& window) noexcept {
 }
 
 /// Waits until a paced simulation's next tick is due, or the operator asks for something: at a tenth of real time
-/// nobody waits for a tick to see a button obeyed. `last`: when the tick before was due.
-void ControlLoop::pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop) {
+/// nobody waits for a tick to see a button obeyed. `last`: when the tick before was due. The result: how late it is.
+/// [s]
+double ControlLoop::pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;
   constexpr auto slice = std::chrono::milliseconds(10);
   constexpr auto most_behind = std::chrono::milliseconds(100);  // made good; what is more only makes the run slower
@@ -413,11 +420,11 @@ void ControlLoop::pace(std::chrono::steady_clock::time_point& last, const std::s
     const auto now = Clock::now();
     if (now >= due) {
       last = std::max(due, now - most_behind);
-      return;
+      return std::chrono::duration<double>(now - due).count();
     }
     if (stop.stop_requested() || asked()) {
       last = now;
-      return;
+      return 0.0;
     }
     std::this_thread::sleep_until(std::min(due, now + slice));
   }

@@ -41,6 +41,8 @@ class ControlLoop {
   [[nodiscard]] bool post(const Gesture& gesture) { return hand_.push(gesture); }
   /// From ready or paused: one tick of the experiment, and paused again.
   void step() noexcept { steps_.fetch_add(1, std::memory_order_acq_rel); }
+  /// Before start_thread: a simulation is paced at speed 1 as well.
+  void always_pace() noexcept { paced_ = true; }
   /// Wall clock: how much faster than real time a simulation runs. At any speed but 1 it is paced: every tick runs at
   /// exactly its time, none is skipped, and a late one delays the rest. Not with links or cameras, which run in real
   /// time.
@@ -103,7 +105,8 @@ class ControlLoop {
   std::size_t pair(std::size_t i, std::size_t j) const noexcept { return i * experiment_.robots.size() + j; }
   void publish_couplings() noexcept;
   void thread(const std::stop_token& stop);
-  void pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
+  double pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
+  void count_lateness(double late) noexcept;
   bool asked() const noexcept;
   void cycle(double now, int elapsed);
   void await_frame(const TickTimer::Window& window) noexcept;
@@ -147,6 +150,7 @@ class ControlLoop {
   Event motion_;  // written once, before camera_moved_
   std::atomic<double> speed_{1.0}, stood_still_{0.0};
   std::atomic<int> steps_{0};
+  bool paced_ = false;     // at every speed
   bool stepping_ = false;  // the next tick ends a step
   std::atomic<Phase> phase_{Phase::ready};
   std::atomic<int> unseen_{0};

@@ -53,6 +53,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.plant = std::move(*plant);
   i.loop = std::make_unique<ControlLoop>(
       i.experiment, i.clock, *i.plant, [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
+  if (i.options.paced && !i.real_time && !i.controller) i.loop->always_pace();
   if (i.clock.wall()) {
     i.recorder_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());
     i.window_channel = std::make_unique<RecordChannel>(channel_capacity, i.loop->prototype());

@@ -16,9 +16,9 @@ struct SessionOptions {
     virtual_  ///< as fast as possible, everything in step; then use Session::run
   };
 
-  bool pictures = false;           ///< keep the newest camera image
-  std::vector<RecordSink*> sinks;  ///< get every row of the run, on a separate thread in a real-time session
-  std::string video{};             ///< record the camera's frames to this film (Matroska); empty: none
+  bool pictures = false;             ///< keep the newest camera image
+  std::vector<RecordSink*> sinks{};  ///< get every row of the run, on a separate thread in a real-time session
+  std::string video{};               ///< record the camera's frames to this film (Matroska); empty: none
   /// Real robots get a guard, a separate process that stops them if this one is killed (safety_net.h).
   bool guard = false;
   std::vector<comms::Fault> faults{};  ///< of the robots with link "loopback", counted among themselves, for practice
@@ -27,6 +27,9 @@ struct SessionOptions {
   bool await_camera = false;
   std::string program{};   ///< that hosts libraries of controllers, a `skein`; empty: this program
   bool every_tag = false;  ///< look for all tags of the family, see CameraRig::newest
+  /// Wall clock: a simulation without a controller of its own runs every tick at exactly its time at speed 1 as well,
+  /// so that a busy machine makes it slower and not another.
+  bool paced = false;
   /// Called several times per second while robots are being reached; false ends the opening.
   std::function<bool()> keep_on{};
 };

@@ -13,8 +13,10 @@
 #include <QThread>
 #include <QTimer>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <fstream>
+#include <numeric>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -115,12 +117,6 @@ double resident() {
   return 0.0;
 }
 
-class Recording final : public app::RecordSink {
- public:
-  void record(const app::TickRecord& record) override { records.push_back(record); }
-  std::vector<app::TickRecord> records;
-};
-
 /// A run that ends where the one that is measured begins.
 class PastRun final : public app::RecordSink {
  public:
@@ -137,26 +133,33 @@ class PastRun final : public app::RecordSink {
   app::TickRecord row_;
 };
 
-/// How late each tick began, against the deadlines that the earliest of them stands for. [ms]
-std::vector<double> lateness(const std::vector<std::pair<std::int64_t, double>>& ticks, double period) {
-  std::vector<double> late;
-  late.reserve(ticks.size());
-  for (const auto& [tick, now] : ticks) late.push_back(1e3 * (now - static_cast<double>(tick) * period));
-  const double earliest = late.empty() ? 0.0 : *std::min_element(late.begin(), late.end());
-  for (double& value : late) value -= earliest;
-  return late;
-}
+/// How late ticks of several measurements began.
+class Lateness {
+ public:
+  /// Between these two looks at a run.
+  void add(const app::Histogram& before, const app::Histogram& after) {
+    for (std::size_t k = 0; k < app::Histogram::sizes; ++k) ticks_[k] += after.count(k) - before.count(k);
+  }
+  /// [ms]
+  double p99() const {
+    const auto wanted = 0.99 * static_cast<double>(std::accumulate(ticks_.begin(), ticks_.end(), std::uint64_t{0}));
+    std::uint64_t so_far = 0;
+    for (std::size_t k = 0; k < ticks_.size(); ++k)
+      if (static_cast<double>(so_far += ticks_[k]) >= wanted) return 1e3 * app::Histogram::upper_end(k);
+    return 0.0;
+  }
 
-std::vector<double> headless_lateness(const app::Experiment& experiment, double how_long) {
-  Recording recording;
-  auto session = app::Session::open(experiment, app::Session::Clock::wall, {false, {&recording}});
-  if (!(*session)->start()) return {};
+ private:
+  std::array<std::uint64_t, app::Histogram::sizes> ticks_{};
+};
+
+/// Adds the ticks of a run without a window, on the clock that the window's runs have.
+void run_headless(const app::Experiment& experiment, double how_long, Lateness& lateness) {
+  auto session = app::Session::open(experiment, app::Session::Clock::wall, {.paced = true});
+  if (!(*session)->start()) return;
   std::this_thread::sleep_for(std::chrono::duration<double>(how_long));
+  if (const auto timing = (*session)->timing_so_far()) lateness.add({}, timing->tick);
   (*session)->close();
-  std::vector<std::pair<std::int64_t, double>> ticks;
-  ticks.reserve(recording.records.size());
-  for (const app::TickRecord& row : recording.records) ticks.emplace_back(row.tick, row.now);
-  return lateness(ticks, experiment.period());
 }
 
 /// Knows how long its thread was busy with events; those of other threads do not count.
@@ -189,9 +192,6 @@ class Stage {
     window_.show();
     window_.open(experiment, true);
     fill(history);
-    QObject::connect(&window_.live(), &LiveRun::record_shown, &window_, [this](const app::TickRecord& record) {
-      if (record.phase == app::Phase::running) ticks_.emplace_back(record.tick, record.now);
-    });
     QObject::connect(&window_.live(), &LiveRun::frame, &window_, [this] { end_of_frame(); });
   }
   ~Stage() {
@@ -201,7 +201,7 @@ class Stage {
 
   void measure(double how_long, bool resized) {
     wait(2.0);  // the first frames lay everything out
-    ticks_.clear();
+    const app::Histogram ticks_before = ticks();
     frames_ms_.clear();
     frames_cpu_ms_.clear();
     const double cpu = process_cpu(), began = seconds(CLOCK_MONOTONIC);
@@ -216,13 +216,15 @@ class Stage {
     resizing.stop();
     elapsed_ = seconds(CLOCK_MONOTONIC) - began;
     cpu_share_ = (process_cpu() - cpu) / elapsed_;
+    late_ = {};
+    late_.add(ticks_before, ticks());
   }
 
   double frames_per_second() const { return static_cast<double>(frames_ms_.size()) / elapsed_; }
   double cpu_share() const { return cpu_share_; }
   double frame_ms(double share) const { return percentile(frames_ms_, share); }
   double frame_cpu_ms(double share) const { return percentile(frames_cpu_ms_, share); }
-  std::vector<double> late() const { return lateness(ticks_, experiment_.period()); }
+  const Lateness& late() const { return late_; }
 
  private:
   void fill(double history) {
@@ -236,6 +238,11 @@ class Stage {
     plots->set_span(history > half_an_hour ? 0.0 : half_an_hour);  // 0: all there is
   }
 
+  app::Histogram ticks() const {
+    const auto timing = window_.live().timing();
+    return timing ? timing->tick : app::Histogram{};
+  }
+
   /// All that the window's thread did since the last one: reading records, painting, the plots' own timer.
   void end_of_frame() {
     const double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
@@ -245,7 +252,7 @@ class Stage {
 
   app::Experiment experiment_;
   MainWindow window_;
-  std::vector<std::pair<std::int64_t, double>> ticks_;
+  Lateness late_;  // of the last measurement
   std::vector<double> frames_ms_, frames_cpu_ms_;
   double cpu_before_ = 0.0;
   double elapsed_ = 1.0, cpu_share_ = 0.0;
@@ -328,7 +335,8 @@ int bench_window(int& argc, char** argv, double how_long, double hours) {
   report("start to first frame", first_frame(), "s", "<= 1");
   std::printf("platform: %s, each measurement %g s\n", qPrintable(QApplication::platformName()), how_long);
   const app::Experiment four = group_of(4, 36000.0);
-  std::vector<double> without = headless_lateness(four, how_long);
+  Lateness without;
+  run_headless(four, how_long, without);
   {
     Stage stage(four, half_an_hour);
     stage.measure(how_long, false);
@@ -340,11 +348,10 @@ int bench_window(int& argc, char** argv, double how_long, double hours) {
     report("  CPU of the whole program", 100.0 * stage.cpu_share(), "%", "<= 50 of one core");
     stage.measure(how_long, true);
     report("being resized ten times a second: frame, p99", stage.frame_ms(0.99), "ms");
-    const std::vector<double> with = stage.late(), after = headless_lateness(four, how_long);
-    without.insert(without.end(), after.begin(), after.end());
-    report("control thread's lateness, headless, p99", percentile(without, 0.99), "ms");
-    report("  with the window open and being resized, p99", percentile(with, 0.99), "ms");
-    report("  difference", percentile(with, 0.99) - percentile(without, 0.99), "ms", "< 0.2");
+    run_headless(four, how_long, without);
+    report("control thread's lateness, headless, p99", without.p99(), "ms");
+    report("  with the window open and being resized, p99", stage.late().p99(), "ms");
+    report("  difference", stage.late().p99() - without.p99(), "ms", "< 0.2");
   }
   const auto measure_history = [how_long](const char* title, const app::Experiment& experiment, double history) {
     Stage stage(experiment, history);

@@ -79,6 +79,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   rows_missed_ = 0;
   app::SessionOptions options;
   options.pictures = experiment.camera.kind() != app::CameraKind::absent;
+  options.paced = true;  // so that "Go on from here" finds the same past
   options.guard = true;
   options.await_camera = true;
   recorder_ = std::make_shared<app::CsvRecorder>();

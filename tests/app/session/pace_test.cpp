@@ -63,6 +63,30 @@ TEST(Pace, GivesTheRunOfTheVirtualClockAndSkipsNoTick) {
   EXPECT_EQ((*session)->dropped_rows(), 0u);
 }
 
+TEST(Pace, AtSpeed1ASimulationIsTheSameHoweverBusyTheMachineIs) {
+  Experiment experiment = paper_experiment();
+  experiment.duration = 2.0;
+  // The largest distance of a tick from its time, in real time. [s]
+  const auto off = [&](bool paced) {
+    Rows rows;
+    auto session = Session::open(experiment, Session::Clock::wall, {.sinks = {&rows}, .paced = paced});
+    EXPECT_TRUE((*session)->start());
+    Watch watch(**session);
+    EXPECT_TRUE(watch.sees([](const TickRecord& record) { return record.phase == Phase::finished; }));
+    EXPECT_TRUE((*session)->timing_so_far().has_value()) << "how late ticks are is said of both";
+    (*session)->close();
+    EXPECT_EQ(rows.rows.size(), 50u);
+    double largest = 0.0;
+    for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+      const double due = rows.rows.front().now + static_cast<double>(k) * experiment.period();
+      largest = std::max(largest, std::abs(rows.rows[k].now - due));
+    }
+    return largest;
+  };
+  EXPECT_LT(off(true), 1e-9);
+  EXPECT_GT(off(false), 1e-9) << "control: by the wall clock every tick is a little late";
+}
+
 TEST(Pace, StepsFromReadyAndFromPaused) {
   const Experiment experiment = paper_experiment();
   Rows rows;
