@@ -22,6 +22,7 @@
 #include "app/runs/run_index.h"
 #include "comms/link_address.h"
 #include "vision/calibration/calibration.h"
+#include "vision/modules/aravis.h"
 
 namespace skein::app {
 namespace {

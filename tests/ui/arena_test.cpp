@@ -308,7 +308,8 @@ TEST(ArenaMessages, HideNoRobotOfAPlatoonInASmallWindowWhereverItIs) {
       QStringLiteral("LIMITED: the law commands robot 2 more than (14) or its wheels allow; it drives at its limits");
   const QString banner = QStringLiteral("STOPPED by operator \u2013 new run: Ctrl+N");
   for (const std::size_t robots : {4U, 20U})
-    for (double t = 0.0; t < 84.0; t += 4.0) {
+    for (int k = 0; k < 21; ++k) {
+      const double t = 4.0 * k;
       EXPECT_EQ(hidden(small, robots, t, {}, alert), 0) << robots << " robots, " << t << " s";
       EXPECT_EQ(hidden(small, robots, t, banner, {}), 0) << robots << " robots, " << t << " s";
     }

@@ -267,8 +267,10 @@ TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
   record.phase = app::Phase::running;
   record.robots.resize(2);
   const auto drive = [&](double from, double to, std::uint8_t mode) {
-    for (double t = from; t < to; t += 0.04) {
-      record.t = t;
+    constexpr double period = 0.04;
+    const auto ticks = static_cast<int>(std::lround(std::ceil((to - from) / period - 1e-9)));
+    for (int k = 0; k < ticks; ++k) {
+      record.t = from + period * k;
       record.robots[1].mode = mode;
       strip.show_record(record);
     }
