@@ -22,7 +22,7 @@
 #include "app/runs/run_index.h"
 #include "comms/link_address.h"
 #include "vision/calibration/calibration.h"
-#include "vision/modules/aravis.h"
+#include "vision/sources/network_cameras.h"
 
 namespace skein::app {
 namespace {
