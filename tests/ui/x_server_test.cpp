@@ -67,8 +67,8 @@ TEST_F(XServer, ShowsTheWindowUntilItIsToldToEnd) {
 }
 
 TEST_F(XServer, ThatIsNotThereIsSaidInOneSentence) {
-  server.kill();
-  ASSERT_TRUE(server.waitForFinished(patience_ms));
+  // The number of a server that has ended is taken by the next one: this is one that none comes to by counting.
+  display = QStringLiteral(":59000");
   launch({});
   ASSERT_TRUE(skein.waitForFinished(patience_ms)) << "it does not end";
   const QString said = QString::fromUtf8(skein.readAllStandardError());
