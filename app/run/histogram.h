@@ -24,12 +24,27 @@ class Histogram {
     largest_ = std::max(largest_, seconds);
   }
 
+  Histogram& operator+=(const Histogram& other) noexcept {
+    for (std::size_t size = 0; size < sizes; ++size) counts_[size] += other.counts_[size];
+    total_ += other.total_;
+    largest_ = std::max(largest_, other.largest_);
+    return *this;
+  }
+  /// What was added since this earlier copy of the histogram was taken. The largest is exact if it was added since,
+  /// otherwise rounded up to the end of its bin.
+  Histogram since(const Histogram& earlier) const noexcept {
+    Histogram added;
+    for (std::size_t size = 0; size < sizes; ++size) {
+      added.counts_[size] = counts_[size] - earlier.counts_[size];
+      if (added.counts_[size] > 0) added.largest_ = std::min(upper_end(size), largest_);
+    }
+    if (largest_ > earlier.largest_) added.largest_ = largest_;
+    added.total_ = total_ - earlier.total_;
+    return added;
+  }
+
   std::uint64_t total() const noexcept { return total_; }
   std::uint64_t count(std::size_t size) const noexcept { return counts_[size]; }
-  /// The upper limit of this bin. [s]
-  static double upper_end(std::size_t size) noexcept {
-    return shortest * std::exp2(static_cast<double>(size + 1) / per_octave);
-  }
   double largest() const noexcept { return largest_; }  ///< exact; 0: there was none [s]
 
   /// The quantile of the durations for this share, rounded up to the end of its bin (at most 4.4 %). 0: there was none.
@@ -43,6 +58,11 @@ class Histogram {
   }
 
  private:
+  // [s]
+  static double upper_end(std::size_t size) noexcept {
+    return shortest * std::exp2(static_cast<double>(size + 1) / per_octave);
+  }
+
   std::array<std::uint64_t, sizes> counts_{};
   std::uint64_t total_ = 0;
   double largest_ = 0.0;

@@ -13,10 +13,8 @@
 #include <QThread>
 #include <QTimer>
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <fstream>
-#include <numeric>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -133,32 +131,12 @@ class PastRun final : public app::RecordSink {
   app::TickRecord row_;
 };
 
-/// How late ticks of several measurements began.
-class Lateness {
- public:
-  /// Between these two looks at a run.
-  void add(const app::Histogram& before, const app::Histogram& after) {
-    for (std::size_t k = 0; k < app::Histogram::sizes; ++k) ticks_[k] += after.count(k) - before.count(k);
-  }
-  /// [ms]
-  double p99() const {
-    const auto wanted = 0.99 * static_cast<double>(std::accumulate(ticks_.begin(), ticks_.end(), std::uint64_t{0}));
-    std::uint64_t so_far = 0;
-    for (std::size_t k = 0; k < ticks_.size(); ++k)
-      if (static_cast<double>(so_far += ticks_[k]) >= wanted) return 1e3 * app::Histogram::upper_end(k);
-    return 0.0;
-  }
-
- private:
-  std::array<std::uint64_t, app::Histogram::sizes> ticks_{};
-};
-
 /// Adds the ticks of a run without a window, on the clock that the window's runs have.
-void run_headless(const app::Experiment& experiment, double how_long, Lateness& lateness) {
+void run_headless(const app::Experiment& experiment, double how_long, app::Histogram& lateness) {
   auto session = app::Session::open(experiment, app::Session::Clock::wall, {.paced = true});
   if (!(*session)->start()) return;
   std::this_thread::sleep_for(std::chrono::duration<double>(how_long));
-  if (const auto timing = (*session)->timing_so_far()) lateness.add({}, timing->tick);
+  if (const auto timing = (*session)->timing_so_far()) lateness += timing->tick;
   (*session)->close();
 }
 
@@ -216,15 +194,14 @@ class Stage {
     resizing.stop();
     elapsed_ = seconds(CLOCK_MONOTONIC) - began;
     cpu_share_ = (process_cpu() - cpu) / elapsed_;
-    late_ = {};
-    late_.add(ticks_before, ticks());
+    late_ = ticks().since(ticks_before);
   }
 
   double frames_per_second() const { return static_cast<double>(frames_ms_.size()) / elapsed_; }
   double cpu_share() const { return cpu_share_; }
   double frame_ms(double share) const { return percentile(frames_ms_, share); }
   double frame_cpu_ms(double share) const { return percentile(frames_cpu_ms_, share); }
-  const Lateness& late() const { return late_; }
+  const app::Histogram& late() const { return late_; }
 
  private:
   void fill(double history) {
@@ -252,7 +229,7 @@ class Stage {
 
   app::Experiment experiment_;
   MainWindow window_;
-  Lateness late_;  // of the last measurement
+  app::Histogram late_;  // of the last measurement
   std::vector<double> frames_ms_, frames_cpu_ms_;
   double cpu_before_ = 0.0;
   double elapsed_ = 1.0, cpu_share_ = 0.0;
@@ -335,7 +312,7 @@ int bench_window(int& argc, char** argv, double how_long, double hours) {
   report("start to first frame", first_frame(), "s", "<= 1");
   std::printf("platform: %s, each measurement %g s\n", qPrintable(QApplication::platformName()), how_long);
   const app::Experiment four = group_of(4, 36000.0);
-  Lateness without;
+  app::Histogram without;
   run_headless(four, how_long, without);
   {
     Stage stage(four, half_an_hour);
@@ -349,9 +326,10 @@ int bench_window(int& argc, char** argv, double how_long, double hours) {
     stage.measure(how_long, true);
     report("being resized ten times a second: frame, p99", stage.frame_ms(0.99), "ms");
     run_headless(four, how_long, without);
-    report("control thread's lateness, headless, p99", without.p99(), "ms");
-    report("  with the window open and being resized, p99", stage.late().p99(), "ms");
-    report("  difference", stage.late().p99() - without.p99(), "ms", "< 0.2");
+    const double headless = 1e3 * without.quantile(0.99), in_the_window = 1e3 * stage.late().quantile(0.99);
+    report("control thread's lateness, headless, p99", headless, "ms");
+    report("  with the window open and being resized, p99", in_the_window, "ms");
+    report("  difference", in_the_window - headless, "ms", "< 0.2");
   }
   const auto measure_history = [how_long](const char* title, const app::Experiment& experiment, double history) {
     Stage stage(experiment, history);

@@ -39,5 +39,24 @@ RC_GTEST_PROP(Histogram, QuantilesAreThoseOfTheSortedDurationsToOneSize, ()) {
   }
 }
 
+RC_GTEST_PROP(Histogram, WhatWasAddedSinceIsAsIfItWereAloneToOneSize,
+              (std::vector<int> before, std::vector<int> after)) {
+  Histogram histogram, alone;
+  for (const int us : before) histogram.add(1e-6 * us);
+  const Histogram earlier = histogram;
+  for (const int us : after) histogram.add(1e-6 * us), alone.add(1e-6 * us);
+  const Histogram since = histogram.since(earlier);
+  RC_ASSERT(since.total() == alone.total());
+  for (std::size_t size = 0; size < Histogram::sizes; ++size) RC_ASSERT(since.count(size) == alone.count(size));
+  for (const double share : {0.5, 0.99, 1.0}) {
+    RC_ASSERT(since.quantile(share) >= alone.quantile(share));
+    RC_ASSERT(since.quantile(share) <= std::max(1.0443e-6, 1.0443 * alone.quantile(share)));
+  }
+  Histogram sum = earlier;
+  sum += since;
+  RC_ASSERT(sum.total() == histogram.total());
+  RC_ASSERT(sum.quantile(0.99) == histogram.quantile(0.99));
+}
+
 }  // namespace
 }  // namespace skein::app
