@@ -349,6 +349,29 @@ TEST(TagTracker, DoesNotSearchForTagsThatAnotherCameraSees) {
   EXPECT_LE(windows[1], windows[0]);
 }
 
+TEST(TagTracker, SeldomSearchesForATagThatTheBorderCutsWhereAnotherCameraSeesIt) {
+  TrackerLab lab({.tags = first_ids(2)});
+  const double size = lab.calibration.tag_size;
+  const auto edge = world_from_pixel(lab.calibration, {lab.calibration.width - 1.0, 480.0}, lab.calibration.tag_height);
+  ASSERT_TRUE(edge);
+  const auto inside_by = [&](double edges) { return core::Pose{edge->x() - edges * size, edge->y(), 0.3}; };
+  const core::Pose half_out = inside_by(0.1);
+  const std::vector<SyntheticTag> tags{{0, {0.2, 0.1, 0.5}, size}, {1, half_out, size}};
+  for (int k = 0; k < 20; ++k) lab.step(tags, {{1, half_out}});
+  const TrackerCounters before = lab.tracker.counters();
+  for (int k = 0; k < 80; ++k) ASSERT_EQ(lab.step(tags, {{1, half_out}}).size(), 1u);
+  EXPECT_LE(lab.tracker.counters().windows - before.windows, 15);  // one frame in eight, and what the audit looks at
+  EXPECT_EQ(lab.tracker.counters().gates, before.gates);
+
+  // The other camera's calibration is wrong, and the tag is whole in this picture.
+  std::size_t seen = 0;
+  int frames = 0;
+  for (; seen < 2 && frames < 20; ++frames)
+    seen = lab.step({tags[0], {1, inside_by(0.9), size}}, {{1, inside_by(0.3)}}).size();
+  EXPECT_EQ(seen, 2u);
+  EXPECT_LE(frames, 8);
+}
+
 TEST(TagTracker, SearchesForATagThatIsNotWhereAnotherCameraSeesIt) {
   // One of the cameras has been moved: 0.3 m apart, no window around the place shows it.
   TrackerLab lab({.tags = first_ids(2)});
