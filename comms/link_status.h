@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,11 +19,26 @@ enum class LinkState {
   closed          ///< closed after the robot acknowledged its stop
 };
 
-/// The state as a word for logs and tables: "up", "stale", ...
-std::string_view to_text(LinkState state) noexcept;
-
-/// The state with this word; none: there is none.
-std::optional<LinkState> link_state(std::string_view word) noexcept;
+/// As a word for logs and messages (core/words.h).
+constexpr std::string_view word(LinkState state) noexcept {
+  switch (state) {
+    case LinkState::down:
+      return "down";
+    case LinkState::connecting:
+      return "connecting";
+    case LinkState::synchronising:
+      return "synchronising";
+    case LinkState::up:
+      return "up";
+    case LinkState::stale:
+      return "stale";
+    case LinkState::failed:
+      return "failed";
+    case LinkState::closed:
+      return "closed";
+  }
+  return {};
+}
 
 /// When the newest command sent passed each of its stages, CLOCK_MONOTONIC; 0: none yet. [s]
 struct CommandTimes {

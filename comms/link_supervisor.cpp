@@ -149,7 +149,7 @@ std::string LinkSupervisor::Loop::sentence_about(const Link& link, double waited
                                                  links_.begin() + 1)
                    : name,
       to_text(link.address()),
-      status.reason.empty() ? fmt::format("still {} after {:g} s", to_text(status.state), waited) : status.reason);
+      status.reason.empty() ? fmt::format("still {} after {:g} s", word(status.state), waited) : status.reason);
 }
 
 tl::expected<void, std::string> LinkSupervisor::Loop::start(double timeout_s, bool all,
