@@ -74,6 +74,78 @@ class CaseWatch {
   Since v_, omega_;
 };
 
+/// The ticks at which to look. A reference that repeats is the same in every lap between two changes: the first after
+/// the one and the last before the other stand for all.
+class Course {
+ public:
+  explicit Course(const Experiment& e) : rate_(e.rate), lap_(longest_lap(e)) {
+    const double settle = 2.0 * e.period();  // a ramp begins and ends at ticks
+    for (const GainChange& change : e.gain_changes) changes_.push_back({change.t, change.t + change.ramp + settle});
+    for (const ReferenceChange& change : e.reference.changes)
+      changes_.push_back({change.t, change.t + change.duration + settle});
+    if (e.reference.kind == ReferenceSpec::Kind::independent)
+      for (const RobotSpec& robot : e.robots)
+        if (const double end = make_trajectory(robot.trajectory.value_or(TrajectorySpec{}), e.reference)->end();
+            end < infinite)
+          changes_.push_back({0.0, end + settle});
+    changes_.push_back({e.duration, e.duration});
+    std::sort(changes_.begin(), changes_.end(), [](const Change& a, const Change& b) { return a.from < b.from; });
+  }
+
+  std::int64_t next(std::int64_t k) {
+    const double t = static_cast<double>(k) / rate_;
+    for (; change_ < changes_.size() && changes_[change_].from <= t; ++change_)
+      quiet_from_ = std::max(quiet_from_, changes_[change_].to);
+    if (change_ == changes_.size() || t < quiet_from_ + lap_) return k + 1;
+    return std::max(k + 1, static_cast<std::int64_t>(std::floor((changes_[change_].from - lap_) * rate_)));
+  }
+
+ private:
+  struct Change {
+    double from, to;  // [s]
+  };
+
+  /// In which every robot has been everywhere; infinite where it does not repeat. [s]
+  static double longest_lap(const Experiment& e) {
+    const auto lap = [](const PathSpec& path, double speed) {
+      return !path.closed ? infinite : speed > 0.0 ? make_path(path)->length() / speed : 0.0;
+    };
+    if (e.reference.kind != ReferenceSpec::Kind::independent) return lap(e.reference.path, e.reference.speed);
+    double longest = 0.0;
+    for (const RobotSpec& robot : e.robots) {
+      const TrajectorySpec own = robot.trajectory.value_or(TrajectorySpec{});
+      if (make_trajectory(own, e.reference)->end() < infinite) continue;  // it comes to rest
+      longest = std::max(longest, own.from_rest_to_rest() ? infinite      // it turns on the spot then
+                                                          : lap(own.path, own.speed.value_or(e.reference.speed)));
+    }
+    return longest;
+  }
+
+  double rate_, lap_, quiet_from_ = 0.0;
+  std::vector<Change> changes_;
+  std::size_t change_ = 0;  // the first that has not begun
+};
+
+/// The severest velocities of one robot's reference under the same gains: every margin grows smaller with |v_ref| and
+/// with |omega_ref|, so that one that is as slow in both as an earlier one says nothing new.
+class Severest {
+ public:
+  void clear() { seen_.clear(); }
+  bool see(const core::Twist& twist) {
+    const double v = std::abs(twist.v), omega = std::abs(twist.omega);
+    is_new_ = std::none_of(seen_.begin(), seen_.end(), [&](const auto& s) { return v <= s.v && omega <= s.omega; });
+    if (!is_new_) return false;
+    std::erase_if(seen_, [&](const auto& s) { return s.v <= v && s.omega <= omega; });
+    seen_.push_back({v, omega});
+    return true;
+  }
+  bool is_new() const { return is_new_; }  ///< the one seen last
+
+ private:
+  std::vector<core::Twist> seen_;
+  bool is_new_ = false;
+};
+
 std::string as_text(const Certificate::Theorem& theorem) {
   using Case = Certificate::Theorem::Case;
   const std::string v =
@@ -154,7 +226,7 @@ bool Certificate::keeps_tracking() const noexcept {
   });
 }
 
-Certificate certify(const Experiment& experiment) {
+Certificate certify(const Experiment& experiment, const std::stop_token& stop) {
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   core::Gains gains = make_gains(experiment);
   core::GainSchedule schedule(experiment.controller.gains);
@@ -179,19 +251,34 @@ Certificate certify(const Experiment& experiment) {
 
   std::vector<core::ReferencePoint> points(n);
   std::vector<core::Twist> twists(n);
+  std::vector<Severest> severest(n);
+  bool gains_move = true;  // at the start they have not been looked at yet
   std::size_t next_change = 0;
-  for (std::int64_t k = 0; k < experiment.ticks(); ++k) {
+  Course course(experiment);
+  for (std::int64_t k = 0; k < experiment.ticks() && !stop.stop_requested(); k = course.next(k)) {
     const double t = static_cast<double>(k) / experiment.rate;
-    for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change)
+    for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change) {
       begin(experiment.gain_changes[next_change], schedule, experiment.gain_changes[next_change].ramp);
-    if (k > 0) schedule.step(experiment.period());
-    put(schedule.now(), gains);
-    certificate.coupled = certificate.coupled || gains.k_xx.largest() > 0.0 || gains.k_tt.largest() > 0.0;
+      gains_move = true;
+    }
+    if (gains_move) {
+      if (k > 0) schedule.step(experiment.period());
+      put(schedule.now(), gains);
+      certificate.coupled = certificate.coupled || gains.k_xx.largest() > 0.0 || gains.k_tt.largest() > 0.0;
+      for (Severest& robot : severest) robot.clear();
+      gains_move = !(schedule.now() == schedule.target());
+    }
     reference->at(t, points);
-    for (std::size_t i = 0; i < n; ++i) twists[i] = points[i].twist;
-    core::use_policy(gains, twists);
-    cases.see(t, twists);
+    bool any = false;
     for (std::size_t i = 0; i < n; ++i) {
+      twists[i] = points[i].twist;
+      any = severest[i].see(twists[i]) || any;
+    }
+    cases.see(t, twists);
+    if (!any) continue;
+    core::use_policy(gains, twists);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!severest[i].is_new()) continue;
       Certificate::Robot& robot = certificate.robots[i];
       const core::CommandLimits limits = make_limits(experiment, i);
       const double v = std::abs(twists[i].v), omega = std::abs(twists[i].omega);
@@ -207,11 +294,11 @@ Certificate certify(const Experiment& experiment) {
     }
   }
   certificate.theorem = cases.found(reference->smooth());
-  certificate.delay = smallest_delay_margin(experiment);
+  certificate.delay = smallest_delay_margin(experiment, stop);
   return certificate;
 }
 
-Certificate::Delay smallest_delay_margin(const Experiment& experiment) {
+Certificate::Delay smallest_delay_margin(const Experiment& experiment, const std::stop_token& stop) {
   constexpr int samples = 500;
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   const std::size_t n = experiment.robots.size();
@@ -246,6 +333,7 @@ Certificate::Delay smallest_delay_margin(const Experiment& experiment) {
   least.margin = {infinite, true};
   for (core::Gains& gains : all_gains(experiment))
     for (const Place& place : places) {
+      if (stop.stop_requested()) return least;
       core::use_policy(gains, std::vector<core::Twist>(n, place.twist));
       const core::DelayMargin margin = core::delay_margin(gains, place.robot, place.twist, experiment.period());
       if (margin.delay < least.margin.delay) least = {margin, place.t, place.robot};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -80,11 +81,12 @@ struct Certificate {
   }
 };
 
-/// Goes through the whole reference at the experiment's rate.
-Certificate certify(const Experiment& experiment);
+/// Goes through the whole reference at the experiment's rate; of laps that are alike, through the first and the last. A
+/// certificate that is no longer wanted says nothing, and comes at once.
+Certificate certify(const Experiment& experiment, const std::stop_token& stop = {});
 
 /// The smallest over all robots on the straightest, the tightest and the fastest part of their references.
-Certificate::Delay smallest_delay_margin(const Experiment& experiment);
+Certificate::Delay smallest_delay_margin(const Experiment& experiment, const std::stop_token& stop = {});
 
 /// As `key: value` lines.
 std::string as_lines(const Certificate& certificate);

@@ -174,31 +174,58 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
                              farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
 }
 
-/// How much more room the bodies of the two need than two standard ones [m]. Along a path the offset is that of any two
-/// robots so many places apart.
-double more_room(const Experiment& e, const Offset& at) {
-  const auto beyond = [&](std::size_t i) { return e.robots[i].radius - core::standard_radius; };
-  if (e.reference.kind != Kind::platoon) return beyond(at.i) + beyond(at.j);
-  double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + at.j < e.robots.size(); ++i) most = std::max(most, beyond(i) + beyond(i + at.j));
-  return most;
-}
+/// What a robot's body and its detection region ask of an offset. Known once: offsets are hundreds of thousands.
+class Rooms {
+ public:
+  explicit Rooms(const Experiment& e) : platoon_(e.reference.kind == Kind::platoon) {
+    const std::size_t n = e.robots.size();
+    for (const RobotSpec& robot : e.robots) beyond_.push_back(robot.radius - core::standard_radius);
+    for (std::size_t apart = 0; apart < n; ++apart) {
+      most_beyond_.push_back(-std::numeric_limits<double>::infinity());
+      for (std::size_t i = 0; i + apart < n; ++i)
+        most_beyond_.back() = std::max(most_beyond_.back(), beyond_[i] + beyond_[i + apart]);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      regions_.push_back(make_avoidance(e, i));
+      const auto same = [&](const core::AvoidanceParameters& other) {
+        return other.alpha == regions_.back().alpha && other.beta == regions_.back().beta;
+      };
+      if (std::none_of(different_.begin(), different_.end(), same)) different_.push_back(regions_.back());
+    }
+  }
 
-/// How far inside the larger of the two robots' detection regions the other one is: at most 1 inside.
-double region_level(const Experiment& e, const Offset& at, double leaves_at) {
-  double least = std::numeric_limits<double>::infinity();
-  const bool platoon = e.reference.kind == Kind::platoon;
-  for (std::size_t i = 0; i < e.robots.size(); ++i)
-    if (platoon || i == at.i || i == at.j)
-      least = std::min(least, core::region_level(core::wider(make_avoidance(e, i), more_room(e, at)), at.dx / leaves_at,
-                                                 at.dy / leaves_at));
-  return least;
-}
+  /// How much more room the bodies of the two need than two standard ones [m]. Along a path the offset is that of any
+  /// two robots so many places apart.
+  double more(const Offset& at) const { return platoon_ ? most_beyond_[at.j] : beyond_[at.i] + beyond_[at.j]; }
+
+  /// How far inside the larger of the two robots' detection regions the other one is: at most 1 inside; farther out,
+  /// anything above 1.
+  double level(const Offset& at, double leaves_at) const {
+    double least = std::numeric_limits<double>::infinity();
+    const double by = more(at), dx = at.dx / leaves_at, dy = at.dy / leaves_at;
+    const auto see = [&](const core::AvoidanceParameters& own) {
+      const core::AvoidanceParameters region = core::wider(own, by);
+      if (std::abs(dx) <= region.alpha && std::abs(dy) <= region.beta)
+        least = std::min(least, core::region_level(region, dx, dy));
+    };
+    if (platoon_) {
+      for (const core::AvoidanceParameters& region : different_) see(region);
+    } else {
+      see(regions_[at.i]);
+      see(regions_[at.j]);
+    }
+    return least;
+  }
+
+ private:
+  bool platoon_;
+  std::vector<double> beyond_, most_beyond_;                    // the latter of any two robots so many places apart
+  std::vector<core::AvoidanceParameters> regions_, different_;  // of each robot; each that differs, once
+};
 
 /// Says that robots i and j come too close.
-void refuse_meeting(const Experiment& e, const Offset& at, Problems& problems) {
-  const double wide = core::standard_radius + core::standard_radius + more_room(e, at),
-               nearest = std::hypot(at.dx, at.dy);
+void refuse_meeting(const Experiment& e, const Offset& at, double more_room, Problems& problems) {
+  const double wide = core::standard_radius + core::standard_radius + more_room, nearest = std::hypot(at.dx, at.dy);
   if (e.reference.kind == Kind::platoon)
     problems.add(
         at.spacing == e.reference.spacing ? "reference.spacing" : "reference.change",
@@ -228,12 +255,14 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
   // `nearest`: as if the bodies were standard ones.
   double nearest = std::numeric_limits<double>::infinity(), level = nearest;
   Offset closest{};
+  const Rooms rooms(e);
   for_each_offset(e, reference, [&](const Offset& offset) {
-    if (const double d = std::hypot(offset.dx, offset.dy) - more_room(e, offset); d < nearest)
+    if (const double d = std::hypot(offset.dx, offset.dy) - rooms.more(offset); d < nearest)
       nearest = d, closest = offset;
-    level = std::min(level, region_level(e, offset, leaves_at));
+    level = std::min(level, rooms.level(offset, leaves_at));
   });
-  if (nearest <= core::standard_radius + core::standard_radius) return refuse_meeting(e, closest, problems);
+  if (nearest <= core::standard_radius + core::standard_radius)
+    return refuse_meeting(e, closest, rooms.more(closest), problems);
   const char* where = e.reference.may_meet ? "where they begin or come to rest" : "of the formation";
   if (e.avoidance.enabled && e.avoidance.kind == core::AvoidanceKind::field && level <= 1.0) {
     const double fits = std::pow(level, 1.0 / e.avoidance.p);
@@ -250,7 +279,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
                  fmt::format("found {}, allowed: below {:.4g} m, the smallest distance between two "
                              "robots {}{}",
                              e.shield.distance, nearest, where,
-                             more_room(e, closest) == 0.0 ? "" : ", less the excess of their bodies over an e-puck's"));
+                             rooms.more(closest) == 0.0 ? "" : ", less the excess of their bodies over an e-puck's"));
 }
 
 /// Where the file puts a robot at first, its body overlaps nothing: such a run would begin with a collision.

@@ -44,7 +44,7 @@ class Editor : public Operator {
   void open_shared() {
     write(paper);
     window.open_file(file);
-    ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+    ASSERT_TRUE(eventually([&] { return live().file() == file && live().is_open() && live().latest() != nullptr; }));
     open_editor();
   }
   ExperimentEditor* editor = nullptr;
@@ -223,8 +223,7 @@ TEST_F(Editor, KeepsAnUnfinishedTextInItsFile) {
   ASSERT_TRUE(eventually([&] { return !open; })) << "it is saved: nothing is asked";
   EXPECT_EQ(live().experiment().source, paper.toStdString()) << "what can be run is still open";
   window.open_file(file);
-  editor = find_editor();
-  ASSERT_NE(editor, nullptr);
+  ASSERT_TRUE(eventually([&] { return (editor = find_editor()) != nullptr; }));
   EXPECT_EQ(editor->text().toStdString(), unfinished.toStdString());
   EXPECT_FALSE(editor->is_valid());
 }

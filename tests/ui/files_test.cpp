@@ -77,16 +77,61 @@ TEST_F(Files, AreDroppedOntoTheWindow) {
   EXPECT_EQ(window.replay().recording()->rows.size(), 100u);
 }
 
+/// Takes a while to be read and checked: every robot on a path of its own, for hours.
+std::string large_experiment() {
+  std::string text =
+      "name = \"large\"\nduration = 36000\n[arena]\nwidth = 20.0\nheight = 20.0\n[reference]\nkind = "
+      "'independent'\nspeed = 0.05\n[controller.gains]\nk_xx = 0.0\nk_tt = 0.0\nk_yy = 0.0\n";
+  for (int i = 0; i < 64; ++i)
+    text += "[[robot]]\ntag = " + std::to_string(i) +
+            "\ntrajectory = { path = { shape = 'ellipse', width = 1.3, height = 0.9, centre = [" +
+            std::to_string(2.0 * (i % 8) - 7.0) + ", " + std::to_string(2.0 * (i / 8) - 7.0) +
+            "] }, speed = " + std::to_string(0.03 + 0.0002 * i) + " }\n";
+  return text;
+}
+
+TEST_F(Files, AreReadWhileTheWindowGoesOn) {
+  start();
+  int frames = 0;
+  bool told = false;
+  QObject::connect(&window.live(), &LiveRun::frame, &window, [&] { ++frames; });
+  window.open_file(written("large.toml", large_experiment()));
+  EXPECT_EQ(live().experiment().name, "platoon") << "it was opened before the window could do anything else";
+  ASSERT_TRUE(eventually([&] {
+    told = told || find<QLabel>("alert")->text().contains(QStringLiteral("Reading large.toml"));
+    return live().experiment().name == "large" && live().is_open() && live().latest() != nullptr;
+  }));
+  EXPECT_GE(frames, 1) << "the window stood still until it was read";
+  EXPECT_TRUE(told);
+}
+
+TEST_F(Files, CanBeOpenedAndRunsStoppedWhileAnotherIsRead) {
+  start();
+  window.open_file(written("large.toml", large_experiment()));
+  window.stop();
+  EXPECT_TRUE(eventually([&] { return stopped() || live().experiment().name != "platoon"; }));
+  window.open_file(written("large.toml", large_experiment()));
+  window.open_file(experiment("mine.toml"));
+  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() && live().experiment().name == "mine"; }));
+  window.open_recording(recording());
+  window.open_file(experiment("two.toml"));
+  ASSERT_TRUE(eventually([&] { return live().file().endsWith(QStringLiteral("two.toml")) && live().is_open(); }));
+  EXPECT_FALSE(window.replay().is_loaded()) << "what was opened last is wanted";
+  window.open_file(written("large.toml", large_experiment()));  // and the window is closed meanwhile
+}
+
 TEST_F(Files, AreRemembered) {
   start();
   window.open_file(experiment("one.toml"));
-  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  ASSERT_TRUE(eventually([&] { return live().file().endsWith(QStringLiteral("one.toml")) && live().latest(); }));
   window.open_file(experiment("two.toml"));
+  ASSERT_TRUE(eventually([&] { return live().file().endsWith(QStringLiteral("two.toml")); }));
   EXPECT_EQ(recent(window).mid(0, 2), (QStringList{QStringLiteral("two.toml"), QStringLiteral("one.toml")}));
   MainWindow again;
   EXPECT_EQ(recent(again).mid(0, 2), (QStringList{QStringLiteral("two.toml"), QStringLiteral("one.toml")}));
   ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
   find<QMenu>("recent")->actions().at(1)->trigger();
+  ASSERT_TRUE(eventually([&] { return live().file().endsWith(QStringLiteral("one.toml")); }));
   EXPECT_EQ(recent(window).first(), QStringLiteral("one.toml"));
   QFile::remove(dir.filePath(QStringLiteral("two.toml")));
   EXPECT_FALSE(recent(window).contains(QStringLiteral("two.toml"))) << "it is gone";
@@ -96,7 +141,7 @@ TEST_F(Files, AreRemembered) {
 TEST_F(Files, AreKnownToTheEditor) {
   start();
   window.open_file(experiment("known.toml"));
-  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
+  ASSERT_TRUE(eventually([&] { return !live().file().isEmpty() && live().latest() != nullptr; }));
   find<QAction>("edit_experiment")->trigger();
   auto* editor = window.findChild<ExperimentEditor*>();
   ASSERT_NE(editor, nullptr);
@@ -106,9 +151,10 @@ TEST_F(Files, AreKnownToTheEditor) {
 TEST_F(Files, AreRefusedWithPlaceValueAndWhatIsAllowed) {
   start();
   window.open_file(written("wrong.toml", "duration = 10\n[controller]\nv_max = -1\n"));
-  const QString wrong = find<QLabel>("alert")->text();  // the editor shows the rest
-  EXPECT_TRUE(wrong.contains(QStringLiteral("wrong.toml:3:9: controller.v_max: found -1, allowed: ")))
-      << wrong.toStdString();
+  EXPECT_TRUE(eventually([&] {  // the editor shows the rest
+    return find<QLabel>("alert")->text().contains(
+        QStringLiteral("wrong.toml:3:9: controller.v_max: found -1, allowed: "));
+  })) << find<QLabel>("alert")->text().toStdString();
   ASSERT_TRUE(drop(written("notes.txt", "hello")));
   const QString notes = problem();
   EXPECT_TRUE(notes.contains(QStringLiteral("notes.txt"))) << notes.toStdString();

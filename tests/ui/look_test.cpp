@@ -244,8 +244,9 @@ TEST_F(Operator, MendsABrokenFileInTheEditorAtItsFirstError) {
   out.write("name = \"x\"\nrate = -3\nfrobnicate = 1\n");
   out.close();
   window.open_file(file);
-  auto* editor = window.findChild<ExperimentEditor*>();
-  ASSERT_NE(editor, nullptr) << "there is no way to the editor";
+  ExperimentEditor* editor = nullptr;
+  ASSERT_TRUE(eventually([&] { return (editor = window.findChild<ExperimentEditor*>()) != nullptr; }))
+      << "there is no way to the editor";
   auto* problems = editor->findChild<QListWidget*>(QStringLiteral("editor_problems"));
   ASSERT_GE(problems->count(), 2);
   EXPECT_TRUE(problems->item(0)->text().contains(QStringLiteral("rate"))) << problems->item(0)->text().toStdString();

@@ -17,13 +17,13 @@ CheckController::CheckController(Runs& runs, const Messages& messages, CheckList
 void CheckController::begin() {
   certificate_.reset();
   gains_->show_delay_margin({});
-  // Aside: a long run of many robots takes longer than a frame.
-  certifying_ = std::async(std::launch::async, [experiment = live_.experiment()] { return app::certify(experiment); });
+  certifying_.run([experiment = live_.experiment()](const std::stop_token& stop) {
+    return app::certify(experiment, stop);  // a long run of many robots takes longer than a frame
+  });
 }
 
-const std::vector<app::Check>& CheckController::judge() {
-  if (certifying_.valid() && certifying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
-    certificate_ = certifying_.get();
+const std::vector<app::Check>& CheckController::judge(std::chrono::milliseconds patience) {
+  if (auto certificate = certifying_.take(patience)) certificate_ = std::move(certificate);
   show_delay();
   checks_ = app::readiness(live_.experiment(), certificate_ ? &*certificate_ : nullptr, live_.latest(), live_.robots(),
                            live_.camera_down(), live_.marks());
@@ -89,8 +89,7 @@ void CheckController::start(bool overrule) {
   if (testing_) return messages_.say(tr("Not started: a robot is being tested"), Severity::warning);
   // It has had since the opening: often this is the last of it. The window must not hang for longer.
   constexpr std::chrono::seconds patience{1};
-  if (certifying_.valid()) certifying_.wait_for(patience);
-  const std::vector<app::Check>& checks = judge();
+  const std::vector<app::Check>& checks = judge(patience);
   if (app::may_start(checks) && (overrule || app::all_hold(checks))) return messages_.tell(live_.start());
   list_->show_checks(checks);
   list_->show();

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <future>
 #include <optional>
 
 #include "app/session/readiness.h"
+#include "ui/base/aside.h"
 #include "ui/main/messages.h"
 
 namespace skein::ui {
@@ -29,7 +29,8 @@ class CheckController final : public QObject {
 
  private:
   const app::Check* first_amiss() const;
-  const std::vector<app::Check>& judge();
+  /// Waits for the certificate no longer than `patience`.
+  const std::vector<app::Check>& judge(std::chrono::milliseconds patience = {});
   void show_delay();
 
   Runs& runs_;
@@ -37,7 +38,7 @@ class CheckController final : public QObject {
   const Messages& messages_;
   CheckList* list_;
   GainsPanel* gains_;
-  std::future<app::Certificate> certifying_;
+  Aside<app::Certificate> certifying_;
   std::optional<app::Certificate> certificate_;
   std::vector<app::Check> checks_;  // as last judged
   bool wanted_ = false, testing_ = false;

@@ -55,7 +55,7 @@ void ComparisonController::ask() {
 
 void ComparisonController::load(const QString& file) {
   if (loader_.is_busy()) return waiting_.append(file);
-  messages_.say(tr("Reading %1 …").arg(QFileInfo(file).fileName()), Severity::note);
+  messages_.say(reading_text(QFileInfo(file).fileName()), Severity::note);
   loader_.load(file.toStdString());
 }
 

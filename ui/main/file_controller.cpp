@@ -1,12 +1,12 @@
 #include "ui/main/file_controller.h"
 
-#include <QFile>
 #include <QFileInfo>
 #include <QUrl>
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/hardware.h"
 #include "app/experiment/rehearsal.h"
+#include "app/experiment/text_file.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
 
@@ -81,21 +81,44 @@ void FileController::open(const QString& file) {
                       tr("Found %1, allowed: an experiment (.toml) or a recorded run (.csv).").arg(file));
     return;
   }
-  const auto experiment = app::load_experiment(file.toStdString());
-  if (!experiment) {
-    const QStringList problems = lines_of(experiment.error());
-    const QString title =
-        tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(file).fileName());
-    QFile text(file);
-    if (!text.open(QIODevice::ReadOnly))
-      return messages_.problem(tr("This experiment cannot be run"), title, problems.join(QLatin1Char('\n')));
-    messages_.note(title + QStringLiteral(": ") + problems.first(), Severity::warning);
-    emit broken(QString::fromUtf8(text.readAll()), file);
+  emit superseded();
+  file_ = QFileInfo(file).fileName();
+  messages_.say(reading_text(file_), Severity::note);
+  reading_.run([file](const std::stop_token&) { return read(file); });
+}
+
+void FileController::drop() {
+  reading_.drop();
+  emit superseded();
+}
+
+FileController::Read FileController::read(const QString& file) {
+  const std::string path = file.toStdString();
+  auto text = app::read_text(path);
+  if (!text) return {file, {}, std::move(text.error()), {}};
+  auto experiment = app::parse_experiment(*text, path);
+  return {file, std::move(*text), {}, std::move(experiment)};
+}
+
+void FileController::refresh() {
+  if (live_.is_busy()) return;  // the session before is still being opened or closed
+  const auto done = reading_.take();
+  if (!done) return;
+  const auto counted = [&](const std::vector<app::Problem>& problems) {
+    return tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(done->file).fileName());
+  };
+  if (!done->unreadable.empty())
+    return messages_.problem(tr("This experiment cannot be run"), counted(done->unreadable),
+                             lines_of(done->unreadable).join(QLatin1Char('\n')));
+  if (!done->experiment) {
+    const std::vector<app::Problem>& problems = done->experiment.error();
+    messages_.note(counted(problems) + QStringLiteral(": ") + lines_of(problems).first(), Severity::warning);
+    emit broken(QString::fromStdString(done->text), done->file);
     return;
   }
-  if (cannot_open()) return;
-  emit experiment_wanted(*experiment);
-  set_experiment_file(file);
+  if (real_robots_move()) return;
+  emit experiment_wanted(*done->experiment);
+  set_experiment_file(done->file);
 }
 
 void FileController::rehearse() {
@@ -113,7 +136,9 @@ void FileController::rehearse() {
 }
 
 void FileController::open_recording(const QString& file) {
-  if (!real_robots_move()) emit recording_wanted(file);
+  if (real_robots_move()) return;
+  reading_.drop();
+  emit recording_wanted(file);
 }
 
 void FileController::set_experiment_file(const QString& file) {

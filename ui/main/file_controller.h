@@ -3,6 +3,8 @@
 #include <QMenu>
 #include <QMimeData>
 
+#include "app/experiment/problem.h"
+#include "ui/base/aside.h"
 #include "ui/main/messages.h"
 
 namespace skein::ui {
@@ -15,9 +17,13 @@ class FileController final : public QObject {
   FileController(LiveRun& live, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* file);
 
-  /// Reads an experiment file; one with errors is to be mended in the editor; of a recorded run (.csv): says that it is
-  /// wanted.
+  /// Reads an experiment file, in place of one that is being read; one with errors is to be mended in the editor; of a
+  /// recorded run (.csv): says that it is wanted.
   void open(const QString& file);
+  void drop();     ///< whatever is being read is no longer wanted
+  void refresh();  ///< thirty times a second
+  /// The experiment file that is being read; empty: none.
+  QString reading() const { return reading_.is_busy() ? file_ : QString(); }
   void open_recording(const QString& file);
   /// The open experiment, without its hardware.
   void rehearse();
@@ -29,17 +35,28 @@ class FileController final : public QObject {
   void remember(const QString& file);
 
  signals:
+  void superseded();  ///< a recording that is being read is no longer wanted
   void experiment_wanted(const skein::app::Experiment& experiment);
   void recording_wanted(const QString& file);
   void broken(const QString& text, const QString& file);  ///< an experiment that cannot be run: to be mended
 
  private:
+  struct Read {
+    QString file;
+    std::string text;
+    std::vector<app::Problem> unreadable;  // why; empty: it has been read
+    tl::expected<app::Experiment, std::vector<app::Problem>> experiment;
+  };
+  static Read read(const QString& file);
+
   void ask();
   bool cannot_open() const;       // and says why: real robots drive, or a session is being opened or closed
   bool real_robots_move() const;  // and says that nothing is opened meanwhile
 
   LiveRun& live_;
   const Messages& messages_;
+  Aside<Read> reading_;
+  QString file_;
 };
 
 }  // namespace skein::ui

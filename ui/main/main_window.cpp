@@ -691,6 +691,7 @@ void MainWindow::on_frame(double now) {
        (!alert_->lost_robots().isEmpty() || (!checks_->all_hold() && alert_->loud().endsWith(checks_->why_not()))));
   arena_->set_alert(said ? QString() : alert_->loud(),
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
+  files_->refresh();
   replay_->refresh();
   comparison_->refresh();
   preview_->refresh();
@@ -712,12 +713,15 @@ void MainWindow::show_state() {
   checks_->refresh();
 
   const bool may_be_ready = run.is_open() && run.latest() && run.is_before_start();
-  const Notice banner = may_be_ready ? checks_->banner() : run.banner();
+  const QString file = files_->reading() + replay_->reading();  // one of them at most
+  const QString reading = file.isEmpty() ? QString() : reading_text(file);
+  const bool nothing_else = !reading.isEmpty() && !run.is_open() && !run.is_busy() && !run.is_complete();
+  const Notice banner = nothing_else ? Notice{reading} : may_be_ready ? checks_->banner() : run.banner();
   const bool unready = may_be_ready && phase == app::Phase::ready && !checks_->all_hold();
   if (unready) state.words = tr("Not ready");
   if (unready) state.tone = Severity::warning;
   run_bar_->show_state(state);
-  alert_->rest_on(unready ? banner.text : tr("All well"));
+  alert_->rest_on(!reading.isEmpty() ? reading : unready ? banner.text : tr("All well"));
   arena_->set_banner(banner.text, banner.severity == Severity::alarm);
   if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
@@ -906,6 +910,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   if (!app::interrupted() && isEnabled() && editor_->ask_about_changes()) return;
   // The robots first; the window goes when they stand, or have not answered for a second.
   let_go_of_session();
+  files_->drop();
   connect_->stop();
   runs_.live().close();
   setEnabled(false);

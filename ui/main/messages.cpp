@@ -4,7 +4,13 @@
 #include "ui/status/alert_strip.h"
 #include "ui/status/event_log.h"
 
+#include "ui/base/tr.h"
+
 namespace skein::ui {
+
+QString reading_text(const QString& file) {
+  return tr("Reading %1 …").arg(file);
+}
 
 void Messages::say(const QString& text, Severity severity) const {
   alert_->say(text, severity);

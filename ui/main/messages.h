@@ -9,6 +9,9 @@ namespace skein::ui {
 class AlertStrip;
 class EventPanel;
 
+/// What is said while a file is being read.
+QString reading_text(const QString& file);
+
 /// How the window talks to the operator: in the alert strip, in the log, in a dialog beside the window.
 class Messages final {
  public:

@@ -10,6 +10,7 @@ namespace skein::ui {
 ReplayController::ReplayController(Runs& runs, FileController& files, const Messages& messages, QObject* parent)
     : QObject(parent), runs_(runs), files_(files), messages_(messages) {
   connect(&files_, &FileController::recording_wanted, this, &ReplayController::load);
+  connect(&files_, &FileController::superseded, this, [this] { loader_.drop(); });
 }
 
 void ReplayController::build_menu(QMenu* file) {
@@ -27,8 +28,8 @@ void ReplayController::build_menu(QMenu* file) {
 }
 
 void ReplayController::load(const QString& file) {
-  if (loader_.is_busy()) return;
-  messages_.say(tr("Reading %1 …").arg(QFileInfo(file).fileName()), Severity::note);
+  file_ = QFileInfo(file).fileName();
+  messages_.say(reading_text(file_), Severity::note);
   loader_.load(file.toStdString());
 }
 

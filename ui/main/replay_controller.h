@@ -16,12 +16,15 @@ class ReplayController final : public QObject {
   void build_menu(QMenu* file);
   void load(const QString& file);
   void refresh();  ///< thirty times a second
+  /// The file that is being read; empty: none.
+  QString reading() const { return loader_.is_busy() ? file_ : QString(); }
 
  private:
   Runs& runs_;
   FileController& files_;
   const Messages& messages_;
   RecordingLoader loader_;
+  QString file_;
 };
 
 }  // namespace skein::ui

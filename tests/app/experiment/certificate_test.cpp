@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+#include <stop_token>
+
 #include "app/experiment/experiment_file.h"
 
 namespace skein::app {
@@ -45,6 +49,87 @@ TEST(Certificate, LooksAtTheMarginsWhereChangesEnd) {
   EXPECT_FALSE(after.holds());
   EXPECT_LT(after.robots[0].k_x.value, before.robots[0].k_x.value);
   EXPECT_GT(after.robots[0].k_x.t, 10.0);
+}
+
+/// The certificate of every tick, without leaving any out.
+struct Everywhere {
+  double k_x = std::numeric_limits<double>::infinity(), k_theta = k_x, wheel = 0.0;
+};
+std::vector<Everywhere> everywhere(const Experiment& e) {
+  const auto reference = make_reference(e);
+  core::Gains gains = make_gains(e);
+  core::GainSchedule schedule(e.controller.gains);
+  std::vector<Everywhere> worst(e.robots.size());
+  std::vector<core::Twist> twists(e.robots.size());
+  std::size_t next = 0;
+  for (std::int64_t k = 0; k < e.ticks(); ++k) {
+    const double t = static_cast<double>(k) / e.rate;
+    for (; next < e.gain_changes.size() && t >= e.gain_changes[next].t; ++next)
+      for (const core::GainName name : core::pair_names)
+        if (e.gain_changes[next][name]) schedule.ramp(name, *e.gain_changes[next][name], e.gain_changes[next].ramp);
+    if (k > 0) schedule.step(e.period());
+    gains.k_xx = schedule.now().k_xx, gains.k_tt = schedule.now().k_tt, gains.k_yy = schedule.now().k_yy;
+    for (std::size_t i = 0; i < twists.size(); ++i) twists[i] = reference->at(i, t).twist;
+    core::use_policy(gains, twists);
+    for (std::size_t i = 0; i < twists.size(); ++i) {
+      const auto& drive = e.robots[i].drive;
+      worst[i].k_x = std::min(worst[i].k_x, gains.k_x[i]);
+      worst[i].k_theta = std::min(worst[i].k_theta, gains.k_theta[i]);
+      worst[i].wheel =
+          std::max(worst[i].wheel,
+                   (std::abs(twists[i].v) + 0.5 * drive.track * std::abs(twists[i].omega)) / drive.max_wheel_speed());
+    }
+  }
+  return worst;
+}
+
+TEST(Certificate, MissesNothingOfLapsAndTimesThatItLeavesOut) {
+  const auto of = [](const char* text) {
+    const auto e = parse_experiment(text, "e.toml");
+    EXPECT_TRUE(e.has_value()) << (e ? std::string() : messages(e.error()));
+    return e ? *e : steady();
+  };
+  const std::string robots = "[[robot]]\ntag = 1\n[[robot]]\ntag = 2\n[[robot]]\ntag = 3\n";
+  const std::string changes =
+      "[[gain_change]]\nt = 400\nramp = 5\nk_xx = 0.012\n[[gain_change]]\nt = 900\nramp = 100\nk_tt = 0.0\n";
+  const std::string ellipse = "path = { shape = 'ellipse', width = 1.3, height = 0.9 }\n";
+  for (const std::string& text :
+       {"duration = 1500\n[reference]\nkind = 'platoon'\n" + ellipse + robots + changes,
+        "duration = 1500\n[reference]\nkind = 'platoon'\n" + robots +
+            "[[reference.change]]\nt = 500\nduration = 30\nspacing = 0.14\n",
+        "duration = 1500\n[reference]\nkind = 'formation'\nshape = 'v'\nspeed = 0.03\nspacing = 0.12\n" + ellipse +
+            robots + "[[reference.change]]\nt = 600\nduration = 40\nshape = 'v'\nspacing = 0.15\n" + changes}) {
+    const Experiment e = of(text.c_str());
+    const Certificate quick = certify(e);
+    const std::vector<Everywhere> all = everywhere(e);
+    constexpr double of_a_tick = 1e-4;  // laps do not begin at ticks
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_NEAR(quick.robots[i].k_x.value, all[i].k_x, of_a_tick * e.controller.v_max) << text;
+      EXPECT_NEAR(quick.robots[i].k_theta.value, all[i].k_theta, of_a_tick * e.controller.omega_max) << text;
+      EXPECT_NEAR(quick.robots[i].wheel.value, all[i].wheel, of_a_tick) << text;
+    }
+  }
+}
+
+TEST(Certificate, SaysOfALapForEverWhatItSaysOfTwo) {
+  for (const char* stops : {"lemniscate", "circle"}) {
+    const auto of = [&](const char* duration) {
+      return *parse_experiment(std::string("[reference]\npath = { shape = '") + stops +
+                                   (stops[0] == 'l' ? "', width = 1.3, height = 0.9 }" : "', radius = 0.5 }"),
+                               "e.toml", {std::string("duration=") + duration});
+    };
+    const Certificate brief = certify(of("300")), eternal = certify(of("86400"));
+    EXPECT_EQ(brief.theorem.holds, eternal.theorem.holds);
+    EXPECT_NEAR(brief.robots[0].k_theta.value, eternal.robots[0].k_theta.value, 1e-4);
+  }
+}
+
+TEST(Certificate, ThatIsNoLongerWantedComesAtOnce) {
+  std::stop_source unwanted;
+  unwanted.request_stop();
+  Experiment e = steady();
+  EXPECT_EQ(certify(e, unwanted.get_token()).robots.at(0).v.t, 0.0) << "it went on after nobody wanted it";
+  EXPECT_EQ(certify(e, unwanted.get_token()).robots.at(0).k_x.value, std::numeric_limits<double>::infinity());
 }
 
 TEST(Certificate, RefusesALoopThatSamplingMakesUnstable) {
