@@ -57,7 +57,10 @@ TEST_F(Checks, NameARobotOutOfItsPlaceAndBringItBack) {
   EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("robot 2")); }));
   EXPECT_TRUE(arena().scene().alert.isEmpty()) << "twice, one below the other: " << arena().scene().alert.toStdString();
   QTest::mouseClick(find<QPushButton>("mend_places"), Qt::LeftButton);
-  ASSERT_TRUE(eventually([&] { return !seen(); })) << "it was not brought back";
+  ASSERT_TRUE(eventually([&] {
+    EXPECT_FALSE(arena().scene().alert.contains(QStringLiteral("Not started"))) << "the banner says what holds now";
+    return !seen() && arena().scene().banner.contains(QStringLiteral("Ready"));
+  })) << "it was not brought back";
   EXPECT_EQ(live().phase(), app::Phase::ready) << "Start was refused, and must not come back by itself";
   window.go();
   EXPECT_TRUE(eventually([&] { return running(); }));

@@ -93,7 +93,7 @@ void CheckController::start(bool overrule) {
   if (app::may_start(checks) && (overrule || app::all_hold(checks))) return messages_.tell(live_.start());
   list_->show_checks(checks);
   list_->show();
-  if (first_amiss()) messages_.say(tr("Not started: %1").arg(why_not()), Severity::warning);
+  if (first_amiss()) messages_.say_beside_banner(tr("Not started: %1").arg(why_not()), Severity::warning);
 }
 
 }  // namespace skein::ui

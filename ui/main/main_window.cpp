@@ -685,11 +685,8 @@ void MainWindow::on_frame(double now) {
   const Colours c = colours(palette());
   const app::Phase phase = runs_.shown().phase();
   // Where the eye is; what the banner says already needs no second line.
-  const bool said =
-      phase == app::Phase::stopped || phase == app::Phase::finished ||
-      (phase == app::Phase::ready &&
-       (!alert_->lost_robots().isEmpty() || (!checks_->all_hold() && alert_->loud().endsWith(checks_->why_not()))));
-  arena_->set_alert(said ? QString() : alert_->loud(),
+  const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
+  arena_->set_alert(over ? QString() : alert_->loud_beside_banner(),
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
   files_->refresh();
   replay_->refresh();

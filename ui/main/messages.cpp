@@ -16,6 +16,10 @@ void Messages::say(const QString& text, Severity severity) const {
   alert_->say(text, severity);
 }
 
+void Messages::say_beside_banner(const QString& text, Severity severity) const {
+  alert_->say(text, severity, AlertStrip::Also::in_banner);
+}
+
 void Messages::note(const QString& text, Severity severity) const {
   log_->note(runs_.shown().t(), text, severity);
   alert_->say(text, severity);

@@ -18,8 +18,9 @@ class Messages final {
   Messages(const Runs& runs, AlertStrip* alert, EventPanel* log, QWidget* window)
       : runs_(runs), alert_(alert), log_(log), window_(window) {}
 
-  void say(const QString& text, Severity severity) const;   ///< in the alert strip, for a while
-  void note(const QString& text, Severity severity) const;  ///< there and in the log
+  void say(const QString& text, Severity severity) const;                ///< in the alert strip, for a while
+  void say_beside_banner(const QString& text, Severity severity) const;  ///< what the arena's banner says as well
+  void note(const QString& text, Severity severity) const;               ///< there and in the log
   /// Why it was refused, if it was.
   void tell(const RunSource::Done& done) const;
   void problem(const QString& title, const QString& text, const QString& details = {}) const;  ///< in a dialog

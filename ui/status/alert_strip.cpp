@@ -53,7 +53,7 @@ void AlertStrip::show_record(const app::TickRecord& record) {
     stand(State::lost, {}, Severity::note);
     if (!held_) say(tr("All robots are seen"), Severity::good);
   } else if (record.phase == app::Phase::ready) {
-    stand(State::lost, tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning);
+    stand(State::lost, tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning, Also::in_banner);
   } else {
     QStringList robots;  // with the reason, where it is known
     for (const auto& [robot, why] : lost_)
@@ -112,24 +112,24 @@ void AlertStrip::warn_batteries(const QStringList& robots) {
   stand(State::battery, text, Severity::warning);
 }
 
-void AlertStrip::stand(State state, const QString& text, Severity severity) {
+void AlertStrip::stand(State state, const QString& text, Severity severity, Also also) {
   const auto known = states_.find(state);
   if (known == states_.end() ? text.isEmpty() : known->second.text == text) return;
   if (text.isEmpty())
     states_.erase(state);
   else
-    states_[state] = {text, severity};
+    states_[state] = {text, severity, also};
   const bool must_be_heard = severity == Severity::alarm || state == State::battery;
   if (must_be_heard && !text.isEmpty() && !held_) emit alarmed(text);
   if (!text.isEmpty() && news_.severity < severity) since_.invalidate();  // "all are seen" is no longer so
   choose();
 }
 
-void AlertStrip::say(const QString& text, Severity severity) {
+void AlertStrip::say(const QString& text, Severity severity, Also also) {
   const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < read_ms &&
                                    news_.severity >= Severity::warning && news_.severity > severity;
   if (graver_one_is_fresh) return;
-  news_ = {text, severity};
+  news_ = {text, severity, also};
   since_.start();
   if (severity == Severity::alarm && !held_) emit alarmed(text);
   choose();
@@ -157,12 +157,15 @@ void AlertStrip::clear_alert() {
 void AlertStrip::choose() {
   if (held_) return choose_beside_held();
   Said shown;
+  bool all_in_banner = true;
   for (const Severity grave : {Severity::alarm, Severity::warning})
     for (const auto& [state, said] : states_) {
       if (said.severity != grave) continue;
       shown.text += (shown.text.isEmpty() ? QString() : QStringLiteral("   ·   ")) + said.text;
       shown.severity = std::max(shown.severity, grave);
+      all_in_banner = all_in_banner && said.also == Also::in_banner;
     }
+  if (all_in_banner && !shown.text.isEmpty()) shown.also = Also::in_banner;
   const qint64 age = since_.isValid() ? since_.elapsed() : fade_ms + 1;
   const bool fresh = age <= (shown.text.isEmpty() ? fade_ms : read_ms);
   const bool outranked = shown.severity == Severity::alarm && news_.severity < Severity::alarm;
@@ -178,9 +181,8 @@ void AlertStrip::choose_beside_held() {
 }
 
 void AlertStrip::show(const Said& shown) {
-  if (shown.text == text_ && shown.severity == severity_) return;
-  text_ = shown.text;
-  severity_ = shown.severity;
+  if (shown == shown_) return;
+  shown_ = shown;
   show_text();
 }
 
@@ -193,11 +195,11 @@ void AlertStrip::refresh() {
 }
 
 void AlertStrip::show_text() {
-  const QString text = text_.isEmpty() ? at_rest_ : text_;
+  const QString text = shown_.text.isEmpty() ? at_rest_ : shown_.text;
   setText(text);
   setToolTip(text);
   setAccessibleName(tr("Latest alert: %1").arg(text));  // it would be read instead of the text
-  if (severity_ >= Severity::warning) {
+  if (shown_.severity >= Severity::warning) {
     QAccessibleEvent alert(this, QAccessible::Alert);
     QAccessible::updateAccessibility(&alert);
   }
@@ -208,10 +210,10 @@ void AlertStrip::show_text() {
 void AlertStrip::paintEvent(QPaintEvent*) {
   QPainter p(this);
   const Colours c = colours(palette());
-  const bool loud = severity_ == Severity::alarm || severity_ == Severity::warning;
-  const QColor background = severity_ == Severity::alarm ? c.alarm_fill : colour(severity_, c);
+  const bool loud = shown_.severity == Severity::alarm || shown_.severity == Severity::warning;
+  const QColor background = shown_.severity == Severity::alarm ? c.alarm_fill : colour(shown_.severity, c);
   if (loud) p.fillRect(rect(), background);
-  p.setPen(loud ? ink_on(background) : text_.isEmpty() ? c.faint_text : background);
+  p.setPen(loud ? ink_on(background) : shown_.text.isEmpty() ? c.faint_text : background);
   const QRect room = rect().adjusted(8, 0, -8, 0);
   p.drawText(room, Qt::AlignVCenter, fontMetrics().elidedText(text(), Qt::ElideRight, room.width()));
 }

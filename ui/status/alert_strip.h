@@ -20,8 +20,10 @@ class AlertStrip final : public QLabel {
   void show_record(const app::TickRecord& record);
   /// The robots that are lost now, as "2, 3"; empty: none.
   QString lost_robots() const;
+  /// Where else in the window the same is said.
+  enum class Also { nowhere, in_banner };
   /// For a while, also over what is held; behind it, if that is an alarm.
-  void say(const QString& text, Severity severity);
+  void say(const QString& text, Severity severity, Also also = Also::nowhere);
   /// Stays until `clear`, over the states and the events of the run: STOP, a failure, the verdict on a recording.
   void hold(const QString& text, Severity severity);
   /// Robots, from 1, whose battery is low; empty: none.
@@ -32,8 +34,10 @@ class AlertStrip final : public QLabel {
   void rest_on(const QString& text);
   void clear_alert();
   /// The warning or alarm that is shown now; empty: there is none.
-  QString loud() const { return severity_ >= Severity::warning ? text_ : QString(); }
-  Severity severity() const { return severity_; }
+  QString loud() const { return shown_.severity >= Severity::warning ? shown_.text : QString(); }
+  /// The same where the banner does not say it already.
+  QString loud_beside_banner() const { return shown_.also == Also::nowhere ? loud() : QString(); }
+  Severity severity() const { return shown_.severity; }
   void refresh();  ///< lets old news fade
 
  signals:
@@ -51,8 +55,10 @@ class AlertStrip final : public QLabel {
     Severity severity = Severity::note;
   };
 
+    Also also = Also::nowhere;
+    friend bool operator==(const Said&, const Said&) = default;
   void watch(const app::TickRecord& record);
-  void stand(State state, const QString& text, Severity severity);  // empty: it is over
+  void stand(State state, const QString& text, Severity severity, Also also = Also::nowhere);  // empty: it is over
   void choose();
   void choose_beside_held();
   void show(const Said& shown);
@@ -65,9 +71,8 @@ class AlertStrip final : public QLabel {
   Said news_;
   QElapsedTimer since_;  // the news; invalid: none
   std::optional<Said> held_;
-  QString text_;  // what is shown
+  Said shown_;
   QString at_rest_ = tr("All well");
-  Severity severity_ = Severity::note;
 };
 
 }  // namespace skein::ui
