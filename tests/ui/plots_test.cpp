@@ -230,6 +230,19 @@ class Plots : public Operator {
   QTemporaryDir dir;
 };
 
+TEST_F(Plots, DrawNoWideLinesButTheSelectedRobots) {
+  start();  // a line that is wider than a pixel costs several times as much
+  const auto wide = [&] {
+    int count = 0;
+    for (int k = 0; k < plots().view().graphCount(); ++k) count += plots().view().graph(k)->pen().widthF() > 1.0;
+    return count;
+  };
+  EXPECT_EQ(wide(), 0);
+  arena().select(1);
+  ASSERT_TRUE(eventually([&] { return wide() > 0; }));
+  EXPECT_LT(wide(), plots().view().graphCount() / 2);
+}
+
 TEST_F(Plots, SavesWhatIsSeenAndEverything) {
   start();
   window.set_speed(50.0);
