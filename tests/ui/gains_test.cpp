@@ -284,6 +284,21 @@ TEST_F(Gains, OfAPairAtItsLimitSayWhichOtherGainMakesRoom) {
   EXPECT_TRUE(says(QStringLiteral("its limit: that takes a slower reference (18f)"))) << logged().toStdString();
 }
 
+TEST_F(Gains, OfManyRobotsAreShownAsTheyAreInForce) {
+  std::string text =
+      "[arena]\nwidth = 5.0\nheight = 4.0\n[controller.gains]\nk_xx = 0.000452\nk_tt = 0.0014\nk_yy = "
+      "0.0045\n[reference]\npath = { shape = 'rounded_rectangle', width = 4.0, height = 3.0, radius = 0.3 "
+      "}\n";
+  for (int i = 0; i < 64; ++i) text += "[[robot]]\ntag = " + std::to_string(i) + "\n";
+  const auto many = app::parse_experiment(text, "many.toml");
+  ASSERT_TRUE(many) << many.error().front().message();
+  open_and_wait(*many);
+  EXPECT_NEAR(find<QDoubleSpinBox>("spin_k_xx")->value(), 0.000452, 1e-9) << "typed again, it would be another gain";
+  EXPECT_EQ(find<QLabel>("now_k_xx")->text().toStdString(), "now 0.000452");
+  auto* field = find<QDoubleSpinBox>("spin_k_xx");
+  EXPECT_GE(field->width(), field->sizeHint().width()) << "it is cut off";
+}
+
 TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
   open_before_start();
   auto* panel = find<GainsPanel>("gains");
@@ -327,13 +342,15 @@ class GainRoom : public Gains {
     const double top = slider->limit_mark() > 0.0 ? limit / slider->limit_mark() : 0.0;
     const auto now = find<QLabel>(widget("now_", gain))->text();
     const auto border = find<QLabel>(widget("limit_", gain))->text();
-    const QString rounded_down = QString::number(std::floor(limit * 1e4 + 1e-6) / 1e4, 'f', 4);
+    const int places = find<QDoubleSpinBox>(widget("spin_", gain))->decimals();
+    const double per_unit = std::pow(10.0, places);
+    const QString rounded_down = QString::number(std::floor(limit * per_unit + 1e-6) / per_unit, 'f', places);
     const auto result = testing::AssertionFailure()
                         << core::word(gain) << ": target " << target(gain) << ", field " << field << ", knob " << knob
                         << " of " << top << ", now " << now.toStdString() << " at " << slider->now_mark() << ", limit "
                         << limit << ": " << border.toStdString() << " at " << slider->limit_mark();
-    if (std::abs(field - target(gain)) > 0.51e-4) return result;
-    if (now != QStringLiteral("now %1").arg(field, 0, 'f', 4)) return result;
+    if (std::abs(field - target(gain)) > 0.51 / per_unit) return result;
+    if (now != QStringLiteral("now %1").arg(field, 0, 'f', places)) return result;
     if (border != QStringLiteral("limit ") + rounded_down) return result;
     if (slider->limit_mark() <= 0.0 || slider->limit_mark() > 1.0) return result;
     if (std::abs(knob * top - target(gain)) > 0.6 * top / LimitSlider::steps) return result;

@@ -63,17 +63,9 @@ const char* way_on(core::GainName gain) {
   return QT_TRANSLATE_NOOP("GainSlider", "For more, the reference has to be slower: (18f).");
 }
 
-constexpr double per_unit = 1e4;  // of what is shown
-constexpr double half_a_step = 0.5 / per_unit;
-
-QString gain_text(double value) {
-  return QString::number(value, 'f', 4);
-}
-
-/// Never rounded up: what is shown as the limit is allowed.
-QString limit_text(double value) {
-  constexpr double rounding = 1e-6;
-  return gain_text(std::floor(value * per_unit + rounding) / per_unit);
+/// Three digits of the largest value: with many robots gains are small.
+int places_for(double top) {
+  return std::clamp(2 - static_cast<int>(std::floor(std::log10(std::max(top, 1e-9)))), 4, 9);
 }
 
 }  // namespace
@@ -108,7 +100,8 @@ void LimitSlider::paintEvent(QPaintEvent*) {
   p.setPen(Qt::NoPen);
   p.setBrush(c.dark ? c.panel.lighter(170) : c.panel.darker(118));
   p.drawRoundedRect(track, 3, 3);
-  QColor forbidden = c.alarm;
+  const QColor loud = isEnabled() ? c.alarm : c.faint_text;  // of what cannot be set nothing is forbidden
+  QColor forbidden = loud;
   forbidden.setAlphaF(0.25F);
   p.setBrush(forbidden);
   p.drawRoundedRect(QRectF(QPointF(x(limit_), track.top()), track.bottomRight()), 3, 3);
@@ -117,7 +110,7 @@ void LimitSlider::paintEvent(QPaintEvent*) {
   p.drawRoundedRect(QRectF(QPointF(x(limit_now_), track.top()), track.bottomRight()), 3, 3);
   p.setBrush(isEnabled() ? c.accent : c.faint_text);
   p.drawRoundedRect(QRectF(track.topLeft(), QPointF(x(now_), track.bottom())), 3, 3);  // what holds now
-  p.setPen(QPen(c.alarm, 2));
+  p.setPen(QPen(loud, 2));
   p.drawLine(QPointF(x(limit_), track.top() - 5), QPointF(x(limit_), track.bottom() + 5));
 
   p.setPen(QPen(hasFocus() ? c.accent : c.axis, hasFocus() ? 2.0 : 1.2));
@@ -141,6 +134,7 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
       now_text_(new QLabel(this)),
       limit_text_(new QLabel(this)),
       advice_text_(new QLabel(this)) {
+  spin_->setDecimals(places_for(top_));
   const Words w = words(gain);
   const QString name = QString::fromLatin1(core::word(gain).data());
   auto* symbol = new QLabel(QString::fromUtf8(w.symbol), this);
@@ -154,7 +148,6 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   slider_->setAccessibleName(tr("%1 slider").arg(gain_symbol(gain)));
   spin_->setObjectName(QStringLiteral("spin_") + name);
   spin_->setAccessibleName(gain_symbol(gain));
-  spin_->setDecimals(4);
   spin_->setSuffix(QStringLiteral(" ") + QString::fromLatin1(w.unit));
   spin_->setAlignment(Qt::AlignRight);
   now_text_->setObjectName(QStringLiteral("now_") + name);
@@ -203,6 +196,21 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
   connect(spin_, &QDoubleSpinBox::valueChanged, this, [this](double value) { choose(value); });
 }
 
+double GainSlider::half_a_step() const {
+  return 0.5 * std::pow(10.0, -spin_->decimals());
+}
+
+QString GainSlider::gain_text(double value) const {
+  return QString::number(value, 'f', spin_->decimals());
+}
+
+/// Never rounded up: what is shown as the limit is allowed.
+QString GainSlider::limit_text(double value) const {
+  constexpr double rounding = 1e-6;
+  const double per_unit = std::pow(10.0, spin_->decimals());
+  return gain_text(std::floor(value * per_unit + rounding) / per_unit);
+}
+
 void GainSlider::set_no_preview(const QString& why) {
   no_preview_ = why;
   show_text();
@@ -217,11 +225,11 @@ void GainSlider::note_held(double asked, double held) {
 /// empty.
 QString GainSlider::advice() const {
   constexpr double rounding = 1e-9;
-  const bool is_held = held_back_ && std::abs(spin_->value() - held_back_->at) < half_a_step &&
-                       std::abs(held_back_->at - limit_) < half_a_step;
+  const bool is_held = held_back_ && std::abs(spin_->value() - held_back_->at) < half_a_step() &&
+                       std::abs(held_back_->at - limit_) < half_a_step();
   const double wanted = is_held ? held_back_->asked : spin_->value();
   // A gain at its limit is shown rounded, which may be above.
-  if (!remedy_ || wanted <= limit_ + (is_held ? rounding : half_a_step)) return {};
+  if (!remedy_ || wanted <= limit_ + (is_held ? rounding : half_a_step())) return {};
   const QString remedy = remedy_(wanted);
   if (remedy.isEmpty()) return {};
   return tr("%1 cannot be more than %2: %3").arg(gain_symbol(gain_), limit_text(limit_), remedy);
@@ -259,6 +267,8 @@ void GainSlider::set_range(double top) {
   const double digit = top > 0 ? std::pow(10.0, std::floor(std::log10(top)) - 1) : 0.1;
   top_ = std::max(digit, std::ceil(top / digit) * digit);
   const double value = spin_->value();
+  spin_->setDecimals(places_for(top_));
+  spin_->updateGeometry();
   spin_->setSingleStep(digit);
   slider_->setValue(step_of(value));
 }
@@ -280,7 +290,7 @@ void GainSlider::set_now(double value) {
 void GainSlider::follow_target(double value) {
   const bool about_to_ask = slider_->isSliderDown() || rest_.isActive() || spin_->is_being_typed();
   const bool not_taken_yet = asked_.isValid() && !asked_.hasExpired(taken_ms);
-  if (!about_to_ask && !not_taken_yet && std::abs(value - spin_->value()) > half_a_step) set_target(value);
+  if (!about_to_ask && !not_taken_yet && std::abs(value - spin_->value()) > half_a_step()) set_target(value);
 }
 
 void GainSlider::set_target(double value) {
@@ -294,7 +304,7 @@ void GainSlider::set_target(double value) {
 
 void GainSlider::show_text() {
   slider_->set_marks(limit_ / top_, limit_now_ / top_, now_ / top_);
-  const bool on_its_way = std::abs(now_ - spin_->value()) > half_a_step;
+  const bool on_its_way = std::abs(now_ - spin_->value()) > half_a_step();
   now_text_->setText(on_its_way ? tr("now %1 …").arg(gain_text(now_)) : tr("now %1").arg(gain_text(now_)));
   limit_text_->setText(tr("limit %1").arg(limit_text(limit_)));
   for (QLabel* text : {now_text_, limit_text_})  // alone, they do not name the gain

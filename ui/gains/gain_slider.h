@@ -74,6 +74,9 @@ class GainSlider final : public QWidget {
   void set_range(double top);
   void show_text();
   QString advice() const;
+  QString gain_text(double value) const;
+  QString limit_text(double value) const;
+  double half_a_step() const;  // of what is shown
 
   core::GainName gain_;
   LimitSlider* slider_;
