@@ -168,6 +168,42 @@ TEST_F(Files, AreRefusedWithPlaceValueAndWhatIsAllowed) {
   EXPECT_TRUE(running()) << "what ran went on";
 }
 
+TEST_F(Files, ThatAreNoExperimentAreRefusedInADialogAndNeverEdited) {
+  start();
+  const QString picture = written("picture.toml", std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16));
+  const QString latin = written("latin.toml",
+                                "name = \"Stra\xDF"
+                                "e\"\n");
+  const QString large = dir.filePath(QStringLiteral("large.toml")),
+                folder = dir.filePath(QStringLiteral("folder.toml"));
+  QFile sparse(large);
+  ASSERT_TRUE(sparse.open(QIODevice::WriteOnly) && sparse.resize(200'000'000));
+  ASSERT_TRUE(QDir().mkdir(folder));
+  for (const auto& [file, said] : {std::pair{picture, "no text"}, std::pair{latin, "no text"},
+                                   std::pair{large, "200000000 bytes"}, std::pair{folder, "it is a folder"}}) {
+    window.open_file(file);
+    const QString told = problem();
+    EXPECT_TRUE(told.contains(QLatin1String(said))) << told.toStdString();
+    EXPECT_EQ(window.findChild<ExperimentEditor*>(), nullptr) << file.toStdString();
+  }
+  EXPECT_TRUE(running());
+}
+
+TEST_F(Files, ThatVanishOrAreEmptyAreRefusedWithAReason) {
+  start();
+  const QString gone = experiment("gone.toml");
+  window.open_file(gone);
+  QFile::remove(gone);  // before or after it is read: either way the window goes on
+  EXPECT_TRUE(eventually([&] {
+    return live().experiment().name == "mine" || window.findChild<MessageDialog*>(QStringLiteral("problem_dialog"));
+  }));
+  delete window.findChild<MessageDialog*>(QStringLiteral("problem_dialog"));
+  window.open_file(written("empty.csv", ""));
+  EXPECT_TRUE(problem().contains(QStringLiteral("empty.csv")));
+  window.open_file(written("zeros.csv", std::string(10'000'000, '\0')));
+  EXPECT_TRUE(problem().contains(QStringLiteral("zeros.csv")));
+}
+
 TEST_F(Files, AreNotOpenedWhileRealRobotsDrive) {
   const auto loopback = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(loopback.has_value());

@@ -96,6 +96,9 @@ FileController::Read FileController::read(const QString& file) {
   const std::string path = file.toStdString();
   auto text = app::read_text(path);
   if (!text) return {file, {}, std::move(text.error()), {}};
+  // The editor would show something else than such a file has, and write that.
+  if (text->find('\0') != std::string::npos || !QUtf8StringView(*text).isValidUtf8())
+    return {file, {}, {{path, 0, 0, tr("found no text, allowed: an experiment as UTF-8").toStdString()}}, {}};
   auto experiment = app::parse_experiment(*text, path);
   return {file, std::move(*text), {}, std::move(experiment)};
 }
