@@ -62,8 +62,9 @@ std::optional<std::string> little_room(const std::string& directory, std::uintma
   while (!error && !fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
   const fs::space_info space = fs::space(place, error);
   if (error || space.available >= least) return {};
-  return fmt::format("{}: only {:.1f} GB are free for kept runs; `skein runs remove` makes room", directory,
-                     static_cast<double>(space.available) / 1e9);
+  const auto free = static_cast<double>(space.available);
+  const std::string said = free < 1e8 ? fmt::format("{:.0f} MB", free / 1e6) : fmt::format("{:.1f} GB", free / 1e9);
+  return fmt::format("{}: only {} are free for kept runs; `skein runs remove` makes room", directory, said);
 }
 
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder) {

@@ -12,6 +12,7 @@
 #include "operator.h"
 #include "tests/places.h"
 #include "ui/base/settings.h"
+#include "ui/status/alert_strip.h"
 
 namespace skein::ui::test {
 namespace {
@@ -138,6 +139,12 @@ TEST_F(Keep, ThatIsNotPossibleIsAnAlarmAndTheRunGoesOn) {
   EXPECT_TRUE(logged().contains(QStringLiteral("this run is not kept: /proc/none"))) << logged().toStdString();
   const double t = record().t;
   EXPECT_TRUE(eventually([&] { return running() && record().t > t; }));
+  auto* alert = find<AlertStrip>("alert");
+  alert->say(QStringLiteral("other news"), Severity::alarm);
+  EXPECT_TRUE(eventually([&] { return alert->text().contains(QStringLiteral("not kept")); }))
+      << "all is well as soon as it was said: " << alert->text().toStdString();
+  window.new_run();
+  EXPECT_TRUE(eventually([&] { return live().is_open() && !alert->text().contains(QStringLiteral("not kept")); }));
 }
 
 }  // namespace

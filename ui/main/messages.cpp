@@ -25,6 +25,11 @@ void Messages::note(const QString& text, Severity severity) const {
   alert_->say(text, severity);
 }
 
+void Messages::note_unkept(const QString& text) const {
+  note(text, Severity::alarm);
+  alert_->warn_unkept(text);
+}
+
 void Messages::tell(const RunSource::Done& done) const {
   if (!done) say(QString::fromStdString(done.error()), Severity::warning);
 }

@@ -46,7 +46,7 @@ RecordingController::RecordingController(LiveRun& live, const Messages& messages
       messages_.note(tr("kept in %1, but incomplete: %2").arg(folder, problem), Severity::warning);
   });
   connect(&live_, &LiveRun::keeping_failed, this, [this](const QString& problem) {
-    messages_.note(tr("the kept record of this run ends here, the run goes on: %1").arg(problem), Severity::alarm);
+    messages_.note_unkept(tr("the kept record of this run ends here, the run goes on: %1").arg(problem));
   });
   connect(&live_, &LiveRun::recorded, this, [this](const QString& file, const QString& problem) {
     if (problem.isEmpty())
@@ -55,7 +55,7 @@ RecordingController::RecordingController(LiveRun& live, const Messages& messages
       messages_.note(problem, Severity::alarm);
   });
   connect(&live_, &LiveRun::film_failed, this, [this](const QString& problem) {
-    messages_.note(tr("the film of this run ends here, the run goes on: %1").arg(problem), Severity::alarm);
+    messages_.note_unkept(tr("the film of this run ends here, the run goes on: %1").arg(problem));
   });
 }
 
@@ -75,15 +75,14 @@ void RecordingController::keep_if_wanted() {
   app::KeepRequest request;
   const auto directory = app::runs_directory({});
   if (!directory)
-    return messages_.note(tr("this run is not kept: %1").arg(QString::fromStdString(directory.error())),
-                          Severity::alarm);
+    return messages_.note_unkept(tr("this run is not kept: %1").arg(QString::fromStdString(directory.error())));
   request.directory = *directory;
   if (QFile::exists(live_.file())) request.experiment = live_.file().toStdString();
   request.text = experiment.source;
   for (const QString& word : QCoreApplication::arguments()) request.words.push_back(word.toStdString());
   request.real_time = true;
   const QString problem = live_.keep(request);
-  if (!problem.isEmpty()) return messages_.note(tr("this run is not kept: %1").arg(problem), Severity::alarm);
+  if (!problem.isEmpty()) return messages_.note_unkept(tr("this run is not kept: %1").arg(problem));
   messages_.note(tr("this run is kept in %1").arg(live_.kept_folder()), Severity::note);
   if (const auto little = app::little_room(request.directory))
     messages_.note(QString::fromStdString(*little), Severity::warning);

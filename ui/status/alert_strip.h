@@ -30,6 +30,8 @@ class AlertStrip final : public QLabel {
   void warn_batteries(const QStringList& robots);
   /// Nothing stops the robots if this program is killed: shown unless something more severe is, until `clear`.
   void warn_unguarded(const QString& text) { stand(State::unguarded, text, Severity::warning); }
+  /// Not all of this run is kept: as long as it lasts, all is not well.
+  void warn_unkept(const QString& text) { stand(State::unkept, text, Severity::warning); }
   /// What is said while there is nothing else to say.
   void rest_on(const QString& text);
   void clear_alert();
@@ -49,14 +51,14 @@ class AlertStrip final : public QLabel {
 
  private:
   /// The first is shown if two are equally severe.
-  enum class State { lost, link, battery, v_rises, limited, unguarded };
+  enum class State { lost, link, battery, v_rises, limited, unguarded, unkept };
   struct Said {
     QString text;
     Severity severity = Severity::note;
-  };
-
     Also also = Also::nowhere;
     friend bool operator==(const Said&, const Said&) = default;
+  };
+
   void watch(const app::TickRecord& record);
   void stand(State state, const QString& text, Severity severity, Also also = Also::nowhere);  // empty: it is over
   void choose();
