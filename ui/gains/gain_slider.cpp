@@ -100,7 +100,7 @@ void LimitSlider::paintEvent(QPaintEvent*) {
   p.setPen(Qt::NoPen);
   p.setBrush(c.dark ? c.panel.lighter(170) : c.panel.darker(118));
   p.drawRoundedRect(track, 3, 3);
-  const QColor loud = isEnabled() ? c.alarm : c.faint_text;  // of what cannot be set nothing is forbidden
+  const QColor loud = isEnabled() || limit_ > 0.0 ? c.alarm : c.faint_text;  // one robot has no gains
   QColor forbidden = loud;
   forbidden.setAlphaF(0.25F);
   p.setBrush(forbidden);
