@@ -360,6 +360,25 @@ TEST(ArenaCrowd, ScaleAndLegendHideNoRobot) {
   }
 }
 
+TEST(ArenaCrowd, LegendLeavesTheScaleReadableWhereBothHaveNoRoomSideBySide) {
+  ArenaView view;
+  view.resize(250, 130);
+  view.show_experiment(app::paper_experiment());
+  app::TickRecord record;
+  record.robots.resize(4);
+  for (std::size_t i = 0; i < 4; ++i) record.robots[i].truth = {-0.8 + 0.4 * static_cast<double>(i), 0.6, 0.0};
+  const auto shown = [&](std::uint8_t mode) {
+    for (app::RobotRecord& robot : record.robots) robot.mode = mode;
+    view.show_record(record);
+    return view.grab().toImage();
+  };
+  const QPoint corner = view.map().to_screen({-1.0, -0.75}).toPoint();
+  const QRect scale(corner.x() + 12, corner.y() - 36, static_cast<int>(view.map().scale_at({0, 0})), 30);  // of 1 m
+  const QImage without = shown(app::tracking), with = shown(app::stopped);
+  EXPECT_NE(without, with);
+  EXPECT_EQ(without.copy(scale), with.copy(scale));
+}
+
 /// How the robots of a crowd are, and whether their couplings are drawn.
 struct CrowdLook {
   std::uint8_t mode = app::tracking | app::shielded;

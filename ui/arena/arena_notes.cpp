@@ -120,6 +120,7 @@ void ArenaPainter::scale_bar(const QRectF& widget) {
   const double length = metres * scale;
   const QRectF inside = map_.sheet() & widget;  // in the corner of what is shown, clear of the bounds
   const QRectF card(inside.left() + 10, inside.bottom() - metrics.height() - 24, length + 16, metrics.height() + 14);
+  scale_ = card;
   p_.setPen(Qt::NoPen);
   p_.setBrush(faded(c_.floor, 0.85));
   p_.drawRoundedRect(card, 4, 4);
@@ -131,6 +132,7 @@ void ArenaPainter::scale_bar(const QRectF& widget) {
   p_.drawText(QRectF(card.left(), card.top() + 1, card.width(), metrics.height()), Qt::AlignCenter, text);
 }
 
+/// From the right; above the scale where both have no room side by side.
 void ArenaPainter::legend(const QRectF& widget) {
   if (!scene_.record) return;
   std::map<std::uint8_t, ModeStyle> present;  // only what can be seen now needs words
@@ -140,14 +142,20 @@ void ArenaPainter::legend(const QRectF& widget) {
   }
   const QFontMetricsF metrics(p_.font());
   const QRectF inside = map_.sheet() & widget;
-  double right = inside.right() - 20;
-  const double middle = inside.bottom() - 18 - metrics.height() / 2;
+  const double rightmost = inside.right() - 20;
+  double right = rightmost, middle = inside.bottom() - 18 - metrics.height() / 2;
   for (const auto& [mode, style] : present) {
     const double width = metrics.horizontalAdvance(style.name);
+    const auto card = [&] {
+      return QRectF(right - width - 30, middle - metrics.height() / 2 - 4, width + 36, metrics.height() + 8);
+    };
+    if (card().intersects(scale_) || (card().left() < inside.left() && right < rightmost)) {
+      right = rightmost;
+      middle = std::min(middle - card().height(), scale_.top() - card().height() / 2);
+    }
     p_.setPen(Qt::NoPen);
     p_.setBrush(faded(c_.floor, 0.85));
-    const QRectF card(right - width - 30, middle - metrics.height() / 2 - 4, width + 36, metrics.height() + 8);
-    p_.drawRoundedRect(card, 4, 4);
+    p_.drawRoundedRect(card(), 4, 4);
     p_.setPen(c_.text);
     p_.drawText(QPointF(right - width, middle + metrics.ascent() / 2 - 1), style.name);
     badge({right - width - 14, middle}, style.symbol, style.colour, metrics.height());
