@@ -57,6 +57,7 @@ struct Scene {
   Lines lines;
   std::vector<Pose> starts;
   std::vector<Obstacle> obstacles;
+  double obstacles_from = 0.0;  // nobody knows of them before [s]
   double duration = 90.0;
   using Who = std::function<std::vector<std::uint8_t>(std::size_t n, double t)>;
   Who out, stuck;
@@ -78,7 +79,9 @@ struct Outcome {
   double fastest_change = 0.0;              // of a speed between two ticks [m/s]
   double most_v = 0.0, most_turning = 0.0;  // of references, against (18f, g)
   bool no_way = false;
-  int reversals = 0;  // of the robot that has most
+  int reversals = 0;         // of the robot that has most
+  double jump = 0.0;         // of a reference: how far it is from where its own speed leads [m]
+  int longest_planning = 0;  // of ticks in a row
   // Of those that are stuck, at the end of that: whether they are told to drive, and the others are at their places.
   bool told = false, others_there = false;
   std::vector<Pose> last;
@@ -102,17 +105,24 @@ Outcome run(const Scene& scene) {
   std::vector<core::TrackingError> errors(n);
   std::vector<double> v_limit(n);
   std::vector<std::uint8_t> out(n), stuck(n);
+  std::vector<Pose> awaited(n);  // references
   std::vector<int> direction(n), reversals(n);
   const std::unique_ptr<bool[]> touched(new bool[n]());
+  int planning = 0;
   Outcome o;
   for (int k = 0; k * dt < scene.duration; ++k) {
     const double t = k * dt;
     scene.lines.core::Reference::at(t, nominal);
     if (scene.out) out = scene.out(n, t);
     if (scene.stuck) stuck = scene.stuck(n, t);
-    planner.step({t, false, poses, commands, out, stuck, scene.obstacles, 0.0}, gains, dt, nominal, followed);
+    const std::span<const Obstacle> obstacles(scene.obstacles.data(),
+                                              t >= scene.obstacles_from ? scene.obstacles.size() : 0);
+    planner.step({t, false, poses, commands, out, stuck, obstacles, 0.0}, gains, dt, nominal, followed);
+    o.longest_planning = std::max(o.longest_planning, planning = planner.nodes() > 0 ? planning + 1 : 0);
     for (std::size_t i = 0; i < n; ++i) {
       o.no_way = o.no_way || planner.no_way(i);
+      if (k > 0) o.jump = std::max(o.jump, core::distance(followed[i].pose, awaited[i]));
+      awaited[i] = core::advance(followed[i].pose, followed[i].twist, dt);
       twists[i] = followed[i].twist;
       o.most_v = std::max(o.most_v, std::abs(twists[i].v));
       o.most_turning = std::max(o.most_turning, std::abs(twists[i].omega) + gains.k_y * std::abs(twists[i].v));
@@ -185,6 +195,12 @@ void wall(Scene& scene, double x0, double y0, double x1, double y1) {
   const int parts = std::max(1, static_cast<int>(std::ceil(length / 0.03)));
   for (int k = 0; k <= parts; ++k)
     scene.obstacles.push_back({x0 + (x1 - x0) * k / parts, y0 + (y1 - y0) * k / parts, radius});
+}
+
+void dead_end(Scene& scene) {
+  wall(scene, 0.1, -0.25, 0.1, 0.25);
+  wall(scene, -0.3, 0.25, 0.1, 0.25);
+  wall(scene, -0.3, -0.25, 0.1, -0.25);
 }
 
 TEST(Route, IsDrivenExactlyByAUnicycle) {
@@ -279,6 +295,20 @@ TEST(Planner, WhoIsPlannedAnewIsNotDrivenBack) {
   }
 }
 
+/// Who is planned anew while it drives brakes once, and stands until it has a way. While the way of a single robot
+/// began when it was found, the robot was sent back to where it had begun to brake.
+TEST(Planner, WhoHasBrakedDoesNotBrakeAgain) {
+  Scene scene;
+  dead_end(scene);
+  scene.obstacles_from = 5.0;
+  scene.starts = {{-0.9, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], {0.6, 0.0, 0.0});
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 0.0);
+  EXPECT_GT(o.longest_planning, 1);
+  EXPECT_LE(o.jump, 5e-4);
+}
+
 /// Robots close together, whose places are close together in another order: those inside have no way until others have
 /// left. While everybody stopped for whoever had none, and planning took 12 s of every 13, nobody arrived.
 TEST(Planner, LetsThoseDriveWhoHaveAWay) {
@@ -326,9 +356,7 @@ TEST(Planner, BringsEightRobotsThroughOneDoorBothWays) {
 
 TEST(Planner, LeavesADeadEnd) {
   Scene scene;
-  wall(scene, 0.1, -0.25, 0.1, 0.25);
-  wall(scene, -0.3, 0.25, 0.1, 0.25);
-  wall(scene, -0.3, -0.25, 0.1, -0.25);
+  dead_end(scene);
   scene.starts = {{-0.1, 0.0, 0.0}};
   scene.lines.add(scene.starts[0], {0.6, 0.0, 0.0});
   EXPECT_GT(run(scene).arrived, 0.0);
