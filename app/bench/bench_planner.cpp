@@ -32,6 +32,7 @@ class PlannerRows final : public RecordSink {
 struct Ticks {
   std::vector<double> seconds;
   std::vector<std::size_t> nodes;
+  std::vector<std::uint8_t> most_drive;
   double law = 0.0;  // the law alone, a tick of the same run [s]
   double period = 0.04;
   double aside = 0.0;  // farthest of a robot from its place [m]
@@ -57,6 +58,9 @@ tl::expected<Ticks, std::string> time_ticks(const Experiment& experiment) {
   ticks.seconds.assign(run.rows.size(), INFINITY);
   for (const TickRecord& row : run.rows) {
     ticks.nodes.push_back(row.planning);
+    const auto drive = std::count_if(row.robots.begin(), row.robots.end(),
+                                     [](const RobotRecord& robot) { return robot.reference.twist != core::Twist{}; });
+    ticks.most_drive.push_back(2 * static_cast<std::size_t>(drive) > n ? 1 : 0);
     for (const RobotRecord& robot : row.robots)
       ticks.aside = std::max(ticks.aside, core::distance(robot.truth, robot.nominal.pose));
   }
@@ -109,9 +113,10 @@ struct PlanningCost {
     repeated = repeated && ticks.repeated;
     law = std::max(law, ticks.law);
     period = ticks.period;
-    // The plan for everybody at first: while planning goes on from tick to tick.
+    // The plan for everybody at first: until most drive. (Planning goes on for better ones.)
     double seconds = 0.0, count = 0.0;
-    for (std::size_t k = 0; k < ticks.nodes.size() && ticks.nodes[k] > 0; ++k) seconds += ticks.seconds[k], ++count;
+    for (std::size_t k = 0; k < ticks.nodes.size() && ticks.nodes[k] > 0 && !ticks.most_drive[k]; ++k)
+      seconds += ticks.seconds[k], ++count;
     whole.push_back(count * ticks.period);
     work.push_back(seconds);
     for (std::size_t k = 0; k < ticks.nodes.size(); ++k) {

@@ -89,6 +89,9 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
   group_.stands.resize(setup.robots);
   group_.routes.resize(setup.robots);
   group_.best.resize(setup.robots);
+  improvement_.role.resize(setup.robots);
+  improvement_.from.resize(setup.robots);
+  improvement_.routes.resize(setup.robots);
   merging_.yields.resize(setup.robots);
   for (auto& last : merging_.last_yields) last.resize(setup.robots);
   merging_.order.resize(setup.robots);
@@ -102,13 +105,19 @@ void Planner::go_on_from(const Planner& other) {
   *this = other;
   reference_ = reference;
   clock_ = clock;
-  search_.look_at(lattice(group_.asking ? group_.order[group_.next] : 0), traffic_);
+  search_.look_at(lattice(group_.asking            ? group_.order[group_.next]
+                          : improvement_.searching ? improvement_.next
+                                                   : 0),
+                  traffic_);
 }
 
 void Planner::reset() noexcept {
   for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robots_.size();
   std::fill(shift_.begin(), shift_.end(), 0.0);
   group_.active = false;
+  improvement_.asked = improvement_.failures = 0;
+  improvement_.draw = 0;
+  improvement_.searching = false;
   merging_.searched = 0;
   begun_ = false;
   hurry_ = 0.0;

@@ -32,6 +32,7 @@ namespace skein::core {
 ///                          with a `FormationClock` the whole formation waits instead
 /// Where the place itself drives into an obstacle, the robot leaves the lane in time, passes abreast of its place, and
 /// returns to the lane (`Sidestep`).
+/// While they are driven, ways are sought by which the last of all arrives sooner; robots change to them on the way.
 /// Routes are driven on clocks: a robot passes a point only after all robots due there earlier have left it, and a
 /// robot that falls behind its reference holds its clock back. So a delay of one robot delays others but causes no
 /// conflict. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
@@ -143,7 +144,7 @@ class Planner {
     Pose before;     // its pose at the previous step
     std::size_t waits_for = 0;
     bool no_way = false, needs_plan = false;
-    bool stood = false;  // it was out, or stuck
+    bool stood = false;     // it was out, or stuck
   };
 
   void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;
@@ -155,6 +156,13 @@ class Planner {
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool improve(const Scene& scene) noexcept;
   void end_group(const Scene& scene) noexcept;
+  void improve_on_the_way(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  bool begin_improvement(const Scene& scene) noexcept;
+  void ask_for_improvement(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  bool may_turn_off(std::size_t i, const Scene& scene) const noexcept;
+  bool gets_in_the_way(std::size_t i, std::size_t j, const Scene& scene) const noexcept;
+  double arrives(std::size_t i) const noexcept;
+  double clock_for(std::size_t j, std::size_t i, double t) const noexcept;
   void expect(std::size_t j, const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   void plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   double merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept;
@@ -196,9 +204,10 @@ class Planner {
   double lag(std::size_t i) const noexcept { return now_ - robots_[i].due - robots_[i].clock; }
 
   static constexpr double never = std::numeric_limits<double>::infinity();
-  static constexpr double put_elsewhere = 0.03;    // from a moving place, or a route: a new plan [m]
-  static constexpr double sees_ahead = 3.0;        // who or what is in its way [s]
-  static constexpr double looks_elsewhere = 0.35;  // heading error that causes one, as the law turns slowly [rad]
+  static constexpr double put_elsewhere = 0.03;         // from a moving place, or a route: a new plan [m]
+  static constexpr double sees_ahead = 3.0;             // who or what is in its way [s]
+  static constexpr std::size_t nodes_each_tick = 1300;  // some 2 us each on a processor of 2.6 GHz
+  static constexpr double looks_elsewhere = 0.35;       // heading error that causes one, as the law turns slowly [rad]
 
   const Reference* reference_;
   FormationClock* clock_;
@@ -239,6 +248,27 @@ class Planner {
     double best_arrival = 0.0;  // of the last of all, after `began` [s]
     int improvements = 0;
   } group_;
+
+  /// A trial to let whoever arrives last arrive sooner.
+  struct Improvement {
+    enum class Role : std::uint8_t {
+      keeps_on,   // its route stays
+      gives_way,  // it would turn off, if it was in somebody's way
+      asked,      // it turns off, and has no new route yet
+      planned,
+    };
+    std::vector<Role> role;
+    std::vector<double> from;   // where they turn off, on their clocks [s]
+    std::vector<Route> routes;  // the new ones: up to there, where they have none yet
+    std::size_t asked = 0;      // so many; 0: there is no trial
+    std::size_t next = 0;       // whose way is searched for
+    bool searching = false;
+    double began = 0.0, limit = 0.0;  // of arrivals [s]
+    std::size_t failures = 0;         // in a row
+    std::uint64_t draw = 0;
+    void ask(std::size_t i) noexcept;
+    double random() noexcept;  // from 0 to 1
+  } improvement_;
 
   Delay yield_;  // of all that yield
   Merging merging_;

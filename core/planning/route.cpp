@@ -50,6 +50,23 @@ void Route::brake(const Pose& pose, double v, const Pace& pace) noexcept {
   add(segment);
 }
 
+void Route::stop_at(double t, const Pace& pace) noexcept {
+  while (size_ > 0 && segments_[size_ - 1].t >= t) --size_;
+  if (size_ == 0) return;
+  Segment& last = segments_[size_ - 1];
+  if (last.amount == 0.0) last.duration = std::min(last.duration, t - last.t);  // it waits
+  if (last.kind != Segment::Kind::drive || t >= last.t + last.duration || size_ == segments_.size()) return;
+  last.duration = t - last.t;
+  Segment brakes;
+  brakes.kind = Segment::Kind::roll;
+  brakes.t = t;
+  brakes.from = at(last, last.duration);
+  brakes.v = last.travel.at(last.duration).v;
+  brakes.duration = stop_time(brakes.v, pace);
+  brakes.amount = 0.5 * brakes.v * brakes.duration;
+  add(brakes);
+}
+
 bool Route::turn(double angle, const Pace& pace) noexcept {
   if (std::abs(angle) < no_angle) return true;
   if (size_ == segments_.size()) return false;

@@ -42,6 +42,8 @@ class Route {
   /// Where braking from there ends, and how long it takes. [s]
   static Pose stop(const Pose& pose, double v, const Pace& pace) noexcept;
   static double stop_time(double v, const Pace& pace) noexcept;
+  /// Leaves out what comes after t [s], but for what it takes to come to rest: a turn to its end, on a line braking.
+  void stop_at(double t, const Pace& pace) noexcept;
   /// Appends legs; their times count from the start of the route. At the end it turns to `heading`.
   /// False if there is no room for them.
   bool append(std::span<const Leg> legs, double heading, const Pace& pace) noexcept;

@@ -12,12 +12,16 @@ void Traffic::stands(std::size_t j, double x, double y) noexcept {
 }
 
 void Traffic::stands(std::size_t j, double x, double y, double seconds) noexcept {
-  constexpr double nowhere = 1e6;  // [m]
   stands(j, x, y);
-  const auto leaves = std::min(steps - 1, static_cast<std::size_t>(seconds / step) + 1);
-  std::fill(x_.begin() + static_cast<std::ptrdiff_t>(j * steps + leaves),
+  leaves(j, seconds);
+}
+
+void Traffic::leaves(std::size_t j, double seconds) noexcept {
+  constexpr double nowhere = 1e6;  // [m]
+  const auto first = std::min(steps - 1, static_cast<std::size_t>(seconds / step) + 1);
+  std::fill(x_.begin() + static_cast<std::ptrdiff_t>(j * steps + first),
             x_.begin() + static_cast<std::ptrdiff_t>((j + 1) * steps), nowhere);
-  still_from_[j] = leaves;
+  still_from_[j] = first;
 }
 
 void Traffic::drives(std::size_t j, const Route& route, double clock) noexcept {

@@ -31,6 +31,8 @@ class Traffic {
   void stands(std::size_t j, double x, double y) noexcept;
   /// Stands there for a while [s], and is absent afterwards.
   void stands(std::size_t j, double x, double y, double seconds) noexcept;
+  /// Is absent from then on. [s]
+  void leaves(std::size_t j, double seconds) noexcept;
   /// Drives a route from the route's time `clock` on [s].
   void drives(std::size_t j, const Route& route, double clock) noexcept;
   /// Drives a route from the route's time `clock` on, which meets its place at `joins` [s]: then it follows its

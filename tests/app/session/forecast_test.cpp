@@ -14,6 +14,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/session/session.h"
 #include "tests/app/rows.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -98,22 +99,33 @@ TEST(Forecast, OfAnotherGainIsTheRunInWhichTheGainIsChanged) {
   EXPECT_NE(first_different(without, now, ahead), -1) << "the control: the other gain must matter";
 }
 
-TEST(Forecast, OfPlannedRoutesIsTheRunAlsoInTheMiddleOfASearch) {
-  const Experiment experiment =
-      platoon("", {"duration=30", "avoidance.kind=\"plan\"", "obstacle=[{x=0.55,y=0.33,radius=0.04}]"});
+/// `from`: only from then on is it asked within searches. [s]
+void expect_forecast_within_searches(const Experiment& experiment, double from) {
   const std::vector<TickRecord> rows = rows_of(experiment);
-  EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const TickRecord& row) { return row.planning > 0; }));
   Forecast forecast(experiment);
-  std::size_t followed = 0;
+  std::size_t searched = 0;
   for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
     forecast.follow(rows[k]);
-    const bool searches = rows[k].planning > 0;
-    if (rows[k].phase != Phase::running || (!searches && k % 100 != 0) || (searches && followed++ > 20)) continue;
+    const bool searches = rows[k].planning > 0 && rows[k].t >= from;
+    if (rows[k].phase != Phase::running || (!searches && k % 100 != 0) || (searches && searched++ > 20)) continue;
     const std::vector<TickRecord> ahead = forecast.ahead(50, {}, {});
     ASSERT_FALSE(ahead.empty() && rows[k + 1].phase == Phase::running) << rows[k].t;
     ASSERT_EQ(first_different(rows, k, ahead), -1) << "from " << rows[k].t << " s on";
   }
+  EXPECT_GT(searched, 0U);
   EXPECT_TRUE(forecast.exact());
+}
+
+TEST(Forecast, OfPlannedRoutesIsTheRunAlsoInTheMiddleOfASearch) {
+  expect_forecast_within_searches(
+      platoon("", {"duration=30", "avoidance.kind=\"plan\"", "obstacle=[{x=0.55,y=0.33,radius=0.04}]"}), 0.0);
+}
+
+TEST(Forecast, OfACrowdIsTheRunAlsoWhereBetterWaysAreSoughtWhileAllDrive) {
+  const auto experiment = load_experiment(test::in_source("resources/experiments/antipodal-swap-10.toml"),
+                                          {"avoidance.kind=plan", "duration=12"});
+  ASSERT_TRUE(experiment.has_value());
+  expect_forecast_within_searches(*experiment, 4.0);
 }
 
 TEST(Forecast, OfAnotherParameterIsTheRunInWhichItIsChanged) {
