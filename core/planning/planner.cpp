@@ -348,7 +348,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     if (robot.state == State::driving && robot.held_for > stuck_for && !group_.active) {
       robot.held_for = 0.0;
       robot.needs_plan = true;
-      robot.no_way = rests(i, scene);  // everybody is planned anew
+      robot.all_anew = rests(i, scene);
     }
   }
   for (std::size_t i = 0; i < n; ++i) robots_[i].before = scene.poses[i];

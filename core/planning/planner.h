@@ -144,6 +144,7 @@ class Planner {
     Pose before;     // its pose at the previous step
     std::size_t waits_for = 0;
     bool no_way = false, needs_plan = false;
+    bool all_anew = false;  // and everybody with it
     bool stood = false;     // it was out, or stuck
   };
 

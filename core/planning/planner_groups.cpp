@@ -74,7 +74,7 @@ void Planner::set_off(std::size_t i, double due) noexcept {
   robot.state = State::driving;
   robot.held_for = 0.0;
   robot.no_way = false;
-  robot.needs_plan = false;
+  robot.needs_plan = robot.all_anew = false;
   robot.patience = 0.0;
   // Its plan took the others as they are; theirs knew nothing of it. A group whose planning took longer than its lead
   // took them as they were that much before. That delay is not added: whoever is ahead of a plan's order may stand
@@ -133,7 +133,7 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   g.lead = count > 2.0 ? std::min(longest_lead, lead_each * count) : 0.0;
   for (const std::size_t i : g.order) {
     begin_route(i, scene);
-    robots_[i].needs_plan = false;
+    robots_[i].needs_plan = robots_[i].all_anew = false;
     g.lead = std::max(g.lead, g.stands[i]);  // a route that begins late does not repeat the braking
   }
   for (std::size_t j = 0; j < n; ++j)
@@ -289,7 +289,7 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
     } else {
       group = true;
       // While others drive there may soon be a way that there was not: they are not stopped for it.
-      everybody = everybody || (robot.no_way && (robot.state == State::driving || !somebody_drives));
+      everybody = everybody || robot.all_anew || (robot.no_way && !somebody_drives);
     }
   }
   if (merging_.robots != before) merging_.searched = 0;

@@ -61,6 +61,7 @@ struct Scene {
   double duration = 90.0;
   using Who = std::function<std::vector<std::uint8_t>(std::size_t n, double t)>;
   Who out, stuck;
+  Who jammed;  // as stuck, and nobody knows
 };
 
 /// The sixth robot, from `from` until `until` [s].
@@ -104,7 +105,7 @@ Outcome run(const Scene& scene) {
   std::vector<Twist> twists(n), commands(n), last(n);
   std::vector<core::TrackingError> errors(n);
   std::vector<double> v_limit(n);
-  std::vector<std::uint8_t> out(n), stuck(n);
+  std::vector<std::uint8_t> out(n), stuck(n), jammed(n);
   std::vector<Pose> awaited(n);  // references
   std::vector<int> direction(n), reversals(n);
   const std::unique_ptr<bool[]> touched(new bool[n]());
@@ -115,6 +116,7 @@ Outcome run(const Scene& scene) {
     scene.lines.core::Reference::at(t, nominal);
     if (scene.out) out = scene.out(n, t);
     if (scene.stuck) stuck = scene.stuck(n, t);
+    if (scene.jammed) jammed = scene.jammed(n, t);
     const std::span<const Obstacle> obstacles(scene.obstacles.data(),
                                               t >= scene.obstacles_from ? scene.obstacles.size() : 0);
     planner.step({t, false, poses, commands, out, stuck, obstacles, 0.0}, gains, dt, nominal, followed);
@@ -132,7 +134,7 @@ Outcome run(const Scene& scene) {
     core::coordination_law(gains, errors, twists, commands, pairs);
     for (std::size_t i = 0; i < n; ++i) {
       if (stuck[i]) o.told = o.told || std::abs(commands[i].v) > 0.01;
-      commands[i] = out[i] || stuck[i] ? Twist{} : limits.limit(commands[i]);
+      commands[i] = out[i] || stuck[i] || jammed[i] ? Twist{} : limits.limit(commands[i]);
       v_limit[i] = out[i] ? 0.0 : limits.v_limit(commands[i].omega);
       midway[i] = {poses[i].x, poses[i].y, poses[i].theta + 0.5 * commands[i].omega * dt};
     }
@@ -327,6 +329,15 @@ TEST(Planner, WhoHasBrakedDoesNotBrakeAgain) {
   EXPECT_GT(o.arrived, 0.0);
   EXPECT_GT(o.longest_planning, 1);
   EXPECT_LE(o.jump, 5e-4);
+}
+
+/// Whose clock stands for too long is planned anew, and everybody with it. That is not for want of a way.
+TEST(Planner, DoesNotSayThatThereIsNoWayWhereAClockStood) {
+  Scene scene = crowd(12, 1);
+  scene.jammed = robot_6(4.0, 10.0);
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 10.0);
+  EXPECT_FALSE(o.no_way);
 }
 
 /// A first plan lets some wait for many: better ways are sought while everybody drives. Without, these took 1.41, 1.55
