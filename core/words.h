@@ -9,7 +9,7 @@
 ///
 ///     constexpr std::string_view word(Enum value) noexcept;
 ///
-/// an exhaustive switch without a default that gives each enumerator's word (which may be ""), and `{}` for any other
+/// an exhaustive switch without a default that returns each enumerator's word (which may be ""), and `{}` for any other
 /// value. The enumerators count from 0. This switch is the enumeration's one table: a new enumerator does not compile
 /// until it has its word, and printers, parsers, messages and editors all take the words from here.
 namespace skein::core {

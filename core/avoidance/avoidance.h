@@ -41,9 +41,9 @@ class Avoidance {
             std::span<const AvoidanceParameters> own = {}) noexcept;
 
   State state(std::size_t i) const noexcept { return robots_[i].state; }
-  /// Whether robot i has just been found stuck.
+  /// Whether this step found robot i stuck.
   bool stuck(std::size_t i) const noexcept { return robots_[i].found_stuck; }
-  /// Forget robot i's modified reference, for example when it has been put somewhere else.
+  /// Forget robot i's modified reference, for example after somebody moved the robot.
   void reset(std::size_t i) noexcept { robots_[i] = {}; }
 
   static constexpr double patience = 3.0;  ///< [s]
@@ -59,7 +59,7 @@ class Avoidance {
     double heading = std::numeric_limits<double>::quiet_NaN();  // heading of its course while detouring
     double waited = 0.0;                                        // detouring: how long it has blocked others [s]
     double left = 0.0;                                          // detouring: previous distance to its place [m]
-    double nearest = 0.0;    // smallest distance to its place since it was last obstructed less than now [m]
+    double nearest = 0.0;    // distance to its place when it last made progress or was last unhindered [m]
     double stuck_for = 0.0;  // [s]
   };
 

@@ -24,7 +24,8 @@ class NearRobots {
   std::span<const std::uint32_t> around(std::size_t i) noexcept { return gather(i, 0); }
   std::span<const std::uint32_t> above(std::size_t i) noexcept { return gather(i, i + 1); }
 
-  /// The smallest distance between any two robots, equal to that over all pairs; NaN for fewer than two. Sorts again.
+  /// The smallest distance between any two robots, exactly as a comparison of all pairs gives it; NaN for fewer than
+  /// two. Sorts again.
   double smallest_distance(std::span<const Pose> poses) noexcept;
 
  private:
@@ -40,7 +41,7 @@ class NearRobots {
   std::vector<std::uint32_t> begin_;   // of each bucket in `sorted_`, and the last one's end
   std::vector<std::uint32_t> sorted_;  // robots by bucket, in each bucket in rising order
   std::vector<std::uint32_t> near_;    // the result of `around`
-  double last_reach_ = 0.1;            // that `smallest_distance` needed last [m]
+  double last_reach_ = 0.1;            // the reach that `smallest_distance` last needed [m]
 };
 
 }  // namespace skein::core

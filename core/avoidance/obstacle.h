@@ -19,18 +19,18 @@ struct Obstacle {
 /// for bodies of this radius. [m]
 inline constexpr double standard_radius = 0.035;
 
-/// How much larger than that each body of a group is; negative: smaller. A pair keeps the distance of two standard
-/// bodies plus both of these, so that the gap between any two bodies is the same. [m]
+/// By how much the radius of each body of a group exceeds `standard_radius`; negative: smaller. A pair keeps the
+/// distance of two standard bodies plus both of these, so that the gap between any two bodies is the same. [m]
 class Sizes {
  public:
   Sizes() noexcept = default;
-  /// `beyond`: radius less `standard_radius` of each robot; empty: all are standard bodies. Outlives this.
+  /// `beyond`: each robot's radius minus `standard_radius`; empty: all are standard bodies. Must outlive this object.
   explicit Sizes(std::span<const double> beyond) noexcept : beyond_(beyond) {
     for (const double b : beyond) most_ = std::max(most_, b);
   }
   double beyond(std::size_t i) const noexcept { return beyond_.empty() ? 0.0 : beyond_[i]; }
   double beyond(std::size_t i, std::size_t j) const noexcept { return beyond(i) + beyond(j); }
-  double most() const noexcept { return most_; }  ///< that of the largest body, at least 0
+  double most() const noexcept { return most_; }  ///< the value of the largest body, at least 0
  private:
   std::span<const double> beyond_;
   double most_ = 0.0;

@@ -8,8 +8,8 @@ namespace skein::core {
 
 // The law (15) about its reference, linearised. To first order in the errors the couplings vanish (each is a product of
 // two robots' errors), so that each robot is a separate loop:
-//   x' = omega_ref y - k_x c_x x        y' = -omega_ref x + v_ref theta        theta' = -k_theta c_theta theta - k_y k
-//   v_ref y
+//   x' = omega_ref y - k_x c_x x        y' = -omega_ref x + v_ref theta
+//   theta' = -k_theta c_theta theta - k_y k v_ref y
 // Its commands are held over a sampling period and act `delay` seconds after the poses from which they were computed.
 // Not for the tick: these allocate.
 
@@ -19,8 +19,8 @@ double loop_radius(const Gains& gains, std::size_t i, const Twist& reference, do
 
 struct DelayMargin {
   double delay =
-      0.0;  ///< the largest delay for which the loop is stable with every smaller one [s]; 0 also if there is none
-  bool unbounded = false;  ///< stable for every delay up to `delay`; longer ones were not tried
+      0.0;  ///< the loop is stable at this delay and at every smaller one [s]; 0 also if it is stable at none
+  bool unbounded = false;  ///< stable at every delay up to `delay`; longer delays were not tried
 };
 
 /// The delay margin of robot i's loop with this reference. Tries up to 64 sampling periods.

@@ -25,12 +25,13 @@ class DescentWatch {
   /// otherwise 0.
   double step(const Gains& gains, std::span<const Pose> poses, std::span<const ReferencePoint> references,
               std::span<const TrackingError> errors, double dt) noexcept;
-  /// How robot i drives until the next tick.
+  /// The pose from which robot i drives until the next tick, and its twist.
   void drives(std::size_t i, const Pose& from, const Twist& twist) noexcept {
     poses_[i] = from;
     twists_[i] = twist;
   }
-  /// After a hand, a stop, a lost or found robot: ignores the change of V until the next tick.
+  /// Call this when somebody moves a robot, or a robot stops, is lost or is found: ignores the change of V until the
+  /// next tick.
   void forget() noexcept { knows_ = false, sum_ = 0.0; }
 
  private:

@@ -63,7 +63,7 @@ double row_limit(GainName name, std::size_t i, const Gains& gains, const Couplin
 double gain_limit(GainName name, const Gains& gains, const CouplingGains& others,
                   const ReferenceDemand& demand) noexcept;
 
-/// The same for one pair, all the others as they are in `others`.
+/// The same for one pair; all other pairs keep their values in `others`.
 double gain_limit(GainName name, std::size_t i, std::size_t j, const Gains& gains, const CouplingGains& others,
                   const ReferenceDemand& demand) noexcept;
 
@@ -83,7 +83,7 @@ class GainSchedule {
   void ramp(GainName name, const PairTable& target, double seconds) noexcept;
   /// All pairs move to `value` at most `rate` per second.
   void move(GainName name, double value, double rate) noexcept;
-  /// One pair does.
+  /// The same for one pair.
   void move(GainName name, std::size_t i, std::size_t j, double value, double rate) noexcept;
   void step(double dt) noexcept;
 

@@ -80,8 +80,8 @@ inline constexpr double tracking_share = 0.05;
 Gains paper_gains(std::size_t robots);
 
 /// (18f, g) met with equality, as (36) does: all authority that the reference and the couplings leave goes to tracking,
-///   k_x,i = v_max,i - |v_ref,i| - sum_j k_xx,i,j        k_theta,i = omega_max,i - |omega_ref,i| - k_y |v_ref,i| -
-///   sum_j (k_tt,i,j + k_yy,i,j).
+///   k_x,i = v_max,i - |v_ref,i| - sum_j k_xx,i,j
+///   k_theta,i = omega_max,i - |omega_ref,i| - k_y |v_ref,i| - sum_j (k_tt,i,j + k_yy,i,j).
 /// Can be negative; then (18a) fails: see `margins`.
 void use_all_authority(Gains& gains, std::span<const Twist> reference) noexcept;
 

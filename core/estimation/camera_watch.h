@@ -12,7 +12,7 @@ namespace skein::core {
 
 /// The common motion of all robots' tags.
 struct CommonMotion {
-  std::size_t tags = 0;   ///< that took part: all visible ones
+  std::size_t tags = 0;   ///< all visible tags, which all took part
   double distance = 0.0;  ///< their mean displacement [m]
   double turn = 0.0;      ///< counter-clockwise [rad]
 };
@@ -30,12 +30,12 @@ class CameraWatch {
 
   /// Discards all evidence so far.
   void forget() noexcept;
-  /// A hand is known to move this robot until then: its measurements are ignored. [s]
+  /// Somebody is known to be moving this robot by hand until this time: ignores its measurements. [s]
   void excuse(std::size_t robot, double until) noexcept { robots_[robot].excused_until = until; }
 
   /// How far a robot may be from its expected pose if the camera has not moved.
   struct Doubt {
-    double way = 0.0;    ///< commanded distance since its previous measurement: it may have stood all the while [m]
+    double way = 0.0;    ///< commanded distance since its previous measurement: the robot may not have moved at all [m]
     double turn = 0.0;   ///< the same for a rotation, times the lever [m]
     double noise = 0.0;  ///< uncertainty of both poses, a rotation times the lever [m]
   };
@@ -54,7 +54,8 @@ class CameraWatch {
  private:
   struct Robot {
     double seen_at = Measurement{}.captured_at, excused_until = seen_at;  // [s]
-    // Of the newest measurement; since something moved, of all measurements together.
+    // The newest measured pose and its deviation from the expected one; once a motion is suspected, the sum of the
+    // deviations.
     Pose measured, change;
     Doubt doubt;
     std::size_t sights = 0;

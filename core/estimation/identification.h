@@ -18,8 +18,8 @@ namespace skein::core {
 // delay from command to pose, the wheels' slip, the tag's pose on the robot, and the noise of the poses; the maximum of
 // their posterior, by the innovations of an extended Kalman filter. Not for the tick: these allocate.
 
-/// The wheels' angles at a time if they obeyed their commands at once: between two knots they turn evenly, before the
-/// first and after the last they stand.
+/// The wheels' angles at one time, if they executed their commands without delay. Between two knots the wheels turn at
+/// a constant rate; before the first and after the last they stand still.
 struct WheelKnot {
   double t = 0.0;                  ///< [s]
   double left = 0.0, right = 0.0;  ///< [steps]
@@ -104,7 +104,8 @@ struct Estimate {
   bool known = false;
 };
 
-/// A pose against what the one before and the wheels let expect, in the robot's frame.
+/// The difference between a measured pose and its prediction from the previous pose and the wheels, in the robot's
+/// frame.
 struct Innovation {
   double t = 0.0;
   double ahead = 0.0, left = 0.0;  ///< [m]
@@ -128,10 +129,10 @@ struct Identification {
   DifferentialDrive drive(const DifferentialDrive& believed) const;  ///< the identified drive
 };
 
-/// The largest useful half-width of an interval: 1 % of a diameter and of the track, 20 ms, half and twice the slip, 2
-/// degrees, 3 mm; half and twice the noise.
+/// The largest useful half-width of an interval: 1 % of a diameter or of the track; 20 ms of delay; for slip and noise,
+/// the value itself; for the tag's pose on the robot 2 degrees and 3 mm.
 double useful_width(Unknown unknown, double value) noexcept;
-/// Of the wheels' ratio 0.3 %: over a metre of a straight line an e-puck turns by 3 degrees.
+/// The same for the wheels' ratio: an error of 0.3 % turns an e-puck by 3 degrees over a straight metre.
 inline constexpr double useful_ratio = 0.003;
 
 /// Fewer than 20 poses, or wheels that never turned: not converged.

@@ -10,13 +10,13 @@
 
 namespace skein::core {
 
-// How much later than its frames were captured a camera's stamps are, from the headings of a robot that turned on the
-// spot and the counters of its wheels. Not for the tick: these allocate.
+// How late a camera's time stamps are (time stamp minus true capture time), from the headings and the wheel counters of
+// a robot that turned on the spot. Not for the tick: these allocate.
 
-/// A turn on the spot, as its wheels and a camera tell it.
+/// A turn on the spot, recorded by the robot's wheel counters and by a camera.
 struct TurnRecord {
   DifferentialDrive believed;
-  std::vector<WheelKnot> wheels;  ///< their counters, in the order of the times at which they were read
+  std::vector<WheelKnot> wheels;  ///< the wheel counters, in the order in which they were read
   std::vector<SeenPose> poses;    ///< in the order of their times
 
   double turned() const;  ///< in either direction, by the counters [rad]
@@ -28,14 +28,14 @@ struct LatencyFit {
   double late = none;                        ///< [s]
   double sigma = none;                       ///< standard deviation of `late`, by the noise [s]
   std::array<double, 2> halves{none, none};  ///< `late` from each half of the turn alone [s]
-  double scale = none;        ///< turned as the camera saw it, over what the counters say with the believed wheels
+  double scale = none;        ///< the rotation that the camera saw, over that of the counters with the assumed wheels
   double heading_rms = none;  ///< of the residuals [rad]
 };
 
 /// The least-squares fit of delay and scale, and of an offset that drifts as wheels slip (linear between knots 2.5 s
-/// apart), of the headings to what the counters say. core::identify with counters for commands would tell the delay,
-/// too; but ten parameters of which a turn on the spot determines four converge too slowly for its search. `none` from
-/// less than `least_poses` poses, or without counters.
+/// apart), of the headings to the counters. core::identify, given counters instead of commands, finds the delay as
+/// well; but a turn on the spot determines only four of its ten parameters, and its search converges too slowly. `none`
+/// with fewer than `least_poses` poses, or without counters.
 LatencyFit fit_latency(const TurnRecord& turn);
 
 }  // namespace skein::core

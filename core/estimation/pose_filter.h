@@ -12,8 +12,7 @@ namespace skein::core {
 /// The filter's assumptions about a robot between two measurements.
 struct FilterParameters {
   double slip = 0.03;    ///< standard deviation of a wheel's distance, as a share of it: slip, unequal wheels
-  double kidnap = 0.02;  ///< a pose this much farther from the expected one than the robot can have driven: it was
-                         ///< carried [m]
+  double kidnap = 0.02;  ///< how far beyond the robot's possible motion a pose must lie to count as carried [m]
 };
 
 /// Estimates a robot's pose from delayed measurements and the commands that were sent: an extended Kalman filter on the
@@ -28,16 +27,16 @@ class PoseFilter {
   /// Updates the state with the newest measurement; one that is not newer than the last changes nothing. Returns the
   /// expected pose if the robot has been carried elsewhere: then the filter restarts from the measurement.
   std::optional<Pose> see(const FilterParameters& parameters, const Measurement& measurement) noexcept;
-  /// The same with a measurement by another camera, which need not be newer: an older one is carried to the state's
-  /// time along the commands, and counts the less the farther.
+  /// The same with a measurement by another camera, which need not be newer: an older one is propagated along the
+  /// commands to the state's time, with an uncertainty that grows on the way.
   std::optional<Pose> fuse(const FilterParameters& parameters, const Measurement& measurement) noexcept;
   /// The expected pose if this measurement would make the filter restart; changes nothing.
   std::optional<Pose> surprise(const FilterParameters& parameters, const Measurement& measurement) const noexcept;
 
-  /// Whether there was a measurement, and the commanded way from the newest one to `time`. [s]
+  /// Whether there has been a measurement; and the commanded motion from the newest one to `time`. [s]
   bool known() const noexcept { return known_; }
   Predictor::Way way_to(double time) const noexcept { return base_.way + predictor_.way(base_.at, time); }
-  /// The commanded motion between two times, and where it leads from an earlier measurement. [s]
+  /// The commanded motion between two times; and the pose to which it leads from an earlier measurement. [s]
   Predictor::Way way(double from, double to) const noexcept { return predictor_.way(from, to); }
   Pose predict(const Measurement& from, double time) const noexcept { return predictor_.predict(from, time); }
   bool remembers(double time) const noexcept { return predictor_.remembers(time); }
@@ -45,8 +44,8 @@ class PoseFilter {
   Pose predict(double time) const noexcept { return predictor_.predict(base_.pose, base_.at, time); }
   /// Standard deviation of the state: of a position in its worst direction [m], of the heading [rad].
   double sigma_xy() const noexcept;
-  /// The same for a position predicted along `way` metres of commanded motion: sideways by the heading's error, along
-  /// the path by the wheels' slip. [m]
+  /// The same for a position predicted over `way` metres of commanded motion: the heading's error adds to it sideways,
+  /// the wheels' slip along the path. [m]
   double sigma_after(const FilterParameters& parameters, double way) const noexcept {
     const double sigma = sigma_xy();
     return std::sqrt(sigma * sigma + way * way * (covariance_(2, 2) + parameters.slip * parameters.slip));
@@ -75,7 +74,8 @@ class PoseFilter {
   Pose pose_;
   double captured_at_ = 0.0;
   double displaced_at_ = -1e9;
-  // The state, carried along the commands that the predictor has forgotten since: a robot may be unseen for longer.
+  // The state, propagated along the commands that the predictor has dropped since: a robot may stay unseen for longer
+  // than it remembers.
   struct Base {
     Pose pose;
     double at = 0.0;

@@ -17,7 +17,8 @@ class Predictor {
   void command(double acts_at, const Twist& twist) noexcept;
 
   /// The pose at `time`, from the measurement and the recorded commands. Before the oldest recorded command (10 s at
-  /// 25 Hz, 0.25 s at 1000 Hz), the robot counts as standing: who predicts farther asks what is forgotten next.
+  /// 25 Hz, 0.25 s at 1000 Hz), the robot counts as standing still; to predict over a longer time, use `forgets_next`
+  /// before each command.
   Pose predict(const Measurement& measurement, double time) const noexcept {
     return predict(measurement.pose, measurement.captured_at, time);
   }
@@ -36,7 +37,7 @@ class Predictor {
     Twist twist;
     double from = 0.0, to = 0.0;
   };
-  /// What the next call of command() makes it forget; none: nothing.
+  /// The command that the next call of command() drops from the record, if any.
   std::optional<Leg> forgets_next() const noexcept;
   /// Whether every command that was in force since `time` is recorded. [s]
   bool remembers(double time) const noexcept;

@@ -28,8 +28,8 @@ inline constexpr std::array robot_types{
     RobotType{.name = "ideal", .motor = MotorModel::ideal},
     RobotType{.name = "epuck1", .motor = MotorModel::epuck1},
     RobotType{.name = "epuck2", .wheels = {.max_step_rate = 1100}, .motor = MotorModel::epuck2},
-    // Wheels of 42 mm, 105.4 mm apart. The unit of speed is 100 encoder pulses per second, 0.6781 mm/s; the largest is
-    // 1200 of these, 0.81 m/s.
+    // Wheels of 42 mm, 105.4 mm apart. The unit of speed is 100 encoder pulses per second, 0.6781 mm/s; the largest
+    // speed is 1200 units, 0.81 m/s.
     RobotType{.name = "khepera4",
               .radius = 0.0704,
               .wheels = {.wheel_diameter = 0.042,
@@ -37,7 +37,8 @@ inline constexpr std::array robot_types{
                          .steps_per_turn = pi * 42.0 / 0.6781,
                          .max_step_rate = 1200},
               .protocol = "khepera4"},
-    // A home-made robot with the protocol of docs/open-protocol.md: speeds in 0.1 mm/s. The file has its dimensions.
+    // A home-made robot with the protocol of docs/open-protocol.md: speeds in 0.1 mm/s. The experiment file gives its
+    // dimensions.
     RobotType{.name = "open",
               .radius = 0.06,
               .wheels = {.wheel_diameter = 0.065, .track = 0.1, .steps_per_turn = pi * 650.0, .max_step_rate = 5000},

@@ -53,9 +53,9 @@ class StepMotor {
   bool settled_ = true;    // the current step began at the commanded speed, or it stands
 };
 
-/// The mean loss of steps at a speed command, over a random moment of its arrival: positive if the wheel rolls less far
-/// than at the new rate from now on. `from`, `to`: commanded; equal where only the other wheel's speed changes, since a
-/// command goes to both. [steps]
+/// The mean loss of steps at a speed command that arrives at a random time: positive if the wheel rolls less far than
+/// it would at the new rate from that time on. `from`, `to`: commanded; equal where only the other wheel's speed
+/// changes, since a command goes to both. [steps]
 double steps_lost_by_command(MotorModel model, double from, double to) noexcept;
 
 }  // namespace skein::core

@@ -11,7 +11,7 @@ enum class MotorModel {
   ideal,   ///< executes the law's command exactly, fractions of a step included (simulation only)
   epuck1,  ///< timer of 10 kHz: a step every floor(10000/|s|) ticks; clamps at 1000 steps/s
   epuck2,  ///< timer of 50 kHz: a step every floor(50000/|s|) ticks; clamps at 1100 steps/s
-  servo,   ///< a wheel that its robot's own controller keeps at the speed commanded, a whole number
+  servo,   ///< the robot's own controller keeps the wheel at the commanded speed, a whole number
 };
 
 /// As files call it (core/words.h).
@@ -36,7 +36,7 @@ double max_step_rate(MotorModel motor) noexcept;
 double actual_step_rate(MotorModel motor, double commanded) noexcept;
 
 /// The slowest speed commanded to a real motor [steps/s]: after a slower one an e-puck2 takes up to half a second to
-/// obey (12 steps/s: 42 ms, one tick). Speeds between 0 and it are made by alternating both.
+/// obey (12 steps/s: 42 ms, one tick). Speeds between 0 and this one are made by alternating the two.
 inline constexpr double slowest_command = 13.0;
 
 /// The whole-number command, 0 or at least `slowest_command`, whose actual step rate is nearest to `wanted` (`wanted`

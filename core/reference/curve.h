@@ -53,7 +53,7 @@ class Ellipse final : public Curve {
 };
 
 /// A figure eight, x = width/2 cos u, y = height/2 sin 2u (Gerono's lemniscate): a bend to the left, one to the right.
-/// It crosses itself in the origin; s = 0 is its rightmost point, where it runs up.
+/// It crosses itself at the origin; s = 0 is its rightmost point, where it runs upwards.
 class Lemniscate final : public Curve {
  public:
   Lemniscate(double width, double height);

@@ -48,8 +48,8 @@ struct ShapeChange {
 };
 
 /// A shape about a centre that drives along a path at constant speed and turns with it, so that the robots on the
-/// outside of a bend drive faster than those inside. v_ref and omega_ref are (3), worked out from the centre's motion,
-/// the bend's own change and the shape's.
+/// outside of a bend drive faster than those inside. v_ref and omega_ref are (3), derived from the motion of the centre
+/// and the changes of the curvature and of the shape.
 class Formation final : public Reference {
  public:
   /// `changes` in order of time, each ending before the next begins; requires path->smooth(). speed [m/s]; `start`: arc
@@ -63,7 +63,7 @@ class Formation final : public Reference {
 
   ReferencePoint at(std::size_t i, double t) const noexcept override;
   void at(double t, std::span<ReferencePoint> points) const noexcept override;
-  /// The largest of many samples plus a thousandth: every shape along the whole path, every change.
+  /// The largest of many samples (every shape along the whole path, and every change of shape), plus a thousandth.
   ReferenceDemand demand(double k_y) const noexcept override;
 
  private:

@@ -11,7 +11,7 @@
 namespace skein::core {
 
 /// The pose and velocities that every robot should have (2, 3), at any time. Velocities are derived from the motion
-/// itself and not from differences of poses, so that heading and turning rate are known through a stop.
+/// itself, not from differences of poses, so that heading and turning rate are known through a stop.
 class Reference {
  public:
   virtual ~Reference() = default;

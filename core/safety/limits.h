@@ -20,7 +20,7 @@ struct CommandLimits {
   };
   Biting biting(const Twist& wanted) const noexcept;
   /// The twist clamped to box and diamond, signs kept. The turning rate has priority: it keeps the robot on its path,
-  /// and the forward speed gets the remainder of the wheels' speed.
+  /// and the forward speed gets the rest of the wheels' speed.
   Twist limit(const Twist& wanted) const noexcept;
 };
 

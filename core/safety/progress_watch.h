@@ -26,7 +26,7 @@ class ProgressWatch {
     if (robot.told || robot.waited < patience - 1e-9) return false;
     return robot.told = true;
   }
-  /// Robot i has been put somewhere else: restarts its time without progress.
+  /// Somebody moved robot i: restarts its time without progress.
   void restart(std::size_t i) noexcept { robots_[i] = {}; }
 
   static constexpr double patience = 3.0;       ///< [s]

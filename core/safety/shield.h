@@ -34,10 +34,10 @@ class Shield {
 
   /// Changes `commands` in place; `touched[i]` becomes true if v_i had to change (by more than 1e-9 m/s).
   /// v_limit: the limit of each robot's speed at its turning rate [m/s]; |v_i| <= v_limit,i on entry.
-  /// doubt: uncertainty of each robot's pose [m]; two robots add theirs to D, empty: none. sizes: of the
-  /// bodies.
-  /// adrift: robots that drive with commands[i].v and do not obey (empty: none). Their speed is not changed; the others
-  /// account for it, as far as possible by not driving towards them.
+  /// doubt: uncertainty of each robot's pose [m], added to D for both robots of a pair; empty: none.
+  /// sizes: of the bodies.
+  /// adrift: robots that drive at commands[i].v and ignore commands (empty: none). Their speeds are not changed; the
+  /// other robots give way as far as they can: they do not drive towards them.
   void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
              std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
              std::span<const double> doubt = {}, std::span<const bool> adrift = {}, const Sizes& sizes = {}) noexcept;

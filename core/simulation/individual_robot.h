@@ -39,7 +39,7 @@ class IndividualRobot {
   const Pose& pose() const noexcept { return pose_; }
   double now() const noexcept { return now_; }
 
-  /// Commanded now; acts after the actuation delay. [steps/s]
+  /// A command given now; acts after the actuation delay. [steps/s]
   void command(const WheelSpeeds& speeds);
   /// Drives for dt seconds, slipping by one draw.
   void step(double dt);

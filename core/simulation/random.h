@@ -6,7 +6,7 @@
 namespace skein::core {
 
 /// A seeded random number generator with the same values for every standard library: the engine's sequence is fixed by
-/// the C++ standard, the distributions are ours (std::normal_distribution is each library's own).
+/// the C++ standard, and the distributions are implemented here (std::normal_distribution differs between libraries).
 class Random {
  public:
   /// Streams of one seed are independent: one for each robot.

@@ -32,14 +32,14 @@ class SimulatedRobot {
   void delay_commands(double seconds) noexcept { actuation_delay_ = seconds; }
 
   const Pose& pose() const noexcept { return pose_; }
-  /// Puts the robot somewhere, as a hand does; its wheels go on.
+  /// Moves the robot to a pose, as by hand; its wheels keep turning.
   void place(const Pose& pose) noexcept { pose_ = pose, slide_x_ = slide_y_ = 0.0; }
   /// Kicks it: it slides with this velocity [m/s, world frame] in addition to its wheels' motion, until friction stops
   /// it.
   void kick(double vx, double vy) noexcept { slide_x_ += vx, slide_y_ += vy; }
   /// Deceleration of a slide [m/s^2]: rubber on a smooth floor, a friction coefficient of 0.3.
   static constexpr double friction = 3.0;
-  /// A kick is over after this time, with a margin: 1 m/s is the hardest. [s]
+  /// A kick is over after this time, with a margin: the hardest allowed kick is 1 m/s. [s]
   static constexpr double slides_for = 1.0;
 
   /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot. Unchanged speeds have no
@@ -52,7 +52,7 @@ class SimulatedRobot {
   /// The twist from these without slip.
   Twist twist() const noexcept { return drive_.twist(wheels()); }
 
-  /// From now on it obeys nobody: its motors keep the speeds that they have, or these [steps/s].
+  /// From now on it ignores commands: its motors keep their present speeds, or take these [steps/s].
   void run_away(const std::optional<WheelSpeeds>& speeds) noexcept {
     if (speeds) obey(*speeds);
     runs_away_ = true;
