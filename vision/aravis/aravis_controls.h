@@ -11,34 +11,35 @@
 
 namespace skein::vision::detail {
 
-/// A camera by its name or its network address, or none and why in `failed`.
+/// Opens a camera by its name or its network address; null on failure, with the reason in `failed`.
 Object<ArvCamera> open_named(const std::string& name, Failure& failed);
 
 /// Sets controls, in order, and reads them back. Names: GenICam features that are numbers, switches or menus (by their
 /// number), in their own units ("BinningHorizontal"), or
-///   exposure   [s]  turns the automatic off (0: on)
-///   gain            camera's units, as a rule dB; turns its automatic off
-/// Empty, or the first that is not there or out of range, with what is allowed. `notices` gets a line for each that
-/// took another value, and for an automatic that is on and was not asked for.
+///   exposure   [s]  turns automatic exposure off (0: on)
+///   gain            camera's units, usually dB; turns automatic gain off
+/// Returns empty, or an error: the first control that is missing or out of range, and what is allowed. `notices` gets a
+/// line for each control that took another value, and for each automatic control that is on without being asked for.
 std::string set_controls(ArvCamera* camera, const std::string& name, const ControlSettings& settings,
                          std::vector<std::string>& notices);
 
 /// Exposure and gain, as far as the camera has them.
 std::vector<CameraSetting> settings_of(ArvCamera* camera, Silence& silence);
 
-/// Lines for people: formats, size, rate, exposure, gain, triggers, and whether its clock can be read.
+/// A description for the operator, line by line: formats, size, rate, exposure, gain, triggers, and whether the
+/// camera's clock can be read.
 std::vector<std::string> describe(ArvCamera* camera, Silence& silence);
 
-/// What of an enumeration is there now.
+/// The entries of an enumeration that are available now.
 std::vector<std::string> words_of(ArvCamera* camera, const char* feature, Silence& silence);
 
-/// How a camera's clock is read: by a command, then from a value in units of 1 s / frequency.
+/// The features that read a camera's clock: a latch command, then a value in units of 1 s / frequency.
 struct ClockFeatures {
   const char* latch = nullptr;
   const char* value = nullptr;
   double frequency = 1e9;  // [1/s]
 };
-/// GigE Vision's first names or those of SFNC 2; `latch` null: it cannot be read.
+/// The original names of GigE Vision or those of SFNC 2; `latch` null: the clock cannot be read.
 ClockFeatures clock_features(ArvCamera* camera, Silence& silence);
 
 }  // namespace skein::vision::detail

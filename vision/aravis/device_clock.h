@@ -7,17 +7,19 @@
 
 namespace skein::vision::detail {
 
-/// A camera's own clock, told in the host's. A stamp comes with the time at which its frame's first packet arrived; no
-/// packet arrives before it was sent, so that the least difference of the last two seconds has the least of the
-/// network in it. Where the camera's clock could be read, what that difference is larger than the clocks' own offset
-/// is the time from stamp to packet, and is taken off. Crystals that differ by 50 ppm cost 0.1 ms. All times in s.
+/// Converts the time stamps of a camera's own clock to the host's clock. Each stamp comes with the arrival time of its
+/// frame's first packet. No packet arrives before it is sent, so the smallest difference (arrival minus stamp) of the
+/// last two seconds contains the least network delay. If the camera's clock could be read, this difference minus the
+/// offset of the clocks is the delay from stamp to packet, and is subtracted. Crystals that differ by 50 ppm cost 0.1
+/// ms. All times in s.
 class DeviceClock {
  public:
-  /// `offset`: host's clock less the camera's, as it was read; none: it cannot be read.
+  /// `offset`: the host's clock minus the camera's, as read; none: the camera's clock cannot be read.
   explicit DeviceClock(std::optional<double> offset = {}) : read_(offset) {}
 
-  /// Takes a frame's stamp, and says when that was by the host's clock: where the clock was read, when the camera
-  /// stamped it, else when its first packet would have arrived over an idle network. Never later than `arrived`.
+  /// Takes a frame's stamp and returns a time on the host's clock: if the camera's clock was read, the time of the
+  /// stamp; otherwise the time at which the first packet would have arrived over an idle network. Never later than
+  /// `arrived`.
   double host(double stamp, double arrived) {
     const double difference = arrived - stamp;
     if (!buckets_.empty() && stamp < last_stamp_) restart();
@@ -33,11 +35,12 @@ class DeviceClock {
     return std::min(arrived, stamp + (delay_ ? least() - *delay_ : *read_));
   }
 
-  /// False: its stamps do not go with time (they stand still, or count in other units); then `host` gives arrivals.
+  /// False: the stamps do not advance with time (they stand still, or count in other units); then `host` returns
+  /// arrival times.
   bool usable() const { return usable_; }
-  /// True: the clock was read, and `host` says when the camera stamped a frame.
+  /// True: the clock was read, and `host` returns the time at which the camera stamped a frame.
   bool read() const { return usable_ && read_.has_value(); }
-  /// From a stamp to its frame's first packet; none: not known, or not yet.
+  /// The delay from a stamp to its frame's first packet; none: not known, or not yet.
   std::optional<double> delay() const { return delay_; }
 
  private:
@@ -49,7 +52,7 @@ class DeviceClock {
     double stamp, arrived;
   };
   static constexpr double window = 2.0, bucket = 0.25, learning = 1.0;
-  static constexpr double same_rate = 0.01;      // clocks that differ by more are none
+  static constexpr double same_rate = 0.01;      // a clock whose rate differs by more is not usable
   static constexpr double allowed_jitter = 0.1;  // of arrivals
 
   double least() const {
@@ -57,7 +60,7 @@ class DeviceClock {
                             [](const Bucket& a, const Bucket& b) { return a.least < b.least; })
         ->least;
   }
-  /// Somebody has set the camera's clock back.
+  /// Starts again after the camera's clock was set back.
   void restart() {
     buckets_.clear();
     read_.reset();

@@ -16,7 +16,7 @@ struct Free {
 template <typename T>
 using Object = std::unique_ptr<T, Unref>;
 
-/// What a call of Aravis says when it fails: given to the call by address, asked afterwards.
+/// The error of an Aravis call: pass its address to the call, read it afterwards.
 class Failure {
  public:
   Failure() = default;
@@ -36,8 +36,8 @@ class Failure {
   GError* error_ = nullptr;
 };
 
-/// Whether a camera answers: given to calls by address as Failure is, and keeps the first that had no answer. A feature
-/// that the camera does not have is none of those.
+/// Detects a camera that does not answer: pass its address to calls, as with Failure; it keeps the first call that got
+/// no answer. A feature that the camera lacks does not count.
 class Silence {
  public:
   Silence() = default;

@@ -21,7 +21,7 @@ class BenchMethod {
   std::string name;
 };
 
-/// AprilTag as it comes (first), tuned, ArUco (where its module can be loaded), and the tracker (last).
+/// AprilTag out of the box (first), tuned, ArUco (where its module can be loaded), and the tracker (last).
 std::vector<std::unique_ptr<BenchMethod>> bench_methods(const BenchScene& scene);
 
 }  // namespace skein::vision::detail

@@ -17,18 +17,18 @@ struct BenchMoment {
   std::vector<bool> in_sight;  // of each tag: nothing of it or its white border is hidden
 };
 
-/// What the tracker has to reach in a scene; NaN: nothing is asked. No wrong pose and no wrong id is asked everywhere.
+/// The tracker's targets in a scene; NaN: no target. Every scene also requires that no pose and no id is wrong.
 struct BenchTargets {
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   double median_ms = nothing;
   double p99_ms = nothing;
-  double times_faster = nothing;  // than AprilTag as it comes
+  double times_faster = nothing;  // than AprilTag out of the box
   double xy_mm = nothing;         // rms
   double deg = nothing;           // rms
-  double recall = nothing;        // of the tags in sight [%]; nowhere less than AprilTag's as it comes
+  double recall = nothing;        // of the tags in sight [%]; never below that of AprilTag out of the box
 };
 
-/// What the tracker has to reach with cold caches, on frames that never repeat. AprilTag: tuned, likewise cold.
+/// The tracker's targets with cold caches, on frames that never repeat. AprilTag: tuned, also with cold caches.
 struct ColdTargets {
   double times_faster = BenchTargets::nothing;      // than AprilTag, of the medians
   double times_faster_p99 = BenchTargets::nothing;  // of the slowest hundredth
@@ -40,8 +40,8 @@ struct BenchScene {
   Calibration calibration;
   SceneOptions options;
   int tags = 16;
-  bool first_only = false;  // every frame is a tracker's first
-  int rounds = 8;           // so many times 125 frames
+  bool first_only = false;  // every frame is the first of a new tracker
+  int rounds = 8;           // of 125 frames each
   bool periodic = true;     // every round is the same film
   /// Frame k of a 25 Hz film; called in order.
   std::function<BenchMoment(int k)> moment;
@@ -56,8 +56,8 @@ inline constexpr double bench_period = 0.04;  // between frames [s]
 /// The table of docs/vision.md.
 std::vector<BenchScene> bench_scenes();
 
-/// As users have it: no frame comes twice, for no robot ever comes back to where it was to the fraction of a pixel. To
-/// be measured with cold caches.
+/// Scenes as in use: no frame repeats, because no robot returns to its place to within a fraction of a pixel. For
+/// measurements with cold caches.
 std::vector<BenchScene> cold_scenes();
 
 }  // namespace skein::vision::detail

@@ -10,7 +10,7 @@
 
 namespace skein::vision::detail {
 
-/// How a method has done in a scene.
+/// The score of a method in a scene.
 struct Score {
   std::vector<double> ms;
   double xy2 = 0.0;
@@ -36,7 +36,7 @@ struct Score {
 /// By the names of the methods.
 using Scores = std::map<std::string, Score>;
 
-/// The time that this thread has worked: all methods keep to one, and what else the machine does is not theirs. [ms]
+/// The CPU time of this thread: every method uses one thread, and other load on the machine must not count. [ms]
 double own_ms();
 
 }  // namespace skein::vision::detail

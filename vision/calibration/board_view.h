@@ -17,10 +17,10 @@ struct BoardView {
   bool rejected = false;  // the view as a whole was left out
 };
 
-/// A camera without its place, as views of a board have shown it.
+/// A camera's intrinsics, without its place, from views of a board.
 struct Intrinsics {
   Calibration calibration{};       // without a world frame
-  std::vector<BoardView> views{};  // those that went in, with what became of them
+  std::vector<BoardView> views{};  // all views that were given, with the outcome for each
   double rms = 0.0;                // over all corners that were used [px]
   double focal_sigma = 0.0;        // standard deviation of fx and fy, from the residuals [px]
   double centre_sigma = 0.0;       // of cx and cy [px]

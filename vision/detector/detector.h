@@ -34,7 +34,7 @@ class TagDetector {
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
 
-  /// Every tag in the frame, two of one id too, ordered by id and then by place. Valid until the next call.
+  /// Every tag in the frame, also two with the same id, ordered by id and then by place. Valid until the next call.
   const std::vector<Detection>& detect(const Frame& frame);
 
   /// The tags that lie wholly in a part of the frame; corners are still those in the frame. A window that reaches over
@@ -51,12 +51,12 @@ class TagDetector {
 };
 
 /// The tags of both full and half resolution, each once, in TagDetector's order. At half the resolution AprilTag finds
-/// tags that it misses at full resolution (large ones on textured paper), and the other way round: for pictures, which
-/// have time. The detector is left at half resolution.
+/// tags that it misses at full resolution (large ones on textured paper), and the other way round: for still pictures,
+/// where time does not matter. The detector is left at half resolution.
 std::vector<Detection> detect_at_both(TagDetector& detector, const Frame& frame);
 
-/// The least decimation error-free for this size: 2 where a tag's edge [px] leaves its modules (an eighth) 3.5 px,
-/// else 1.
+/// The decimation that finds tags of this size without errors: 2 where a module, an eighth of a tag's edge [px], has at
+/// least 3.5 px, else 1.
 double decimate_for_edge(double edge_px);
 
 }  // namespace skein::vision

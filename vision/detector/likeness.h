@@ -11,7 +11,7 @@ namespace skein::vision::detail {
 /// the sign of 36 bits, so that texture may pass for a tag there; here it reaches a half at most, a tag 0.85 and more.
 double likeness(const Frame& frame, const Corners& corners, const TagPattern& pattern);
 
-/// A square's modules are so large on average. [px]
+/// The mean size of the modules of a square. [px]
 double module_px(const Corners& corners);
 
 }  // namespace skein::vision::detail

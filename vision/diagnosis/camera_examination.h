@@ -30,11 +30,11 @@ struct CameraFacts {
   double row_time = 0.0;  // of its calibration [s]; 0: not known, or no rolling shutter
 };
 
-/// What its frames say. NaN: it cannot be known.
+/// What its frames show. NaN: not measurable.
 struct CameraMeasurements {
   std::int64_t frames = 0;
   double rate = 0.0;            // real; missing frames count [frames/s]
-  double stamp_jitter = 0.0;    // rms of the stamps' distances, about a whole number of the usual distance [s]
+  double stamp_jitter = 0.0;    // rms deviation of stamp intervals from multiples of the usual one [s]
   std::int64_t missing = 0;     // frames, by gaps between stamps
   std::int64_t backwards = 0;   // stamps that are not later than the one before
   double latency = 0.0;         // from capture to arrival, median [s]
@@ -64,7 +64,7 @@ class CameraExamination {
   /// Searches these copies for tags: up to some seconds.
   CameraMeasurements measure() const;
 
-  /// In the order in which a person should go about them.
+  /// In the order in which the operator should deal with them.
   std::vector<CameraFinding> judge(const CameraMeasurements& measured) const;
 
  private:

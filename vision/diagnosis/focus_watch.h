@@ -12,13 +12,13 @@ namespace skein::vision {
 /// hunts blurs all of them, until small ones are no longer recognised. For one thread.
 class FocusWatch {
  public:
-  /// A lens in focus blurs by 0.8 px. By this much more than it did once, it has lost its focus; by this much, it never
-  /// had it. [px]
+  /// A lens in focus blurs by 0.8 px. It has lost its focus if it blurs by `growth` more than it did at its sharpest,
+  /// and was never in focus if it blurs by `blurred`. [px]
   static constexpr double growth = 0.35;
   static constexpr double blurred = 1.4;
 
-  /// `blur` as TagTracker::blur has it, at time `t` [s]. What to tell people, without a full stop, as soon as it has
-  /// been out of focus for two seconds, once until it is in focus again; else empty.
+  /// `blur`: TagTracker::blur at time `t` [s]. Returns a message for the operator, without a full stop, once the lens
+  /// has been out of focus for two seconds, and not again until it has been in focus; otherwise empty.
   std::string update(double t, std::optional<double> blur);
 
  private:

@@ -4,12 +4,12 @@
 
 namespace skein::vision {
 
-/// A fault that people are told of: not of a moment, and once until it has gone.
+/// A fault that the operator is told of: only if it lasts, and once until it has gone.
 class LastingFault {
  public:
   static constexpr double long_enough = 2.0;  // [s]
 
-  /// `there`: whether it is there at time `t` [s]. true: tell them now.
+  /// `there`: whether the fault is present at time `t` [s]. true: report it now.
   bool update(double t, bool there) {
     if (!there) {
       since_.reset();

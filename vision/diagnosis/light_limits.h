@@ -2,15 +2,14 @@
 
 namespace skein::vision::detail {
 
-/// Below this the photometric fit has too little to go by. [grey levels]
+/// Below this contrast the photometric fit is not reliable. [grey levels]
 inline constexpr double least_contrast = 12.0;
 
-/// Ink and paper may differ by as little as this where tags are searched for that the tracker does not see. [grey
-/// levels]
+/// The smallest difference between ink and paper in a search for tags that the tracker does not see. [grey levels]
 inline constexpr int faint = 2;
 
-/// Share of a frame's pixels at 250 and more from which on it counts as too bright, and the grey level that 99 % of a
-/// dark frame keep below.
+/// The share of pixels at 250 and more from which a frame counts as too bright, and the grey level below which 99 % of
+/// the pixels of a dark frame stay.
 inline constexpr double saturated_share = 0.25;
 inline constexpr int dark_grey = 40;
 

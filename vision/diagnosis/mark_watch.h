@@ -23,37 +23,37 @@ struct MarkSight {
   State state = State::too_few;
   std::size_t marks = 0, seen = 0;
   std::vector<int> moved{};  // tags that are elsewhere
-  double by = 0.0;           // mean distance of these, of none moved that of all seen ones [m]
+  double by = 0.0;           // mean displacement of these, or of all seen marks if none moved [m]
   double turn = 0.0;         // of all seen marks about their middle, counter-clockwise [rad]
 };
 
-/// Whether the camera has moved is known; what cannot tell says nothing against what was known before.
+/// Whether this state tells if the camera has moved; one that does not leaves the last known state in force.
 bool tells(MarkSight::State state);
 
 /// One sentence without a full stop, for people: "mark 21 was moved by 50 mm, or put back wrongly; the other 5 are
 /// where they were".
 std::string sentence(const MarkSight& sight);
 
-/// Compares where a camera sees the tags on the floor by which it was calibrated with where it saw them then (with
-/// where they were measured, if it did not see them then). All that are seen moved: the camera did. One moved: somebody
-/// moved that. A sight counts when the next one agrees, so that neither a hand nor a torn frame is believed; only the
-/// first of all counts alone if it finds nothing wrong. For one thread.
+/// Compares where a camera sees the marks of its floor calibration with where it saw them when it was calibrated (or
+/// with their measured places, if it did not see them then). If all visible marks have moved, the camera has; if one
+/// has, somebody moved that mark. A sight counts only when the next one agrees, so that neither a hand in the picture
+/// nor a torn frame matters; only the very first one counts alone, if it finds nothing wrong. For one thread.
 class MarkWatch {
  public:
-  static constexpr double tolerance = 5e-3;     ///< farther from its place a mark is elsewhere [m]
-  static constexpr std::size_t least_seen = 3;  ///< marks, or nothing is said
+  static constexpr double tolerance = 5e-3;     ///< a mark farther than this from its place has moved [m]
+  static constexpr std::size_t least_seen = 3;  ///< marks; with fewer the result is too_few
 
   /// `not_these`: tags that drive about on robots.
   MarkWatch(const Calibration& calibration, std::span<const int> not_these);
 
-  /// How many marks are looked for; with less than `least_seen` there is nothing to watch.
+  /// How many marks are looked for; with fewer than `least_seen` there is nothing to watch.
   std::size_t marks() const noexcept { return marks_.size(); }
-  /// 0.1 s at 1280x960, the first time twice as long. True: what is known has changed. The frame must have the
+  /// Takes 0.1 s at 1280x960, the first time twice as long. True: the known state has changed. The frame must have the
   /// calibration's size.
   bool update(const Frame& frame);
-  /// What is known; none: nothing yet.
+  /// The last known state; none: nothing is known yet.
   const std::optional<MarkSight>& known() const noexcept { return known_; }
-  /// The newest sight differs from what is known: look again soon.
+  /// The newest sight differs from the known state and is not confirmed yet: look again soon.
   bool doubts() const noexcept { return doubts_; }
 
  private:

@@ -9,17 +9,17 @@
 namespace skein::vision {
 
 /// Whether the robots' tags look as large as the calibration says. If all of them are larger or smaller by a few per
-/// cent, tag_size, tag_height or the camera's own height is wrong; with one of the heights, every pose is as well. For
-/// one thread.
+/// cent, tag_size, tag_height or the camera's own height is wrong; a wrong height makes every pose wrong, too. For one
+/// thread.
 class ScaleWatch {
  public:
-  /// Good prints and calibrations differ by less; 18 mm of height under a camera at 1.8 m.
+  /// Good prints and calibrations differ by less. It corresponds to 18 mm of height under a camera at 1.8 m.
   static constexpr double tolerance = 0.010;
 
   explicit ScaleWatch(const Calibration& calibration) : calibration_(calibration) {}
 
-  /// `stretch` as TagTracker::stretch has it, at time `t` [s]. What to tell people, without a full stop, as soon as it
-  /// has been out of tolerance for two seconds, once until it is in tolerance again; else empty.
+  /// `stretch`: TagTracker::stretch at time `t` [s]. Returns a message for the operator, without a full stop, once it
+  /// has been out of tolerance for two seconds, and not again until it has been in tolerance; otherwise empty.
   std::string update(double t, std::optional<double> stretch);
 
  private:

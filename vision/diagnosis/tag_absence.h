@@ -4,15 +4,16 @@
 
 namespace skein::vision {
 
-/// How long a tag has not been seen, to ask once why. Times are those of any clock. [s]
+/// How long a tag has been missing, so that the reason is looked for once. Times are those of any clock. [s]
 class TagAbsence {
  public:
-  static constexpr double patience = 0.5;  ///< before it is asked why [s]
+  static constexpr double patience = 0.5;  ///< before the reason is looked for [s]
 
-  /// Until then nothing counts as absent; a tag that was never seen may be, if it is expected from a time on.
+  /// Before the first call nothing counts as absent. For a tag that was never seen, call it with the time from which
+  /// the tag is expected.
   void seen(double t) { seen_ = t, asked_ = false; }
   bool lasts(double t) const { return t - seen_ > patience; }
-  /// It lasts, and it has not been asked why since the tag was seen.
+  /// The absence lasts, and nobody has looked for the reason since the tag was last seen.
   bool due(double t) const { return lasts(t) && !asked_; }
   void ask() { asked_ = true; }
   bool asked() const { return asked_; }

@@ -19,17 +19,17 @@ namespace skein::vision::detail {
 class TagModel {
  public:
   explicit TagModel(const TagPattern& pattern) : pattern_(pattern) {}
-  /// As sharp as a camera in focus shows it where a module has this many pixels.
+  /// The template for a camera in focus, at this module size [px].
   const TagTemplate& sharp(double px_per_module);
   /// Blurred by most of a module: a fit to it converges from further away.
   const TagTemplate& smooth();
-  /// The sharp one that was used last is on its way from memory to the caches.
+  /// Prefetches the sharp template that was used last.
   void fetch() const;
 
  private:
   TagPattern pattern_;
   const TagTemplate* last_sharp_ = nullptr;
-  double last_from_ = 0.0;  // it is the one for more than this, and for less than the next [px per module]
+  double last_from_ = 0.0;  // last_sharp_ is valid above this and below last_to_ [px per module]
   double last_to_ = 0.0;
   std::vector<std::pair<int, std::unique_ptr<TagTemplate>>> sharp_;
   std::unique_ptr<TagTemplate> smooth_;
@@ -53,7 +53,7 @@ struct Fit {
   double stretch_sigma = 0.0;
   double strain = 0.0;   // the largest stretch in any direction
   double edge_px = 0.0;  // of the black square
-  double blur_px = 0.0;  // standard deviation, along the axis of the tag that is sharper: the other may be in motion
+  double blur_px = 0.0;  // standard deviation, along the sharper axis of the tag: the other may be blurred by motion
   Corners corners{};     // [px]
   int looks = 0;         // at the picture
 };
@@ -65,9 +65,9 @@ struct FitOptions {
   Instructions instructions = best_instructions();
 };
 
-/// Direct alignment: turns and shifts a known tag on the plane until the picture's own grey levels fit it best. About
-/// 500 points are read at each of two looks, as a rule; nothing is searched, so a pose within about 4 px and 20 degrees
-/// must be known.
+/// Direct alignment: turns and shifts a known tag on the plane until the picture's own grey levels fit it best. It
+/// usually takes two looks of about 500 points each. It does not search, so the initial pose must be right to about 4
+/// px and 20 degrees.
 class PhotometricFit {
  public:
   /// module: an eighth of the tag's edge [m]. exact: project every point by itself, where the local cubic is too
@@ -76,8 +76,7 @@ class PhotometricFit {
 
   Fit fit(const Frame& frame, TagModel& tag, const core::Pose& from);
 
-  /// What must correlate for a tag to be this one and no other: more where modules have so few pixels that blur makes
-  /// tags alike.
+  /// The least correlation that identifies a tag: higher where modules have so few pixels that blur makes tags alike.
   double least_likeness(double px_per_module) const;
 
  private:
@@ -102,7 +101,7 @@ class PhotometricFit {
   LocalMap map_;  // around the pose that is looked at, turned as it is
   double px_per_module_ = 1.0;
   Places places_;
-  // What is left of the normal matrix, and of its inverse, where the picture's border cuts the grid.
+  // The normal matrix and its inverse for the remaining points, where the picture's border cuts the grid.
   TagTemplate::Full cut_normal_;
   TagTemplate::Full cut_inverse_;
   std::vector<std::size_t> left_out_;  // points

@@ -42,7 +42,7 @@ class PlaneMap {
   Eigen::Vector2d pixel(double x, double y) const;
 
   /// The best cubic on the square of half-width `radius` around a place, turned by the heading whose cosine and sine
-  /// are c and s. Tags are small where cameras see many of them: worst_error says whether it is good enough.
+  /// are c and s. Tags are small where cameras see many of them: worst_error tells whether it is good enough.
   LocalMap around(double x, double y, double radius, double c = 1.0, double s = 0.0) const;
 
   /// The largest distance between around() and pixel() within `radius`, over the whole of a calibration's picture. [px]

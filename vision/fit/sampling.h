@@ -16,7 +16,7 @@ enum class Instructions {
   avx2,
 };
 
-/// The best that this machine knows. The environment's SKEIN_BASELINE=1 holds it to the baseline.
+/// The best that this machine supports. SKEIN_BASELINE=1 in the environment restricts it to the baseline.
 Instructions best_instructions();
 
 /// Image positions of the grid's points, relative to a corner that keeps the numbers small. [px]
@@ -26,7 +26,7 @@ struct Places {
 };
 
 /// The polynomials of a LocalMap in the tag's own frame (modules), their constants counted from the corner. Places are
-/// held between 0 and these: whatever a polynomial says far from where it was made, nothing is read outside the
+/// clamped to between 0 and these: whatever a polynomial yields far from its centre, nothing is read outside the
 /// picture.
 struct FloatMap {
   std::array<float, LocalMap::terms> u;
@@ -35,7 +35,7 @@ struct FloatMap {
   float most_v;
 };
 
-/// What one look at the picture comes down to: sums over the points of grey level times column, in the order of
+/// The result of one look at the picture: sums over the points of grey level times column, in the order of
 /// TagTemplate's columns, and of the grey levels' squares.
 struct Sums {
   static constexpr std::size_t square = TagTemplate::columns;
@@ -56,10 +56,10 @@ void place_points(Instructions instructions, const FloatMap& map, Places& places
 void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
                     Values& values, Sums& sums);
 
-/// The variance of the noise as the pose feels it, from what a solution of all columns leaves of the values: the sums
-/// of residual times column over each of the template's blocks are taken to be independent. Noise that neighbouring
-/// points share, the edges of shadows and specks count as much as they move the tag; what changes all points alike
-/// does not.
+/// The effective variance of the noise for the pose, from the residuals of a solution of all columns: the sums of
+/// residual times column over each of the template's blocks are taken to be independent. Noise that neighbouring points
+/// share, and the edges of shadows and specks, count as much as they move the tag; what changes all points alike does
+/// not count.
 float felt_noise(Instructions instructions, const TagTemplate& tag, const Values& values,
                  const std::array<float, TagTemplate::columns>& solution);
 

@@ -11,12 +11,12 @@ struct CameraSetting {
   double value = 0.0, least = 0.0, most = 0.0;
   double step = 0.0;       // 0: any value between the two
   bool automatic = false;  // the camera changes it by itself
-  bool counted = false;    // an exposure in whole numbers of a unit that the driver does not tell
+  bool counted = false;    // an exposure in whole numbers of a unit that the driver does not state
 };
 
 struct CameraSettings {
   std::vector<CameraSetting> all{};    // that the camera has
-  std::vector<std::string> notices{};  // a line for each that took another value than it was asked to
+  std::vector<std::string> notices{};  // a line for each that took another value than requested
 };
 
 }  // namespace skein::vision

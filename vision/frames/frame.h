@@ -13,12 +13,12 @@ struct Frame {
   int height = 0;                  // px
   std::vector<std::uint8_t> grey;  // row by row, width * height bytes, no padding; 0 black, 255 white
   double captured_at = 0.0;        // s, its first row: CLOCK_MONOTONIC for a camera, time in the film for a video
-  double arrived_at = 0.0;         // s, CLOCK_MONOTONIC: when a camera's driver handed it over; 0: nobody knows
+  double arrived_at = 0.0;         // s, CLOCK_MONOTONIC: when a camera's driver handed it over; 0: not known
   std::string source;              // file name of a picture, number of the frame in a stream
   std::int64_t index = 0;          // counts the frames of its source from 0
-  std::string note;                // a line that a film keeps with it, and gives back; as a rule empty
+  std::string note;                // a line that a film stores and returns with it; usually empty
 
-  /// Makes room for width x height pixels; their values are left as they happen to be.
+  /// Makes room for width x height pixels; their values are unspecified.
   void resize(int new_width, int new_height) {
     width = new_width;
     height = new_height;

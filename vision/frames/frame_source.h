@@ -15,25 +15,25 @@
 
 namespace skein::vision {
 
-/// How a source has been doing, of cameras above all.
+/// The status of a source, mainly of a camera.
 struct SourceStatus {
   bool up = true;                      // false: the camera does not deliver, and is opened again and again
   std::int64_t outages = 0;            // times that it stopped delivering: unplugged, stalled
-  std::int64_t damaged = 0;            // frames that were passed over
-  std::int64_t passed_over = 0;        // whole frames that a newer one had overtaken
+  std::int64_t damaged = 0;            // frames that were skipped because they were damaged
+  std::int64_t passed_over = 0;        // intact frames that were skipped because a newer one was there
   std::string reason{};                // of the last outage
-  std::vector<std::string> notices{};  // controls that took another value than they were asked to
+  std::vector<std::string> notices{};  // controls that took another value than requested
 };
 
-/// What stamps a source's frames. From a camera's stamp its source computes captured_at, the middle of the first row's
-/// exposure, as far as exposure and read-out are known.
+/// The origin of a source's time stamps. From a camera's stamp its source computes captured_at, the middle of the first
+/// row's exposure, as far as exposure and read-out are known.
 enum class TimeStamps {
   exposure_start,  // CLOCK_MONOTONIC, the camera's driver, when the shutter opened
   first_packet,    // CLOCK_MONOTONIC, the driver, when the frame began to arrive: later than its first row's exposure
   frame_end,       // CLOCK_MONOTONIC, the driver, when the frame was complete: later than its exposure and read-out
-  arrival,         // CLOCK_MONOTONIC, when the frame was handed over: later still, and not by a constant time
+  arrival,         // CLOCK_MONOTONIC, when the frame was handed over: later still, by a time that varies
   film,            // the time in a film
-  nominal,         // pictures have no times: as if 25 had been taken a second
+  nominal,         // pictures have no times: counted at 25 per second
 };
 
 /// Where frames come from.
@@ -41,13 +41,13 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  /// How its frames are stamped. A camera may know it only once a frame has come.
+  /// How its frames are stamped. For a camera this may be known only once a frame has come.
   virtual TimeStamps stamps() const = 0;
 
   /// The next frame (a camera's newest one, waiting for it). true: here it is; false: the end of the stream.
   virtual tl::expected<bool, std::string> read(Frame& frame) = 0;
 
-  /// For people: what is being read, its size and format where they are known.
+  /// A description for the operator: what is being read, its size and format where they are known.
   virtual std::string describe() const = 0;
 
   /// Single pictures, not frames of one film: neighbours need not resemble each other.
@@ -82,7 +82,7 @@ struct SourceOptions {
                           // one of its lines ("Line1"); empty: its own clock
   ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again
   double readout = 0.0;        // of a rolling shutter, from its first row to its last [s]
-  double reopen_for = 10.0;    // a camera that stops delivering is opened again for so long before that is an error [s]
+  double reopen_for = 10.0;    // how long a camera that stops delivering is reopened before that is an error [s]
   std::function<bool()> keep_waiting{};  // asked while a camera does not deliver: false ends the stream
 };
 

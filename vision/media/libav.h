@@ -51,8 +51,8 @@ inline constexpr const char* film_version = "1";
 struct Stamp {
   std::int64_t index = 0;
   double captured_at = 0.0;    // [s]
-  std::uint32_t checksum = 0;  // CRC-32 of all this and the pixels, as they are read back: a codec's own, where it has
-                               // one, covers only what it has coded
+  std::uint32_t checksum = 0;  // CRC-32 of all this and the pixels, as they are read back: a codec's own checksum, if
+                               // any, covers only what the codec has encoded
   std::string note{};          // of the frame, not empty where there is one
 };
 Stamp stamp_of(const Frame& frame);

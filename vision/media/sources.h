@@ -10,7 +10,7 @@ std::unique_ptr<FrameSource> open_images(const std::string& path, std::string& e
 /// A film.
 std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error);
 
-/// Begins one.
+/// Creates a film.
 std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, FilmCoding coding,
                                         std::string& error);
 

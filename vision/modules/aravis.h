@@ -20,23 +20,23 @@ struct NetworkCamera {
 };
 
 struct Aravis {
-  /// A camera by its name or its network address, or none and why in `error`.
+  /// Opens a camera by its name or its network address; null on failure, with the reason in `error`.
   std::unique_ptr<FrameSource> (*open)(const std::string& camera, const SourceOptions& options, std::string& error);
 
   /// Those that answer within a second.
   std::vector<NetworkCamera> (*discover)();
 
-  /// What a camera can do and how it is set, for people, line by line; none and why in `error`. Does not change it, but
-  /// nobody else may be reading frames from it.
+  /// A description for the operator, line by line: what a camera can do and how it is set; empty on failure, with the
+  /// reason in `error`. Does not change the camera, but nobody else may be reading frames from it.
   std::vector<std::string> (*describe)(const std::string& camera, std::string& error);
 
-  /// Sets controls and reads back what exposure and gain are then; nothing and why in `error`. Nobody else may be
+  /// Sets controls and reads back exposure and gain; empty on failure, with the reason in `error`. Nobody else may be
   /// reading frames from it.
   CameraSettings (*settings)(const std::string& camera, const ControlSettings& set, std::string& error);
 };
 
-/// What the kernel holds at most for a program that receives, until the program reads it, and what is enough for
-/// several frames of every camera. Debian's own limit is a sixth of a megapixel. [bytes]
+/// The kernel's limit on a program's receive buffer, and a size that is enough for several frames of every camera.
+/// Debian's default holds a sixth of a megapixel. [bytes]
 inline constexpr const char* receive_buffer_setting = "/proc/sys/net/core/rmem_max";
 inline constexpr long good_receive_buffer_limit = 32L << 20;
 

@@ -9,8 +9,8 @@
 #include "vision/modules/page.h"
 #include "vision/tags/detection.h"
 
-// What needs OpenCV's calibration and ArUco or cairo: calibration boards, printed sheets, and ArUco to be measured
-// against. A module of its own, so that no other start of the program pays for it.
+// The parts that need OpenCV's calibration and ArUco, or cairo: calibration boards, printed sheets, and ArUco as a
+// benchmark. A module of its own, so that the program loads these libraries only when it needs them.
 
 namespace skein::vision {
 

@@ -19,13 +19,14 @@ namespace skein::vision {
 enum class MediaKind { images, video };
 
 struct Media {
-  /// A source of this kind, or none and why in `error`.
+  /// Opens a source of this kind; null on failure, with the reason in `error`.
   std::unique_ptr<FrameSource> (*open)(MediaKind kind, const std::string& path, std::string& error);
 
   /// A JPEG of a camera's MJPEG stream into frame.grey, width and height. false: it is damaged.
   bool (*decode_jpeg)(const std::uint8_t* bytes, std::size_t size, Frame& frame);
 
-  /// The other way round, in colour, as cameras have it: for measurements. quality: 1 to 100. false: it is refused.
+  /// Encodes a frame as a JPEG in colour, as cameras do: for measurements. quality: 1 to 100. false: the encoder
+  /// refuses it.
   bool (*encode_jpeg)(const Frame& frame, int quality, std::vector<std::uint8_t>& bytes);
 
   /// See film.h.

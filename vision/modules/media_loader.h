@@ -10,8 +10,8 @@
 namespace skein::vision {
 
 /// The functions of skein_media.so, which is loaded at the first call and stays. It is looked for beside the running
-/// program, in
-/// ../lib/skein/modules from there, and where the build puts it. The error names the places and what was wrong.
+/// program, in ../lib/skein/modules from there, and where the build puts it. The error names the places and what was
+/// wrong.
 tl::expected<const Media*, std::string> media();
 
 /// The same of skein_boards.so.

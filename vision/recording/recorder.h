@@ -23,9 +23,9 @@ struct RecorderStatus {
   std::string problem;       // why nothing more is written (a full disk); empty: all is well
 };
 
-/// Keeps frames in a film, on a thread of its own. Whoever hands them over pays for one copy of the pixels and never
-/// waits for encoder or disk; read back, capture times and indices are the same bits, and the pixels of a lossless film
-/// as well (open_source("video:...")).
+/// Keeps frames in a film, on a thread of its own. Handing a frame over costs one copy of its pixels and never waits
+/// for encoder or disk. Read back with open_source("video:..."), capture times and indices are the same bits, and so
+/// are the pixels of a lossless film.
 class Recorder {
  public:
   /// `capacity`: frames that may wait to be written. The error says why the film cannot be created.
@@ -38,10 +38,10 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// For the one thread that has the frames. Never waits; false: too many were waiting already, this one is dropped and
-  /// counted.
+  /// For the one thread that delivers the frames. Never waits; false: too many frames are waiting already, so this one
+  /// is dropped and counted.
   bool offer(const Frame& frame);
-  /// The same where there is time (films, the virtual clock): waits for room instead.
+  /// The same where time does not matter (films, the virtual clock): waits for room instead.
   void add(const Frame& frame);
 
   /// Writes the waiting frames and completes the file; no frame may be offered afterwards. Idempotent.

@@ -28,7 +28,7 @@ tl::expected<std::vector<Page>, std::string> tag_sheet(const TagSheetOptions& op
 /// A calibration board in the middle of one page.
 tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, const std::string& paper);
 
-/// The files that so many pages would be written to.
+/// The names of the files to which this many pages are written.
 std::vector<std::string> sheet_files(std::size_t pages, const std::string& path);
 
 /// Writes pages as PDF, or as SVG (one page; further ones go to NAME-2.svg, ...), by the ending of the name; lengths

@@ -5,8 +5,8 @@
 
 namespace skein::vision {
 
-/// Whether what is loaded when it is needed can be: films and pictures, calibration boards and sheets, GigE and
-/// USB3 Vision cameras. Loads all. The error says which cannot, and where it was looked for.
+/// Whether the modules that are loaded on demand are present: films and pictures, calibration boards and sheets, GigE
+/// and USB3 Vision cameras. Loads all of them. The error names those that cannot be loaded and the places searched.
 tl::expected<void, std::string> modules_present();
 
 }  // namespace skein::vision

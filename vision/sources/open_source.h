@@ -16,15 +16,16 @@ struct SourceKind {
   std::string_view name;   // what stands before the colon
   std::string_view where;  // what follows it, in capitals for messages: "DEVICE"
   bool live;               // a camera, whose frames come in real time
-  bool triggers;           // a camera that takes a frame when it is told to, see SourceOptions::trigger
+  bool triggers;           // a camera that can be triggered, see SourceOptions::trigger
   tl::expected<std::unique_ptr<FrameSource>, std::string> (*open)(const std::string& where,
                                                                   const SourceOptions& options);
-  /// Sets controls and reads back what it has then of exposure, gain and focus; null: films and pictures have none.
+  /// Sets controls and reads back exposure, gain and focus, as far as the camera has them; null: films and pictures
+  /// have none.
   tl::expected<CameraSettings, std::string> (*settings)(const std::string& where, const ControlSettings& set);
-  bool settable_while_read;  // that, while somebody reads frames from it
+  bool settable_while_read;  // `settings` works while somebody reads frames from the camera
 };
 
-/// All there are. An experiment's "synthetic" camera is none of them: it renders robots that are simulated.
+/// All kinds. An experiment's "synthetic" camera is not among them: it renders simulated robots.
 std::span<const SourceKind> source_kinds();
 
 /// "KIND:WHERE", taken apart.
@@ -51,14 +52,13 @@ std::string source_forms();
 ///                              Damaged frames are passed over.
 ///   v4l2:DEVICE                a camera through the kernel: the newest frame only. One that stops delivering for three
 ///                              frame times is opened again; where that does not help, it is an error.
-///   aravis:CAMERA              a GigE Vision or USB3 Vision camera, by the name that `skein camera list` gives it or
-///   its
-///                              network address; as above.
+///   aravis:CAMERA              a GigE Vision or USB3 Vision camera, by the name that `skein camera list` gives it
+///                              or its network address; as above.
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_view address,
                                                                     const SourceOptions& options = {});
 
-/// Sets controls of the camera at an address, as open_source would, and reads back what it has of exposure, gain and
-/// focus then. The error: it is no camera, it does not answer, or a control cannot be set as asked.
+/// Sets controls of the camera at an address, as open_source does, and reads back exposure, gain and focus, as far as
+/// the camera has them. The error: it is not a camera, it does not answer, or a control cannot be set as requested.
 tl::expected<CameraSettings, std::string> camera_settings(std::string_view address, const ControlSettings& set = {});
 
 /// Whether that may be done while somebody reads frames from it.

@@ -23,7 +23,7 @@ struct Box {
 
   bool empty() const { return left >= right || top >= bottom; }
   Box grown(int by) const { return empty() ? *this : Box{left - by, top - by, right + by, bottom + by}; }
-  /// Around both.
+  /// The smallest box around both.
   Box with(const Box& other) const {
     return {std::min(left, other.left), std::min(top, other.top), std::max(right, other.right),
             std::max(bottom, other.bottom)};
@@ -44,14 +44,13 @@ struct Canvas {
   const float* row(int v) const { return grey.data() + static_cast<std::ptrdiff_t>(v) * width; }
 };
 
-/// What a shader says of a point: its brightness in full light [grey levels] and how much of the ground it hides
-/// (0..1).
+/// A shader's result at a point: its brightness in full light [grey levels] and how much of the ground it hides (0..1).
 struct Shade {
   float grey = 0.0F;
   float cover = 0.0F;
 };
 
-/// Points on a plane [m], and what a shader says of them: for the compiler's vector instructions.
+/// Points on a plane [m], and a shader's results there: in arrays, for the compiler's vector instructions.
 template <std::size_t count>
 struct Points {
   std::array<float, count> x, y;
@@ -78,7 +77,7 @@ constexpr std::array<std::array<float, 2>, count> sample_places() {
 /// Renders objects on planes above the floor into a canvas, as seen by the calibration's camera.
 class Painter {
  public:
-  /// light(u, v) multiplies what a shader says.
+  /// light(u, v) multiplies a shader's brightness.
   struct Light {
     float at_centre = 1.0F;
     float per_u = 0.0F;  // linear over the picture
@@ -158,7 +157,7 @@ class Painter {
           twist(below[1] - below[0] - along_u) {}
     float x(float s, float t) const { return corner.x() + s * along_u.x() + t * (along_v.x() + s * twist.x()); }
     float y(float s, float t) const { return corner.y() + s * along_u.y() + t * (along_v.y() + s * twist.y()); }
-    /// How far points of a square are from its middle whose edge is this part of the cell's. [m]
+    /// The largest distance of a point from the centre, in a square whose edge is this part of the cell's edge. [m]
     float reach(float part) const {
       constexpr float rounding = 1e-6F;  // [m]
       return (along_u.norm() + along_v.norm() + 2.0F * twist.norm()) * 0.5F * part + rounding;
@@ -263,7 +262,7 @@ class Painter {
   std::vector<Eigen::Vector2f> nodes_;
 };
 
-/// A Gaussian blur of part of a picture; beyond the picture's edge its last pixel goes on.
+/// A Gaussian blur of part of a picture; beyond the picture's edge the last pixel is repeated.
 class Blur {
  public:
   explicit Blur(double sigma_px);

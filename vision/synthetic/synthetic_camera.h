@@ -16,7 +16,7 @@ struct SyntheticTag {
   int tag = 0;                     // id in the family 36h11, 0..586; another id is drawn as blank paper
   core::Pose pose;                 // centre of the tag in the world [m, rad]
   double size = default_tag_size;  // edge of the black square [m]; the paper is 10/8 of it
-  double lifted = 0.0;             // it is held so far above tag_height [m]
+  double lifted = 0.0;             // height above tag_height at which it is held [m]
   double smear = 0.0;  // how far it drives ahead while the shutter is open; `pose` is where it is halfway [m]
   bool bare = false;   // nothing carries it: neither body nor shadow below it
 };
@@ -28,8 +28,8 @@ struct SyntheticDisc {
   double radius = 0.05;  // [m]
   double height = 0.15;  // above the floor [m]
   double grey = 110.0;   // in full light
-  double soft = 0.0;     // its edge goes over this length from full cover to nothing [m]
-  double cover = 1.0;    // of what is below, so much is hidden (0..1): a shadow is 0 grey and hides a part
+  double soft = 0.0;     // width of its edge, over which the cover falls from full to nothing [m]
+  double cover = 1.0;    // share of what is below that it hides (0..1): a shadow has grey 0 and hides a part
 };
 
 struct SceneOptions {
@@ -40,7 +40,7 @@ struct SceneOptions {
   double contrast = 1.0;         // of the print; 1: ink is at 30 where paper is at 225; 0: both at 225
   double flicker = 0.0;          // of the lamps: (most - least) / (most + least) of their light, 0..1; a sine
   double flicker_hz = 100.0;     // twice the mains'
-  double exposure = 0.001;       // a row collects light for so long, from the time on at which it is read [s]
+  double exposure = 0.001;       // how long a row collects light, from its capture time on [s]
   int clutter = 60;              // pieces of tape, marks and dirt on the floor
   double body_radius = 0.035;    // of the robot under the tag [m]; 0: none
 };
@@ -56,10 +56,10 @@ class SyntheticCamera {
   SyntheticCamera(SyntheticCamera&&) noexcept;
   SyntheticCamera& operator=(SyntheticCamera&&) noexcept;
 
-  /// Hangs elsewhere from now on. Only what `render` draws moves; the floor's texture stays where it was painted.
+  /// Moves the camera to another pose. Only what `render` draws moves; the floor's texture stays where it was painted.
   void hang(const CameraPose& pose);
 
-  /// Blurs by so much from now on [px].
+  /// Sets the lens's blur from now on [px].
   void focus(double blur_px);
 
   /// Tags and parts of tags outside the picture are not drawn; a later tag covers an earlier one.

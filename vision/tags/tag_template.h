@@ -10,10 +10,10 @@
 
 namespace skein::vision::detail {
 
-/// Where a tag is looked at: a square lattice in the tag's own frame, x along its heading, y to the left, in modules
-/// (eighths of the black square), the same for all tags. It reaches into the white border, but not to its edge, whose
-/// other side is unknown; its pitch is no simple part of a module, so that edges are met at every phase. In arrays over
-/// the lattice a row takes whole vectors.
+/// The points at which a tag is sampled: a square lattice in the tag's own frame, x along its heading, y to the left,
+/// in modules (eighths of the black square), the same for all tags. It reaches into the white border, but not to its
+/// edge, whose other side is unknown; its pitch is no simple fraction of a module, so that points meet edges at every
+/// phase. In arrays over the lattice, each row fills whole vectors.
 struct SampleGrid {
   static constexpr int side = 22;
   static constexpr std::size_t points = side * side;
@@ -53,16 +53,16 @@ constexpr double likeness_of_others(double sigma) {
 /// A tag's ink (0) and paper (1) at the points of the grid, blurred by sigma [modules].
 std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern, double sigma);
 
-/// What a tag looks like at the points of the grid, blurred, and all that can be computed of a fit before a picture is
-/// there. The picture is taken for
+/// What a tag looks like at the points of the grid, blurred, and all parts of a fit that can be computed in advance.
+/// The picture is taken for
 ///
 ///     I = gain (T - grad T . (dx, dy) - (x T_y - y T_x) dtheta) + offset + (a x + b y) (T + ink),
 ///
 /// which is linear in (gain dx, gain dy, gain dtheta, gain, offset, a, b): one step of Gauss and Newton is one product
 /// with a matrix that is known beforehand (inverse compositional). a and b are the light's gradient, without which
 /// a tag half in a lamp's cone, or in one row's light and the next's, is shifted. Three more columns let the tag
-/// stretch and shear, too: no robot's tag does, one that is held up or tilted does. The last two blur it along its
-/// axes: focus and motion differ from what the template was made for, but move no edge.
+/// stretch and shear, too: a tag on a robot does not, one that is held up or tilted does. The last two blur it along
+/// its axes: focus and motion differ from what the template was made for, but move no edge.
 struct alignas(64) TagTemplate {
   /// blur_sigma: in modules.
   TagTemplate(const TagPattern& pattern, double blur_sigma);
@@ -110,7 +110,7 @@ struct alignas(64) TagTemplate {
     return full_inverse[static_cast<std::size_t>(row * columns + column)];
   }
 
-  /// Blocks of the grid: three rows high, four points wide (the last two). The pose feels the sums over a block of
+  /// Blocks of the grid: three rows high, four points wide (the last two). The pose depends on the sums over a block of
   /// residual times column: multiplied by this, their squares add up to the noise's variance (see felt_noise).
   struct Blocks {
     static constexpr int bands = 7;

@@ -13,7 +13,7 @@ namespace skein::vision {
 
 /// How long one frame took [s]; NaN: not known.
 struct FrameLatency {
-  double arrival = 0.0;  // from the camera's stamp to its driver's handing it over
+  double arrival = 0.0;  // from the camera's time stamp until its driver hands the frame over
   double grey = 0.0;     // from there, or of a film and of pictures from the start of reading, to grey levels
   double tracker = 0.0;  // from there to poses
   StageTimes stages{};   // of which the tracker's stages
@@ -24,7 +24,7 @@ struct TrackTrackerOptions {
   std::vector<int> tags{};  // to follow, as a run follows its robots'; none: of a stream the tags that AprilTag finds
                             // in the first frame that shows any; of pictures, those of each
   std::function<double()> clock{};                          // [s], CLOCK_MONOTONIC for a camera; none: no latencies
-  std::function<void(const FrameLatency&)> latency{};       // told of every frame
+  std::function<void(const FrameLatency&)> latency{};       // called for every frame
   std::function<void(const std::string& sentence)> tell{};  // why a tag is not taken, as soon as it is known
 };
 
@@ -39,10 +39,10 @@ struct TrackTrackerSummary {
 };
 
 /// Every pose of the tracker as CSV: the body of `skein track --tracker`. A tag that had no pose for half a second, and
-/// one that has none at the end, is diagnosed (vision::diagnose), and said once for each reason: on a thread of its own
-/// for a camera. Of single pictures each is searched by a tracker of its own, and by one at the other resolution if
-/// that has found fewer tags than AprilTag reads; what it reads and the tracker does not take is said. Errors: those of
-/// vision::track, and no calibration with a world frame.
+/// one that has none at the end, is diagnosed (vision::diagnose) and reported once for each reason: on a thread of its
+/// own for a camera. Of single pictures each is searched by a tracker of its own, and by one at the other resolution if
+/// that has found fewer tags than AprilTag reads; tags that AprilTag reads and the tracker does not take are reported.
+/// Errors: those of vision::track, and no calibration with a world frame.
 tl::expected<TrackTrackerSummary, std::string> track_with_tracker(const TrackTrackerOptions& options);
 
 }  // namespace skein::vision

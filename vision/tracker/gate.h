@@ -20,7 +20,7 @@ class Gate {
     double v = 0.0;
   };
 
-  /// A tag that was found: no place is named so near to its middle.
+  /// A tag that was found: no place within `apart` of its middle is reported.
   struct Known {
     Place middle;
     double apart = 0.0;  // [px]
@@ -34,7 +34,7 @@ class Gate {
   /// Edge of the squares that are looked for, in cells.
   int square() const { return square_; }
 
-  /// A part of what scan() will read for these rows of cells, [part, part + 1) of `parts`, is on its way from memory.
+  /// Prefetches a part of what scan() will read for these rows of cells: [part, part + 1) of `parts`.
   void fetch(const Frame& frame, int first, int last, int part, int parts) const;
 
   /// Examines the rows of cells [first, last) of the image; the other rows keep their results.

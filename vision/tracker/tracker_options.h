@@ -19,7 +19,7 @@ struct TrackerOptions {
   int search_parts = 48;    // once a tag was seen, a missing one costs one of so many overlapping parts of the frame in
                             // every frame: a tag that is hidden or gone for good must not hold the others up
   int audit_every = 25;     // frames in which the gate, strip by strip, goes over the whole picture for second copies
-  int search_anyway = 250;  // frames from part to part when none is missing: for copies in deep shadow
+  int search_anyway = 250;  // frames between two such parts when no tag is missing: for copies in deep shadow
   double window = 2.2;      // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
   double max_speed = 0.3;   // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
   double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]
@@ -36,7 +36,7 @@ struct TrackerOptions {
   std::function<double()> clock{};  // [s]; measures the stages of each frame; none: they are not measured
 };
 
-/// A tag that another camera sees, and its pose on the floor at the time of the frame, as far as that camera knows it.
+/// A tag that another camera sees, and its pose on the floor at the time of the frame, as that camera estimates it.
 struct SeenElsewhere {
   int tag = 0;
   core::Pose pose;

@@ -21,7 +21,7 @@ struct WantedTag {
   detail::TagModel model;
   bool ever_seen = false;
   bool following = false;  // seen in the last frame, or so recently that it is worth a look near there
-  bool ambiguous = false;  // two of it were seen: nobody knows which is the robot until a full search finds one alone
+  bool ambiguous = false;  // two tags with its id were seen: ignored until a full search finds only one
   core::Pose last;         // where it was last seen
   double last_seen_at = 0.0;
   int missed = 0;              // frames since
@@ -32,8 +32,8 @@ struct WantedTag {
   double noise = 0.0;          // of a pixel on it [grey levels]
   double usual_stretch = 0.0;  // of its fits, a moving mean
   double usual_blur = 0.0;     // likewise [px]
-  int stretches = 0;           // that went into both, as far as they matter
-  int off_stretch = 0;         // frames for which it was not as usual
+  int stretches = 0;           // number of fits in both means, limited
+  int off_stretch = 0;         // frames in a row in which the stretch was unusual
 
   // of this frame
   bool found = false;
@@ -66,11 +66,11 @@ struct TrackerParts {
   StageTimes times{};
   std::int64_t last_search = 0;  // number of the frame last searched as a whole
   std::vector<Window> search_parts;
-  std::optional<double> contrast;  // between ink and paper: the least of the tags last seen, but those in the dark
-                                   // [grey levels]
-  double noise = 0.0;              // of a pixel: the least of these tags, too [grey levels]
+  std::optional<double> contrast;  // between ink and paper: the smallest of the tags last seen, except those in the
+                                   // dark [grey levels]
+  double noise = 0.0;              // of a pixel: the smallest of these tags, too [grey levels]
 
-  /// A place that the gate thinks much of and AprilTag does not.
+  /// A place that the gate reports and in which AprilTag finds no tag.
   struct Refuted {
     detail::Gate::Place place;
     std::int64_t looked_at = 0;  // number of the frame

@@ -47,17 +47,17 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
                                                              V4l2Kernel& kernel = system_kernel());
 
 /// Sets controls, in order, and reads them back. Names: the driver's (see CameraControl), in its units, or
-///   exposure   [s]  how long the shutter is open; turns the automatic off (0: on). Where the driver only has a
+///   exposure   [s]  how long the shutter is open; turns automatic exposure off (0: on). Where the driver only has a
 ///                   control without a unit (V4L2_CID_EXPOSURE), a whole number of its units
-///   gain            driver's units; turns its automatic off
+///   gain            driver's units; turns automatic gain off
 ///   focus           driver's units; turns the autofocus off
-/// A name that is not there or a value out of range is refused with what is allowed. Returns a line for each control
-/// that took another value than it was asked to.
+/// An unknown name or a value out of range is an error, which states what is allowed. Returns a line for each control
+/// that took another value than requested.
 tl::expected<std::vector<std::string>, std::string> set_controls(const detail::V4l2Device& device,
                                                                  const ControlSettings& settings);
 
-/// Sets controls of a camera, which somebody may be reading frames from, and reads back what its exposure, gain and
-/// focus are then.
+/// Sets controls of a camera and reads back its exposure, gain and focus. Somebody may be reading frames from the
+/// camera meanwhile.
 tl::expected<CameraSettings, std::string> v4l2_settings(const std::string& device, const ControlSettings& set = {},
                                                         V4l2Kernel& kernel = system_kernel());
 

@@ -20,7 +20,7 @@ class V4l2Device {
   std::string open();
   void close();
 
-  /// ioctl, again where a signal came between.
+  /// ioctl, repeated if a signal interrupts it.
   int control(unsigned long request, void* argument) const;
   /// "PATH: WHAT (the system's reason)".
   std::string failed(std::string_view what) const;
@@ -28,7 +28,7 @@ class V4l2Device {
   const std::string& path() const { return path_; }
   V4l2Kernel& kernel() const { return kernel_; }
   int fd() const { return fd_; }
-  /// What the driver calls it, and itself; after open().
+  /// The driver's names for the device and for itself; after open().
   const std::string& card() const { return card_; }
   const std::string& driver() const { return driver_; }
 

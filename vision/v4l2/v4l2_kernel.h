@@ -9,7 +9,7 @@
 namespace skein::vision {
 
 /// The calls into the kernel that a camera needs, with their usual meaning: -1 (MAP_FAILED for map) and errno on
-/// failure. Tests put a camera behind them that no machine has.
+/// failure. Tests replace them to simulate cameras.
 class V4l2Kernel {
  public:
   virtual ~V4l2Kernel() = default;
