@@ -51,9 +51,9 @@ enum class Question {
 
 /// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds taken
 /// and for the counters, `9E` for the battery, `00` ends the request. A request with a question is acknowledgement,
-/// heartbeat and round-trip probe in one. Four zeros come first, which a parser passes over: a speed command that was
-/// broken off (by a host that died, a byte that was lost) takes them for its speeds, and not what follows for two of up
-/// to full speed.
+/// heartbeat and round-trip probe in one. Four zeros come first, which an idle parser skips: a truncated speed command
+/// (the host died, a byte was lost) takes them as its missing speeds, not the bytes that follow, which could mean full
+/// speed.
 std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question);
 
 inline constexpr std::size_t longest_request = 13;  ///< of wheel_request() [bytes]

@@ -36,8 +36,8 @@ struct ScanOptions {
 };
 
 /// Lets the daemon search for robots; returns those found or already paired, in the order of their names. A robot that
-/// several adapters have found gets the adapter that it is paired with, or the one with the fewest robots. Blocks that
-/// long. The error names what is missing: system bus, daemon, adapter, permission.
+/// several adapters have found gets the adapter that it is paired with, or the one with the fewest robots. Blocks for
+/// `seconds`. The error names what is missing: system bus, daemon, adapter, permission.
 tl::expected<std::vector<BluetoothRobot>, std::string> scan_robots(const ScanOptions& options);
 
 struct PairOptions {

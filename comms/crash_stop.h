@@ -17,8 +17,7 @@ void stop_robots_on_crash();
 /// line was open.
 void stop_robots_on_suspend(void (*stopped)() noexcept);
 
-// --- For links
-// --------------------------------------------------------------------------------------------------------
+// --- For links -------------------------------------------------------------------------------------------------------
 
 /// Registers an open descriptor to a robot with the handler during its lifetime. Move-only. All calls are lock-free.
 class CrashEntry {

@@ -27,7 +27,7 @@ std::array<std::uint8_t, wifi_command_size> wifi_command(WheelCommand command) n
 
 /// One packet of the robot.
 struct WifiPacket {
-  bool sensors = false;  ///< it tells what follows
+  bool sensors = false;  ///< the packet has sensor data: the following members
   Encoders encoders;
   int battery = 0;  ///< raw, see battery_of()
 };

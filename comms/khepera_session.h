@@ -13,7 +13,7 @@ namespace skein::comms {
 
 /// A Khepera IV's serial protocol, over a cable or Bluetooth: K-Team's server on the robot reads lines and answers each
 /// with one, "D,l,r" (speeds) "d", "R" (positions) "r,l,r", "V,0" (battery) "v,mV", "B" (version) "b,A,1", and unknown
-/// commands with "$". Speeds count 0.6781 mm/s, positions hundredths of that times a second, 0.006781 mm.
+/// commands with "$". The unit of speed is 0.6781 mm/s, that of position 0.006781 mm.
 ///
 /// It discards input that arrives while it answers. So one line at a time is sent, and a new command waits for the
 /// answers to the last. It has no watchdog.
@@ -45,10 +45,10 @@ class KheperaSession final : public LinkSession {
   void say(std::string text);
   void come_up(double now);
 
-  std::string heard_;              // of a line that has not ended
+  std::string heard_;              // the start of a line that has not ended
   std::deque<std::string> lines_;  // to be sent, one after the other
   char awaited_ = 0;               // the letter of the awaited answer; 0: none
-  double answered_at_ = 0.0;       // the newest line: then the next was sent [s]
+  double answered_at_ = 0.0;       // when the newest line was answered, and the next one sent [s]
   int stops_wanted_ = 0;           // answers until the robot is known to stand
   bool version_asked_ = false;
 };

@@ -63,7 +63,7 @@ class Link {
   void take_command(std::uint32_t emergency, double now);
   void write(double now);
   void lose(const TransportError& error, double now);
-  /// The reason for a timed-out attempt: the error of an earlier attempt says more than the time-out.
+  /// The reason for a timed-out attempt: the error of an earlier attempt tells more than the time-out.
   std::string no_connection() const;
 
   static constexpr double never = std::numeric_limits<double>::infinity();
@@ -75,7 +75,7 @@ class Link {
   std::unique_ptr<LinkSession> session_;  // in the protocol of the address
 
   double try_at_ = 0.0;  // when to open the transport next
-  double wait_;          // before the attempt after that
+  double wait_;          // time before the attempt after that
   double connecting_until_ = 0.0;
   double opened_at_ = -never;
   std::string refusal_;  // why the newest attempt was refused; empty: none was since the robot last answered
@@ -88,7 +88,7 @@ class Link {
   std::uint16_t taken_ = 0;   // ticket of the newest command taken from the slot
   std::uint16_t voided_ = 0;  // ticket of the newest command that an emergency stop made void
   std::uint64_t reconnects_ = 0;
-  // What `times` knows of.
+  // The inputs of `times`.
   LinkSession::Written written_;
   std::uint16_t answered_ = 0;  // ticket
   std::atomic<double> written_at_{0.0}, answered_at_{0.0}, blind_way_{0.0};

@@ -29,15 +29,17 @@ struct WheelUnit {
 /// next deadline out. No I/O, no clock, no thread; LinkSupervisor supplies them. Every `now` is in seconds on one clock
 /// that never goes back. Not thread-safe.
 ///
-///     opened --> synchronising --stopped--> up a missing answer or one that does not fit the request,
-///                     ^ stop, | unsolicited bytes, too long a distance on unconfirmed commands and |
-///                     repeated | silence of the control thread lead back to the stop
-///                     +----------------------+
+///     opened --> synchronising --stopped--> up
+///                 ^   ^    |                |
+///                 |   +----+ stop repeated  |
+///                 +-------------------------+
 ///
-/// While the link is up, new speeds are written at once. A question (speeds taken, counters) is sent along
-/// unless an older one is still unanswered; the answer confirms every command up to the question. This class is
-/// common to all robots; the protocols define the bytes of stops, requests and answers: AsercomSession,
-/// WifiSession.
+/// A missing answer, an answer that does not fit the request, unsolicited bytes, too long a distance on unconfirmed
+/// commands, and silence of the control thread lead from up back to the stop.
+///
+/// While the link is up, new speeds are written at once. A question (speeds taken, counters) is sent along unless an
+/// older one is still unanswered; the answer confirms every command up to the question. This class is common to all
+/// robots; the protocols define the bytes of stops, requests and answers: AsercomSession, WifiSession.
 class LinkSession {
  public:
   explicit LinkSession(const LinkOptions& options, const WheelUnit& unit = {}) : options_(options), unit_(unit) {}
@@ -63,8 +65,7 @@ class LinkSession {
   std::span<const std::uint8_t> output() const noexcept { return output_; }  ///< bytes to write
   void sent(std::size_t bytes, double now);                                  ///< the first so many are written
   double deadline() const noexcept;                                          ///< infinity: none
-  /// The input is invalid, and nothing that is sent can repair that: the link must be reopened. The reason is in
-  /// status().
+  /// The input is invalid, and no further output can repair that: the link must be reopened. The reason is in status().
   bool garbled() const noexcept { return garbled_; }
 
   // --- What is known ------------------------------------------------------------------------------------------------
@@ -94,7 +95,7 @@ class LinkSession {
   enum class Phase { closed, synchronising, up };
   static constexpr double never = std::numeric_limits<double>::infinity();
 
-  // --- What a protocol says -----------------------------------------------------------------------------------------
+  // --- What a protocol defines ---------------------------------------------------------------------------------------
   virtual void begin() = 0;     ///< discard input from the old link
   virtual void put_stop() = 0;  ///< a stop into the output
   /// Speeds, if any, and a question, if any, into the output, which is empty.

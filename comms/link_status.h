@@ -70,7 +70,7 @@ struct LinkStatus {
       0;  ///< unwrapped encoder, from the first reading on; a robot's restart adds nothing [steps]
   std::int64_t right_steps = 0;  ///< the same, right wheel [steps]
   /// The robot read them between these two times, CLOCK_MONOTONIC: the question was sent, the answer came.
-  /// Both when they came, if they come unasked. 0: never [s]
+  /// Both are the time of arrival if the counters come unsolicited. 0: never [s]
   double counted_since = 0.0, counted_by = 0.0;
   Battery battery;                 ///< newest reading; see LinkOptions::battery_period
   std::string version{};           ///< of the firmware, "Version 2.0 January 2018 GCtronic"; empty: not reported

@@ -34,8 +34,8 @@ class LinkSupervisor {
   /// and all links are closed again: a supervisor is started once. `keep_on` is called several times per second
   /// meanwhile; false ends it likewise.
   tl::expected<void, std::string> start(double timeout_s, const std::function<bool()>& keep_on = {});
-  /// The same, but a robot that does not answer is no error: returns when each is up or given up, or when time is out.
-  /// The others are tried further, and status() has the reason.
+  /// The same, but a robot that does not answer is no error: returns when each is up or given up, or when the time is
+  /// over. The supervisor keeps trying the others, and status() has the reason.
   tl::expected<void, std::string> start_who_answers(double timeout_s, const std::function<bool()>& keep_on = {});
 
   /// Puts the newest wheel speeds [steps/s] into a robot's slot (clamped, see asercom.h); older ones not yet sent are
@@ -59,7 +59,7 @@ class LinkSupervisor {
   /// false: not within `timeout_s`. For runs in lock-step. Any thread.
   bool wait_acknowledged(double timeout_s);
 
-  /// Sends a robot nothing for this long, unless it must be stopped: tests its watchdog. Any thread.
+  /// Sends a robot nothing for this long, unless it must be stopped: to test its watchdog. Any thread.
   void hush(std::size_t robot, double seconds);
 
   /// When this robot's newest command was written and its newest answer arrived. Any thread; wait-free.
@@ -71,8 +71,8 @@ class LinkSupervisor {
   /// The round trips of a robot's link. Any thread; waits as status() does.
   RoundTrips round_trips(std::size_t robot) const;
 
-  /// Stops every robot, repeating until each has acknowledged or time is out (a lost link is reconnected to do so; an
-  /// attempt under way at the end of the time is awaited, at most for options.connect_timeout and a second); then
+  /// Stops every robot, repeating until each has acknowledged or the time is over (a lost link is reconnected to do so;
+  /// an attempt under way at the end of the time is awaited, at most for options.connect_timeout and a second); then
   /// closes the links and ends the thread. The final status: `stop_acknowledged` says for each robot whether it is
   /// known to stand. Idempotent: a second call returns the same.
   std::vector<LinkStatus> close(double timeout_s);

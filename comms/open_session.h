@@ -26,7 +26,7 @@ std::vector<std::uint8_t> open_frame(char kind, std::uint16_t number, std::span<
 /// The status of a robot in a frame 's'.
 struct OpenStatus {
   bool timed_out = false;  ///< its watchdog has stopped it
-  bool refused = false;    ///< it has not obeyed the answered frame
+  bool refused = false;    ///< it has not executed the answered frame
   bool booted = false;     ///< it has received no stop since power-on
   bool low = false;        ///< its battery
   WheelCommand taken;      ///< [0.1 mm/s]

@@ -5,7 +5,7 @@
 namespace skein::comms {
 
 /// A non-blocking RFCOMM socket, bound to one of the PC's adapters ("hci1" or its address; empty: any) and a channel (0
-/// for one that connects). Its descriptor, to be closed by the caller; -1: errno has the reason, ENODEV or
+/// for one that connects). Returns its descriptor, which the caller closes; -1: errno has the reason, ENODEV or
 /// EADDRNOTAVAIL if there is no such adapter.
 int open_rfcomm_socket(const std::string& adapter, int channel);
 

@@ -28,7 +28,7 @@ struct GuardMessage {
   enum class Kind : std::uint8_t {
     page,         ///< the memory of a HeartbeatPage
     line_opened,  ///< a line to a robot, and the bytes that stop it
-    line_closed,  ///< close the duplicate: a robot is reached by one connection at a time
+    line_closed,  ///< close the duplicate: a robot accepts one connection at a time
     all_is_well,  ///< every robot is known to stand: the guard may end
   };
   Kind kind = Kind::all_is_well;

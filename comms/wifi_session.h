@@ -32,7 +32,7 @@ class WifiSession final : public LinkSession {
   WheelCommand newest_;               // what the robot was told last
   int packets_ = 0;                   // since the newest question or stop was sent
   std::optional<Encoders> standing_;  // counters since the stop
-  double standing_since_ = 0.0;       // they have not changed
+  double standing_since_ = 0.0;       // since when they have not changed [s]
   int changes_ = 0;                   // of these counters
 };
 

@@ -10,17 +10,17 @@
 
 namespace skein::comms {
 
-/// What `skein emulate` was asked for.
+/// The options of `skein emulate`.
 struct EmulateOptions {
   std::size_t robots = 1;  ///< how many on pseudo-terminals, 1 or more
   /// Where robots listen instead, one each, see parse_listen_address(); if there are any, none is on a pseudo-terminal.
   std::vector<std::string> listen{};
-  /// Of all of them, but that TCP is an e-puck2's, and UDP the open protocol's.
+  /// The type of all robots, except that a robot on TCP is an e-puck2 and one on UDP speaks the open protocol.
   const core::RobotType* model = core::find_robot_type("epuck2");
   std::string directory{};      ///< where robot1, robot2, ... appear; empty: a new directory for temporary files
   bool verbose = false;         ///< print every change of a robot's wheels
-  std::vector<Fault> faults{};  ///< what goes wrong by itself, from the start on
-  std::uint64_t seed = 0;       ///< of what is random in them
+  std::vector<Fault> faults{};  ///< faults that happen by themselves; times count from the start
+  std::uint64_t seed = 0;       ///< of their random parts
 };
 
 /// Runs emulated robots until SIGINT or SIGTERM comes (to the process or to this thread). Prints one line

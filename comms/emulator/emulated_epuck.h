@@ -13,31 +13,31 @@
 
 namespace skein::comms {
 
-/// An emulated e-puck at the far end of a radio that fails as its faults say. Bytes and times in, bytes and the time of
-/// the next event out: no I/O, no clock, no thread. Every `now` is in seconds on one clock that never goes back.
-/// Without faults every answer is there at once. Not thread-safe.
+/// An emulated e-puck behind a radio, with faults. Bytes and times in, bytes and the time of the next event out: no
+/// I/O, no clock, no thread. Every `now` is in seconds on one clock that never goes back. Without faults every answer
+/// is there at once. Not thread-safe.
 class EmulatedEpuck {
  public:
-  /// `faults`: this robot's, in the order in which they begin (faults_of()); their second 0 is `now`. `seed`: of which
-  /// messages are lost, which bytes change, how long each takes.
+  /// `faults`: this robot's, in the order in which they begin (faults_of()); their times count from `now`. `seed`:
+  /// decides which messages are lost, which bytes change, and how long each message takes.
   EmulatedEpuck(core::MotorModel model, double now, std::vector<Fault> faults = {}, std::uint64_t seed = 0,
                 EpuckProgram protocol = EpuckProgram::asercom);
 
-  /// Another robot than an e-puck, with this program inside.
+  /// A robot other than an e-puck, with this firmware.
   EmulatedEpuck(std::unique_ptr<RobotFirmware> firmware, double now, std::vector<Fault> faults, std::uint64_t seed);
 
-  /// Has an adapter's radio carry its messages, which it shares with other robots. `adapter` outlives the robot.
+  /// Sends its messages through an adapter's radio, which other robots share. `adapter` must outlive the robot.
   void connect(RadioAdapter& adapter, std::size_t place) noexcept { adapter_ = &adapter, place_ = place; }
 
-  void receive(std::span<const std::uint8_t> bytes, double now);  ///< what the host writes, in one write
-  void advance(double now);                                       ///< lets time pass: all that is due by then happens
+  void receive(std::span<const std::uint8_t> bytes, double now);  ///< the bytes of one write of the host
+  void advance(double now);                                       ///< lets time pass: all events due by then happen
   /// What has reached the host and was not taken yet.
   std::vector<std::uint8_t> take();
-  /// When something happens next without the host's doing; infinity: never.
+  /// The time of the next event that the host does not cause; infinity: none.
   double deadline() const noexcept;
 
   core::WheelSpeeds wheels() const noexcept { return firmware_->wheels(); }  ///< [steps/s]
-  /// What its firmware told the motors last [steps/s], and how often it told them anything.
+  /// The speeds that its firmware last sent to the motors [steps/s], and how often it has sent any.
   core::WheelSpeeds told() const noexcept { return firmware_->told(); }
   std::uint64_t times_told() const noexcept { return firmware_->times_told(); }
   bool connected() const noexcept { return active(FaultKind::disconnect) == nullptr; }  ///< a host can reach it
@@ -53,8 +53,8 @@ class EmulatedEpuck {
   bool delays() const noexcept { return active(FaultKind::latency) != nullptr || time_ < held_up_until_; }
   /// Off and on again within an instant.
   void reboot();
-  /// A host has connected: what the last one left half said is forgotten where the protocol lets it (WiFi does, asercom
-  /// keeps it).
+  /// A host has connected: a partial command of the previous host is discarded if the protocol allows that (WiFi does,
+  /// asercom keeps it).
   void accept();
 
  private:
@@ -75,14 +75,14 @@ class EmulatedEpuck {
   void send(std::deque<Message>& way, std::span<const std::uint8_t> bytes, double now);
   void forget_messages();
 
-  /// The firmware sends by itself, over WiFi.
+  /// The firmware sends unsolicited packets (over WiFi).
   bool streams() const noexcept { return epuck_ && epuck_->streams(); }
 
   std::unique_ptr<RobotFirmware> firmware_;
   EpuckFirmware* epuck_ = nullptr;  // the same, if it is one
   std::vector<Fault> faults_;
-  std::size_t next_fault_ = 0;  // the first that has not begun
-  std::vector<Fault> active_;   // those that go on, in the order in which they began
+  std::size_t next_fault_ = 0;  // the first fault that has not begun
+  std::vector<Fault> active_;   // those under way, in the order in which they began
   RadioAdapter* adapter_ = nullptr;
   std::size_t place_ = 0;
   core::Random random_;
@@ -92,11 +92,11 @@ class EmulatedEpuck {
   std::uint64_t breaks_ = 0;
 
   std::deque<Message> to_robot_, to_host_;  // in the air
-  std::vector<std::uint8_t> ring_;          // received and not yet read by the parser, overwritten where too many
+  std::vector<std::uint8_t> ring_;          // not yet read by the parser; an overflow overwrites it
   double stream_at_ = 0.0;                  // over WiFi: the next round of its loop
   static constexpr int most_hosts = 10;
-  int hosts_ = 0;        // over WiFi: that came since it was switched on
-  double ring_read_at_;  // when the parser comes to read it
+  int hosts_ = 0;        // over WiFi: connections since it was switched on
+  double ring_read_at_;  // when the parser reads it next
 };
 
 }  // namespace skein::comms

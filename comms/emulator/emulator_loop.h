@@ -26,14 +26,13 @@ class EmulatorLoop {
     core::MotorModel model = core::MotorModel::epuck2;
     EpuckProgram protocol = EpuckProgram::asercom;
     std::unique_ptr<Endpoint> endpoint = {};
-    /// Another robot than an e-puck, instead of model and protocol.
+    /// A robot other than an e-puck, instead of model and protocol.
     std::unique_ptr<RobotFirmware> firmware = {};
   };
 
-  /// `clock`: seconds, never decreasing; drives the encoders; called on the
-  /// emulator's thread (and once here). `faults`: what goes wrong by itself, counted from now on, see EmulatedEpuck; a
-  /// broken connection is hung up, and while the fault lasts no other is admitted. `seed`: of what is random in them.
-  /// Throws std::system_error.
+  /// `clock`: seconds, never decreasing; drives the encoders; called on the emulator's thread (and once here).
+  /// `faults`: faults that happen by themselves, timed from now on, see EmulatedEpuck; a broken connection is hung up,
+  /// and no other is accepted while the fault lasts. `seed`: of their random parts. Throws std::system_error.
   EmulatorLoop(std::vector<Robot> robots, WheelsTold on_wheels, std::function<double()> clock,
                const std::vector<Fault>& faults, std::uint64_t seed);
   ~EmulatorLoop();  ///< ends the thread, hangs up
@@ -42,7 +41,7 @@ class EmulatorLoop {
 
   std::size_t size() const noexcept;
   std::string address(std::size_t robot) const;  ///< see Endpoint; any thread
-  /// The rates of the speeds that the motors were told [steps/s]; any thread.
+  /// The step rates at the speeds last sent to the motors [steps/s]; any thread.
   core::WheelSpeeds wheels(std::size_t robot) const;
 
   // Faults, for tests. They return when done. Any thread but the emulator's own.

@@ -20,24 +20,24 @@ class Endpoint {
 
   /// The robot as an experiment file names it: "serial:/tmp/robots/robot1", "rfcomm:00:AA:01:04:00:04/1".
   virtual std::string address() const = 0;
-  /// To be polled for reading; -1: nothing can come.
+  /// To be polled for reading; -1: no input is possible.
   virtual int descriptor() const noexcept = 0;
   struct Arrival {
     std::size_t bytes = 0;  ///< from the host
-    bool host = false;      ///< one has connected; neither: it has gone
+    bool host = false;      ///< a host has connected; false and no bytes: the host has gone
   };
   /// When the descriptor is readable.
   virtual Arrival read(std::span<std::uint8_t> into) = 0;
-  /// Sends to the host. Bytes without room or host are lost: a robot does not wait.
+  /// Sends to the host. Bytes are lost if there is no room or no host: a robot does not wait.
   virtual void write(std::span<const std::uint8_t> bytes) noexcept = 0;
   /// Breaks the connection; a host may come again.
   virtual void hang_up() = 0;
-  /// Whether hosts may come; those that are there stay. Called again and again, costs nothing.
+  /// Whether new hosts may connect; connected ones stay. Cheap, may be called repeatedly.
   virtual void admit(bool hosts) = 0;
 };
 
-/// A pseudo-terminal behind a name that stays the same; one that is hung up is followed by another at once. `names`
-/// outlives it. Throws std::system_error.
+/// A pseudo-terminal behind a constant name; after a hang-up a new one replaces it at once. `names` must outlive it.
+/// Throws std::system_error.
 std::unique_ptr<Endpoint> make_pty_endpoint(DeviceNames& names, std::size_t robot);
 
 /// Where a robot listens on a socket.
@@ -50,12 +50,11 @@ struct ListenAddress {
 };
 
 /// Reads "rfcomm:hci4/1", "rfcomm:00:AA:01:04:00:04/1", "tcp:127.0.0.1:1000" or "udp:127.0.0.1:2626".
-/// The error names what was found and what
-/// is allowed.
+/// The error names what was found and what is allowed.
 tl::expected<ListenAddress, std::string> parse_listen_address(std::string_view text);
 
-/// A server for one host at a time, as the robots are: while one is there another is refused; by UDP
-/// whoever spoke last is answered. Throws std::system_error.
+/// A server for one host at a time, as the robots are: while one is connected, others are refused; over UDP the answers
+/// go to the host that sent last. Throws std::system_error.
 std::unique_ptr<Endpoint> make_socket_endpoint(const ListenAddress& address);
 
 }  // namespace skein::comms

@@ -17,7 +17,7 @@ enum class EpuckProgram {
   asercom,  ///< Bluetooth, serial line
   wifi      ///< an e-puck2's packets over TCP (epuck_wifi.h)
 };
-/// Whether its robot is told and asked in whole packets, and streams what it measures.
+/// Whether commands and requests come in whole packets, and the robot streams its measurements.
 constexpr bool is_in_packets(EpuckProgram program) noexcept {
   switch (program) {
     case EpuckProgram::asercom:
@@ -28,20 +28,20 @@ constexpr bool is_in_packets(EpuckProgram program) noexcept {
   return false;
 }
 
-/// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, as the manufacturer's parser
-/// answers, mistakes included; or an e-puck2's WiFi program, whose packets become the asercom commands F7 and F8 inside
-/// the robot. No I/O, no clock. Not thread-safe.
+/// The asercom program of an e-puck1 or e-puck2 as a state machine: bytes in, bytes out, with the answers of the
+/// manufacturer's parser, bugs included; or an e-puck2's WiFi program, whose packets become the asercom commands F7 and
+/// F8 inside the robot. No I/O, no clock. Not thread-safe.
 ///
 /// Emulated: every request of the protocol but those for the camera (I, J), the calibration (K), the scan of the I2C
-/// bus (Z) and the whole text of the help (H). Extension boards are answered for as by a robot that has none. Sensors
-/// read constants, but for the battery. The e-puck1's receive ring stands before the parser: see EmulatedEpuck.
+/// bus (Z) and the whole text of the help (H). Requests to extension boards get the answers of a robot that has none.
+/// Sensors read constants, except the battery. The e-puck1's receive ring precedes the parser: see EmulatedEpuck.
 class EpuckFirmware final : public RobotFirmware {
  public:
   /// `ideal` is an e-puck2 whose motors run exactly the commanded rate.
   explicit EpuckFirmware(core::MotorModel model, EpuckProgram protocol = EpuckProgram::asercom);
 
-  /// Feeds bytes to the parser and appends to `reply` what the robot answers. What is not finished is kept, also when
-  /// the host goes away meanwhile. Over WiFi they only wait for stream().
+  /// Feeds bytes to the parser and appends to `reply` what the robot answers. Keeps a partial command, even if the host
+  /// disconnects. Over WiFi the bytes wait for stream().
   void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) override;
 
   /// One round of the WiFi program's loop, every `stream_period`: it takes a command if one waits (of five or more only
@@ -51,11 +51,11 @@ class EpuckFirmware final : public RobotFirmware {
   static constexpr double stream_period = 0.022;  // [s]
   bool streams() const noexcept { return streaming_ || !waiting_.empty(); }
 
-  /// The step rates of the speeds that the motors were told. [steps/s]
+  /// The step rates at the speeds last sent to the motors. [steps/s]
   core::WheelSpeeds wheels() const noexcept override {
     return {left_motor_.settled_rate(), right_motor_.settled_rate()};
   }
-  /// What the motors were told last [steps/s], and how often they were told.
+  /// The speeds last sent to the motors [steps/s], and how often any were sent.
   core::WheelSpeeds told() const noexcept override {
     return {static_cast<double>(motor_left_), static_cast<double>(motor_right_)};
   }
@@ -69,23 +69,23 @@ class EpuckFirmware final : public RobotFirmware {
 
   /// What the robot says when it boots; nothing over WiFi.
   std::string greeting() const override;
-  /// Switches it off and on: wheels stand, counters are 0, the parser is fresh. The greeting is the caller's to send.
+  /// Switches it off and on: wheels stand, counters are 0, the parser is reset. The caller sends the greeting.
   void boot() noexcept override;
 
-  /// The parser waits for a new command.
+  /// Discards a partial command: the parser waits for a new one.
   void forget_half_command() noexcept {
     parsing_ = Parsing::top;
     arguments_.clear();
     waiting_.clear();
     streaming_ = false;
   }
-  /// Over WiFi it begins anew; asercom cannot tell.
+  /// Over WiFi the program starts afresh; asercom does not notice a new host.
   void new_host() noexcept override {
     if (is_in_packets(protocol_)) forget_half_command();
   }
   EpuckProgram protocol() const noexcept { return protocol_; }
 
-  // Defects: a boot does not mend them.
+  // Defects: a reboot does not clear them.
   void set_battery(double volts) noexcept override { battery_volts_ = volts; }  ///< [V]; 3.4 is empty, 4.2 full
   /// Left commands drive and count right.
   void swap_wheels(bool swapped) noexcept override { wheels_swapped_ = swapped; }

@@ -14,7 +14,7 @@ struct EpuckValues {
 };
 inline constexpr EpuckValues epuck_alone;
 
-/// What is left of a number in an int of 16 bits.
+/// A number wrapped to 16 bits.
 constexpr int as_int16(int value) {
   return static_cast<std::int16_t>(value);
 }

@@ -7,9 +7,9 @@
 namespace skein::comms {
 
 /// The server that a Khepera IV runs on its serial line or Bluetooth channel (K-Team's kh4server): a line in, a line
-/// out. Emulated with its mistakes: while it answers it throws away what has come meanwhile, arguments that a line
-/// lacks are those of a line before it, and it has no watchdog. Of its commands B, D, E, I, R, V and M; sensors and
-/// lights, which need no wheels, answer as what it does not know, "$".
+/// out. Its bugs are emulated, too: it discards input that arrives while it answers, and arguments missing from a line
+/// keep their values from an earlier line. It has no watchdog. It knows the commands B, D, E, I, R, V and M; those for
+/// sensors and lights, which need no wheels, get the answer to an unknown command, "$".
 class KheperaFirmware final : public RobotFirmware {
  public:
   explicit KheperaFirmware(const core::RobotType& type) : fastest_(type.wheels.max_step_rate) {}
@@ -34,7 +34,7 @@ class KheperaFirmware final : public RobotFirmware {
 
   double fastest_;
   std::string line_;
-  long arguments_[2] = {0, 0};  // as the newest line that had them left them
+  long arguments_[2] = {0, 0};  // from the newest line that had them
   core::StepMotor left_{core::MotorModel::servo}, right_{core::MotorModel::servo};
   core::WheelSpeeds told_;
   std::uint64_t times_told_ = 0;

@@ -34,14 +34,14 @@ class DeviceNames {
   DeviceNames& operator=(const DeviceNames&) = delete;
 
   std::string name(std::size_t robot) const;
-  /// Makes a robot's name lead to `device`, in one step for whoever looks. Takes over a name left behind by a program
-  /// that died, but no file that is something else.
+  /// Makes a robot's name lead to `device`, atomically. Takes over a name left behind by a program that died, but no
+  /// file that is something else.
   void point(std::size_t robot, const std::string& device);
 
  private:
   std::string directory_;
   bool made_ = false;
-  std::size_t pointed_ = 0;  // names up to here may be ours
+  std::size_t pointed_ = 0;  // robots below this number may have a name made here
 };
 
 }  // namespace skein::comms

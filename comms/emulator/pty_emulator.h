@@ -34,11 +34,11 @@ class PtyEmulator {
   core::WheelSpeeds wheels(std::size_t robot) const { return loop_.wheels(robot); }
 
   // Faults, for tests. They return when done. Any thread but the emulator's own.
-  /// Breaks the link; device() leads to a new line at once; wheels go on.
+  /// Breaks the link; device() leads to a new line at once; the wheels keep turning.
   void hang_up(std::size_t robot) { loop_.hang_up(robot); }
   /// Off and on again: wheels stand, counters 0, greeting sent.
   void reboot(std::size_t robot) { loop_.reboot(robot); }
-  /// While silent the robot hears nothing and says nothing; wheels go on.
+  /// While silent the robot receives and sends nothing; the wheels keep turning.
   void silence(std::size_t robot, bool silent) { loop_.silence(robot, silent); }
   /// Sends bytes to the host as if the robot had (noise).
   void say(std::size_t robot, const std::string& bytes) { loop_.say(robot, bytes); }

@@ -10,20 +10,20 @@ namespace skein::comms {
 
 /// A Bluetooth adapter's radio as a busy lab makes it. docs/emulator.md says where the numbers come from.
 struct RadioParameters {
-  /// Round trip of a robot that has the adapter to itself: log-normal, each way for itself, with this median and this
-  /// 99.9th percentile. [s]
+  /// Round trip of a robot that has the adapter to itself: log-normal, each direction drawn separately, with this
+  /// median and this 99.9th percentile. [s]
   double median = 0.05, p999 = 0.2;
   /// A packet of up to 17 bytes and its acknowledgement: two slots of 625 us. The adapter serves one robot at a time.
   /// [s]
   double slot_pair = 0.00125;
-  /// Interference: nothing is carried, what is sent waits. Mean time from one burst to the next, mean length. [s]
+  /// Interference: no message is carried, all wait. Mean time from one burst to the next, mean length. [s]
   double burst_every = 30.0, burst = 0.06;
-  /// A link that was idle for so long sleeps, and listens only so often (sniff mode). [s]
+  /// A link that was idle for `sniff_after` sleeps, and listens only every `sniff_interval` (sniff mode). [s]
   double sniff_after = 5.0, sniff_interval = 0.5;
 };
 
 /// One adapter and up to seven robots that share its slots. It loses nothing and keeps the order, as Bluetooth does;
-/// everything only takes its time. The same seed and the same messages give the same times. Not thread-safe.
+/// it only delays messages. The same seed and the same messages give the same times. Not thread-safe.
 class RadioAdapter {
  public:
   static constexpr std::size_t most_robots = 7;

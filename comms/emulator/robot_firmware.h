@@ -16,21 +16,21 @@ class RobotFirmware {
  public:
   virtual ~RobotFirmware() = default;
 
-  /// Feeds bytes, as one write of the host brought them, and appends to `reply` what the robot answers.
+  /// Feeds the bytes of one write of the host, and appends the robot's answer to `reply`.
   virtual void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) = 0;
   virtual void advance(double dt) noexcept = 0;  ///< lets `dt` seconds pass
 
   virtual core::WheelSpeeds wheels() const noexcept = 0;  ///< that the motors run [steps/s]
-  virtual core::WheelSpeeds told() const noexcept = 0;    ///< that the motors were told last [steps/s]
-  virtual std::uint64_t times_told() const noexcept = 0;  ///< how often they were told
-  /// In how many seconds it does something without the host's doing; infinity: never.
+  virtual core::WheelSpeeds told() const noexcept = 0;    ///< last sent to the motors [steps/s]
+  virtual std::uint64_t times_told() const noexcept = 0;  ///< how often speeds were sent to them
+  /// Seconds until it next acts without input from the host; infinity: never.
   virtual double acts_in() const noexcept { return std::numeric_limits<double>::infinity(); }
 
   virtual void boot() noexcept = 0;                    ///< switches it off and on
   virtual std::string greeting() const { return {}; }  ///< what it says when it boots
   virtual void new_host() noexcept {}                  ///< another host has connected, where it can tell
 
-  // Defects: a boot does not mend them.
+  // Defects: a reboot does not clear them.
   virtual void set_battery(double volts) noexcept = 0;
   virtual void swap_wheels(bool swapped) noexcept = 0;      ///< left commands drive and count right
   virtual void silence_encoders(bool silent) noexcept = 0;  ///< counters read 0

@@ -20,11 +20,11 @@ class TcpEpuck {
   core::WheelSpeeds wheels() const { return loop_.wheels(0); }  ///< that the motors run. Any thread. [steps/s]
 
   // Faults, for tests. Any thread but the emulator's own.
-  void hang_up() { loop_.hang_up(0); }  ///< breaks the connection; wheels go on
+  void hang_up() { loop_.hang_up(0); }  ///< breaks the connection; the wheels keep turning
   void reboot() { loop_.reboot(0); }    ///< off and on again: wheels stand, all sockets are free
   void silence(bool silent) {
     loop_.silence(0, silent);
-  }                                                   ///< while silent it hears nothing and says nothing; wheels go on
+  }  ///< while silent it receives and sends nothing; wheels keep turning
   void say(const std::vector<std::uint8_t>& bytes) {  ///< to the host, as if the robot had
     loop_.say(0, {bytes.begin(), bytes.end()});
   }
