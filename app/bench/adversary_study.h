@@ -21,11 +21,11 @@ struct AdversaryOutcome {
   std::int64_t late = 0;      ///< ticks without an answer
   bool stop_asked = false;    ///< STOP was pressed in the middle of the run
   bool stands = false;        ///< at the end every robot was told to stand, and acknowledged
-  std::string failure;        ///< why the run failed, where it did: that is no fault
+  std::string failure;        ///< why the run failed, if it did; this does not count as harm
 };
 
 /// One run of 10 s: the paper's platoon beside two obstacles, anywhere along its lap, under the adversary of this seed;
-/// every third run is ended by STOP. `program`: a `skein`; empty: this program. `failure` says why where there is no
+/// every third run is ended by STOP. `program`: a `skein`; empty: this program. `failure` has the reason if there is no
 /// run.
 AdversaryOutcome run_under_adversary(std::uint64_t seed, const std::string& program = {});
 

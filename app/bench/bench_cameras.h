@@ -10,8 +10,8 @@ struct CamerasBench {
 };
 
 /// Several cameras over one floor: the time from four frames to all poses, and robots that cross the seam of two
-/// cameras whose calibrations differ, beside ways without fusion. Returns an ExitStatus: expectation_failed where a
-/// goal is missed.
+/// cameras whose calibrations differ, compared with methods without fusion. Returns an ExitStatus: expectation_failed
+/// where a goal is missed.
 int bench_cameras(const CamerasBench& bench);
 
 }  // namespace skein::app

@@ -10,7 +10,7 @@ struct ControllersBench {
   double seconds = 40.0;    ///< of each of its two measurements of the tick
 };
 
-/// What a controller in a process adds to the tick, beside the same tick without one; and the study of adversaries.
+/// What a controller in a process adds to the tick, against the same tick without one; and the study of adversaries.
 /// Returns an ExitStatus: expectation_failed where an adversary did harm.
 int bench_controllers(const ControllersBench& bench);
 

@@ -19,11 +19,10 @@ struct PlannerBench {
   std::uint64_t seed = 1;  ///< of the first of them; the next ones count on
 };
 
-/// What planning costs a tick, in the processor's time. Runs are repeated from their record, five times over, and of
-/// each tick the shortest of the five counts: the work is the same to the bit, and what other processes took is none of
-/// it. Returns an ExitStatus: expectation_failed where a tick with planning takes more than 5 ms, the p99 of those
-/// without more than 0.1 ms, a plan for everybody more than 1.5 s, or where a repetition planned otherwise than the
-/// run.
+/// The CPU time that planning costs a tick. Runs are repeated from their record five times, and the shortest time of
+/// each tick counts: the work is the same to the bit, and time taken by other processes is excluded. Returns an
+/// ExitStatus: expectation_failed if a tick with planning takes more than 5 ms, the p99 of those without more than 0.1
+/// ms, a plan for all robots more than 1.5 s, or if a repetition plans differently from the run.
 int bench_planner(const PlannerBench& bench);
 
 }  // namespace skein::app

@@ -13,7 +13,7 @@ struct RadioBench {
 void register_radio_benchmarks();
 
 /// Random faults over the same radio: how far a robot drives blind, with links.blind_distance and without. Returns an
-/// ExitStatus: expectation_failed where one drove farther than that.
+/// ExitStatus: expectation_failed if one drove farther than that distance.
 int report_radio_faults(const RadioBench& bench);
 
 }  // namespace skein::app

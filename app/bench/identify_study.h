@@ -9,11 +9,11 @@ struct IdentifyBench {
   std::uint64_t seed = 1;    ///< of the first robot; the next ones count on
 };
 
-/// What `skein identify` finds of robots that are known, each other than the drawing by chance: how often its 95 %
-/// intervals hold the truth, how wide they are, and what is left of the drift of a minute that is driven blindly; after
-/// UMBmark's squares also what its own estimator finds. After the recommended manoeuvre, after UMBmark's squares of the
-/// same way, and after the paper's lap. Returns an ExitStatus: expectation_failed where an interval of the recommended
-/// manoeuvre holds in fewer than 93 or more than 97 % of the runs.
+/// The results of `skein identify` for simulated robots with random, known deviations from the nominal dimensions: how
+/// often its 95 % intervals contain the true values, how wide they are, and how much drift remains in a minute of
+/// driving without measurements. Three manoeuvres: the recommended one, UMBmark's squares of the same length, also with
+/// UMBmark's own estimator, and the paper's lap. Returns an ExitStatus: expectation_failed if an interval of the
+/// recommended manoeuvre contains the true value in fewer than 93 % or more than 97 % of the runs.
 int bench_identify(const IdentifyBench& bench);
 
 }  // namespace skein::app

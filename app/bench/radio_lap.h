@@ -14,36 +14,36 @@
 namespace skein::app {
 
 /// A run over slow radios in virtual time: the control tick, the links' conversations and emulated e-pucks whose
-/// messages an adapter carries, seven robots on each. What the program's threads do on the wall clock, without either:
-/// the same seed gives the same run.
+/// messages an adapter carries, seven robots on each. It does what the program's threads do on the wall clock, without
+/// threads or a wall clock: the same seed gives the same run.
 struct RadioLapOptions {
   comms::RadioParameters radio;
   std::vector<comms::Fault> faults;
   std::uint64_t seed = 1;
-  /// What the robots' motors are, where the tick takes them for others than they are; else as the experiment says.
+  /// The robots' true motors, if they differ from those that the tick assumes; empty: those of the experiment.
   std::optional<core::MotorModel> motors;
-  double steady = 20.0;  ///< the last so many seconds count as steady [s]
+  double steady = 20.0;  ///< how many seconds at the end count as steady [s]
 };
 
 struct RadioLap {
   bool all_stop = false;                         ///< a link was lost
-  std::string why;                               ///< it was lost
+  std::string why;                               ///< why the link was lost
   std::size_t perturbations = 0, recovered = 0;  ///< tracking within 1 cm again before the next
   double final_error = 0.0;                      ///< largest distance of a robot from its reference at the end [m]
   double min_distance = 0.0;                     ///< between two robots [m]
   double rtt_median = 0.0, rtt_p99 = 0.0, rtt_p999 = 0.0;  ///< of all robots, the largest [s]
   double written = 0.0;           ///< share of the commands that were handed over within their tick
   double late_ticks = 0.0;        ///< share of robots' ticks that were slowed or held because of the link
-  std::uint64_t blind_stops = 0;  ///< times that a blind distance was used up, and that an answer was too late
+  std::uint64_t blind_stops = 0;  ///< times that a blind distance was used up
   std::uint64_t timeouts = 0, wrong_speeds = 0;
-  /// The longest way of a wheel since the newest confirmed question had been sent, as far as no fault could lose or
-  /// hold up a stop in that time. [m]
+  /// The longest distance of a wheel since the newest confirmed question was sent, outside times in which a fault can
+  /// lose or delay a stop. [m]
   double blind_way = 0.0;
-  double held_up_way = 0.0;  ///< the same with the time in which a `latency` fault held up what was sent
+  double held_up_way = 0.0;                    ///< the same, including times in which a `latency` fault delays messages
   double steady_x_e = 0.0, largest_x_e = 0.0;  ///< of the worst robot at the end: root mean square, largest [m]
 };
 
-/// As quick as a pseudo-terminal, and never disturbed.
+/// As fast as a pseudo-terminal, and without interference.
 constexpr comms::RadioParameters quick_radio() {
   return {.median = 0.002, .p999 = 0.005, .burst_every = 1e9, .sniff_after = 1e9};
 }

@@ -14,7 +14,8 @@ struct HalfArena {
   double width = 1.0, height = 0.75;
 };
 
-/// How robots that know where everybody is drive to places without touching: what Skein's planner is compared with.
+/// A method by which robots that know all positions drive to places without touching, for comparison with Skein's
+/// planner.
 class SwapMethod {
  public:
   virtual ~SwapMethod() = default;
@@ -24,18 +25,18 @@ class SwapMethod {
 };
 
 /// Optimal reciprocal collision avoidance for differential drives (Alonso-Mora, Breitenmoser, Rufli, Beardsley,
-/// Siegwart, 2010): each robot takes half of what keeps its velocity out of the others' velocity obstacles (van den
-/// Berg et al., 2011), among the holonomic velocities that its wheels follow with an error of at most epsilon, by which
-/// its radius is enlarged. epsilon shrinks where others are near, as there.
+/// Siegwart, 2010): each robot makes half of the change that keeps its velocity out of the others' velocity obstacles
+/// (van den Berg et al., 2011), among the holonomic velocities that its wheels follow with an error of at most epsilon,
+/// by which its radius is enlarged. epsilon shrinks near other robots, as in the paper.
 std::unique_ptr<SwapMethod> make_nh_orca(const core::CommandLimits& limits, HalfArena arena);
 
-/// Safety barrier certificates (Wang, Ames, Egerstedt, 2017) as the Robotarium has them for unicycles: of a point ahead
-/// of each robot, the velocities nearest to those that lead to the places, under one barrier for each pair; found by
-/// coordinate ascent on the dual. Who stands in a deadlock is turned to the right for a while, all the same way round.
+/// Safety barrier certificates (Wang, Ames, Egerstedt, 2017) as the Robotarium uses them for unicycles: for a point
+/// ahead of each robot, the velocities nearest to those that lead to the places, under one barrier for each pair; found
+/// by coordinate ascent on the dual. Robots in a deadlock turn to the right for a while.
 std::unique_ptr<SwapMethod> make_barrier_certificates(const core::CommandLimits& limits, HalfArena arena);
 
-/// How far a differential drive that turns by `angle` [rad] at once, as NH-ORCA drives it, gets from one that sets off
-/// at `speed` [m/s] in the new direction without turning. [m]
+/// The distance, at the end of the turn, between a differential drive that turns by `angle` [rad] as NH-ORCA drives it
+/// and a point that sets off at `speed` [m/s] in the new direction at once. [m]
 double nh_orca_error(const core::CommandLimits& limits, double angle, double speed);
 
 }  // namespace skein::app

@@ -10,7 +10,7 @@ namespace skein::app {
 /// Of a pixel's coordinates; a mark may lie on the border of the picture.
 inline constexpr Range pixel_range = between(-1.0, 32768.0, "px");
 
-/// The tag with this key, if there is one, which may be none of those before it; names the mark after it.
+/// Reads the tag with this key, if there is one, and names the mark after it; the tag must not occur in `before`.
 void read_tag(TomlTable& t, const char* key, std::span<const vision::FloorMark> before, vision::FloorMark& mark,
               Problems& problems);
 /// x, y and z.

@@ -11,7 +11,7 @@
 
 namespace skein::app {
 
-/// Reads which marks lie where on the floor (TOML):
+/// Reads the places of the marks on the floor (TOML):
 ///   [[tag]]    id, x, y, z = 0        a tag of the family 36h11
 ///   [[point]]  u, v, x, y, z = 0      a spot of the floor, and its pixel
 /// The error has a line for each problem: file:line:column, what was found and what is allowed.

@@ -38,10 +38,10 @@ int calibrate_check(const FloorRequest& request);
 
 struct JointRequest {
   std::string experiment;     ///< its file
-  std::string film;           ///< of a run of it: camera 1's; those of the others lie beside it
+  std::string film;           ///< camera 1's film of a run of it; those of the other cameras are beside it
   std::string out;            ///< folder for the corrected calibrations; empty: none are written
   std::size_t reference = 1;  ///< the camera that stays as it is, from 1
-  bool save = false;          ///< over the experiment's own calibrations instead
+  bool save = false;          ///< overwrite the experiment's own calibrations instead
   bool quiet = false;
 };
 int calibrate_joint(const JointRequest& request);

@@ -23,7 +23,7 @@ struct SweepRequest {
   std::optional<std::uint64_t> seed, only;  ///< only: the one run with this seed
   unsigned threads = 0;                     ///< 0: as many as there are cores
   bool quiet = false, json = false;
-  bool plan = false;  ///< only what the study will cost
+  bool plan = false;  ///< only print what the study will cost
 };
 int sweep(const SweepRequest& request);
 

@@ -25,7 +25,7 @@ std::optional<Experiment> load(const ExperimentRequest& request);
 
 struct RunRequest {
   ExperimentRequest experiment;
-  std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max where nothing is real
+  std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max if nothing is real
   bool keep = false;                      ///< in a folder of its own below `runs_directory`
   std::string runs_directory;             ///< empty: runs_directory() says which
   std::vector<std::string> words;         ///< of the command line, for the record of a kept run
@@ -52,7 +52,7 @@ struct TrackRequest {
   std::string source, camera, csv, record;
   CameraWords words;
   bool tracker = false;  ///< with the tracker of a run instead of AprilTag
-  std::string tags;      ///< of the tracker: "1-4,7"; empty: those of the first frame that shows any
+  std::string tags;      ///< for the tracker: "1-4,7"; empty: those of the first frame that shows any
   bool list_controls = false;
   bool quiet = false;
 };
@@ -64,7 +64,7 @@ struct CameraDoctorRequest {
   CameraWords words;
   double seconds = 10.0;
 };
-/// Examines a camera by its frames, see camera_doctor.h; `expectation_failed` if something is to be mended.
+/// Examines a camera by its frames, see camera_doctor.h; `expectation_failed` if something must be fixed.
 int camera_doctor(const CameraDoctorRequest& request);
 
 struct CameraLatencyRequest {
@@ -73,7 +73,7 @@ struct CameraLatencyRequest {
   double seconds = 12.0;
   bool save = false;  ///< into the experiment file
 };
-/// Measures how late the cameras' stamps are by a robot that turns on the spot, see camera_latency.h;
+/// Measures how late the cameras' time stamps are, with a robot that turns on the spot, see camera_latency.h;
 /// `expectation_failed` if the data do not determine it.
 int camera_latency(const CameraLatencyRequest& request);
 

@@ -22,15 +22,15 @@ struct ProcessBounds {
   std::int64_t file = 1024;        ///< size of the largest file that it may write [MB]
 };
 
-/// A foreign process in a group of its own, which ends with this one. It cannot leave its group, so that `end` kills
-/// every process that it has started. The first 64 kB of its output go to stderr.
+/// A foreign process in a group of its own, which ends with this one. It cannot leave its group, so `end` kills every
+/// process that it has started. The first 64 kB of its output go to stderr.
 class BoundedProcess {
  public:
   struct Setup {
     std::vector<std::string> words;        ///< the program, found as a shell finds it, and its arguments
     std::string directory;                 ///< in which it runs; empty: this one's
     std::vector<std::string> environment;  ///< NAME=VALUE, on top of this process's
-    std::vector<int> files;                ///< its descriptors 3, 4, ...; closed here by whoever opened them
+    std::vector<int> files;                ///< its descriptors 3, 4, ...; the caller closes its own copies
     ProcessBounds bounds;
   };
   /// The error names the program and the reason why it cannot be started.
@@ -40,7 +40,7 @@ class BoundedProcess {
   /// Kills the whole group. Any thread; neither blocks nor allocates.
   void end() noexcept;
   /// How it ended, and the last line that it printed: "exit status 1: NameError: ..."; empty: it has not ended. Waits
-  /// at most `patience` for that. Not the control thread's. [s]
+  /// at most `patience` for that. Not for the control thread. [s]
   std::string how_it_ended(double patience);
 
  private:
@@ -53,7 +53,7 @@ class BoundedProcess {
   int output_ = -1;
   std::mutex mutex_;
   std::string last_line_;  // guarded by mutex_
-  bool reaped_ = false;    // the same, and the next
+  bool reaped_ = false;    // guarded by mutex_, like the next
   int status_ = 0;
   std::atomic<bool> gone_{false};
   std::jthread drainer_;  // also its parent: the kernel kills a process when the thread that started it ends

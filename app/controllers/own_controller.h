@@ -31,7 +31,7 @@ struct ControllerReport {
 /// Whatever the process does, `ask` returns by the deadline, and its answer is checked on a copy.
 class OwnController {
  public:
-  /// Starts it and waits, at most 20 s, until it is ready. `waits`: the clock is virtual, so that it may answer slowly.
+  /// Starts it and waits, at most 20 s, until it is ready. `waits`: the clock is virtual and waits for slow answers.
   /// `program` hosts libraries; empty: this one. The error is a sentence.
   static tl::expected<std::unique_ptr<OwnController>, std::string> start(const Experiment& experiment, bool waits,
                                                                          const std::string& program = {});
@@ -45,7 +45,7 @@ class OwnController {
   /// Asks, and waits for the answer at most until the deadline. After 25 late answers in a row it is killed. Control
   /// thread only: no allocation, no lock; its only system calls are on its own pipes.
   void ask(const core::ControllerInput& input) noexcept;
-  /// Takes the new values of parameters among a tick's events, for the next question. Control thread only.
+  /// Takes new parameter values from a tick's events, for the next question. Control thread only.
   void heed(const EventList& events) noexcept;
   /// The answer to the last question: unchecked numbers, none if there is no answer.
   std::span<const core::Twist> law() const noexcept { return law_; }
@@ -54,11 +54,11 @@ class OwnController {
 
   /// Ends it, and waits until it has ended. It must not be asked any more.
   void close() noexcept;
-  /// A sentence once it has ended. Not for the control thread; waits for the process's end, up to a second.
+  /// Why it ended, as a sentence. Not for the control thread; waits up to a second for the process to end.
   std::string why_it_ended();
-  /// Its parameters as it declared them, with the file's values.
+  /// The parameters that it declared, with the file's values.
   const std::vector<LawParameter>& parameters() const noexcept { return declared_; }
-  /// Between two questions, or after the last.
+  /// May be called between two questions, or after the last.
   const ControllerReport& report() const noexcept { return report_; }
 
  private:
@@ -88,7 +88,7 @@ class OwnController {
   int late_in_a_row_ = 0;
   std::atomic<ControllerState> state_{ControllerState::answered};
   bool ended_by_us_ = false;
-  const double watch_;  // for an answer, before sleeping until it comes [s]
+  const double watch_;  // how long to watch for an answer before sleeping until it comes [s]
   ControllerReport report_;
 };
 

@@ -24,7 +24,7 @@ struct CameraCase {
   double seconds = 10.0;                  ///< of frames
   double needed_rate = 25.0;              ///< [frames/s]
   std::function<bool()> keep_going{};     ///< asked after every frame
-  std::filesystem::path system = "/sys";  ///< where the kernel tells of its devices
+  std::filesystem::path system = "/sys";  ///< where the kernel describes its devices
 };
 
 struct CameraReport {
@@ -33,21 +33,21 @@ struct CameraReport {
   std::string table;  ///< [camera], as an experiment file takes it
 };
 
-/// Reads the camera's frames and judges them (vision::CameraExamination), its formats, settings and bus. The first
-/// second of a camera is left out, in which it settles. The error: it cannot be opened, or fails.
+/// Reads the camera's frames and judges them (vision::CameraExamination), its formats, settings and bus. Leaves out the
+/// first second of a camera, in which it settles. The error: it cannot be opened, or fails.
 tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted);
 
-/// What its driver says of a camera whose frames are of this size and come at this rate: settings that it changes by
-/// itself, and formats.
+/// Findings about a camera's driver, for frames of this size and rate: settings that the camera changes by itself, and
+/// formats.
 std::vector<Finding> driver_findings(const vision::CameraDescription& camera, int width, int height, double rate,
                                      double needed_rate);
 
-/// Whether frames of two bytes a pixel fit through the USB port of a "/dev/video0"; none: it is not on a USB, or nobody
-/// knows.
+/// Whether frames of two bytes a pixel fit through the USB port of a "/dev/video0"; none: it is not on a USB, or this
+/// is not known.
 std::vector<Finding> usb_findings(const std::filesystem::path& system, const std::string& device, int width, int height,
                                   double rate);
 
-/// The table to paste into an experiment file: what was asked for, else what the camera is set to.
+/// The table to paste into an experiment file: the requested settings, otherwise the camera's present ones.
 std::string camera_table(const CameraCase& examined, const std::optional<vision::CameraDescription>& driver);
 
 }  // namespace skein::app

@@ -34,13 +34,13 @@ struct Machine {
   std::function<bool(const std::string& path)> usable;
   /// Asks the Bluetooth daemon; the error is its reason.
   std::function<tl::expected<std::vector<BluetoothAdapter>, std::string>()> adapters;
-  /// Two threads that only wait for their next tick at 25 Hz, one at real-time priority and one without, for so many
-  /// seconds: `tick` is the one at real-time priority, `bare` the ordinary one.
+  /// Runs two threads that only wait for their next tick at 25 Hz, for so many seconds: `tick` at real-time priority,
+  /// `bare` at normal priority.
   std::function<Timing(double seconds)> keep_time;
   /// Writes and syncs a few megabytes in the working directory. [bytes/s]
   std::function<tl::expected<double, std::string>()> disk_speed;
   std::function<double()> disk_free;  ///< [bytes], for this user in the working directory
-  /// The folder of kept runs, which need not exist; the error: there is none. And what is free there [bytes].
+  /// The folder of kept runs, which need not exist; the error: there is none. And the free space there [bytes].
   std::function<tl::expected<std::string, std::string>()> runs_directory;
   std::function<double(const std::string& folder)> free_in;
   /// Whether markers of runs can be written and a guard be started; the error is the reason.

@@ -12,13 +12,13 @@ namespace skein::app {
 ///
 ///     {"timestamp":12.04,"t":12,"V":0.31,...}      {"timestamp":12.04,"r1":{"x":0.1,"y":0.2,...}}
 ///
-/// A row is as many as it takes. Keys are the CSV's columns, those of a robot below its name; a key without a value is
-/// left out. `timestamp` is the column `now`. One thread.
+/// A row takes as many datagrams as necessary. Keys are the CSV's columns, those of a robot below its name; a key
+/// without a value is left out. `timestamp` is the column `now`. One thread.
 class Datagrams {
  public:
   explicit Datagrams(const Experiment& experiment);
 
-  /// Of one row. Valid until the next call.
+  /// The datagrams of one row. Valid until the next call.
   const std::vector<std::string>& of(const TickRecord& record);
 
   static constexpr std::size_t largest = 1400;  ///< [bytes] an Ethernet frame holds 1472 of UDP

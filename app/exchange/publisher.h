@@ -36,7 +36,7 @@ class Publisher final : public RecordSink {
 
   struct Counts {
     std::int64_t sent = 0;     ///< rows that were sent completely
-    std::int64_t dropped = 0;  ///< rows that were not: the queue was full, or sending failed
+    std::int64_t dropped = 0;  ///< rows that were not sent: the queue was full, or sending failed
   };
   /// Sends the waiting rows, for a second at most, and ends the thread: no more rows.
   Counts finish();

@@ -26,8 +26,8 @@ struct Certificate {
     double v_max = 0.0, omega_max = 0.0;  ///< (14) of this robot
     Worst wheel;                          ///< largest |v_ref| + |omega_ref| track/2 as a share of a wheel's limit
   };
-  /// Which case of Theorem 1 the reference is, over the run. Every reference has bounded velocities, and a v_ref that
-  /// is uniformly continuous.
+  /// The case of Theorem 1 to which the reference belongs, over the run. Every reference has bounded velocities, and a
+  /// v_ref that is uniformly continuous.
   struct Theorem {
     enum class Case {
       moving,    ///< case 1: every v_ref is nonzero
@@ -43,7 +43,7 @@ struct Certificate {
     Least omega;  ///< smallest |omega_ref| [rad/s]
     bool continuous_omega = true;
     double from =
-        0.0;  ///< from when on that case holds; before, references were still setting off or coming to rest [s]
+        0.0;  ///< time from which that case holds; before it, references were still setting off or coming to rest [s]
     Case holds = Case::neither;
   };
   /// The smallest delay margin over all robots and places, with the gains of the start or of any of their
@@ -59,8 +59,8 @@ struct Certificate {
   double v_max = 0.0, omega_max = 0.0;
   bool fixed = false;  ///< the tracking gains are given
   double rate = 0.0;   ///< at which the loop is sampled [Hz]
-  /// Empty: the law is (15), and all of this holds for it. Else the law that drives: only the reference's demands on
-  /// the robots are certified.
+  /// Empty: the law is (15), and the whole certificate applies. Otherwise the law that drives: only the reference's
+  /// demands on the robots are certified.
   std::string other_law;
   core::Coupling coupling = core::Coupling::paper;
   bool coupled = false;  ///< some k_xx or k_tt is above 0
@@ -70,8 +70,8 @@ struct Certificate {
   /// The sampled loop is stable at least without delay. Continuous time, and so (18), does not exclude gains that are
   /// too large for the sampling.
   bool sampled_loop_stable() const noexcept { return delay.margin.delay > 0.0; }
-  /// Tracking keeps `core::tracking_share` of v_max and omega_max, everywhere: (18a) allows less than a robot can be
-  /// driven with.
+  /// Tracking keeps `core::tracking_share` of v_max and omega_max, everywhere: (18a) alone allows too little to drive a
+  /// robot.
   bool keeps_tracking() const noexcept;
   /// The reference is inside the actuators' limits, everywhere.
   bool reference_fits() const noexcept;

@@ -31,7 +31,7 @@ struct LawSpec {
   std::vector<std::pair<std::string, double>> own_parameters;  ///< as the file has them
   std::vector<std::string> log;                                ///< the logged values that the CSV contains
 
-  /// What drives a robot at a tick without a valid answer of its own controller.
+  /// What drives a robot at a tick without a valid answer from the user's controller.
   enum class Failure {
     hold,      ///< nothing: it stops
     built_in,  ///< the law `kind`
@@ -41,7 +41,7 @@ struct LawSpec {
   /// experiment's clock waits for it.
   std::optional<double> deadline;
   std::int64_t memory = 2048;   ///< limit of each of its processes [MB]
-  std::int64_t processes = 16;  ///< that it may start itself; 0: none
+  std::int64_t processes = 16;  ///< how many it may start itself; 0: none
 
   friend bool operator==(const LawSpec&, const LawSpec&) = default;
 };
@@ -66,11 +66,11 @@ struct LawParameter {
   friend bool operator==(const LawParameter&, const LawParameter&) = default;
 };
 
-/// What the law declares, with the file's values. A controller of the user's own declares its parameters when it is
-/// started: of such a law these are the parameters that the file sets, without a range.
+/// What the law declares, with the file's values. A controller of the user's own declares its parameters only when it
+/// is started: for it, these are the parameters that the file sets, without a range.
 std::vector<LawParameter> declared_parameters(const LawSpec& law);
 
-/// What is allowed for this parameter during a run; empty: the value is.
+/// What is allowed for this parameter during a run; empty: the value is allowed.
 std::string wrong_parameter(std::span<const LawParameter> declared, std::string_view name, double value);
 
 /// The values that the law in force logs for every robot, in the order of TickRecord::logged.

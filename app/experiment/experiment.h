@@ -89,7 +89,7 @@ struct ReferenceSpec {
   std::vector<ReferenceChange> changes;  ///< in the order of t
   double acceleration = 0.1;             ///< default for trajectories [m/s^2]
   bool may_meet = false;                 ///< of trajectories: references may meet, the shield keeps the robots apart
-  bool interchangeable = false;          ///< of trajectories that are lines: whose end belongs to whom is chosen
+  bool interchangeable = false;          ///< of trajectories that are lines: their ends are reassigned to the robots
 };
 
 /// As files call it (core/words.h).
@@ -173,7 +173,7 @@ struct RobotSpec {
   struct Truth {
     core::DifferentialDrive drive;
     double actuation_delay = 0.0;  ///< [s]
-    /// From `at` [s, session's clock] on it obeys nobody: it drives like this, or on as it does then.
+    /// From `at` [s, session's clock] on it ignores commands: it drives like this, or as it does at that time.
     struct Runaway {
       double at = 0.0;
       std::optional<core::Twist> twist;
@@ -181,7 +181,7 @@ struct RobotSpec {
     std::optional<Runaway> runaway;
   };
   std::optional<Truth> truth;
-  /// Whether it obeys nobody at this time [s, session's clock].
+  /// Whether it ignores commands at this time [s, session's clock].
   bool runs_away(double now) const noexcept { return truth && truth->runaway && now >= truth->runaway->at; }
   const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
@@ -216,7 +216,7 @@ enum class CameraKind {
   recorded,   ///< a film, or pictures
   live,       ///< a camera
 };
-/// Of an address, "none", "synthetic" or one of vision::source_kinds(); empty: it is none of these.
+/// The kind of an address: "none", "synthetic" or one of vision::source_kinds(); empty: it is none of these.
 std::optional<CameraKind> camera_kind(std::string_view source);
 
 inline constexpr std::size_t most_cameras = 16;
@@ -228,9 +228,9 @@ struct CameraSpec {
   double exposure = std::numeric_limits<double>::quiet_NaN(), gain = exposure, focus = exposure;
   vision::FilmCoding film = vision::FilmCoding::lossless;  ///< how --video keeps its frames
   std::string trigger;   ///< what triggers a real camera's frames, see vision::SourceOptions; empty: its own clock
-  double latency = 0.0;  ///< how long before its source's captured_at a frame was really captured, of any source [s]
-  /// For practice: this long after the session was opened the synthetic camera is tilted by `bump` degrees, evenly over
-  /// `bump_time`, and stays so; empty: never. [s]
+  double latency = 0.0;  ///< a frame was really captured this long before its captured_at, for any source [s]
+  /// For practice: this long after the session was opened the synthetic camera is tilted by `bump` degrees, at a
+  /// constant rate over `bump_time`, and stays tilted; empty: never. [s]
   std::optional<double> bump_at;
   double bump = 1.0, bump_time = 0.0;
   /// Likewise: from then on its lens loses its focus, over `defocus_time`, until it blurs by `defocus` [s; px; s]
@@ -239,8 +239,8 @@ struct CameraSpec {
   /// Likewise: from then on the first mark of its calibration lies 50 mm farther to the right [s]
   std::optional<double> mark_moved_at;
   std::optional<double> lost_at;  ///< likewise: from then on the synthetic camera delivers nothing [s]
-  double stamps_late = 0.0;       ///< likewise: the synthetic camera shows what was so long before its stamps [s]
-  std::vector<CameraSpec> also;   ///< more cameras over the same floor; none of a camera that is one of these
+  double stamps_late = 0.0;       ///< likewise: the synthetic camera's time stamps are late by this much [s]
+  std::vector<CameraSpec> also;   ///< more cameras over the same floor; empty in each of these
 
   CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }
 };
@@ -261,7 +261,7 @@ struct EstimationSpec {
 
 /// How robots get to their starts.
 struct StagingSpec {
-  bool automatic = true;   ///< before a run without a window, if a robot is farther off than `within`
+  bool automatic = true;   ///< before a run without a window, if a robot is farther away than `within`
   double within = 0.03;    ///< [m]
   double timeout = 120.0;  ///< the run fails if a robot has not arrived by then [s]
   bool back = false;       ///< drive to the starts after the run as well
@@ -280,8 +280,8 @@ struct FailureSpec {
   };
   CameraMoved camera_moved = CameraMoved::all_stop;
   enum class Runaway {
-    others_go_on,  ///< it is commanded to stand, and the others keep clear of its measured motion
-    ignored,       ///< it is taken to do as it is told
+    others_go_on,  ///< it is commanded to stand, and the others avoid it by its measured motion
+    ignored,       ///< it is assumed to obey
   };
   Runaway runaway = Runaway::others_go_on;
   /// A link that has not been up for longer than this is lost [s]; one whose connection is gone is lost at once. Until
@@ -370,7 +370,7 @@ struct Experiment {
   std::string source;     ///< the text that it was read from, with the keys changed by `--set`
   std::string directory;  ///< the file's folder; relative paths in the file start there
 
-  /// links.command_silence, or 0.1 s and at least two ticks and a half: one late tick does not stop the group.
+  /// links.command_silence, or by default 0.1 s and at least 2.5 ticks: one late tick does not stop the group.
   double command_silence() const noexcept { return links.command_silence.value_or(std::max(0.1, 2.5 * period())); }
   double period() const noexcept { return 1.0 / rate; }
   /// The cameras, from 0, [camera] first: one at least, which may be "none".
@@ -391,7 +391,7 @@ std::string robot_name(const Experiment& experiment, std::size_t robot);
 /// real time.
 std::optional<std::string> real_time_reason(const Experiment& experiment);
 
-/// The inputs of the tick's parts.
+/// Make the inputs of the tick's parts.
 std::shared_ptr<const core::Path> make_path(const PathSpec& path);
 std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& trajectory,
                                                         const ReferenceSpec& defaults);

@@ -40,7 +40,7 @@ struct OptionalFlagKey {
 };
 struct TextKey {
   std::string& (*at)(Experiment&);
-  std::size_t longest;       ///< one line of at most so many bytes; 0: any text
+  std::size_t longest;       ///< one line of at most this many bytes; 0: any text
   std::size_t shortest = 1;  ///< of such a line; 0: it may be empty
 };
 struct ChoiceKey {  ///< a word of an enumeration
@@ -68,10 +68,10 @@ std::span<const ExperimentKey> experiment_keys();
 /// The one with this dotted name; null: there is none.
 const ExperimentKey* find_experiment_key(std::string_view name);
 
-/// Reads all keys of one table; the rest of the table is the caller's, and so is `finish`.
+/// Reads all keys of one table; the caller reads the rest of the table and calls `finish`.
 void read_keys(TomlTable& t, std::string_view table, Experiment& e);
 
-/// The value that an experiment has, as the file would write it; empty: it has none.
+/// An experiment's value, as it is written in a file; empty: it has none.
 std::string shown_value(const ExperimentKey& key, const Experiment& e);
 
 /// The allowed values in words: "a number above 0 and up to 10 m/s", "true or false".

@@ -10,7 +10,7 @@ void read_reference(TomlTable table, Experiment& experiment, Problems& problems)
 
 /// Checks that the values read give a path and a formation.
 bool check_shape(const Experiment& experiment, Problems& problems);
-/// Which tables have no mistake of their own: nothing is said of what a default in place of a value leads to.
+/// The tables without errors of their own: checks skip the others, whose values may be defaults in place of wrong ones.
 struct SoundTables {
   bool arena = true, avoidance = true, shield = true, obstacles = true;
 };

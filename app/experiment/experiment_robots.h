@@ -50,7 +50,7 @@ void read_name_and_tag(TomlTable& table, RobotSpec& robot);
 /// Completes the robots once all tables are read.
 RobotSpec finished(const RobotKeys& keys, Problems& problems);
 
-/// Makes it one of this type, with the type's dimensions.
+/// Gives the robot this type, with the type's dimensions.
 void become(RobotSpec& robot, const core::RobotType& type);
 
 /// The type of a robot if only its address is known.

@@ -9,8 +9,8 @@ namespace skein::app {
 /// Conditions on several keys are in experiment_checks.h. docs/experiment-file.md describes this file.
 void read_tables(const toml::table& document, Experiment& experiment, Problems& problems);
 
-/// The couplings of (36). In a group of more than six robots each pair's are smaller, so that their sums in (18f, g)
-/// are those of six: otherwise nothing would be left to track with.
+/// The couplings of (36). In a group of more than six robots the couplings of each pair are smaller, so that their sums
+/// in (18f, g) are those of six robots: otherwise tracking would get nothing.
 core::CouplingGains paper_couplings(std::size_t robots);
 
 }  // namespace skein::app

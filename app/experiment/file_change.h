@@ -8,10 +8,10 @@
 namespace skein::app {
 
 /// A change of a text file that several programs may change, robots.toml or an experiment: begin, read, save. Another
-/// program's change waits until this one ends, so that it reads what this one has written, and none is lost.
+/// program's change waits until this one ends and then reads its result, so no change is lost.
 class FileChange {
  public:
-  /// Waits for the others; creates the file's directory. The error is a sentence.
+  /// Waits for other changes to end; creates the file's directory. The error is a sentence.
   static tl::expected<FileChange, std::string> begin(const std::string& path);
   FileChange(FileChange&& other) noexcept;
   FileChange& operator=(FileChange&&) = delete;

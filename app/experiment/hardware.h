@@ -4,7 +4,7 @@
 
 namespace skein::app {
 
-/// Whether it shows real robots: a device, or a film that one made.
+/// Whether it shows real robots: a device, or a film from one.
 bool is_hardware(CameraKind camera) noexcept;
 
 /// Whether an experiment has a real robot, or a camera that shows real ones.

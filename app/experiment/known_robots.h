@@ -30,9 +30,9 @@ bool is_file_of_robots(const std::string& path);
 /// need not exist.
 std::string known_robots_file(const std::string& asked);
 
-/// Gives every [[robot]] of an experiment that has the `name` of a robot in its `robots_file` what that file says of
-/// it, where the experiment says nothing, and drops the key `robots_file`: then one text says everything about a run.
-/// Values keep the places that they come from. The file is looked for in `directory` on. True if there was one.
+/// Completes every [[robot]] of an experiment whose `name` is in its `robots_file` with the values of that file that
+/// the experiment does not set, and drops the key `robots_file`: then one text describes a run completely. Values keep
+/// their source places. The file is looked for in `directory` on. True if there was one.
 bool embed_known_robots(toml::table& document, const std::string& directory, std::vector<Problem>& problems);
 
 /// Whether it is that robot of an experiment: by its name, or by its link if it has none.
@@ -41,7 +41,7 @@ bool is(const KnownRobot& known, const RobotSpec& robot);
 /// A robot as a table of the file.
 std::string as_toml(const KnownRobot& robot);
 
-/// The text of a file of robots with these added at its end; those whose link or name it has already are left out.
+/// The text of a file of robots with these added at its end, except those whose link or name it has already.
 struct Added {
   std::string text;
   std::size_t robots = 0;

@@ -11,10 +11,10 @@
 namespace skein::app {
 
 /// Changes of a file of robots on the disk. Other programs' changes at the same time are not lost (file_change.h), and
-/// whatever else the file says stays as it is. Errors are sentences, a line each.
+/// the rest of the file stays unchanged. Errors are sentences, a line each.
 
-/// Adds robots at its end, those left out that are there already, by link or by name; makes the file if there is none.
-/// How many were added.
+/// Adds robots at its end, except those that it has already, by link or by name; creates the file if there is none.
+/// Returns how many were added.
 tl::expected<std::size_t, std::string> add_to_robots_file(const std::string& file, const std::vector<KnownRobot>& more);
 
 /// Results about a robot: keys of the file of robots with their values as TOML text.

@@ -10,8 +10,8 @@
 
 namespace skein::app {
 
-/// What the operator does in a run and the experiment's own [[operator]] do not, as it goes on. Robots that stood
-/// elsewhere at its start are put there at t = 0.
+/// Collects, row by row, the operator's actions in a run that the experiment's own [[operator]] tables do not contain.
+/// Robots that were elsewhere at the start of the run are moved there at t = 0.
 class ActionsDone {
  public:
   explicit ActionsDone(const Experiment& experiment);
@@ -30,12 +30,12 @@ class ActionsDone {
 };
 
 /// The text of the experiment with the operator's actions in a run of it as [[operator]] tables: `skein run` repeats
-/// them at the same times. `rows`: of the run, in order. Robots that stood elsewhere at its start are put there at t =
-/// 0.
+/// them at the same times. `rows`: of the run, in order. Robots that were elsewhere at the start of the run are moved
+/// there at t = 0.
 std::string text_as_done(const Experiment& experiment, const std::vector<const TickRecord*>& rows);
 
-/// The text with other gains in [controller.gains]: a number if all pairs have the same, else every pair's. The error
-/// names the gain that cannot be written, and the reason.
+/// The text with other gains in [controller.gains]: one number if it is the same for all pairs, otherwise one for each
+/// pair. The error names the gain that cannot be written, and the reason.
 tl::expected<std::string, std::string> text_with_gains(std::string text, const core::CouplingGains& gains);
 
 }  // namespace skein::app

@@ -37,7 +37,7 @@ constexpr Range between(double low, double high, const char* unit = "") {
   return {low, high, false, unit};
 }
 
-/// The document that a TOML text says; where it is no TOML, the one problem that stopped the parser, with its place.
+/// The document of a TOML text; if it is not TOML, the one problem that stopped the parser, with its place.
 tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file);
 
 /// Everything wrong with one document, each with its place.
@@ -51,18 +51,18 @@ class Problems {
   void add(const toml::source_region& place, const std::string& text);
 
   bool has(const std::string& key) const { return find(key).whole; }
-  /// No problem so far is that of one of these keys, of one below it or of one above it: what they say can be relied
-  /// on. Otherwise the reader has a default in its place, of which nothing can be said.
+  /// Whether the values of these keys are reliable: there is no problem so far with one of them, or with a key above or
+  /// below it. Otherwise the reader has a default in its place, which must not be checked.
   bool sound(std::initializer_list<std::string_view> keys) const;
-  /// A key whose value cannot be relied on, for a reason that is told elsewhere.
+  /// Marks a key whose value is not reliable, for a reason that is reported elsewhere.
   void doubt(std::string key) { doubted_.push_back(std::move(key)); }
   bool empty() const noexcept { return found_.empty(); }
   std::size_t size() const noexcept { return found_.size(); }
-  /// In the order of the file; then what comes from other files, and last what --set brought.
+  /// In the order of the file; then those of other files, and last those of --set.
   std::vector<Problem> sorted() &&;
 
  private:
-  /// How far a dotted key leads.
+  /// How far a dotted key can be followed.
   struct Way {
     const toml::node* end;
     bool whole;
@@ -93,7 +93,7 @@ class TomlTable {
       : table_(table), path_(std::move(path)), problems_(&problems) {}
 
   bool has(std::string_view key) const { return table_ && table_->contains(key); }
-  /// The document's problems so far spare this key of it, "rate": see Problems::sound().
+  /// Whether the value of this key of the document ("rate") is reliable, see Problems::sound().
   bool sound(std::string_view key) const { return problems_->sound({key}); }
   std::string full(std::string_view key) const;  ///< "controller.v_max"
 
@@ -108,7 +108,7 @@ class TomlTable {
   void integer(const char* key, std::int64_t& target, std::int64_t low, std::int64_t high);
   /// The same, and the key must be there.
   void needed(const char* key, double& target, const Range& range);
-  /// An array of exactly so many numbers, which must be there.
+  /// An array of exactly N numbers, which must be there.
   template <std::size_t N>
   void needed(const char* key, std::array<double, N>& target, const Range& range);
   void flag(const char* key, bool& target);
@@ -175,7 +175,7 @@ class TomlTable {
   std::vector<std::string> known_;
 };
 
-/// The numbers of an array of exactly so many, finite ones; none: it is something else.
+/// The numbers of an array of exactly N finite numbers; none: it is something else.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers_of(const toml::node& node) {
   const toml::array* const array = node.as_array();

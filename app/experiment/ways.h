@@ -7,9 +7,9 @@
 
 namespace skein::app {
 
-/// Where obstacles and the arena's edge leave a robot no way from where it begins to where its reference comes to rest,
-/// were nobody else there and it kept what the shield keeps: a sentence for each such robot. To places that drive on
-/// nothing is looked for.
+/// A sentence for each robot for which obstacles and the arena's edge leave no way from its start to the place where
+/// its reference comes to rest, even without other robots, at the shield's distance. References that never come to rest
+/// are not checked.
 std::vector<std::string> missing_ways(const Experiment& experiment);
 
 }  // namespace skein::app

@@ -5,8 +5,7 @@
 namespace skein::app {
 
 /// `skein guard MARKER`, started by a run (safety_net.h). Two duties:
-/// - Watchdog: it holds duplicates of the descriptors of the robots' lines. While the run's threads stall it
-/// writes
+/// - Watchdog: it holds duplicates of the descriptors of the robots' lines. While the run's threads stall it writes
 ///   the stop on them, until their heartbeats return.
 /// - When the run ends without reporting that all robots stand, it writes the stop on the same lines at once, then
 ///   reconnects to every robot that has not acknowledged, for as long as it takes, or until `skein robots forget`. Then

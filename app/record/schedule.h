@@ -7,8 +7,8 @@
 
 namespace skein::app {
 
-/// Where robots would be on time: of a formation that waits for one of its robots, `nominal` is what its own clock
-/// says.
+/// The places of the robots at a time of the experiment, as if the formation never waited: the `nominal` reference of a
+/// formation that waits for one of its robots follows the formation's own clock.
 class Schedule {
  public:
   explicit Schedule(const Experiment& experiment)
