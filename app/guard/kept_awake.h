@@ -8,8 +8,8 @@
 
 namespace skein::app {
 
-/// Keeps the machine awake while a run or a tool drives real robots, and says so where that is not possible. Any
-/// thread but alarm(): one thread.
+/// Keeps the machine awake while a run or a tool drives real robots, and reports when that is not possible. Any thread,
+/// except alarm(): one thread.
 class KeptAwake {
  public:
   /// `what`: the experiment, for `systemd-inhibit --list`.
@@ -17,7 +17,7 @@ class KeptAwake {
 
   void hold(bool on) noexcept { inhibitor_.hold(on); }
   bool held() const { return inhibitor_.held(); }
-  /// What the operator must know, once: the machine may suspend all the same.
+  /// The sentence that the operator must see, once: the machine may suspend nevertheless.
   std::optional<std::string> alarm();
 
  private:

@@ -48,7 +48,7 @@ class SafetyNet {
   std::unique_ptr<Keeper> keeper_;
 };
 
-/// What an operator is told where no net could be spread, and why.
+/// The sentence for the operator when no safety net could be set up, with the reason.
 std::string unguarded_sentence(const std::string& why);
 
 /// The address of a real robot of an experiment, with the name from robot_name().

@@ -26,9 +26,9 @@ std::vector<ManualPage> manual_pages(const CLI::App& program, const std::string&
 tl::expected<void, std::string> write_manual(const CLI::App& program, const std::string& version,
                                              const std::string& folder);
 
-/// Makes a mistake of an option that stands where the value of another one is missing: `--csv --set rate=10` would
-/// otherwise write a file named "--set". An empty text, as of a script's unset variable, is no value either. Call it
-/// before the program's words are parsed.
+/// Makes it an error if an option stands in place of the missing value of another one: `--csv --set rate=10` would
+/// otherwise write a file named "--set". An empty text, as from a script's unset variable, counts as missing, too. Call
+/// it before parsing the program's words.
 void refuse_missing_values(CLI::App& program);
 
 /// A completion of the word being typed.

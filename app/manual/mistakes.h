@@ -19,7 +19,7 @@ std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error)
 /// as well, such as `skein tags --out FILE board`, are for both, but not those of the program itself.
 std::optional<std::string> misplaced(const CLI::App& program);
 
-/// Makes the program say its mistakes by what_is_wrong(), and refuse a value of a flag other than true and false.
+/// Makes the program report errors with what_is_wrong(), and refuse values of a flag other than true and false.
 void say_mistakes_plainly(CLI::App& program);
 
 }  // namespace skein::app

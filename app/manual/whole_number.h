@@ -10,8 +10,7 @@
 
 namespace skein::app {
 
-/// Refuses what is no whole number from `low` to `high`: CLI11 by itself takes "-1" for a huge one where there are no
-/// negative numbers.
+/// Accepts only a whole number from `low` to `high`: CLI11 itself reads "-1" as a huge number if the type is unsigned.
 inline CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
   return {[low, high](const std::string& text) -> std::string {
             std::int64_t value = 0;
@@ -23,7 +22,7 @@ inline CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
           fmt::format("INT in [{} - {}]", low, high)};
 }
 
-/// Refuses what is no number from `low` to `high`: CLI::Range takes "nan", which is neither below nor above.
+/// Accepts only a number from `low` to `high`: CLI::Range accepts "nan", which is neither below nor above.
 inline CLI::Validator number_within(double low, double high) {
   return {[low, high](const std::string& text) -> std::string {
             double value = 0.0;

@@ -35,15 +35,14 @@ class CsvFile final : public RecordSink {
   bool published_ = false;
 };
 
-/// Records a run from any moment on, including the part before it. A permanent sink that writes on request.
-/// `record`
+/// Records a run from any moment on, including the part before it. A permanent sink that writes on request. `record`
 /// belongs to the sinks' thread, the rest to the controlling one.
 class CsvRecorder final : public RecordSink {
  public:
   using Rows = std::vector<std::shared_ptr<const TickRecord>>;
 
-  /// `before`: the rows of the run so far that the caller knows of; later ones that it has not seen yet are known here.
-  /// Throws as CsvFile does.
+  /// `before`: the rows of the run that the caller has so far; the recorder itself has the later ones. Throws as
+  /// CsvFile does.
   void begin(const std::string& path, const Experiment& experiment, Rows before);
   /// Throws as CsvFile does. Does nothing if nothing is being recorded.
   void end();
@@ -58,7 +57,7 @@ class CsvRecorder final : public RecordSink {
   std::unique_ptr<CsvFile> file_;
   Rows before_;
   bool owes_before_ = false;       // `before_` is not written yet
-  double last_known_ = 0.0;        // `now` of the last row that the caller knew of at the beginning [s]
+  double last_known_ = 0.0;        // `now` of the last row that the caller had at the beginning [s]
   std::deque<TickRecord> recent_;  // longer than a window's channel: rows that it may not have seen yet
 };
 

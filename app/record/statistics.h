@@ -26,8 +26,8 @@ struct Settling {
   /// Largest vector error of a neighbour's relative position, |(p_i - p_j) - (r_i - r_j)|. delta of (37) compares
   /// distances only, and is of second order in errors across the line between the two. [s]
   std::optional<double> relative_1cm{}, relative_5mm{};
-  /// Largest distance of a robot from where the formation has it, on the formation's clock, as these times are: of a
-  /// formation that waits, when it was whole again. Tracking is then what remains to be caught up. [s]
+  /// Largest distance of a robot from its place by the formation's own clock; these times are on that clock, too. For a
+  /// formation that waits: when it was whole again. Tracking then shows how much remains to catch up. [s]
   std::optional<double> whole_1cm{}, whole_5mm{};
   std::optional<double> whole_5mm_after{};  ///< the same on the experiment's clock [s]
 };
@@ -65,11 +65,11 @@ class Statistics final : public RecordSink {
     double outside = 0.0;  ///< largest distance of a robot's body over the edge of the arena [m]
     std::int64_t collisions =
         0;  ///< times that a pair came closer than 70 mm, or a robot touched an obstacle of the file or the operator
-    /// Times that a simulated robot that obeys nobody ran into one that did not drive towards it: no collision.
+    /// Times that a simulated robot that ignores commands ran into one that did not drive towards it: not a collision.
     /// Empty: there is no such robot.
     std::optional<std::int64_t> run_into;
     std::int64_t missed_deadlines = 0;
-    std::int64_t dropped_rows = 0;    ///< dropped since the recorder was too slow: they are in no file and in no figure
+    std::int64_t dropped_rows = 0;  ///< dropped because the recorder was too slow: they are in no file and in no figure
     std::int64_t camera_outages = 0;  ///< times that a real camera stopped delivering
     std::int64_t camera_damaged = 0;  ///< frames of it that could not be used
     struct Published {

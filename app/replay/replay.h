@@ -25,7 +25,7 @@ struct ReplayResult {
   std::int64_t poses = 0;              ///< compared: one per robot and tick
   std::int64_t poses_different = 0;    ///< that did not come out bit for bit
   bool lossless = true;                ///< the film; if it is not, the commands come from the recorded poses instead
-  std::int64_t poses_missing = 0;      ///< that a film with losses does not give of the same frame
+  std::int64_t poses_missing = 0;      ///< poses that a lossy film does not yield for the same frame
   double pose_error_rms = 0.0;         ///< of the others: their distance from the recorded ones [m]
   double pose_error_max = 0.0;         ///< [m]
   double heading_error_rms = 0.0;      ///< [rad]
@@ -42,9 +42,8 @@ struct ReplayResult {
 /// omega and both wheels) with the recorded one. `file` is the stream's name in messages. The error has the place of
 /// invalid input.
 /// With the film of the run (`skein run --video`; of several cameras the first one's, film_paths names the others), the
-/// measurements come from it instead, through the same tracker, and
-/// are compared with the recorded ones too. Poses from a film that is not lossless are only compared: `pose_error_rms`.
-/// Empty: none.
+/// measurements come from it instead, through the same tracker, and are compared with the recorded ones too. Poses from
+/// a film that is not lossless are only compared: `pose_error_rms`. Empty: none.
 /// The answers of the run's own controller are taken from the record. With `controller` that controller is also
 /// started, in the current directory, asked again, and its answers are compared with the recorded ones.
 tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film = {},

@@ -22,7 +22,7 @@ class ReplayFilm {
   /// The error says why this is not a film recorded by `skein run --video`.
   static tl::expected<ReplayFilm, std::string> open(const std::string& path, const Experiment& experiment);
 
-  /// Processes every further frame that was captured until `time` (session's clock); then every robot's newest
+  /// Processes every further frame that was captured up to `time` (session's clock); then every robot's newest
   /// measurement by this camera is in `newest`.
   tl::expected<void, std::string> advance(double time, std::span<core::Measurement> newest);
 
@@ -31,8 +31,8 @@ class ReplayFilm {
   /// Whether its pixels are those that the tracker saw during the run.
   bool lossless() const;
 
-  std::int64_t frames() const noexcept { return frames_; }    ///< worked off
-  double short_by() const noexcept { return short_by_; }      ///< its end lies so long before the last `time` [s]
+  std::int64_t frames() const noexcept { return frames_; }    ///< processed
+  double short_by() const noexcept { return short_by_; }      ///< how long before the last `time` it ends [s]
   std::int64_t missing() const noexcept { return missing_; }  ///< that the recorder had dropped before those
 
  private:

@@ -24,7 +24,7 @@ namespace skein::app {
 enum class Hindrance : std::uint8_t {
   lost,       ///< no pose within the bridge time
   held,       ///< stopped by the operator or its link
-  runaway,    ///< it drives otherwise than it is told
+  runaway,    ///< it does not drive as commanded
   outside,    ///< over the edge of the arena
   no_way,     ///< planning finds no route to its place
   turn,       ///< on a planned route: it waits for others to pass first
@@ -134,7 +134,7 @@ struct Gain {  ///< the operator's new target for all pairs
   static constexpr std::string_view word = "gain";
   core::GainName gain = core::GainName::k_xx;
   double from = 0.0, to = 0.0;
-  double ramp = 0.0;  ///< as asked for; 0: as fast as it may [s]
+  double ramp = 0.0;  ///< as requested; 0: as fast as allowed [s]
 };
 struct Schedule {  ///< a [[gain_change]] of the file begins
   static constexpr std::string_view word = "schedule";
@@ -151,7 +151,7 @@ struct PairGain {  ///< the operator's new target for one pair
   std::size_t i = 0, j = 0;
   core::GainName gain = core::GainName::k_xx;
   double from = 0.0, to = 0.0;
-  double ramp = 0.0;  ///< as asked for; 0: as fast as it may [s]
+  double ramp = 0.0;  ///< as requested; 0: as fast as allowed [s]
 };
 struct PairGainHeld {
   static constexpr std::string_view word = "pair_gain_held";
@@ -220,7 +220,7 @@ struct CameraMoved {
   std::size_t tags = 0;
   double by = 0.0;        ///< their mean displacement [m]
   double turn = 0.0;      ///< counter-clockwise [rad]
-  std::size_t marks = 0;  ///< that are elsewhere; 0: the robots' tags have shown it
+  std::size_t marks = 0;  ///< marks that have moved; 0: the robots' tags showed it
 };
 struct CamerasDisagree {  ///< two cameras see a robot at different places: one of them has been moved
   static constexpr std::string_view word = "cameras_disagree";
@@ -261,12 +261,12 @@ struct Outside {  ///< its body is over the edge of the arena
   double over = 0.0;  ///< by so much [m]
 };
 
-struct Runaway {  ///< it drives otherwise than it is told; it is told to stand
+struct Runaway {  ///< it does not drive as commanded; it is commanded to stand
   static constexpr std::string_view word = "runaway";
   std::size_t robot = 0;
   double v = 0.0;  ///< as measured [m/s]
 };
-struct Obeys {  ///< and it stands: it may drive again
+struct Obeys {  ///< it stands as commanded: it may drive again
   static constexpr std::string_view word = "obeys";
   std::size_t robot = 0;
 };

@@ -12,8 +12,8 @@ enum ExitStatus {
   device_failed = 3,       ///< a camera or a robot
 };
 
-/// Runs a whole program, from its first to its last output: what it returns is its exit status. An exception is a
-/// complaint, and lost output as well (a full disk): both are device_failed where nothing worse is known.
+/// Runs a whole program, from its first to its last output: what it returns is its exit status. An exception is
+/// reported, and so is lost output (a full disk): both give device_failed unless something worse is known.
 int exit_status_of(const std::function<int()>& program) noexcept;
 
 }  // namespace skein::app

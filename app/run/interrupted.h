@@ -7,8 +7,8 @@ namespace skein::app {
 /// errors.
 void catch_interrupts() noexcept;
 
-/// As if such a signal had come when the other end of this pipe is closed: whoever started the program has ended,
-/// however that came about. False: it is no open descriptor. After `catch_interrupts`.
+/// Acts as if such a signal had come when the other end of this pipe is closed: the program that started this one has
+/// ended, for whatever reason. False: it is not an open descriptor. After `catch_interrupts`.
 bool interrupt_when_closed(int pipe) noexcept;
 
 /// As if such a signal had come. Async-signal-safe.

@@ -7,7 +7,7 @@
 
 namespace skein::app {
 
-/// The word that was probably meant by one that is none of `words`; none: no word is within a third of its letters.
+/// The one of `words` that a misspelt word probably stands for; none: none differs in at most a third of its letters.
 std::optional<std::string> nearest_word(std::string_view written, const std::vector<std::string>& words);
 
 }  // namespace skein::app

@@ -32,7 +32,7 @@ struct SetPairGain {  ///< for robots i and j only
 };
 struct SetParameter {  ///< of the law, at once
   ParameterName name;
-  double from = 0.0;  ///< its value until now, for the tick that has not heard of it
+  double from = 0.0;  ///< its value until now, for a tick that does not know it
   double value = 0.0;
 };
 struct Couple {  ///< switches the coupling of robots i and j on, with the gains that they have, or off

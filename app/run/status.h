@@ -16,8 +16,7 @@ struct Picture {
   std::vector<std::uint8_t> grey;  ///< row by row, 0 black
 };
 
-/// A robot's wheel counters, read by it between two times of the session's clock: as a rule when it was asked and when
-/// it had answered.
+/// A robot's wheel counters, read by it between two times of the session's clock: usually the question and the answer.
 struct WheelCount {
   double since = none, by = none;                   ///< [s]; none: never read
   double left = none, right = none;                 ///< [steps]
@@ -39,11 +38,11 @@ struct RobotStatus {
   bool stop_acknowledged = false;  ///< after close()
 };
 
-/// What the marks on the floor say of the cameras that were calibrated by them.
+/// What the marks on the floor show about the cameras that were calibrated with them.
 struct MarksStatus {
   bool watched = false;  ///< there are marks that can be looked for
-  bool known = true;     ///< whether a camera moved; false: they have not been looked at yet, or too few are seen
-  std::optional<events::CameraMoved> moved{};  ///< a camera was
+  bool known = true;     ///< whether a camera moved; false: not looked at yet, or too few marks are seen
+  std::optional<events::CameraMoved> moved{};  ///< a camera has moved
   std::string sentence{};                      ///< in words; empty: there is nothing to say
 };
 
@@ -60,7 +59,7 @@ struct WheelCheck {
 /// The film that a session records of its camera's frames.
 struct VideoStatus {
   std::int64_t frames = 0;   ///< kept
-  std::int64_t dropped = 0;  ///< dropped, since the disk or the encoder was too slow, or after the problem
+  std::int64_t dropped = 0;  ///< dropped because the disk or the encoder was too slow, or after the problem
   std::string problem;       ///< why the film ends early; the run goes on
 };
 

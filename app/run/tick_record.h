@@ -83,7 +83,7 @@ enum Limit : std::uint8_t {
   limit_v = 1,       ///< |v| <= v_max (14)
   limit_omega = 2,   ///< |omega| <= omega_max (14)
   limit_wheels = 4,  ///< a wheel's largest speed
-  limit_link = 8,    ///< links.blind_distance lasts for links.reply_timeout
+  limit_link = 8,    ///< the speed at which links.blind_distance lasts for links.reply_timeout
 };
 
 /// As the CSV calls it (core/words.h); of one bit.

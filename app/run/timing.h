@@ -22,7 +22,8 @@ struct Timing {
 inline constexpr int control_priority = 20;
 inline constexpr int camera_priority = 10;
 
-/// Requests real-time priority for the calling thread. Empty: granted; else the reason, and where the remedy is.
+/// Requests real-time priority for the calling thread. Empty: granted; otherwise the reason, and where to find the
+/// remedy.
 std::string ask_for_priority(int priority);
 
 /// Limits how long a processor may take to wake: the CPU latency request of the kernel's PM QoS interface, in force as

@@ -15,11 +15,11 @@ namespace skein::app {
 /// The inputs of a run.
 struct KeepRequest {
   std::string directory;           ///< of all runs
-  std::string experiment;          ///< the file; empty: none has it
+  std::string experiment;          ///< its file; empty: there is none
   std::vector<std::string> sets;   ///< --set: what was changed against the file
   std::vector<std::string> words;  ///< the command line
   bool real_time = false;
-  std::string text{};  ///< as it was written, where no file has it; empty: the paper's experiment, which is built in
+  std::string text{};  ///< as it was written, if there is no file; empty: the paper's experiment, which is built in
 };
 
 /// The folder of a kept run, with all its inputs and outputs (docs/runs.md lists the files). Its run.json is written at
@@ -50,11 +50,11 @@ class KeptRun {
   std::string head_;  // run.json as it was written at the beginning
 };
 
-/// Removes the film of a run, of every camera of its experiment: its folder has its own.
+/// Removes the films of a run, one for each camera: the run's folder has copies.
 void remove_film(const Experiment& experiment, const std::string& film);
 
-/// Makes files in the folder of a run that has ended part of it: their hashes go into its run.json. The error names
-/// what cannot be read or written; a run that did not end takes nothing.
+/// Makes files in the folder of an ended run part of the run: their hashes go into its run.json. The error names what
+/// cannot be read or written; a run that has not ended accepts no files.
 tl::expected<void, std::string> add_to_kept_run(const std::string& folder, const std::vector<std::string>& files);
 
 /// The experiment's keys as `skein runs find` knows them: "controller.v_max" and the like with the value of this

@@ -12,7 +12,7 @@
 
 namespace skein::app {
 
-/// What a session knows of its run and no row has.
+/// Facts about a run that the session has and no row contains.
 struct SessionFacts {
   Phase end = Phase::ready;
   std::optional<Timing> timing;
@@ -32,7 +32,7 @@ void complete(Statistics::Summary& summary, const SessionFacts& facts, const Exp
 /// How a run went, by its completed summary.
 struct RunVerdict {
   int exit_status = 0;                ///< of `skein run`
-  std::vector<std::string> problems;  ///< a sentence each: errors, then what [expect] asks and did not happen
+  std::vector<std::string> problems;  ///< a sentence each: errors, then the failed conditions of [expect]
 };
 RunVerdict verdict_of(const Statistics::Summary& summary, const Experiment& experiment);
 

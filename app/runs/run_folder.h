@@ -46,9 +46,9 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
 /// The newest format of run.json, its key "format".
 inline constexpr int story_format = 1;
 
-/// The text of a run.json with a hash of all else in it as its last value.
+/// The text of a run.json whose last value is a hash of all the others.
 std::string sealed(nlohmann::ordered_json story);
-/// Whether it is as sealed() wrote it, but for blanks; none: it has no such hash.
+/// Whether it is as sealed() wrote it, apart from blanks; none: it has no such hash.
 std::optional<bool> seal_holds(nlohmann::ordered_json story);
 
 /// The instant at which a run began, from its run.json, whatever the time zone [ns since 1970]. Empty: it does not say.

@@ -15,12 +15,13 @@
 
 namespace skein::app {
 
-/// Keeps a run while a session goes on: a permanent sink that does nothing until `begin`. A disk that takes no more
-/// ends the record, not the run. `record` belongs to the sinks' thread; everything else may be called from any other.
+/// Keeps a run while a session goes on: a permanent sink that does nothing until `begin`. A disk that accepts no more
+/// data ends the record, not the run. `record` belongs to the sinks' thread; everything else may be called from any
+/// other thread.
 class RunKeeper final : public RecordSink {
  public:
-  /// Makes the run's folder; rows follow. What the experiment has otherwise than the file is added to the request's
-  /// sets, and at the end what the operator changed. The error says what cannot be written or read.
+  /// Makes the run's folder; rows follow. Differences between the experiment and its file are added to the request's
+  /// sets, and at the end the operator's changes. The error says what cannot be written or read.
   tl::expected<void, std::string> begin(const KeepRequest& request, const Experiment& experiment);
   bool keeps() const;           ///< begun, and not ended
   std::string folder() const;   ///< empty: not begun

@@ -25,8 +25,7 @@ struct Verification {
 ///  - files: each exists with its hash in run.json; there are no others
 ///  - experiment: the record embeds the experiment of the folder
 ///  - commands: the recorded measurements and operator's commands, run through the same ticks again, give every
-///  command
-///    (as `skein replay`); with a film, the measurements come from its frames
+///    command (as `skein replay`); with a film, the measurements come from its frames
 ///  - run_again: for a run on the virtual clock, running the experiment again gives every byte of the record
 /// The error: there is no run, or run.json is of another format.
 tl::expected<Verification, std::string> verify_run(const std::string& folder);

@@ -22,7 +22,7 @@ struct CameraFilm {
 /// The error says why this is not a film recorded by `skein run --video`.
 tl::expected<CameraFilm, std::string> open_film(const std::string& path);
 
-/// Where other cameras saw robots, as told to a tracker with a frame: what its poses depend on beside the pixels. A
+/// Where other cameras saw robots, as a tracker gets it with a frame: its poses depend on this and on the pixels. A
 /// line for Frame::note, and back, to the bit.
 std::string note_of(std::span<const vision::SeenElsewhere> elsewhere);
 std::vector<vision::SeenElsewhere> elsewhere_of(const std::string& note);

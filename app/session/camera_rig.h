@@ -50,7 +50,7 @@ struct FrameTimes {
 };
 
 /// The calibration of one of an experiment's cameras, from 0. Synthetic ones without a file share the arena: 2 side by
-/// side, 4 in two rows, and each sees 0.2 m and more of its neighbour's part. The error: it is missing, wrong, or has
+/// side, 4 in two rows, and each sees at least 0.2 m of its neighbour's part. The error: it is missing, wrong, or has
 /// no world frame.
 tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number = 0);
 
@@ -69,8 +69,8 @@ class CameraRig {
 
   /// Records every frame of the tracker in a film. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
-  /// No further frame goes into the film. The answer completes the file, on any thread, also when the rig is gone;
-  /// null: there is no film any more.
+  /// Ends the film. The returned function completes the file, on any thread, even when the rig is gone; null: there is
+  /// no film any more.
   std::function<VideoStatus()> end_film();
   /// Any thread.
   VideoStatus video() const;
@@ -158,8 +158,9 @@ class CameraRig {
   std::atomic<bool> awaited_{false};              // a real camera that has not opened yet; then the thread owns source_
   std::string why_awaited_;                       // set before the thread begins
   std::shared_ptr<vision::Recorder> recorder_;
-  std::mutex film_mutex_;      // held from a frame's poses until it is in the film; free but for who ends the film
-  bool film_ended_ = false;    // under the mutex; whoever ended it completes it
+  std::mutex film_mutex_;  // held from a frame's poses until it is in the film; otherwise only the caller that ends the
+                           // film takes it
+  bool film_ended_ = false;    // under the mutex; the caller that ended it completes it
   bool told_of_film_ = false;  // the control thread's
   bool live_ = false;          // a camera that stamps its frames with CLOCK_MONOTONIC
   bool pictures_;
@@ -184,8 +185,8 @@ class CameraRig {
   std::condition_variable answered_;
   bool asked_ = false;  // the next frame is requested
   Question answer_;
-  // Why robots are lost, and whether the marks lie where they were: requested by the camera's thread, diagnosed at once
-  // on the virtual clock and in a separate thread on the wall clock.
+  // Why robots are lost, and whether the marks have moved: requested by the camera's thread, diagnosed at once on the
+  // virtual clock and in a separate thread on the wall clock.
   std::vector<vision::TagAbsence> absences_;  // of the robots' tags
   double next_absence_ = none;
   std::vector<vision::MissingTag> missing_;

@@ -13,8 +13,8 @@
 
 namespace skein::app {
 
-/// All cameras over one floor: a CameraRig with a thread each. Their poses are fused by the control tick. One that is
-/// lost leaves the rest.
+/// All cameras over one floor: a CameraRig with a thread each. Their poses are fused by the control tick. The loss of
+/// one does not affect the others.
 class Cameras {
  public:
   /// As CameraRig::open.
@@ -42,7 +42,7 @@ class Cameras {
   /// Events: those of each camera, and which of several are lost or back. Control thread only.
   void tell(EventList& events) noexcept;
 
-  /// Of all: counts are sums, `up` if every one is. Any thread.
+  /// Of all cameras: counts are sums, `up` if every one is. Any thread.
   VideoStatus video() const;
   vision::SourceStatus status() const;
 
@@ -50,7 +50,8 @@ class Cameras {
   std::vector<std::string> why_not_seen();
   /// Sentences about lost robots and cameras, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
-  /// Of all: `known` if everything is, `moved` by the first camera that was, and each one's sentence. Any thread.
+  /// Of all cameras: `known` if it is for each, `moved` of the first one that moved, and the sentences of all. Any
+  /// thread.
   MarksStatus marks() const;
   /// Notices which of several cameras are lost or back. Not on the control thread; one caller at a time.
   void watch();

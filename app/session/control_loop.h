@@ -32,7 +32,7 @@ class ControlLoop {
               std::function<void(const TickRecord&)> report, OwnController* controller = nullptr);
 
   // --- any one controlling thread ---
-  /// Moves a simulated robot, as a hand does.
+  /// Moves a simulated robot, as by hand.
   using Gesture = std::variant<events::Move, events::Kick>;
 
   /// Queues a command for the next ticks, in order. False: the queue is full, and the command is not executed. There is
@@ -73,7 +73,7 @@ class ControlLoop {
   }
   /// Whether some robot whose pose is known is not at its start.
   bool away() const noexcept { return away_.load(std::memory_order_acquire); }
-  /// A robot that is not at its start as exactly as staging wants it.
+  /// A robot that is not yet at its start within the tolerance of staging.
   struct NotStaged {
     std::int16_t robot = -1;  ///< from 0, one that stands if there is one; -1: all are there
     std::uint8_t mode = 0;    ///< its modes
@@ -83,8 +83,8 @@ class ControlLoop {
   /// For how long the control thread stalled when that caused a STOP [s]; 0: it did not. Only with real robots: their
   /// links or the guard have stopped them meanwhile, and no robot drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
-  /// What has shown that a camera was moved, when all robots were stopped for it: CameraMoved or CamerasDisagree;
-  /// empty: they were not.
+  /// The event that showed that a camera was moved, if that stopped all robots: CameraMoved or CamerasDisagree; empty:
+  /// they were not stopped.
   std::optional<Event> camera_moved() const noexcept {
     return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
   }

@@ -4,8 +4,8 @@
 
 namespace skein::app {
 
-/// Whether what the file sets for the time `when` happens before the tick of time `t`. [s] Half a nanosecond early: t
-/// is a quotient, and the file's number a decimal.
+/// Whether what the file sets for the time `when` happens before the tick of time `t`. [s] It is due half a nanosecond
+/// early, because t is a quotient and the file's number a decimal.
 constexpr bool is_due(double when, double t) noexcept {
   return t >= when - 0.5e-9;
 }

@@ -13,8 +13,8 @@
 
 namespace skein::app {
 
-/// What a run will do. It follows the run's records with a tick and a floor of its own, and goes on from there ahead of
-/// time, as often as somebody asks "what if". One thread at a time, never the control thread.
+/// What a run will do. It follows the run's records with a tick and a floor of its own, and computes ahead from there,
+/// as often as requested. One thread at a time, never the control thread.
 class Forecast {
  public:
   /// Why this experiment's future cannot be computed, if so.
@@ -26,13 +26,13 @@ class Forecast {
   void follow(const TickRecord& record);
 
   /// Whether it is the run itself that is computed: a simulation whose every record was followed. Its ticks then have
-  /// the same bits, if they come at exactly their times. Else robots drive from their present poses as the law's model
-  /// (1) has them: without noise, delay or slip.
+  /// the same bits, if they come at exactly their times. Otherwise robots drive from their present poses by the law's
+  /// model (1): without noise, delay or slip.
   bool exact() const noexcept { return simulation_ && complete_; }
 
-  /// The run's next `ticks` records, if `commands` are given before the first of them and nobody touches anything
+  /// The run's next `ticks` records, if `commands` are given before the first of them and nothing else is changed
   /// later; the file's own actions take place. A run that stands ready or paused is started or resumed. Fewer at the
-  /// run's end; none if it is over, or if `keep_on`, asked before every tick, answers no.
+  /// run's end; none if it is over, or if `keep_on`, called before every tick, returns false.
   std::vector<TickRecord> ahead(std::size_t ticks, std::span<const OperatorCommand> commands,
                                 const std::function<bool()>& keep_on);
 

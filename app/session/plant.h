@@ -70,7 +70,7 @@ class Plant {
 
   /// The tags that the camera looks for, whose newest measurements measure() returns: the robots' first.
   const std::vector<int>& tags() const noexcept { return tags_; }
-  /// What the marks on the floor say. Any thread.
+  /// What the marks on the floor show. Any thread.
   MarksStatus marks() const { return cameras_ ? cameras_->marks() : MarksStatus{}; }
   /// Null: the experiment has none.
   Cameras* cameras() noexcept { return cameras_.get(); }
@@ -110,11 +110,11 @@ class Plant {
 
 /// Why a run ends after its program stalled.
 std::string stood_still_sentence(double seconds);
-/// Why it ends, or does not begin, after a camera was bumped, with the command that mends it. `then`: what follows,
-/// "STOP".
+/// Why a run ends, or does not begin, after a camera was bumped, with the command that corrects the calibration.
+/// `then`: what follows, "STOP".
 std::string camera_moved_sentence(const Experiment& experiment, const events::CameraMoved& moved,
                                   std::string_view then);
-/// Why it ends after two cameras were found to disagree.
+/// Why a run ends after two cameras disagree.
 std::string camera_stop_sentence(const events::CamerasDisagree& differ);
 
 }  // namespace skein::app

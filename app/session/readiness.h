@@ -36,7 +36,8 @@ struct Check {
 
 /// The checks for a start, from what is known by now; empty pointers: not known yet. In the order in which problems
 /// should be fixed.
-/// `camera_down`: why the camera does not deliver frames; empty: it does. `marks`: what those on the floor say of it.
+/// `camera_down`: why the camera does not deliver frames; empty: it does. `marks`: what the marks on the floor show
+/// about it.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const std::string& camera_down = {},
                              const MarksStatus& marks = {});

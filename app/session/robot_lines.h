@@ -21,8 +21,9 @@ struct RobotLines {
   std::unique_ptr<comms::PtyEmulator> emulator;  ///< at the other end of the emulated ones' lines; null: none is
 };
 
-/// Finds the addresses of the real robots and begins to emulate the emulated ones. `on_wheels`: gets what an emulated
-/// robot of the experiment tells its wheels, on the emulator's thread. `faults`: see SessionOptions.
+/// Finds the addresses of the real robots and begins to emulate the emulated ones. `on_wheels`: gets the speeds that
+/// the firmware of an emulated robot of the experiment sends to its wheels, on the emulator's thread. `faults`: see
+/// SessionOptions.
 tl::expected<RobotLines, std::string> open_lines(
     const Experiment& experiment,
     const std::function<void(std::size_t robot, const core::WheelSpeeds& told)>& on_wheels,

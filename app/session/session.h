@@ -89,10 +89,11 @@ class Session {
   double gain_target(core::GainName name, std::size_t i, std::size_t j) const;
   bool coupled(std::size_t i, std::size_t j) const;
 
-  /// Puts a simulated robot somewhere, as a hand does. Refused for a real one, with the reason.
+  /// Moves a simulated robot to a pose, as by hand. Refused for a real one, with the reason.
   [[nodiscard]] Answer move_robot(std::size_t robot, const core::Pose& pose);
 
-  /// Kicks one: it slides with this velocity [m/s, world frame] until friction has stopped it, and drives on meanwhile.
+  /// Kicks a simulated robot: it slides with this velocity [m/s, world frame] until friction has stopped it, and drives
+  /// on meanwhile.
   [[nodiscard]] Answer kick_robot(std::size_t robot, double vx, double vy);
 
   /// Holds one robot, real or simulated, and takes it out of the group until it is released; the others drive on. This
@@ -142,13 +143,13 @@ class Session {
   std::vector<RobotStatus> robots() const;
   /// Any thread.
   vision::SourceStatus camera() const;
-  /// What the marks on the floor say of the camera. A session whose camera has moved off them refuses to start, and
-  /// stops if it runs. Any thread.
+  /// What the marks on the floor show about the camera. If they show that it has moved, the session refuses to start,
+  /// and stops if it runs. Any thread.
   MarksStatus marks() const;
   /// Complete after close(). Any thread.
   VideoStatus video() const;
-  /// No further frame goes into the film; the run goes on. The answer completes the file, which may take a second, on
-  /// any thread, also when the session is gone; null: there is no film any more.
+  /// Ends the film; the run goes on. The returned function completes the file, which may take a second, on any thread,
+  /// even when the session is gone; null: there is no film any more.
   std::function<VideoStatus()> end_film();
   /// The run's own controller, null: it has none. After close() it has its statistics.
   const OwnController* controller() const noexcept;

@@ -27,7 +27,7 @@ namespace skein::app {
 inline constexpr auto recorder_period = std::chrono::milliseconds(20);
 inline constexpr auto supervisor_period = std::chrono::milliseconds(20);
 inline constexpr auto longest_hold =
-    std::chrono::seconds(1);                   // a paced simulation waits so long for its sinks and its window
+    std::chrono::seconds(1);                   // how long a paced simulation waits for its sinks and its window
 inline constexpr double window_silence = 3.0;  // robots with links are stopped when the window hangs for longer [s]
 
 /// The rows of a run: its running ticks, and after the start all other ticks with events (pause, stop).
@@ -81,7 +81,7 @@ struct SessionWiring {
 
   using Answer = tl::expected<void, std::string>;
 
-  /// Asks the next ticks to do it.
+  /// Passes a command to the next ticks.
   Answer ask(const OperatorCommand& command) { return taken(loop->post(command)); }
   Answer ask(const ControlLoop::Gesture& gesture) { return taken(loop->post(gesture)); }
   static Answer taken(bool posted) {
@@ -159,12 +159,12 @@ struct SessionWiring {
     if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
   }
 
-  /// Nobody drives by a camera that the marks on the floor show to have moved, unless the file says so.
+  /// Set if the marks on the floor show that the camera has moved: then no robot may drive, unless the file allows it.
   std::optional<events::CameraMoved> moved_off_its_marks() const {
     if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return {};
     return plant->marks().moved;
   }
-  /// Refuses whatever makes robots drive.
+  /// Refuses commands that make robots drive.
   Answer may_drive() const {
     const auto moved = moved_off_its_marks();
     if (!moved) return {};
@@ -204,7 +204,7 @@ struct SessionWiring {
   }
 
   Answer check_pair(std::size_t i, std::size_t j) const;
-  /// Where the couplings are going.
+  /// The targets of the couplings.
   core::CouplingGains targets() const;
 
   const Experiment experiment;
@@ -214,7 +214,7 @@ struct SessionWiring {
   core::Gains gains;
   core::ReferenceDemand demand;
   tl::expected<SafetyNet, std::string> net;
-  std::vector<std::string> alarms;  // guarded by failure_mutex: what no net can tell
+  std::vector<std::string> alarms;  // guarded by failure_mutex: those of neither safety net nor cameras
   std::unique_ptr<Plant> plant;
   std::unique_ptr<OwnController> controller;  // of a run that has one
   std::vector<LawParameter> law_parameters;   // as the law declares them, with the file's values
@@ -225,7 +225,7 @@ struct SessionWiring {
   const bool real_time = real_time_reason(experiment).has_value();
   std::atomic<bool> ends_test{false};
   std::future<tl::expected<WheelCheck, std::string>> test;  // under way, or not yet asked for
-  std::atomic<double> last_look{none};  // when somebody drained last, on the session's clock [s]; none: nobody does
+  std::atomic<double> last_look{none};  // time of the last drain, on the session's clock [s]; none: there was none
   bool started = false;                 // the sinks' thread's
   bool closed = false;
   bool told_of_controller = false;

@@ -31,7 +31,7 @@ class SimulatedWorld {
   void kick(std::size_t robot, double vx, double vy);
   core::Pose pose(std::size_t robot) const;
   void poses(std::span<core::Pose> all) const;
-  /// poses_at() knows so far back from now on; the experiment's latest stamps (camera.stamps_late) are known of. [s]
+  /// From now on poses_at() reaches this far back; it already covers the experiment's largest camera.stamps_late. [s]
   void remember_for(double seconds);
   /// Where they were at a time in the past.
   void poses_at(double t, std::span<core::Pose> all) const;

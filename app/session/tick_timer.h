@@ -14,8 +14,8 @@ class TickTimer {
  public:
   TickTimer(double period, double first) noexcept : period_(period), deadline_(first) {}
 
-  /// The next tick begins at `earliest` if a frame has been ready since `since`, else when one is, `expected` by what
-  /// is known of the camera, else at `latest`.
+  /// The next tick begins at `earliest` if a frame has been ready since `since`; otherwise as soon as one is ready, at
+  /// the time `expected` from the camera so far; at the latest at `latest`.
   struct Window {
     double since, earliest, expected, latest;
     /// When the tick should begin, given that its newest frame was ready at `ready_at` (NaN: none yet): a frame from

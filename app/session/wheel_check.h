@@ -25,14 +25,14 @@ struct OneWheelTurn {
   double left = 0.0, right = 0.0;
   double seconds = one_wheel_time;
 
-  /// Whether a wheel went so much further than `speed` for this time that nothing but a fault explains it: the turn
+  /// Whether a wheel turned so much farther than at `speed` in this time that only a fault explains it: then the turn
   /// ends.
   bool too_far(double speed) const noexcept;
 };
 
-/// The fault of a wheel that was commanded alone, from the motion of both; empty: none. `most`: what it can have made
-/// in the time that it was commanded, `expected` or more on a machine that is late. `still` is the text for a wheel
-/// without motion: "'s encoder is silent".
+/// The fault of a wheel that was commanded alone, from the motion of both; empty: none. `most`: the largest count
+/// possible in the time that it was commanded: `expected`, or more if the machine is late. `still` is the text for a
+/// wheel without motion: "'s encoder is silent".
 std::string wheel_fault(const char* wheel, double its_own, double other, double expected, double most,
                         const char* still, const char* unit);
 /// The same for both wheels from their encoders, which were commanded this speed [steps/s].

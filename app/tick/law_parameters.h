@@ -15,9 +15,9 @@ class LawParameters {
  public:
   explicit LawParameters(const LawSpec& law);
   /// A new value, in force at once. A name that a built-in law does not declare, and a value that it does not allow,
-  /// have no effect; what a controller of the user's own allows was checked by whoever asks.
+  /// have no effect; the caller has checked what a controller of the user's own allows.
   void set(const commands::SetParameter& command, EventList& events) noexcept;
-  /// At the start: what differs from the file by now.
+  /// At the start: notes the values that differ from the file by then.
   void note_changes_before_start(EventList& events) const noexcept;
   /// Of the built-in law, in the order in which it declares them; a span that stays valid.
   std::span<const double> of_kind() const noexcept { return of_kind_; }

@@ -27,7 +27,7 @@ struct TickSetup {
   explicit TickSetup(const Experiment& e);
 
   const Experiment experiment;
-  core::FormationClock clock;  // stands in what the experiment says, since the reference goes by it
+  core::FormationClock clock;  // part of the setup, because the reference depends on it
   const std::unique_ptr<const core::Reference> reference;
   const core::ReferenceDemand demand;
   const core::ShieldParameters shield_parameters;  // with the arena's edge
@@ -48,7 +48,7 @@ struct TickMemory {
   double dt = 0.0;         // of the experiment, since the tick before; 0 unless running
   double motion_dt = 0.0;  // the same of everything that drives: while staging as well
   Phase after_staging = Phase::ready;
-  double staging_time = 0.0;  // that planned routes count from while staging [s]
+  double staging_time = 0.0;  // time base of planned routes while staging [s]
   double stood_for = 0.0;     // at the starts, while staging [s]
   core::Gains gains;
   Couplings couplings;
@@ -57,15 +57,15 @@ struct TickMemory {
   core::Avoidance avoidance;
   core::Shield shield;
   core::NearRobots near;
-  core::KosticController staging_law;                            // drives to the starts, whatever the run's law is
-  std::vector<double> spare_log;                                 // of that law where another one's values are recorded
-  std::vector<bool> no_number;                                   // what the law asked of it was none at the tick before
+  core::KosticController staging_law;  // drives to the starts, whatever the run's law is
+  std::vector<double> spare_log;       // of that law where another one's values are recorded
+  std::vector<bool> no_number;         // the law's command was not a number at the tick before
   ControllerState controller_state = ControllerState::answered;  // of the run's own controller
   core::DescentWatch watch;
   core::ProgressWatch progress;
   std::vector<bool> outside;  // over the edge of the arena
   std::vector<bool> had_no_way;
-  double explained_until = none;  // a hand, a jump, a robot lost or found: V may do what it likes [s, session's clock]
+  double explained_until = none;  // until then V may rise: after a jump, a robot lost or found [s, session's clock]
   std::vector<core::PoseFilter> filters;
   std::vector<core::CameraWatch> camera_watch;  // of each camera
   /// What a camera has measured of a robot.
@@ -73,27 +73,27 @@ struct TickMemory {
     core::Measurement newest;
     core::Pose shift;      // that makes its poses agree with those of the cameras that saw it before
     double weight = 0.0;   // of the frames that it was learned from [1/m^2]
-    int learned = 0;       // so many
-    int contradicted = 0;  // measurements in a row, by other cameras
+    int learned = 0;       // number of these frames
+    int contradicted = 0;  // measurements in a row that other cameras contradict
   };
   std::vector<Seen> seen_by;                // robot i by camera c at c * robots + i
   std::vector<core::Measurement> believed;  // the newest of each robot that its filter has taken in
   std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
-  std::vector<bool> seen_or_missed;         // what is told of its sight is told as losses and finds
+  std::vector<bool> seen_or_missed;         // seen, or reported lost: from then on losses and finds are reported
   std::vector<bool> held;                   // made to stand by the operator
-  std::vector<bool> disobeys;               // drives otherwise than it was told, and has not stood since
+  std::vector<bool> disobeys;               // does not drive as commanded, and has not stood since
   std::vector<bool> off_nominal;            // follows a modified reference
-  std::vector<core::WheelSpeeds> owed;      // what the motors' coarse step rates have left undone
+  std::vector<core::WheelSpeeds> owed;      // motion still to be made up for, because step rates are coarse
   std::vector<double> acts_at;              // from when on the newest commands act [s]
   struct Sight {
     static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
     std::array<core::Measurement, frames> seen{};
-    std::array<double, frames> blind{};  // how far it may have driven by then on commands that nobody had confirmed [m]
+    std::array<double, frames> blind{};  // how far it may have driven by then on unconfirmed commands [m]
     std::size_t count = 0;
-    int stood = 0;                // times in a row that it was seen to stand though it was told to drive
-    int still = 0;                // and not to turn though it was told to
-    int contradicted = 0;         // times in a row that it was seen not to do what is believed of it
-    double excused_until = none;  // a hand has moved it [s, session's clock]
+    int stood = 0;                // times in a row that it was seen to stand though commanded to drive
+    int still = 0;                // and not to turn though commanded to turn
+    int contradicted = 0;         // times in a row that its motion contradicted its assumed state
+    double excused_until = none;  // until then, because it was moved by hand [s, session's clock]
   };
   std::vector<Sight> sights;
 
@@ -104,10 +104,10 @@ struct TickMemory {
   std::vector<core::Twist> followed_twists, law, commands;
   std::vector<core::TrackingError> errors;
   std::vector<double> v_limits;
-  std::vector<double> trust;         // in a link: 1 as a rule, less where commands stay unconfirmed, 0: it has stopped
-  std::vector<core::Twist> driving;  // what each does: as commanded, or where its link has stopped it as measured
-  std::vector<std::uint8_t> out;     // is_out of each, for the planner and the law
-  std::vector<std::uint8_t> stuck;   // stands though it is told to drive
+  std::vector<double> trust;             // in a link: usually 1, less while commands are unconfirmed, 0: it has stopped
+  std::vector<core::Twist> driving;      // what each does: as commanded, or where its link has stopped it as measured
+  std::vector<std::uint8_t> out;         // is_out of each, for the planner and the law
+  std::vector<std::uint8_t> stuck;       // stands though commanded to drive
   std::vector<core::Obstacle> standing;  // what the shield keeps clear of: obstacles, and robots that are stuck
   std::vector<double> doubt;             // how far off each pose may be [m]
   TickRecord record;
@@ -122,7 +122,7 @@ struct TickState : TickSetup, TickMemory {
   void obey(const OperatorCommand& command, bool recorded) noexcept;
   void start() noexcept;
   void stage() noexcept;
-  /// What was measured while nothing is recorded must not matter, or a run could not be repeated from its record.
+  /// Discards what was measured while nothing was recorded: otherwise a run could not be repeated from its record.
   void forget_history() noexcept {
     for (core::PoseFilter& filter : filters) filter.forget();
     for (core::CameraWatch& of_camera : camera_watch) of_camera.forget();
@@ -156,7 +156,7 @@ struct TickState : TickSetup, TickMemory {
   bool running() const noexcept { return record.phase == Phase::running; }
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
-  /// errors count for nobody.
+  /// errors do not affect the others.
   bool is_out(std::size_t i) const noexcept {
     return record.robots[i].is(lost) || held[i] || disobeys[i] || trust[i] == 0.0;
   }
@@ -178,7 +178,7 @@ struct TickState : TickSetup, TickMemory {
   const std::unique_ptr<core::Planner> planner;        // where the file asks for planned routes
   const std::unique_ptr<core::Controller> controller;  // the law that is built in
   bool asked = false;                                  // ask_law is done
-  core::ControllerInput question;                      // into what is remembered
+  core::ControllerInput question;                      // its spans point into TickMemory
   std::unique_ptr<bool[]> adrift;                      // it is out, has a link or disobeys, and rolls
   std::unique_ptr<bool[]> shield_touched;
 };

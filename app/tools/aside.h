@@ -10,8 +10,8 @@ enum class Aside {
 };
 
 /// Runs work that may hang, such as that of a camera's driver, on a thread of its own, and does not wait for it:
-/// whoever asked can be gone by the time it ends. The end of the program waits two seconds for all of it. The work
-/// throws nothing, and uses only what it owns.
+/// the caller may be gone by the time it ends. The end of the program waits two seconds for all of it. The work throws
+/// nothing, and uses only what it owns.
 void run_aside(std::function<void()> work, Aside priority = Aside::behind);
 
 /// Waits until all work aside has ended. `patience` [s] over: false, some still runs.

@@ -16,7 +16,8 @@ namespace skein::app {
 /// that show the board in a new place or orientation.
 class BoardViews {
  public:
-  /// `live`: a camera, watched until it has seen enough; of a film, which is over when it is over, more is kept.
+  /// `live`: a camera, which is watched until there are enough views. From a film, which ends by itself, more views are
+  /// kept.
   BoardViews(const vision::Board& board, const vision::FrameSource& source, bool live);
 
   enum class FrameKind {

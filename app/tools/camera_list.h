@@ -14,12 +14,12 @@ struct FoundCamera {
 
 struct FoundCameras {
   std::vector<FoundCamera> cameras;  ///< those of the kernel, then those that answer in the network and on USB3 Vision
-  std::string problem{};             ///< why nobody could be asked there; empty: none
+  std::string problem{};             ///< why network and USB3 Vision cameras could not be searched; empty: none
 };
 
 /// Takes about a second.
 FoundCameras find_cameras();
-/// The same on a thread of its own, for which nobody waits: the future may be dropped.
+/// The same on a thread of its own, without waiting: the future may be dropped.
 std::future<FoundCameras> find_cameras_aside();
 
 }  // namespace skein::app

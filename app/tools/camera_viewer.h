@@ -49,7 +49,7 @@ struct CameraView {
   std::vector<WatchedTag> tags;  ///< in it: by robot, then nobody's
   double tag_size = none;        ///< of the calibration [m]
   double rate = none;            ///< of all frames over the last two seconds [frames/s]
-  std::string camera;            ///< for people: what is being read
+  std::string camera;            ///< a description of what is being read
   std::string note;              ///< why tags are not judged; empty: they are
   std::string problem;           ///< why there are no more pictures; empty: none
   bool over = false;             ///< there are no more
@@ -58,8 +58,8 @@ struct CameraView {
 };
 
 /// Looks through a camera aside: reads its frames, searches them for tags as often as that takes no more than half of a
-/// thread, says why robots' tags are not taken, and sets its controls. Neither a call nor the destructor waits for the
-/// camera. All calls from one thread.
+/// thread, reports why robots' tags are not taken, and sets its controls. Neither a call nor the destructor waits for
+/// the camera. All calls from one thread.
 class CameraViewer {
  public:
   CameraViewer(const Experiment& experiment, const WatchedCamera& camera);
@@ -69,7 +69,7 @@ class CameraViewer {
 
   /// A picture of the run that reads this camera.
   void hand(const Picture& picture);
-  /// Sets "exposure" [s] (0: automatic), "gain" or "focus"; a later view says what it is then.
+  /// Sets "exposure" [s] (0: automatic), "gain" or "focus"; a later view has the value that the camera took.
   void set(const std::string& name, double value);
   /// The present view, if it is newer than the last one returned.
   bool view(CameraView& out);

@@ -18,16 +18,16 @@
 
 namespace skein::app {
 
-/// The experiment with the links of these robots alone: the others need not be switched on, and their tags are known
-/// all the same.
+/// The experiment with the links of these robots alone: the others need not be switched on, but their tags are still
+/// known.
 Experiment with_links_of(Experiment experiment, const std::vector<std::size_t>& robots);
 
 /// The robots and cameras of an experiment for a tool that drives robots itself, without a run: the guard watches
 /// over real ones, the machine is kept awake, and Ctrl-C, `skein stop` and a lost link stop them all.
 class DrivenPlant {
  public:
-  /// Gets sentences that somebody must see, on the thread that opens, drives and closes: nothing would stop the robots
-  /// if this program were killed, one has not acknowledged its stop.
+  /// Gets sentences that the operator must see, on the thread that opens, drives and closes: nothing would stop the
+  /// robots if this program were killed, or a robot has not acknowledged its stop.
   using Warn = std::function<void(const std::string& sentence)>;
   /// The error: a robot's address is wrong, a robot cannot be reached, a camera cannot be opened.
   static tl::expected<std::unique_ptr<DrivenPlant>, std::string> open(Experiment experiment,
@@ -41,10 +41,10 @@ class DrivenPlant {
   Plant& plant() noexcept { return *plant_; }
   /// Stops every robot at once and for good; keep_on() is false from then on. Any thread.
   void stop() noexcept;
-  /// To be called in every tick. False: somebody wants everything to stop.
+  /// To be called in every tick. False: a stop was requested.
   bool keep_on();
 
-  /// Stops every robot. False: one has not acknowledged it, as was warned of.
+  /// Stops every robot. False: one has not acknowledged it; a warning was given.
   bool close();
 
  private:

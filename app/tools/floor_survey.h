@@ -17,7 +17,7 @@ struct FloorTag {
   static constexpr int largest_id = vision::largest_tag;
   int id = 0;                         ///< of the family 36h11
   double x = 0.0, y = 0.0, z = 0.0;   ///< its centre, in the world frame; z above the floor [m]
-  double off_x = none, off_y = none;  ///< its position from the result less the measured one; none: not seen [m]
+  double off_x = none, off_y = none;  ///< its position by the result minus the measured one; none: not seen [m]
 };
 
 /// The pose of a camera, from tags on the floor.

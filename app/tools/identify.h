@@ -42,7 +42,7 @@ class RunHistory final : public RecordSink {
     double commanded_at = -1e9;
     core::WheelSpeeds told{none, none};  ///< the previous tick's command
     std::vector<core::SeenPose> poses;
-    bool moved = false;  ///< it is moved by hand: its next pose is not due to its wheels
+    bool moved = false;  ///< it is moved by hand: its wheels do not explain its next pose
     double moved_from = 0.0, moved_to = 0.0;
     double delays = 0.0, delays_known = 0.0;  ///< their sum and number
     std::size_t carried = 0;

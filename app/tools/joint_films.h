@@ -19,7 +19,8 @@ struct JointFilms {
   std::vector<std::size_t> sights{};   ///< of robots, likewise
 };
 
-/// Told before each frame which camera's film is searched, from 0, and how many of its frames have been; false ends it.
+/// Called before each frame with the camera whose film is searched, from 0, and the number of frames searched so far;
+/// false ends the search.
 using JointProgress = std::function<bool(std::size_t camera, std::int64_t frames)>;
 
 /// vision::solve_joint from the films that a run of an experiment has left (`skein run --video`), one a camera. Every

@@ -25,7 +25,7 @@ struct Outcomes {
   std::vector<std::pair<std::string, const std::vector<RunOutcome>*>> variants() const;
 };
 
-/// What came of the runs that the study is compared with.
+/// The summaries of the runs with which the study is compared.
 std::vector<std::pair<std::string, SweepSummary>> summaries_of_compared(const Study& study, const Outcomes& outcomes);
 
 /// A table of outcomes, one row per run, the study's first: CSV with a header row, doubles as the shortest text that

@@ -30,7 +30,7 @@ struct PingOptions {
   double seconds = 60.0;
   bool all = true;                                    ///< it is an error if one of the robots does not answer
   std::function<bool()> keep_on = {};                 ///< called in every tick; false ends it
-  std::function<void(const std::string&)> warn = {};  ///< gets what an operator must see at once; may be empty
+  std::function<void(const std::string&)> warn = {};  ///< gets what the operator must see at once; may be empty
 };
 
 /// Connects to every robot that has a link and sends it speeds of 0 at the experiment's rate, as a run would send its

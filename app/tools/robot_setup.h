@@ -32,7 +32,7 @@ struct RobotSetup {
   std::string version;  ///< of its firmware, as reported; empty: not known
 
   std::optional<RobotTestResult> test;  ///< of its wheels and its tag
-  std::string test_problem;             ///< why its last test came to no end; empty: it did, or there was none
+  std::string test_problem;             ///< why its last test did not finish; empty: it did, or there was none
   bool may_drive = false;               ///< it has not acknowledged its last stop
 
   bool is_bluetooth() const;
@@ -48,14 +48,14 @@ bool is_same_robot(const RobotSpec& a, const RobotSpec& b);
 /// and so are its robots that are not in this experiment.
 std::vector<RobotSetup> setups_of(const Experiment& experiment, const std::vector<RobotSetup>& before = {});
 
-/// Enters what a scan has found: robots that are there are told whether they are paired, others are added.
+/// Enters the results of a scan: updates whether known robots are paired, and adds the others.
 void add_found(std::vector<RobotSetup>& robots, const std::vector<comms::BluetoothRobot>& found);
 
 struct SetupVerdict {
   enum class State {
     ready,
     missing,  ///< something has not been done yet
-    wrong,    ///< something has to be mended
+    wrong,    ///< something must be fixed
   };
   State state;
   std::string sentence;  ///< the next step that it needs, or "ready", without a full stop

@@ -21,22 +21,22 @@ struct SetupTask {
   Kind kind;
   std::string adapter{};                                     ///< Bluetooth: "hci1" or its address; empty: any
   Experiment experiment{};                                   ///< rate, limits of the links and cameras are its own
-  std::vector<std::pair<std::size_t, RobotSetup>> robots{};  ///< each with whoever asks' own number for it
+  std::vector<std::pair<std::size_t, RobotSetup>> robots{};  ///< each with the caller's own number for it
 };
 
-/// What has become of a task since the last look.
+/// The progress of a task since the last call.
 struct SetupNews {
   std::string doing;                                       ///< what goes on, in words
   std::vector<std::pair<std::size_t, RobotSetup>> robots;  ///< with all that is known of them now
   std::vector<comms::BluetoothRobot> found;                ///< by a scan
   std::vector<std::string> warnings;                       ///< that the operator must see
-  std::string problem;                                     ///< why it came to no end; empty: it did
-  bool over = false;  ///< nothing holds a robot any more, and all are known to stand that `may_drive` does not name
+  std::string problem;                                     ///< why it did not finish; empty: it did
+  bool over = false;  ///< the task uses no robot any more, and all are known to stand except those with `may_drive`
 };
 
 /// Does a task aside. Neither a call nor the destructor waits for robots; the destructor stops the task, which then
-/// ends by itself. A test that nobody looks at for 3 s ends as well: who cannot see the robots cannot stop them. All
-/// calls from one thread.
+/// ends by itself. A test also ends if news() is not called for 3 s: an operator whose window hangs cannot stop the
+/// robots. All calls from one thread.
 class SetupWork {
  public:
   explicit SetupWork(SetupTask task);

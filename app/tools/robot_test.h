@@ -30,7 +30,7 @@ struct RobotTestResult {
   std::vector<std::string> notes;   ///< tests that were not possible, and why
 };
 
-/// What of it a file of robots keeps: its keys, with values as TOML text.
+/// The results that a file of robots stores: its keys, with values as TOML text.
 std::vector<std::pair<std::string, std::string>> values_to_keep(const RobotTestResult& result);
 
 /// The watchdog time of a robot that was commanded `speed` and then nothing for `silence`, from the steps that its
@@ -78,7 +78,7 @@ class RobotTest {
   PlantLoop loop_;
   std::vector<int> wanted_;
   std::vector<core::Pose> resting_;  // mean pose of every tag in the last stand(); NaN: not seen
-  bool looked_ = false;              // the camera has shown all there is
+  bool looked_ = false;              // the camera has shown all tags that there are
 };
 
 }  // namespace skein::app

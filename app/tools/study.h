@@ -62,7 +62,7 @@ struct Study {
     std::array<std::int64_t, 2> robots{4, 30};  ///< from ... to, both allowed
     double clearance = 0.12;                    ///< between two starts, and between two places [m]
     double border = 0.1;                        ///< from a start or a place to the arena's edge [m]
-    std::int64_t runaways = 0;                  ///< so many of them obey nobody from a random moment on
+    std::int64_t runaways = 0;                  ///< how many of them ignore commands from a random moment on
     double wheels = 0.0;  ///< each true wheel diameter is up to this share larger or smaller than it is assumed
   };
   std::optional<Crowd> crowd;
@@ -91,7 +91,7 @@ struct Study {
   std::vector<std::pair<std::string, std::vector<std::string>>> compare;
 
   double recovered_within = 0.005;    ///< a run recovered if in its last second no robot is farther from its place [m]
-  double formation_first_over = 0.1;  ///< [m]: of smaller perturbations it is not asked
+  double formation_first_over = 0.1;  ///< smaller perturbations are not judged [m]
 
   struct Expect {
     std::optional<std::int64_t> collisions;
@@ -107,8 +107,8 @@ struct Study {
 tl::expected<Study, std::vector<Problem>> load_study(const std::string& path);
 
 /// What is wrong with the study as it is about to run, after every change by the command line: `control`, each list of
-/// [compare], both ends of each range of [vary], and a hand that the experiment has no time or no robots for. `more`:
-/// so many runs with the seeds that follow.
+/// [compare], both ends of each range of [vary], and a `hand` for which the experiment has no time or too few robots.
+/// `more`: the number of further runs, with the seeds that follow.
 std::vector<Problem> check_study(const Study& study, std::int64_t more = 0);
 
 /// The changes of the run with this seed, as for --set: `skein run` with these gives the same run. The error: there is

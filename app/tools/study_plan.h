@@ -20,8 +20,8 @@ struct StudyPlan {
   double interval = 0.0;     ///< half of the 95 % interval of `busy`, from the scatter of the runs [s]
 
   double core_hours() const noexcept { return static_cast<double>(runs) * busy / 3600.0; }
-  /// So many that each takes an hour of a core at most, which is what a killed one loses; and 64 cores have work where
-  /// each still has a minute of it.
+  /// The number of parts: each takes at most an hour of a core, which is the loss if it is killed; and there is work
+  /// for 64 cores, if each then still gets a minute of it.
   std::int64_t parts() const noexcept;
 };
 
@@ -30,8 +30,8 @@ struct StudyPlan {
 StudyPlan plan_study(const Study& study, std::int64_t sample, unsigned threads,
                      const std::function<bool()>& keep_going);
 
-/// As `key: value` lines: hours on 1, 16 and 64 cores like this one, and what Slurm and --merge are told. `command` is
-/// the `skein sweep` of the study with its options; `words` are these options alone.
+/// As `key: value` lines: hours on 1, 16 and 64 cores like this one, and the commands for Slurm and --merge. `command`
+/// is the `skein sweep` of the study with its options; `words` are these options alone.
 std::string as_lines(const StudyPlan& plan, const Study& study, const std::string& command, const std::string& words);
 
 }  // namespace skein::app

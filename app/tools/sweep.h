@@ -16,7 +16,7 @@ struct RunOutcome {
   std::uint64_t seed = 0;
   double perturbation = 0.0;  ///< the farthest that a hand put a robot [m]
   std::int64_t collisions = 0;
-  std::int64_t run_into = 0;       ///< by robots that obey nobody, while standing or driving away
+  std::int64_t run_into = 0;       ///< by robots that ignore commands, while standing or driving away
   double min_distance = 0.0;       ///< between two robots, true poses [m]
   double obstacle_gap = 0.0;       ///< between a robot's edge and an obstacle's; NaN without obstacles [m]
   double final_error = 0.0;        ///< largest true distance from a place within the last second [m]
@@ -38,7 +38,7 @@ struct RunOutcome {
   double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]
   std::int64_t v_jumps = 0;    ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
   std::int64_t reversals = 0;  ///< times that a robot went over from forwards to backwards or back
-  std::string failure;         ///< why there is no run, where there is none
+  std::string failure;         ///< why there is no run, if there is none
 
   bool collided() const noexcept { return collisions > 0; }
 };
@@ -57,16 +57,16 @@ struct Part {
   std::int64_t index = 1, of = 1;
 };
 
-/// The runs of a study, or of a part of it, over `threads` threads; `progress` is told now and then, on the calling
-/// thread, how many are done, and says no to end it. Outcomes in the order of their seeds; those of runs that were not
-/// made are left out.
+/// The runs of a study, or of a part of it, over `threads` threads; `progress` is called now and then, on the calling
+/// thread, with the number of runs done, and returns false to end the sweep. Outcomes in the order of their seeds;
+/// those of runs that were not made are left out.
 std::vector<RunOutcome> sweep(const Study& study, unsigned threads, const std::function<bool(std::size_t)>& progress,
                               bool control = false, Part part = {});
 
-/// The smallest value of which a share of all are not larger; NaN of nothing.
+/// The smallest value that at least this share of all values do not exceed; NaN if there are no values.
 double quantile(std::vector<double> values, double share);
 
-/// What came of all runs, as `key: value` lines and as one JSON object.
+/// The results of all runs, as `key: value` lines and as one JSON object.
 struct SweepSummary {
   std::string name, experiment;
   std::int64_t runs = 0, failed_runs = 0;

@@ -20,13 +20,13 @@ struct Merits {
   std::int64_t collisions = 0;
 };
 
-/// A choice of the searched numbers, and what came of it.
+/// A choice of the searched numbers, and its results.
 struct TunedPoint {
   std::vector<double> values;  ///< in the order of Study::Tune::search
   double delay_margin = 0.0;   ///< of the certificate [s]
   Merits searched;             ///< on the kicks of the search
   Merits held_out;             ///< on kicks that no search has seen
-  /// On these: what each kick took more than with the experiment's own gains [s].
+  /// On the held-out kicks: how much longer each kick took than with the experiment's own gains [s].
   PairedDifference formation_more, tracking_more;
 
   /// On kicks that no search has seen: both means are smaller than those of `own`, and so are the medians of the paired
@@ -55,8 +55,8 @@ struct Tuned {
 /// Every candidate is certified before it runs (certificate.h), as the file has it and as the study runs it. The same
 /// study gives the same result, whatever the number of threads.
 ///
-/// `progress` is told the number of runs made, on the calling thread, and says no to end the search: then the error
-/// says so. Else the error says what in the study cannot be searched.
+/// `progress` is called with the number of runs made, on the calling thread, and returns false to end the search: then
+/// the error says so. Else the error says what in the study cannot be searched.
 tl::expected<Tuned, std::string> tune(const Study& study, unsigned threads,
                                       const std::function<bool(std::int64_t)>& progress);
 
