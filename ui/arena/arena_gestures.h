@@ -16,9 +16,9 @@ enum class ArenaTool {
   obstacle,  ///< drops obstacles
 };
 
-/// What sets the tools apart.
+/// The differences between the tools.
 struct ArenaToolKind {
-  bool grasps = false;          ///< what lies there: couplings as well; without it, keys move a cross
+  bool grasps = false;          ///< takes hold of what lies there, couplings as well; without it, keys move a cross
   bool kicks = false;           ///< a drag out of a robot is a kick
   bool measures = false;        ///< with a ruler, through robots and obstacles
   bool sets_obstacles = false;  ///< before robots
@@ -38,11 +38,11 @@ constexpr ArenaToolKind kind(ArenaTool tool) noexcept {
   return {};
 }
 
-/// Where the operator's gestures go; nothing of them changes the run but through these.
+/// The requests that the operator's gestures make; gestures change the run only through these.
 struct ArenaRequests {
   std::function<void(int robot, const core::Pose&)> move;
   std::function<void(int robot, QPointF velocity)> kick;            // [m/s]
-  std::function<void(int number, const core::Obstacle&)> obstacle;  // number -1: a new one; radius 0: take it away
+  std::function<void(int number, const core::Obstacle&)> obstacle;  // number -1: a new one; radius 0: remove it
 };
 
 /// One drag of the mouse from press to release: shows its effect in the scene, and executes it on release.
@@ -60,7 +60,7 @@ std::unique_ptr<ArenaGesture> drag_obstacle(ArenaScene& scene, int number, QPoin
 std::unique_ptr<ArenaGesture> drop_obstacle(ArenaScene& scene, QPointF at);
 std::unique_ptr<ArenaGesture> measure(ArenaScene& scene, QPointF from);
 
-/// The floor's point inside the arena nearest to this one, `margin` clear of its bounds [m].
+/// The point nearest to this one that is inside the arena and at least `margin` from its edges [m].
 QPointF inside_arena(const ArenaScene& scene, QPointF floor, double margin);
 
 }  // namespace skein::ui

@@ -9,8 +9,8 @@
 
 namespace skein::ui {
 
-/// Where a point of the floor stands on the screen, and back. Two steps: floor -> sheet (a plan with y upwards, or the
-/// camera's own picture, which is never bent), and sheet -> screen (fit, zoom, pan).
+/// Maps points of the floor to the screen, and back. Two steps: floor -> sheet (a plan with y upwards, or the camera's
+/// own picture, which is never bent), and sheet -> screen (fit, zoom, pan).
 class ArenaMap {
  public:
   /// (x, y) on the floor -> pixel of the camera's picture.
@@ -28,7 +28,7 @@ class ArenaMap {
 
   QPointF to_screen(QPointF floor) const { return from_sheet(to_sheet(floor)); }
   QPointF to_floor(QPointF screen) const;
-  /// Screen pixels for a metre, about there.
+  /// Screen pixels per metre around this point.
   double scale_at(QPointF floor) const;
   /// The sheet's rectangle on the screen: of the plan, or of the picture.
   QRectF sheet() const { return {from_sheet(sheet_.topLeft()), from_sheet(sheet_.bottomRight())}; }
@@ -38,7 +38,7 @@ class ArenaMap {
  private:
   QPointF to_sheet(QPointF floor) const { return camera_ ? camera_(floor) : QPointF(floor.x(), -floor.y()); }
   QPointF from_sheet(QPointF sheet) const;
-  double scale() const;  // screen pixels for a unit of the sheet
+  double scale() const;  // screen pixels per unit of the sheet
 
   QRectF sheet_{-1.0, -0.75, 2.0, 1.5};
   QSizeF screen_{1.0, 1.0};

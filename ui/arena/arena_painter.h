@@ -53,8 +53,8 @@ class ArenaPainter {
   const ArenaMap& map_;
   const Colours& c_;
   QRectF scale_;                                    // where the scale stands
-  std::vector<QRectF> written_;                     // messages and notes, which no other should lie over
-  std::vector<std::pair<QPointF, double>> bodies_;  // of the robots, with their radius [px]: no message should hide one
+  std::vector<QRectF> written_;                     // messages and notes, which others should not cover
+  std::vector<std::pair<QPointF, double>> bodies_;  // of the robots, with their radius [px]: not to be hidden
 };
 
 }  // namespace skein::ui

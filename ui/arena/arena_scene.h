@@ -18,12 +18,12 @@ namespace skein::ui {
 /// Where a robot has been: times of the experiment, so that a pause does not wipe it out.
 struct TrailPoint {
   double t, x, y;
-  bool jump;  ///< a hand carried it here: no line from the point before
+  bool jump;  ///< it was carried here by hand: no line from the previous point
 };
 
 /// A run that this one is compared with, at the same time: where its robots have been; the last pose is where they are.
 struct OtherRun {
-  std::size_t number = 0;  ///< among those that are compared: letter and line follow from it
+  std::size_t number = 0;  ///< among the compared runs; determines its letter and line style
   std::vector<std::vector<core::Pose>> trails;
 };
 
@@ -36,20 +36,20 @@ struct ArenaScene {
   std::vector<std::vector<core::Pose>> lines;  ///< what the reference drives along
   std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
 
-  std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: not there
+  std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: absent
   /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their limits.
   std::vector<double> couplings;
 
-  /// Couplings are drawn: not where the law has none.
+  /// Whether couplings are drawn: not if the law has none.
   bool draws_couplings() const { return show_couplings && experiment.controller.law.uses_gains(); }
 
-  /// Of more than 30 robots, those of neighbours and of the selected robot: all of them would be a haze.
+  /// With more than 30 robots, only those of neighbours and of the selected robot: too many lines cannot be told apart.
   bool draws_coupling(std::size_t i, std::size_t j) const;
 
-  std::vector<std::size_t> may_be_driving;  ///< robots whose stop nobody has acknowledged
+  std::vector<std::size_t> may_be_driving;  ///< robots that have not acknowledged their stop
 
   std::vector<OtherRun> compared;
-  std::vector<std::vector<core::Pose>> foreseen;  ///< of every robot, the next seconds; empty: nobody asks
+  std::vector<std::vector<core::Pose>> foreseen;  ///< of every robot, the next seconds; empty: not requested
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;
@@ -68,7 +68,7 @@ struct ArenaScene {
   struct GhostObstacle {
     int number;  ///< -1: a new one
     core::Obstacle obstacle;
-    bool leaves;  ///< let go here, it is taken away
+    bool leaves;  ///< if released here, it is removed
   };
   std::optional<GhostObstacle> ghost_obstacle;
   struct Ruler {
@@ -100,15 +100,15 @@ struct ArenaScene {
   double radius(std::size_t i) const { return i < experiment.robots.size() ? experiment.robots[i].radius : 0.0; }
   /// Where the keyboard's cross is on the floor [m].
   QPointF cross_at() const;
-  /// The robot whose middle is nearest to this point of the floor and within `reach` [m], or on whose body, if
-  /// `bodies`, the point is; -1: none is.
+  /// The robot whose centre is nearest to this point of the floor and within `reach` [m], or, if `bodies`, on whose
+  /// body the point lies; -1: none.
   int robot_at(double x, double y, double reach, bool bodies) const;
   /// The obstacle on this point of the floor, or -1.
   int obstacle_at(double x, double y) const;
   /// The line that stands for the coupling of two robots, on the floor: straight for neighbours, else an arc, so that
   /// it does not hide behind those between them; `scale` [px/m] says how fine. Empty: one of them was never seen.
   std::vector<QPointF> coupling_line(std::size_t i, std::size_t j, double scale) const;
-  /// Robot i is not coupled to anybody now: it is lost, or it was made to stand while the others drive.
+  /// Robot i is not coupled to any robot now: it is lost, or it is held while the others drive.
   bool is_out_of_group(std::size_t i) const;
   /// How robot i looks now.
   ModeStyle style_of(std::size_t i, const Colours& colours) const;

@@ -14,7 +14,7 @@ namespace skein::ui {
 
 /// The arena, seen from above, and the operator's hand in it: simulated robots are dragged, turned with the mouse wheel
 /// and kicked, obstacles dropped and dragged, distances measured, couplings switched with a click. Without a mouse the
-/// arrows move the selected robot, and with any tool but the hand a cross, at which Return presses and lets go.
+/// arrow keys move the selected robot or, with any tool except the hand, a cross, at which Return presses and releases.
 class ArenaView final : public QWidget {
   Q_OBJECT
 
@@ -28,7 +28,7 @@ class ArenaView final : public QWidget {
   void set_picture(const app::Picture& picture);
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
   void set_others(std::vector<OtherRun> others);             ///< drawn pale
-  /// Where every robot would go from now on, drawn pale; empty: nobody asks.
+  /// Where every robot would go from now on, drawn pale; empty: not requested.
   void set_foreseen(std::vector<std::vector<core::Pose>> ways);
   void set_banner(const QString& text, bool alarms);
   void set_alert(const QString& text, const QColor& colour);
@@ -58,17 +58,17 @@ class ArenaView final : public QWidget {
   const ArenaMap& map() const { return map_; }
   const ArenaScene& scene() const { return scene_; }
   QSize minimumSizeHint() const override { return {200, 150}; }
-  /// Low: it takes what room there is, but not that of the check list.
+  /// Low: it takes the available room, but not that of the check list.
   QSize sizeHint() const override { return {620, 150}; }
 
  public slots:
   void select(int robot);  ///< from 0; -1: none
-  void refresh();          ///< thirty times a second: paints what is new, sends what the wheel has turned
+  void refresh();          ///< thirty times a second: paints what is new, sends the wheel's turns
 
  signals:
   void move_wanted(int robot, const skein::core::Pose& pose);
   void kick_wanted(int robot, QPointF velocity);                            ///< [m/s]
-  void obstacle_wanted(int number, const skein::core::Obstacle& obstacle);  ///< -1: a new one; radius 0: away with it
+  void obstacle_wanted(int number, const skein::core::Obstacle& obstacle);  ///< -1: a new one; radius 0: remove it
   void coupling_clicked(int i, int j);
   void selected(int robot);
   void refused(const QString& why);
@@ -115,16 +115,17 @@ class ArenaView final : public QWidget {
   ArenaMap::Camera camera_;
   ArenaScene scene_;
   double painted_t_ = -1.0;
-  std::optional<QPoint> tip_;  // where a tip was asked for: it follows what it says
+  std::optional<QPoint> tip_;  // where a tip was requested: its text is kept up to date
   QString fixed_;
 
   ArenaTool tool_ = ArenaTool::hand;
   std::unique_ptr<ArenaGesture> gesture_;
   QPoint pressed_;       // where the gesture began, on the screen
-  bool moving_ = false;  // far enough from there not to be a click
+  bool moving_ = false;  // moved far enough from there not to be a click
   std::optional<QPointF> panned_;
 
-  // Several notches of the wheel come between two ticks: the next one turns on from what the last one asked for.
+  // Several notches of the wheel may come between two ticks: each continues from the turn that the previous one
+  // requested.
   struct Turn {
     int robot;
     double by;

@@ -7,7 +7,7 @@
 
 namespace skein::ui {
 
-/// How the run k (from 0) that this one is compared with is drawn: never told from the others by its colour.
+/// How the run k (from 0) that this one is compared with is drawn: never distinguished from the others by colour alone.
 inline Qt::PenStyle compared_style(std::size_t k) {
   constexpr std::array styles{Qt::DashLine, Qt::DotLine, Qt::DashDotLine, Qt::DashDotDotLine};
   return styles[k % styles.size()];

@@ -22,7 +22,7 @@ QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question);
 /// Ctrl+W closes it: while a run is on, Esc is STOP.
 void close_by_key(QDialog* dialog);
 
-/// Shows a dialog that way.
+/// Shows a dialog without blocking the window.
 template <typename Dialog>
 void show_beside(Dialog* dialog) {
   close_by_key(dialog);
@@ -35,23 +35,23 @@ void show_beside(Dialog* dialog) {
 void ask_name(QWidget* parent, const QString& name, const QString& title,
               const std::function<void(const QString&)>& named);
 
-/// No larger than the screen that the parent is on: what is longer scrolls.
+/// The size, limited to the screen that the parent is on: longer contents scroll.
 QSize fitting(const QSize& wanted, const QWidget* parent);
 
-/// Where a dialog stands so that it hides no part of the button: where it would stand anyhow if it may, else as near to
-/// that as there is room; smaller only where there is no room for all of it.
+/// A place for a dialog where it hides no part of the button: its own place if possible, otherwise the nearest one with
+/// room; smaller only if there is no room for its full size.
 QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen);
 /// The same, with what a window manager adds to it, for a dialog that is about to be shown.
 void keep_clear_of(QWidget* dialog, const QWidget& button);
 
-/// A text with a Close button; a long one scrolls. The parent's shortcuts work in it too: a message must not make F5
-/// dead.
+/// A text with a Close button; a long one scrolls. The parent's shortcuts work in it, too: a message must not disable
+/// F5.
 class MessageDialog final : public QDialog {
   Q_OBJECT
 
  public:
   MessageDialog(const QString& name, const QString& title, const QString& rich_text, QWidget* parent);
-  QString text() const;  ///< as it is read, without marks
+  QString text() const;  ///< as it is read, without markup
 
  private:
   QTextBrowser* text_;

@@ -4,8 +4,8 @@
 
 namespace skein::ui {
 
-/// A button that can do without its text where there is no room: it shows its icon then. Tip and screen reader say the
-/// text all the same.
+/// A button that shows only its icon where there is no room for its text. Its tip and screen readers still have the
+/// text.
 class FoldingButton final : public QPushButton {
   Q_OBJECT
 

@@ -5,11 +5,11 @@
 
 namespace skein::ui {
 
-/// A number as people type it, with either decimal sign; empty: it is none.
+/// A number as people type it, with either decimal sign; empty: it is not a number.
 std::optional<double> parse_number(const QString& text);
 
-/// A spin box that accepts any typed number: the code that uses it clamps too large or too small values, and tells so.
-/// Qt's own swallows digits that would leave its range: "0.3" typed where 0.17 is the most becomes 0.
+/// A spin box that accepts any typed number: the code that uses it clamps values that are too large or too small, and
+/// reports that. Qt's own box discards digits that would leave its range: "0.3" becomes 0 where the maximum is 0.17.
 class NumberField final : public QDoubleSpinBox {
   Q_OBJECT
 

@@ -6,7 +6,7 @@
 
 namespace skein::ui {
 
-/// Where a robot is: a simulated one where it really is, any other where it is seen.
+/// Where a robot is: the true place of a simulated one, the measured place of any other.
 inline core::Pose place(const app::RobotRecord& robot) {
   return std::isfinite(robot.truth.x) ? robot.truth : robot.pose;
 }

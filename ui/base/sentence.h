@@ -12,7 +12,7 @@ QString gain_symbol(core::GainName gain);
 /// Why a tag is not seen, as half a sentence: "part of its tag is covered or blurred".
 QString reason_text(core::NotSeen why);
 
-/// The number in what a robot says of its firmware, "2.0" of "Version 2.0 January 2018"; all of it where there is none.
+/// The number in a robot's firmware version, "2.0" of "Version 2.0 January 2018"; the whole text if there is none.
 QString version_number(const QString& version);
 
 /// What happened, in a sentence for people, robots from 1. The log and the plots have the CSV's words beside it.

@@ -7,11 +7,11 @@
 
 namespace skein::ui {
 
-/// A table's cell says with it which plots (PlotRow::name) have what it shows: a QStringList.
+/// The role under which a table's cell names the plots (PlotRow::name) that show its value: a QStringList.
 inline constexpr int plotted_role = Qt::UserRole + 1;
 
-/// Lets what a table's cells show be dragged out of the table. The table's own mouse does it: a drag of Qt's (QDrag)
-/// would take every key until it ends, and a key may be STOP.
+/// Lets what a table's cells show be dragged out of the table. It uses the table's own mouse events: a drag of Qt's
+/// (QDrag) would take every key until it ends, and a key may be STOP.
 class SignalDrag final : public QObject {
   Q_OBJECT
 

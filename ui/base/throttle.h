@@ -4,7 +4,7 @@
 
 namespace skein::ui {
 
-/// Lets something be done at most so often, however often or rarely it is asked. Time is an argument.
+/// Limits how often something is done, however often it is requested. Time is an argument.
 class Throttle {
  public:
   explicit Throttle(double seconds) : seconds_(seconds) {}

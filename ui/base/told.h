@@ -8,9 +8,9 @@ class QWidget;
 
 namespace skein::ui {
 
-/// What a screen reader is told of a widget that draws itself, of which Qt knows nothing but that it is there: its
-/// role, and in `what` what is to be seen on it now, asked for whenever somebody wants to hear it (empty: its
-/// accessible description). Before anything else is said of the widget.
+/// Describes a widget that draws itself to screen readers, since Qt knows only that it exists: its role, and `what` it
+/// shows now, called whenever a screen reader asks (empty: its accessible description). Call it before setting any
+/// other accessible property of the widget.
 void tell(QWidget* widget, QAccessible::Role role, std::function<QString()> what = {});
 
 }  // namespace skein::ui

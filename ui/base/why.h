@@ -6,8 +6,8 @@
 
 namespace skein::ui {
 
-/// Why a robot (from 0) does what it does at this tick: one sentence with its numbers. What governs it most comes
-/// first: a tag that is not seen, a link that is lost, the shield, avoidance, limits.
+/// Why a robot (from 0) does what it does at this tick: one sentence with its numbers. The strongest cause comes first:
+/// a tag that is not seen, a link that is lost, the shield, avoidance, limits.
 QString why(const app::TickRecord& record, std::size_t robot);
 
 }  // namespace skein::ui

@@ -4,9 +4,8 @@
 
 namespace skein::ui {
 
-/// Something for a window to be drawn on while it is measured. Where there is no display, an Xvfb of its own, which
-/// draws in software and which nobody sees; where there is no Xvfb either, Qt's platform "offscreen". Before the
-/// application.
+/// A display for a window that is measured. If there is none, an Xvfb of its own, which draws in software and is not
+/// visible; without Xvfb, Qt's platform "offscreen". Make it before the application.
 class BenchDisplay {
  public:
   BenchDisplay();

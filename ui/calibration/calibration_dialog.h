@@ -20,7 +20,7 @@
 
 namespace skein::ui {
 
-/// The views that were kept, one a row, with how well the result fits them.
+/// The views that were kept, one per row, with the residual of the result.
 class ViewModel final : public QAbstractTableModel {
   Q_OBJECT
 
@@ -40,8 +40,8 @@ class ViewModel final : public QAbstractTableModel {
   Colours colours_;
 };
 
-/// Calibrates a camera: what its lens does, from a board that somebody shows it, with where to and how well that fits;
-/// then where it hangs, from tags on the floor. Both go into one file.
+/// Calibrates a camera: its lens, from a board that somebody holds up, with guidance and residuals; then its place,
+/// from tags on the floor. Both go into one file.
 class CalibrationDialog final : public QDialog {
   Q_OBJECT
 
@@ -50,15 +50,15 @@ class CalibrationDialog final : public QDialog {
   /// written to.
   CalibrationDialog(const app::CalibratedCamera& camera, const QString& file, QWidget* parent);
   ~CalibrationDialog() override;
-  /// The camera is free: looks at it from now on.
+  /// The camera is free: shows its pictures from now on.
   void look();
   /// Begins with the floor.
   void show_floor() { tabs_->setCurrentWidget(floor_); }
-  /// It is not, and why.
+  /// The camera is not free, and why.
   void refuse(const QString& why);
 
  signals:
-  /// Somebody wants to look; `look` is awaited once nobody else has the camera.
+  /// The dialog needs the camera: call `look` once nothing else uses it.
   void camera_wanted();
   void saved(const QString& file);
 

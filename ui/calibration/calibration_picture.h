@@ -7,7 +7,7 @@
 
 namespace skein::ui {
 
-/// The camera's picture with the board's corners in it, and shaded where no board has been shown yet.
+/// The camera's picture with the board's corners in it, and shaded where no board has been seen yet.
 class CalibrationPicture final : public QWidget {
   Q_OBJECT
 

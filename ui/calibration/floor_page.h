@@ -16,7 +16,7 @@
 
 namespace skein::ui {
 
-/// What lies where on the floor, and how far off the result sees it.
+/// The tags on the floor with their places and the residuals of the result.
 class FloorModel final : public QAbstractTableModel {
   Q_OBJECT
 
@@ -40,17 +40,17 @@ class FloorModel final : public QAbstractTableModel {
   std::vector<app::FloorTag> tags_;
 };
 
-/// Finds out where the camera hangs, from tags on the floor whose places somebody has measured.
+/// Determines the camera's place from tags on the floor whose places were measured.
 class FloorPage final : public QWidget {
   Q_OBJECT
 
  public:
   explicit FloorPage(QWidget* parent = nullptr);
   ~FloorPage() override;
-  /// The camera is free: looks at the floor now.
+  /// The camera is free: observes the floor now.
   void look(const app::CalibratedCamera& camera, const QString& calibration);
   void refuse(const QString& why);
-  /// What the last calibration went by.
+  /// Shows the tags of the last calibration.
   void show_known(const app::KnownFloor& floor);
   bool looks() const { return survey_.valid(); }
 

@@ -23,7 +23,7 @@
 
 namespace skein::ui {
 
-/// The tags in a camera's picture and the robots' tags that are not in it, one a row.
+/// The tags in a camera's picture and the robots' tags that are not in it, one per row.
 class CameraTagModel final : public QAbstractTableModel {
   Q_OBJECT
 
@@ -43,26 +43,26 @@ class CameraTagModel final : public QAbstractTableModel {
   Colours colours_;
 };
 
-/// Looks through a camera: which there are, what the chosen one shows, each tag in it and why it is not taken, and its
+/// Shows the connected cameras, the picture of the chosen one, each tag in it and why it is not taken, and its
 /// exposure, gain and focus. Nothing here waits for a camera.
 class CameraPage final : public QDialog {
   Q_OBJECT
 
  public:
-  /// `source`, `calibration`: those that are offered.
+  /// `source`, `calibration`: the ones offered first.
   CameraPage(const QString& source, const QString& calibration, QWidget* parent);
   ~CameraPage() override;
 
   QString source() const;
   QString calibration() const { return calibration_->text().trimmed(); }
-  /// Looks at this camera from now on.
+  /// Shows this camera from now on.
   void look(const app::Experiment& experiment, const app::WatchedCamera& camera);
-  /// The run's camera: its pictures are handed over.
+  /// Whether it shows the run's camera, whose pictures it is given.
   bool wants_run() const { return watch_ && of_run_; }
   void hand(const app::Picture& picture);
-  /// Lets go of a camera that is not the run's.
+  /// Releases a camera that is not the run's.
   void let_go(const QString& why);
-  /// Cannot be looked at, and why.
+  /// The camera cannot be shown, and why.
   void refuse(const QString& why);
 
   /// Keys of [camera] with their values as TOML has them.
@@ -103,7 +103,7 @@ class CameraPage final : public QDialog {
   std::future<app::FoundCameras> found_;
   std::unique_ptr<app::CameraViewer> watch_;
   std::vector<app::CameraSetting> present_;
-  QString watched_;  // the source that is looked at
+  QString watched_;  // the source that is shown
   bool of_run_ = false;
 };
 

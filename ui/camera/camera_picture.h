@@ -8,7 +8,7 @@
 
 namespace skein::ui {
 
-/// Whose a tag is and what becomes of it, in a few words or, if it is not taken, in a sentence.
+/// To which robot a tag belongs and whether it is taken, in a few words or, if it is not taken, in a sentence.
 QString verdict_on(const app::WatchedTag& tag);
 /// "38 px, 40.1 mm".
 QString size_of(const app::WatchedTag& tag);
@@ -21,7 +21,7 @@ class CameraPicture final : public QWidget {
  public:
   explicit CameraPicture(QWidget* parent = nullptr);
   void show_view(const app::CameraView& view);
-  void clear(const QString& why);  ///< no picture, and what is said in its place
+  void clear(const QString& why);  ///< no picture, and the text in its place
   QSize sizeHint() const override { return {560, 420}; }
   QSize minimumSizeHint() const override { return {280, 210}; }
 

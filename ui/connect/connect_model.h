@@ -8,7 +8,7 @@
 
 namespace skein::ui {
 
-/// Robots that are being set up, a row each: what has been found out by now, and what is to be done next.
+/// Robots that are being set up, one per row: the findings so far, and the next step.
 class ConnectModel final : public QAbstractTableModel {
   Q_OBJECT
 

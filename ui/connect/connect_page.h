@@ -13,8 +13,8 @@
 
 namespace skein::ui {
 
-/// Sets robots up: a table of them with all that has been found out, and buttons for what is next. It does nothing
-/// with a robot itself: its signals say what is wanted.
+/// Sets robots up: a table of them with all findings, and buttons for the next step. It does nothing with a robot
+/// itself: its signals are requests.
 class ConnectPage final : public QDialog {
   Q_OBJECT
 
@@ -34,7 +34,7 @@ class ConnectPage final : public QDialog {
   void scan_wanted();
   void pair_wanted();
   void ping_wanted();
-  void test_wanted();  ///< and the operator has made room for robots that drive
+  void test_wanted();  ///< and the operator has confirmed that there is room to drive
   void stop_wanted();
   void add_wanted();
   void save_wanted();

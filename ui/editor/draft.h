@@ -6,18 +6,18 @@
 
 namespace skein::ui {
 
-/// A text that nobody has saved yet, kept beside the user's data until somebody does: it outlives a program that is
-/// killed, and a machine that loses its power.
+/// A text that is not saved yet, kept with the user's data until it is: it survives a killed program and a power
+/// failure.
 class Draft final {
  public:
-  /// `of`: the file that it will be saved to, or anything else that says which text it is.
+  /// `of`: the file to which it will be saved, or anything else that identifies the text.
   explicit Draft(const QString& of);
   struct Kept {
     QString text;
     QDateTime at;
   };
   std::optional<Kept> kept() const;
-  /// Without a word where that is not possible: nobody asked for it.
+  /// Fails silently: the operator did not ask for it.
   void keep(const QString& text) const;
   void forget() const;
 

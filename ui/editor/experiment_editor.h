@@ -14,9 +14,9 @@ class Draft;
 class EditorForm;
 class TomlText;
 
-/// An experiment's file: its text with what is wrong in it, and its common keys as fields. A text that is not finished
-/// can be kept, but not run. Nothing is lost without a question: neither what was typed, nor what somebody else wrote
-/// to the file meanwhile. What was typed when the program was killed is offered when the text is opened again.
+/// An experiment's file: its text with its errors marked, and its common keys as fields. An unfinished text can be
+/// saved, but not run. Nothing is lost without a question: neither what was typed, nor what another program wrote to
+/// the file meanwhile. After the program was killed, the typed text is offered when the file is opened again.
 class ExperimentEditor final : public QDialog {
   Q_OBJECT
 
@@ -26,7 +26,7 @@ class ExperimentEditor final : public QDialog {
   /// `file`: where it lies, empty for a text that has no file yet.
   void edit(const QString& text, const QString& file);
   QString text() const;
-  /// One key with another value, as TOML has it; what is wrong is told below the text.
+  /// One key with another value, as TOML has it; errors are shown below the text.
   void set_value(const QString& key, const QString& value);
   /// More tables at the end of the text.
   void append(const QString& tables);

@@ -17,7 +17,7 @@ struct GainPreset {
 
 /// The file's, the paper's, none, half and twice the file's; then what the operator has kept.
 std::vector<GainPreset> gain_presets(const app::Experiment& experiment);
-/// Keeps one for good, under a name that may have been in use.
+/// Saves a preset; one of the same name is replaced.
 void keep_gain_preset(const GainPreset& preset);
 void forget_gain_preset(const QString& name);
 

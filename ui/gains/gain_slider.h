@@ -13,8 +13,8 @@
 
 namespace skein::ui {
 
-/// A slider whose track shows how far a gain may go: beyond the first mark lies what (18) forbids somewhere along the
-/// reference, beyond the second what it forbids now.
+/// A slider whose track shows how far a gain may go: beyond the first mark are values that (18) forbids somewhere along
+/// the reference, beyond the second those that it forbids now.
 class LimitSlider final : public QSlider {
   Q_OBJECT
 
@@ -36,7 +36,7 @@ class LimitSlider final : public QSlider {
   double limit_ = 1.0, limit_now_ = 1.0, now_ = 0.0;
 };
 
-/// One coupling gain: what is asked for, what it is now, and where its limit lies.
+/// One coupling gain: the requested value, the present value and the limit.
 class GainSlider final : public QWidget {
   Q_OBJECT
 
@@ -46,31 +46,32 @@ class GainSlider final : public QWidget {
   /// A new experiment: the value of its file.
   void reset(double value, double limit);
   void set_limit(double limit, double limit_now);
-  void set_now(double value);  ///< what governs the robots now, on its way to the target
-  /// What the gain is on its way to, whoever has asked for it. What the operator is about to ask for is left alone: a
-  /// number that is being typed, a knob that is held, a wish that the session cannot have taken yet.
+  void set_now(double value);  ///< the value in force, on its way to the target
+  /// Shows the gain's target, whatever set it. Leaves alone what the operator is about to request: a number that is
+  /// being typed, a knob that is held, a request that the session cannot have executed yet.
   void follow_target(double value);
   void set_target(double value);  ///< the same, at once
   double target() const { return spin_->value(); }
-  /// What makes room for a value beyond the limit; empty: nothing is to be said.
+  /// A text on how to make room for a value beyond the limit; empty: none.
   using Remedy = std::function<QString(double wanted)>;
   void set_remedy(Remedy remedy) { remedy_ = std::move(remedy); }
-  /// The session has clamped what was asked for. It is explained as long as the gain stays there for that reason.
+  /// The session has clamped the requested value. The explanation stays as long as the gain stays there for that
+  /// reason.
   void note_held(double asked, double held);
-  /// Why nothing is drawn ahead while the knob is held, for its tip; empty: something is.
+  /// Why there is no preview while the knob is held, for its tip; empty: there is one.
   void set_no_preview(const QString& why);
   QWidget* first_control() const { return slider_; }
 
  signals:
   void wanted(skein::core::GainName gain, double value);
   void refused(const QString& why);
-  /// The knob is being moved: by the mouse until it is let go, by keys until a second after the last.
+  /// The knob is being moved: by the mouse until it is released, by keys until a second after the last one.
   void held(skein::core::GainName gain, double value);
   void let_go();
 
  private:
   void choose(double value);
-  int step_of(double value) const;  // where the knob stands for it
+  int step_of(double value) const;  // the knob's position for it
   void set_range(double top);
   void show_text();
   QString advice() const;
@@ -88,9 +89,9 @@ class GainSlider final : public QWidget {
     double asked, at;
   };
   std::optional<Held> held_back_;
-  QTimer rest_;          // a drag along the slider is one wish, made when the hand rests
+  QTimer rest_;          // a drag along the slider is one request, made when the mouse rests
   QTimer last_key_;      // that moved the knob
-  QElapsedTimer asked_;  // since the last wish; invalid: the session has had time to take it
+  QElapsedTimer asked_;  // since the last request; invalid: the session has had time to execute it
   double top_ = 1.0, limit_ = 0.0, limit_now_ = 0.0, now_ = 0.0;
 };
 

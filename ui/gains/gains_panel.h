@@ -34,24 +34,24 @@ class GainsPanel final : public QWidget {
   void show_experiment(const app::Experiment& experiment, const GainValue& limit);
   void show_record(const app::TickRecord& record);
   void set_limits(const GainValue& over_all, const GainValue& now);
-  /// What makes room for a value of a gain that is beyond its limit, in words.
+  /// A text on how to make room for a value of a gain beyond its limit.
   using Remedy = std::function<QString(core::GainName, double wanted)>;
   void set_remedy(const Remedy& remedy);
-  /// Where each gain is going: the sliders show nothing else for long.
+  /// The target of each gain: the sliders return to it.
   void follow_targets(const GainValue& target);
-  /// How much delay from camera to wheels the loops bear, in words, beside what was measured; `short_`: not enough.
+  /// The delay margin from camera to wheels, in words, with the measured delay; `short_`: it is too small.
   void show_delay_margin(const QString& text, bool short_ = false);
-  /// How the pairs are asked for: now and whenever one of them is changed.
+  /// How to read the pairs: now and whenever one of them changes.
   void set_pairs(PairModel::Ask ask) { ask_ = std::move(ask); }
   void refresh_pairs();
   QAbstractItemView* pair_cells() const { return pairs_->cells(); }
   /// What the law declares, with the values in force.
   void follow_parameters(const std::vector<app::LawParameter>& all) { parameters_->show_parameters(all); }
-  /// Why nothing is drawn ahead while a knob is held, for the tips; empty: something is.
+  /// Why there is no preview while a knob is held, for the tips; empty: there is one.
   void set_no_preview(const QString& why);
-  /// One robot alone has nobody to couple to; but its law may have parameters.
+  /// A single robot has no couplings, but its law may have parameters.
   static bool has_anything_to_set(const app::Experiment& experiment);
-  /// To go to: the first slider of those that have an effect; null: there is none.
+  /// The first slider that has an effect, to give it the focus; null: there is none.
   QWidget* first_control() const;
   /// Toggles the coupling of two robots.
   void switch_pair(int i, int j);
@@ -60,20 +60,20 @@ class GainsPanel final : public QWidget {
   /// Before the start the experiment itself can be changed here: its schedule and the form of its couplings.
   void set_before_start(bool before);
   QUndoStack& undo_stack() { return undo_; }
-  /// How long a change of a gain shall take during a run; 0: as fast as it may. [s]
+  /// The duration of a change of a gain during a run; 0: as fast as allowed. [s]
   double ramp() const { return ramp_->value(); }
 
  signals:
   void wanted(skein::core::GainName gain, double value);
   void refused(const QString& why);
-  /// A gain's knob is being moved, and is no longer; see GainSlider.
+  /// A gain's knob is being moved, and has been released; see GainSlider.
   void held(skein::core::GainName gain, double value);
   void let_go();
   void parameter_held(const QString& name, double value);
   void pair_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
   void parameter_wanted(const QString& name, double value);
-  /// "key=value" of the experiment file, to be set up again with.
+  /// The experiment is to be opened again with this "key=value" of its file.
   void experiment_wanted(const QString& set);
 
  private:
@@ -88,14 +88,14 @@ class GainsPanel final : public QWidget {
 
   app::Experiment experiment_;
   std::array<GainSlider*, 3> sliders_{};
-  std::array<double, 3> targets_{};  // what the session aims at
+  std::array<double, 3> targets_{};  // the session's targets
   QUndoStack undo_;
   QToolButton *undo_button_, *redo_button_, *presets_;
   QPushButton* reset_;
   QComboBox* coupling_;
   QDoubleSpinBox* ramp_;
-  std::vector<QWidget*> controls_;  // what changes something
-  std::vector<QWidget*> of_gains_;  // what is of no use where the gains have no effect
+  std::vector<QWidget*> controls_;  // those that change something
+  std::vector<QWidget*> of_gains_;  // those without a use if the gains have no effect
   ParameterPanel* parameters_;
   QTabWidget* tabs_;
   MarginBars* margins_;

@@ -11,7 +11,7 @@
 namespace skein::ui {
 
 /// What (18f) and (18g) leave to tracking, robot by robot: k_x of v_max, k_theta of omega_max. The reference and the
-/// couplings have the rest; an empty bar is the end of the certificate.
+/// couplings take the rest; if a bar is empty, the certificate no longer holds.
 class MarginBars final : public QWidget {
   Q_OBJECT
 

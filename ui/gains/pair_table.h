@@ -13,8 +13,8 @@
 
 namespace skein::ui {
 
-/// One gain of every pair of robots, as a square: (i, j) and (j, i) are the same cell, as (18c) asks. A cell's tick is
-/// whether the two are coupled.
+/// One gain of every pair of robots, as a square: (i, j) and (j, i) are the same cell, as (18c) requires. A cell is
+/// ticked if the two are coupled.
 class PairModel final : public QAbstractTableModel {
   Q_OBJECT
 

@@ -15,42 +15,42 @@ class QGridLayout;
 
 namespace skein::ui {
 
-/// The parameters that the law of the experiment declares: for each a number, and a slider over what is allowed. The
-/// file's value stands near the middle of the slider where it can. A parameter without a range has no slider.
+/// The parameters that the law of the experiment declares: for each a number, and a slider over the allowed range. The
+/// file's value is near the middle of the slider if possible. A parameter without a range has no slider.
 class ParameterPanel final : public QWidget {
   Q_OBJECT
 
  public:
   explicit ParameterPanel(QWidget* parent = nullptr);
-  /// What is declared, with the values in force; what the operator is about to ask for is left alone.
+  /// The declared parameters, with the values in force; leaves alone what the operator is about to request.
   void show_parameters(const std::vector<app::LawParameter>& all);
-  /// Forgets them, for a new experiment. `none`: what to say while there are none.
+  /// Removes them, for a new experiment. `none`: the text while there are none.
   void clear(const QString& none);
-  /// Why nothing is drawn ahead while a knob is held, for the tips; empty: something is.
+  /// Why there is no preview while a knob is held, for the tips; empty: there is one.
   void set_no_preview(const QString& why);
   /// At once, for undo.
   void set(const QString& name, double value);
-  /// To go to; null: there is none.
+  /// The first control, to give it the focus; null: there is none.
   QWidget* first_control() const;
 
  signals:
   void wanted(const QString& name, double from, double to);
   void refused(const QString& why);
-  /// A parameter's knob is being moved, and is no longer; as a GainSlider's.
+  /// A parameter's knob is being moved, and has been released; as a GainSlider's.
   void held(const QString& name, double value);
   void let_go();
 
  private:
   struct Row {
-    app::LawParameter of;   // its value: in force, or asked for
+    app::LawParameter of;   // its value: in force, or requested
     double exponent = 1.0;  // of the slider's scale
     std::unique_ptr<QLabel> label, range;
     std::unique_ptr<NumberField> field;
     std::unique_ptr<LimitSlider> slider;  // null: no range
-    std::unique_ptr<QTimer> rest;         // a drag along the slider is one wish
+    std::unique_ptr<QTimer> rest;         // a drag along the slider is one request
     std::unique_ptr<QTimer> last_key;     // that moved the knob
     double wish = 0.0;
-    QElapsedTimer asked{};  // since the last wish: the session has had time to take it when it has expired
+    QElapsedTimer asked{};  // since the last request: when it has expired, the session has had time to execute it
   };
   void add_row(const app::LawParameter& of);
   void add_slider(Row& row, int line);

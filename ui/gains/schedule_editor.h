@@ -12,7 +12,7 @@
 
 namespace skein::ui {
 
-/// The experiment's changes of its gains, one a row: when, to what, within how long. An empty cell: as it is.
+/// The experiment's changes of its gains, one per row: time, values, duration. An empty cell: unchanged.
 class ScheduleModel final : public QAbstractTableModel {
   Q_OBJECT
 
@@ -21,12 +21,12 @@ class ScheduleModel final : public QAbstractTableModel {
 
   using QAbstractTableModel::QAbstractTableModel;
   void show(const app::Experiment& experiment);
-  /// A row that changes nothing yet: it holds the gains as they are by then.
+  /// Adds a row that changes nothing yet: it has the values that the gains have by then.
   void add(double at);
   void remove(int row);
   /// As the value of the file's key gain_change; rows in the order of t.
   QString as_toml() const;
-  /// Some gain of some pairs differs from the others': a table of single numbers cannot hold it.
+  /// A gain differs between pairs: a table of single numbers cannot show it.
   bool differs_per_pair() const { return per_pair_; }
 
   int rowCount(const QModelIndex& parent = {}) const override;

@@ -12,7 +12,7 @@ namespace skein::ui {
 
 class ArenaView;
 
-/// What the arena shows and which tool the mouse is there: in the menus View and Arena, and in the bar above it.
+/// The actions for what the arena shows and for its mouse tool: in the menus View and Arena, and in the bar above it.
 class ArenaActions final : public QObject {
   Q_OBJECT
 

@@ -7,9 +7,9 @@
 
 namespace skein::ui {
 
-/// "Go on from here": repeats a simulation up to the present moment, everything that was done by hand included, and
-/// pauses there. From then on it is the operator's: other gains, another hand. The past of a run whose ticks had
-/// exactly their times comes out the same to nanometres, that of one in real time to a fraction of a millimetre.
+/// "Go on from here": repeats a simulation up to the present moment, with all of the operator's actions, and pauses
+/// there. From then on the operator may act differently: other gains, other moves. If the ticks of the run had exactly
+/// their times, its past is repeated to nanometres, that of a run in real time to a fraction of a millimetre.
 class BranchController final : public QObject {
   Q_OBJECT
 
@@ -17,11 +17,11 @@ class BranchController final : public QObject {
   BranchController(Runs& runs, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* run);
   void go_on_from_here();
-  /// A branch that is run anew does not pause where it began.
+  /// A branch that is run again does not pause where it began.
   void forget_pause(app::Experiment& experiment) const;
 
  signals:
-  /// Run this from its start. It pauses by itself at the present moment of the run that is shown now.
+  /// Requests to run this from its start. It pauses by itself at the present moment of the run that is shown now.
   void experiment_wanted(const skein::app::Experiment& experiment);
 
  private:
@@ -29,7 +29,7 @@ class BranchController final : public QObject {
 
   Runs& runs_;
   const Messages& messages_;
-  double speed_ = 1.0;              // of the run before, which comes back after the pause
+  double speed_ = 1.0;              // of the previous run, restored after the pause
   std::optional<double> pause_at_;  // while the past is repeated [s]
   std::optional<double> began_at_;  // the latest branch [s]
 };

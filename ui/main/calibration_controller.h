@@ -8,7 +8,7 @@ namespace skein::ui {
 
 class CalibrationDialog;
 
-/// Opens the calibration of the experiment's camera, and lets go of that camera for it.
+/// Opens the calibration of the experiment's camera, and releases that camera for it.
 class CalibrationController final : public QObject {
   Q_OBJECT
 
@@ -19,14 +19,14 @@ class CalibrationController final : public QObject {
   void refresh();  ///< thirty times a second
 
  signals:
-  void session_ends();  ///< whatever belongs to it must be let go
+  void session_ends();  ///< references to its parts must be dropped
 
  private:
   void take_camera(CalibrationDialog* dialog);
 
   LiveRun& live_;
   const Messages& messages_;
-  QPointer<CalibrationDialog> waiting_;  // until the session has let the camera go
+  QPointer<CalibrationDialog> waiting_;  // until the session has released the camera
 };
 
 }  // namespace skein::ui

@@ -9,7 +9,7 @@ namespace skein::ui {
 
 class EditorController;
 
-/// The page of the cameras: looks through one that is free, or shows the pictures of the run that has it.
+/// The page of the cameras: shows a free camera, or the pictures of the run that uses it.
 class CameraController final : public QObject {
   Q_OBJECT
 

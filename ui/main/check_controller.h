@@ -11,7 +11,7 @@ namespace skein::ui {
 class CheckList;
 class GainsPanel;
 
-/// What has to hold before a start, and how much delay the loops bear.
+/// The checks before a start, and the delay margin of the loops.
 class CheckController final : public QObject {
   Q_OBJECT
 
@@ -21,8 +21,8 @@ class CheckController final : public QObject {
   void begin();              ///< for the experiment that the live run has now
   void set_wanted(bool on);  ///< the operator requests the list, whatever its results
   void refresh();            ///< five times a second
-  Notice banner() const;     ///< before a start: whether it can be started, and else why not
-  QString why_not() const;   ///< of it the reason; empty: it can be started
+  Notice banner() const;     ///< before a start: whether it is possible, or why not
+  QString why_not() const;   ///< the reason alone; empty: a start is possible
   bool all_hold() const { return first_amiss() == nullptr; }
   void start(bool overrule);                    ///< if all checks hold, or the operator overrides the soft ones
   void set_testing(bool on) { testing_ = on; }  ///< a robot turns its wheels: no start meanwhile

@@ -18,8 +18,8 @@ namespace skein::ui {
 class ArenaView;
 class PlotsPanel;
 
-/// Other runs, any number of them, pale behind the one that is shown: each with a letter, a line and a switch of its
-/// own, at the same time of the experiment or at the time of the same kick.
+/// Draws other runs, any number of them, pale behind the one that is shown: each with its own letter, line and switch,
+/// aligned at the same time of the experiment or at a kick.
 class ComparisonController final : public QObject {
   Q_OBJECT
 
@@ -30,13 +30,13 @@ class ComparisonController final : public QObject {
     QString name;
     std::shared_ptr<const RunResults> results;
     bool shown = true;
-    double shift = 0.0;  ///< it is drawn so much later [s]
+    double shift = 0.0;  ///< by how much later it is drawn [s]
   };
 
   ComparisonController(const Runs& runs, const Messages& messages, ArenaView* arena, PlotsPanel* plots,
                        QObject* parent = nullptr);
   void build_menu(QMenu* file);
-  /// When the run that is shown was kicked [s]; asked about once a second.
+  /// The times at which the run that is shown was kicked [s]; called about once a second.
   void set_kicks(std::function<std::vector<double>()> kicks) { kicks_ = std::move(kicks); }
   void load(const QString& file);
   void compare_with_now();  ///< keeps the present run so far for comparison with later ones

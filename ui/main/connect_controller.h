@@ -13,9 +13,9 @@ namespace skein::ui {
 
 class EditorController;
 
-/// The page on which robots are set up, and the work that it asks for. A robot has one master: the open experiment lets
-/// go of its robots before the page takes them, is opened again when the page is closed, and is not opened before the
-/// page's work has ended.
+/// The page on which robots are set up, and the work that it requests. A robot has one user at a time: the open
+/// experiment releases its robots before the page takes them, and is opened again when the page is closed and its work
+/// has ended.
 class ConnectController final : public QObject {
   Q_OBJECT
 
@@ -27,7 +27,7 @@ class ConnectController final : public QObject {
   /// Ends whatever is under way; robots that drive are stopped at once.
   void stop() noexcept;
   bool is_working() const { return work_ || waiting_; }
-  /// Stops, and calls this once nothing holds a robot any more: at once if nothing does.
+  /// Stops, and calls this once no robot is in use: at once if none is.
   void end_then(std::function<void()> next);
   /// The window closes: the experiment is not opened again.
   void close(std::function<void()> next);
@@ -36,7 +36,7 @@ class ConnectController final : public QObject {
   void refresh();  ///< thirty times a second
 
  signals:
-  void session_ends();  ///< whatever belongs to it must be let go
+  void session_ends();  ///< references to its parts must be dropped
   void experiment_wanted(const skein::app::Experiment& experiment);
 
  private:
@@ -50,7 +50,7 @@ class ConnectController final : public QObject {
   void show_experiment();
   void show_robots();
   void say(const QString& text, Severity severity);
-  /// Of the chosen rows those that this can be done with; `why` none can.
+  /// The chosen rows for which this is possible; `why`: the reason if there are none.
   std::vector<std::pair<std::size_t, app::RobotSetup>> chosen_for(app::SetupTask::Kind kind, QString& why) const;
 
   Runs& runs_;
@@ -59,7 +59,7 @@ class ConnectController final : public QObject {
   const Messages& messages_;
   QPointer<ConnectPage> page_;
   std::vector<app::RobotSetup> robots_;
-  std::optional<app::SetupTask> waiting_;  // until the session has let go of the robots
+  std::optional<app::SetupTask> waiting_;  // until the session has released the robots
   std::unique_ptr<app::SetupWork> work_;
   app::SetupTask::Kind kind_ = app::SetupTask::Kind::scan;
   std::size_t asked_ = 0, good_ = 0;  // robots of this work

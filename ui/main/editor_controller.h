@@ -10,7 +10,7 @@ namespace skein::ui {
 
 class ExperimentEditor;
 
-/// The experiment as a text: to be edited, or to be written down as it is now.
+/// The experiment as a text: to edit it, or to save its present state.
 class EditorController final : public QObject {
   Q_OBJECT
 
@@ -22,9 +22,9 @@ class EditorController final : public QObject {
   void edit_with(const std::vector<std::pair<QString, QString>>& values);
   /// The same with more tables at its end.
   void edit_with_tables(const QString& tables);
-  /// Every editor with an unsaved text asks what to do with it; false: there is none.
+  /// Lets every editor with an unsaved text ask what to do with it; false: there is none.
   bool ask_about_changes() const;
-  void edit_experiment();  ///< the one that is shown, as its file has it
+  void edit_experiment();  ///< the one that is shown, as in its file
 
  private:
   ExperimentEditor* open_editor(const QString& text, const QString& file);

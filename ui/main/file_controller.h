@@ -17,8 +17,8 @@ class FileController final : public QObject {
   FileController(LiveRun& live, const Messages& messages, QObject* parent = nullptr);
   void build_menu(QMenu* file);
 
-  /// Reads an experiment file, in place of one that is being read; one with errors is to be mended in the editor; of a
-  /// recorded run (.csv): says that it is wanted.
+  /// Reads an experiment file, instead of one that is still being read; one with errors opens in the editor. For a
+  /// recorded run (.csv), emits the request to show it.
   void open(const QString& file);
   void drop();     ///< whatever is being read is no longer wanted
   void refresh();  ///< thirty times a second
@@ -30,7 +30,7 @@ class FileController final : public QObject {
   /// The one file that is dragged; empty: none, or more than one.
   static QString dragged(const QMimeData* data);
 
-  /// Where the open experiment comes from, for the editor and the list of recent files; empty: nobody knows.
+  /// Where the open experiment comes from, for the editor and the list of recent files; empty: not known.
   void set_experiment_file(const QString& file);
   void remember(const QString& file);
 
@@ -38,7 +38,7 @@ class FileController final : public QObject {
   void superseded();  ///< a recording that is being read is no longer wanted
   void experiment_wanted(const skein::app::Experiment& experiment);
   void recording_wanted(const QString& file);
-  void broken(const QString& text, const QString& file);  ///< an experiment that cannot be run: to be mended
+  void broken(const QString& text, const QString& file);  ///< an experiment with errors, which cannot be run
 
  private:
   struct Read {
@@ -50,8 +50,8 @@ class FileController final : public QObject {
   static Read read(const QString& file);
 
   void ask();
-  bool cannot_open() const;       // and says why: real robots drive, or a session is being opened or closed
-  bool real_robots_move() const;  // and says that nothing is opened meanwhile
+  bool cannot_open() const;       // and reports why: real robots drive, or a session is being opened or closed
+  bool real_robots_move() const;  // and reports that nothing is opened meanwhile
 
   LiveRun& live_;
   const Messages& messages_;

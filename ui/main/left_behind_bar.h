@@ -9,8 +9,8 @@
 
 namespace skein::ui {
 
-/// A red bar over the arena as long as robots of an earlier run may be driving: a run that died without knowing that
-/// they stand. Looks for such runs now and then; hidden where there are none.
+/// A red bar over the arena as long as robots of an earlier run may be driving, because the run died before they were
+/// known to stand. Looks for such runs now and then; hidden if there are none.
 class LeftBehindBar final : public QFrame {
   Q_OBJECT
 
@@ -29,7 +29,7 @@ class LeftBehindBar final : public QFrame {
   QPushButton* stop_;
   QTimer timer_;
   std::future<bool> stopping_;
-  bool failed_ = false;  // the last try
+  bool failed_ = false;  // the last attempt
 };
 
 }  // namespace skein::ui

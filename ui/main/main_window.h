@@ -55,7 +55,7 @@ class MainWindow final : public QMainWindow {
   void open(const app::Experiment& experiment, bool start_at_once);
   /// Reads an experiment file and opens it, or shows its problems; replays a recorded run (.csv).
   void open_file(const QString& file);
-  /// Where the open experiment comes from, for the editor and the list of recent files; empty: nobody knows.
+  /// Where the open experiment comes from, for the editor and the list of recent files; empty: not known.
   void set_experiment_file(const QString& file);
   void save_csv(const QString& file);
   void save_plot(const QString& file, bool everything = false);
@@ -104,10 +104,11 @@ class MainWindow final : public QMainWindow {
   void build_files_of_run(QMenu* run);
   void build_view_menu(QMenu* view);
   void default_layout();
-  /// The docks as the operator has sized them, smaller in a smaller window: shrunk and grown, it is as it was.
+  /// Sizes the docks as the operator did, smaller in a smaller window: after shrinking and growing, the window is as
+  /// before.
   void fit_docks();
-  /// In a narrow window the plots are a tab behind the gains, where both are where they usually are: the arena has
-  /// their place.
+  /// In a narrow window, puts the plots in a tab behind the gains, if both are at their usual places: the arena gets
+  /// the room.
   void stack_columns();
   /// Brings a panel to the front, and the keyboard to its first control, if it has one.
   void go_to(QDockWidget* dock, QWidget* first);
@@ -128,7 +129,7 @@ class MainWindow final : public QMainWindow {
   /// The same experiment with one key of its file changed ("key=value"), before its start.
   void reopen_with(const QString& set);
   void let_go_of_session();
-  /// Whether anything that stands still now could have been moving: then the key that asked for it is spent.
+  /// STOP by a key. Returns whether anything could have been moving: then the key press is consumed.
   bool stop_by_key();
   void on_space();
   void ask_save_plot(bool everything);
@@ -169,14 +170,14 @@ class MainWindow final : public QMainWindow {
   CameraController* camera_;
   ConnectController* connect_;
 
-  std::map<QDockWidget*, QSize> dock_sizes_;  // as they were made, in a window of this size:
+  std::map<QDockWidget*, QSize> dock_sizes_;  // the default or the operator's, in a window of this size:
   QSize sized_in_, settled_;
   bool stacked_ = false;                            // plots behind the gains, by stack_columns
   bool restored_ = false;                           // the sizes of the last time hold, once the window is seen
   bool may_close_ = false;                          // all robots are stopped and the session is gone
-  const Theme desktop_at_start_ = desktop_theme();  // before any palette of ours
-  bool theme_chosen_ = false;                       // else the desktop's
-  bool teaches_ = false;                            // the hint stands until a robot was moved
+  const Theme desktop_at_start_ = desktop_theme();  // before Skein sets a palette
+  bool theme_chosen_ = false;                       // otherwise the desktop's
+  bool teaches_ = false;                            // the hint stays until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
   Throttle texts_{0.19};     // numbers that change five times a second can be read
   Throttle questions_{0.5};  // to the display

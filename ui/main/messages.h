@@ -19,11 +19,11 @@ class Messages final {
       : runs_(runs), alert_(alert), log_(log), window_(window) {}
 
   void say(const QString& text, Severity severity) const;                ///< in the alert strip, for a while
-  void say_beside_banner(const QString& text, Severity severity) const;  ///< what the arena's banner says as well
+  void say_beside_banner(const QString& text, Severity severity) const;  ///< the arena's banner says it as well
   void note(const QString& text, Severity severity) const;               ///< there and in the log
   /// There, in the log, and as long as the run lasts: not all of it is kept.
   void note_unkept(const QString& text) const;
-  /// Why it was refused, if it was.
+  /// Shows why a request was refused, if it was.
   void tell(const RunSource::Done& done) const;
   void problem(const QString& title, const QString& text, const QString& details = {}) const;  ///< in a dialog
   QWidget* window() const { return window_; }                                                  ///< parent for dialogs

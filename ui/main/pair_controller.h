@@ -17,7 +17,7 @@ class PairController final : public QObject {
  public:
   PairController(Runs& runs, const Messages& messages, GainsPanel* gains, ArenaView* arena, QObject* parent = nullptr);
   void refresh();  ///< five times a second, and whenever the present moment is moved
-  /// Says what makes room for a gain that this record holds at its limit.
+  /// Explains how to make room for a gain that this record holds at its limit.
   void explain(const app::TickRecord& record);
 
  private:

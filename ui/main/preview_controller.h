@@ -13,8 +13,8 @@ class ArenaView;
 class GainsPanel;
 class PlotsPanel;
 
-/// While the slider of a gain, or of a law's parameter, is held, what the next seconds would be with its value: pale,
-/// in arena and plots.
+/// While the slider of a gain, or of a law's parameter, is held, shows the next seconds with its value: pale, in arena
+/// and plots.
 class PreviewController final : public QObject {
   Q_OBJECT
 
@@ -41,7 +41,7 @@ class PreviewController final : public QObject {
   PlotsPanel* plots_;
   LookAhead look_ahead_;
   std::optional<app::OperatorCommand> held_;
-  QString what_;  // is held, with its value
+  QString what_;  // the slider that is held, with its value
   QElapsedTimer since_asked_;
   LookAhead::Rows shown_;
   QString hint_;

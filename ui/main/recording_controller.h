@@ -17,17 +17,17 @@ class RecordingController final : public QObject {
 
   bool records() const { return records_; }  ///< this run and those that follow
   void record(bool on);
-  bool keeps() const { return keeps_; }  ///< every run from the next on, in a folder of its own, where it is not off
+  bool keeps() const { return keeps_; }  ///< every run from the next on, in its own folder, unless switched off
   void keep(bool on);                    ///< remembered
   /// Records this run to the file live, including its beginning, and later runs to files beside it.
   void record_to(const QString& file);
-  /// The folder of a kept run gets the film of its camera, from the next session on.
+  /// Whether the folder of a kept run gets the film of its camera, from the next session on.
   bool keeps_films() const { return keeps_films_; }
   void keep_films(bool on);  ///< remembered
   /// Where the film of a run of this experiment goes.
   FilmOfRun film(const app::Experiment& experiment) const;
   static QString directory();
-  /// A free name there for a file or a folder of this experiment's; empty: there is no place for it.
+  /// A free name for a file or a folder of this experiment; empty: there is no place for it.
   static QString path(const app::Experiment& experiment, const QString& ending);
 
   void ask_save();

@@ -7,7 +7,7 @@
 
 namespace skein::ui {
 
-/// Opens recorded runs: reads them aside, and has them shown.
+/// Opens recorded runs: reads them on a thread of its own, then shows them.
 class ReplayController final : public QObject {
   Q_OBJECT
 

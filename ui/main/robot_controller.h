@@ -16,7 +16,7 @@ class RobotController final : public QObject {
   void move(int robot, const core::Pose& pose);
   void kick(int robot, QPointF velocity);  ///< [m/s]
   void put_obstacle(int number, const core::Obstacle& obstacle);
-  /// Simulated robots are put where they start, as by a hand; where there are real ones, everybody drives there.
+  /// Moves simulated robots to their starts, as by hand; if there are real ones, all robots drive there.
   void bring_to_places();
 
  signals:

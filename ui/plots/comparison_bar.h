@@ -9,8 +9,8 @@ class QVBoxLayout;
 
 namespace skein::ui {
 
-/// The runs that this one is compared with: a switch for each, which is its legend as well, and what they are aligned
-/// at. Hidden while there are none.
+/// The runs that this one is compared with: a switch for each, which is also its legend, and the choice of their
+/// alignment. Hidden while there are none.
 class ComparisonBar final : public QWidget {
   Q_OBJECT
 
@@ -22,7 +22,7 @@ class ComparisonBar final : public QWidget {
     bool shown = true;
   };
   void show_runs(const std::vector<Run>& runs);
-  /// When this run was kicked [s]: what can be aligned at.
+  /// The times at which this run was kicked [s]: the choices for the alignment.
   void show_kicks(const std::vector<double>& kicks);
   int aligned_at() const { return align_->currentIndex(); }  ///< 0: the start; k: kick k
 

@@ -9,7 +9,7 @@
 namespace skein::ui {
 
 /// The numbers of a plot's curves where there are more curves than colours: each on its curve, at a time of its own, so
-/// that curves that run together still have their numbers side by side. One that would lie on another is left out.
+/// that curves that run together still have their numbers side by side. A number that would cover another is left out.
 class CurveNumbers final : public QCPLayerable {
   Q_OBJECT
 

@@ -9,8 +9,8 @@
 namespace skein::ui {
 
 /// The curves of a run over one time: of every curve each sample, and of every 32 and 1024 of them the smallest and the
-/// largest. So half an hour is drawn with as many points as the screen has columns, no peak is left out, and how long a
-/// picture takes does not depend on how long the run is. Bounded: the oldest samples go first.
+/// largest. So half an hour is drawn with as many points as the screen has columns, no peak is lost, and the drawing
+/// time does not depend on the length of the run. Bounded: the oldest samples go first.
 class PlotHistory {
  public:
   static constexpr std::size_t block_size = 1024, part_size = 32;
@@ -42,7 +42,7 @@ class PlotHistory {
   Range range(std::size_t curve, double from, double to) const;
   /// The value of the last sample at or before t; NaN: there is none.
   double value(std::size_t curve, double t) const;
-  /// Every sample between two times, in order: its time, and how to ask for a curve's value.
+  /// Every sample between two times, in order: its time, and a function that returns a curve's value.
   void each(double from, double to,
             const std::function<void(double t, const std::function<double(std::size_t curve)>& value)>& take) const;
 

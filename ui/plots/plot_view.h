@@ -16,8 +16,8 @@ namespace skein::ui {
 class CurveNumbers;
 class MathTitle;
 
-/// Some rows of plots, one below the other along one time: curves out of a PlotHistory, those of a run that they are
-/// compared with paler and broken behind them, limits, events, a cursor.
+/// Some rows of plots, one below the other along one time: curves from a PlotHistory, those of compared runs paler and
+/// dashed behind them, limits, events, a cursor.
 class PlotView final : public QCustomPlot {
   Q_OBJECT
 
@@ -25,7 +25,7 @@ class PlotView final : public QCustomPlot {
   explicit PlotView(QWidget* parent = nullptr);
 
   /// `others`: how many runs this one is compared with; `foresees`: behind the last of them come this run's next
-  /// seconds; `added`: of each row (of all) the rows whose curves are drawn in its plot as well, or nothing at all.
+  /// seconds; `added`: for each row (of all), the rows whose curves are also drawn in its plot; may be empty.
   void set_rows(const std::vector<PlotRow>& all, const std::vector<bool>& shown, std::size_t robots,
                 std::size_t others = 0, bool foresees = false, const std::vector<std::vector<std::size_t>>& added = {});
   void show_robots(const std::vector<bool>& robots);  ///< of each, whether its curves are drawn
@@ -34,7 +34,7 @@ class PlotView final : public QCustomPlot {
 
   void set_time(double from, double to);
   QCPRange time() const;
-  /// Takes the curves of what is seen now; `others`: of every run to compare with, null: it is switched off. Rows that
+  /// Draws the curves of the visible time; `others`: of every run to compare with, null: it is switched off. Rows that
   /// lie outside `within`, in pixels of this widget, are left out; empty: none is.
   void draw_history(const PlotHistory& history, const std::vector<const PlotHistory*>& others,
                     const QRect& within = {});
@@ -44,8 +44,8 @@ class PlotView final : public QCustomPlot {
   void set_cursor(std::optional<double> t);
   void set_playhead(std::optional<double> t);
   void set_mark(std::optional<double> t);
-  /// Makes the height of a row (of all) so many times smaller, about `value` or, without one, about its middle. It then
-  /// stays as it is until `fit_heights`, which lets all rows follow their curves again.
+  /// Divides the height of a row (of all) by `times`, about `value` or, without one, about its middle. The height then
+  /// stays until `fit_heights`, which lets all rows follow their curves again.
   void zoom_height(std::size_t row, double times, std::optional<double> value = {});
   void fit_heights();
   QCPRange height_of(std::size_t row) const;  ///< of a row (of all) that is shown

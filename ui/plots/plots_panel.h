@@ -28,9 +28,9 @@ class ComparisonBar;
 class PlotView;
 class XyPlot;
 
-/// A run's numbers as they come, along one time: errors, V, commands with their limits, period and what a tick costs.
-/// The operator chooses plots, robots and how much time is seen, stops the picture, reads values at the mouse, and
-/// saves what is seen or everything. Half an hour costs no more to draw than a minute.
+/// A run's numbers as they come, along one time: errors, V, commands with their limits, period and the cost of a tick.
+/// The operator chooses plots, robots and the visible time, freezes the picture, reads values at the mouse, and saves
+/// the visible part or everything. Half an hour costs no more to draw than a minute.
 class PlotsPanel final : public QWidget {
   Q_OBJECT
 
@@ -46,7 +46,7 @@ class PlotsPanel final : public QWidget {
   /// Another run behind this one.
   struct Compared {
     const std::vector<app::TickRecord>* rows;
-    double shift = 0.0;  ///< its times are drawn so much later [s]
+    double shift = 0.0;  ///< by how much later its times are drawn [s]
     bool shown = true;
   };
   /// Draws other runs paler behind this one, each with a line of its own; none: only this one.
@@ -54,15 +54,15 @@ class PlotsPanel final : public QWidget {
   /// Draws this run's next seconds paler; empty: none.
   void foresee(const std::vector<app::TickRecord>& rows);
   const std::optional<PlotHistory>& foreseen() const { return foreseen_; }
-  /// From this time on, values at the mouse and the cursor are told with their difference as well; none: no longer.
+  /// Values at the mouse and the cursor are also shown as differences from those at this time; none: no longer.
   void set_mark(std::optional<double> t);
   std::optional<double> mark() const { return mark_; }
   /// All plots follow their curves again, in height.
   void fit_heights();
   ComparisonBar& comparison_bar() { return *comparison_bar_; }
 
-  /// Draws one plot's curves over another's below the others; false: there are no such two with as many curves. No
-  /// names: none.
+  /// Draws one plot's curves over another's below the others; false: there are no two such plots with equally many
+  /// curves. Empty names: removes it.
   bool show_over(const QString& y, const QString& x);
   XyPlot& over() { return *over_; }
 
@@ -70,7 +70,7 @@ class PlotsPanel final : public QWidget {
   void go_live();
   void show_time(double t);  ///< in the middle, with frozen plots
   bool is_live() const { return live_; }
-  /// How much of the time is seen; 0: all there is. [s]
+  /// The length of time that is seen; 0: all of it. [s]
   void set_span(double seconds);
   double span() const { return span_; }
 
@@ -78,28 +78,28 @@ class PlotsPanel final : public QWidget {
   QStringList shown() const;
   void show_plots(const QStringList& names);
   /// Draws a row's curves in another's plot as well, or no longer. Those with another unit share one axis at the right,
-  /// and one unit. The answer says why that cannot be; empty: it is done.
+  /// and one unit. Returns why that is not possible; empty: it is done.
   QString add_signal(const QString& signal, const QString& plot);
   void remove_signal(const QString& signal, const QString& plot);
   /// Signals of these names in a plot of their own, which comes into view.
   void show_signals(const QStringList& names);
-  /// What the menus call them.
+  /// Their names in menus.
   QString titles_of(const QStringList& names) const;
-  /// Signals that are dragged here from elsewhere, to this place of the screen: what a drop would do is told beside it;
+  /// Signals that are dragged here from elsewhere, to this place of the screen: shows beside it what a drop would do;
   /// false: nothing.
   bool drag_over(const QStringList& names, const QPoint& where);
-  /// Onto a plot, they are drawn in it as well; beside the plots, they have one of their own.
+  /// Dropped on a plot, they are also drawn in it; beside the plots, they get one of their own.
   void drop(const QStringList& names, const QPoint& where);
   /// The same by keys: every place where they can be drawn.
   void fill_signal_menu(QMenu* menu, const QStringList& names);
   void show_all_plots();
 
-  /// What is drawn and how, for another time.
+  /// What is drawn and how, to restore it later.
   PlotLayout layout_now(const QString& name) const;
   void use(const PlotLayout& layout);
 
-  /// As .pdf or .png, dark on white whatever the screen looks like; as .csv what is seen, or everything. The answer
-  /// says what went wrong; empty: nothing.
+  /// As .pdf or .png, dark on white whatever the screen looks like; as .csv what is seen, or everything. Returns the
+  /// error; empty: none.
   QString save(const QString& file, bool everything = false);
 
   const PlotHistory& history() const { return history_; }
@@ -123,7 +123,7 @@ class PlotsPanel final : public QWidget {
   void rebuild();
   void store_values(const app::TickRecord& record);
   void note_events(const app::TickRecord& record);
-  void refresh() { dirty_ = hurry_ = true; }  // at the next look: the operator waits for it
+  void refresh() { dirty_ = hurry_ = true; }  // at the next refresh: the operator is waiting for it
   void replot_if_due();
   void replot_now();
   int rest_ms() const;
@@ -172,7 +172,7 @@ class PlotsPanel final : public QWidget {
   QStringList wanted_;                           // chosen by the operator; empty: the usual ones
   PlotHistory history_;
   std::vector<PlotHistory> others_;      // of the compared runs, empty where one is switched off
-  std::optional<PlotHistory> foreseen_;  // empty in itself: its curves have their places, but nobody asks now
+  std::optional<PlotHistory> foreseen_;  // itself empty: its curves have places, but no preview is requested
   std::vector<double> values_;
   QTimer timer_;
   QElapsedTimer since_replot_;

@@ -20,7 +20,7 @@ class XyPlot final : public QCustomPlot {
 
   /// `x`, `y`: rows with as many curves.
   void set_rows(const PlotRow& x, const PlotRow& y, const Colours& colours);
-  /// The samples between two times, thinned out where there are many; `drawn`: of each curve, whether it is.
+  /// The samples between two times, thinned out if there are many; `drawn`: of each curve, whether it is.
   void draw_history(const PlotHistory& history, double from, double to, const std::vector<bool>& drawn);
   QSize sizeHint() const override { return {400, 260}; }
   QSize minimumSizeHint() const override { return {200, 160}; }

@@ -27,7 +27,7 @@ class ResultPanel final : public QWidget {
   };
   void compare(std::vector<Beside> others);  ///< none: the comparison is over
   void show_kept(const QString& folder);     ///< where this run is kept
-  void show_timing(const QString& text);     ///< how well it kept time; empty: nobody knows
+  void show_timing(const QString& text);     ///< how punctual its ticks were; empty: not known
   void refresh();                            ///< at intervals; costs nothing while hidden
   const RunResults* results() const { return results_ ? &*results_ : nullptr; }
   QSize sizeHint() const override { return {300, 140}; }

@@ -9,12 +9,12 @@
 
 namespace skein::ui {
 
-/// What a run has shown, gathered row by row: for every kick how long formation and tracking took to settle, what came
-/// closest and what went farthest; what the file expects, with a tick or a cross.
+/// The results of a run, collected row by row: for every kick the settling times of formation and tracking, the closest
+/// approach and the largest error; and the file's expectations, each with a tick or a cross.
 class RunResults {
  public:
   explicit RunResults(const app::Experiment& experiment);
-  /// Every record of a session in order; those before the start are passed over.
+  /// Every record of a session in order; those before the start are skipped.
   void add_record(const app::TickRecord& record);
 
   struct Kick {
@@ -40,7 +40,7 @@ class RunResults {
   double largest() const;
 
  private:
-  /// What came closest and went farthest from one kick to the next, in a memory that does not grow with the run.
+  /// The closest approach and the largest error from one kick to the next, in memory that does not grow with the run.
   struct Extremes {
     double since = 0.0;  // [s]
     double closest = app::none, largest = app::none;
@@ -52,7 +52,7 @@ class RunResults {
   bool seen_ = false, started_ = false, over_ = false;
 };
 
-/// What settles first after a kick, and by how much: "formation 1.2 s earlier".
+/// What settles first after a kick, and how much earlier: "formation 1.2 s earlier".
 QString order_of(const RunResults::Kick& kick);
 /// A duration for people: "1.52 s", "not yet".
 QString settling_text(const std::optional<double>& seconds);

@@ -9,8 +9,8 @@
 
 namespace skein::ui {
 
-/// What can be done with the one robot that is selected: as buttons, and as actions for the table's menu. What cannot
-/// be done is off, and its tip says why.
+/// The actions for the selected robot: as buttons, and for the table's menu. An action that is not possible is
+/// disabled, and its tip says why.
 class RobotButtons final : public QWidget {
   Q_OBJECT
 
@@ -19,7 +19,7 @@ class RobotButtons final : public QWidget {
   void show_experiment(const app::Experiment& experiment);
   struct State {
     std::vector<app::RobotStatus> links;
-    std::set<int> held;  ///< from 0: made to stand by the operator
+    std::set<int> held;  ///< from 0: held by the operator
     app::Phase phase = app::Phase::ready;
     bool open = false, busy = false;  ///< busy: a session is being opened or closed
   };

@@ -12,7 +12,7 @@
 
 namespace skein::ui {
 
-/// The robots, one a row: link, mode, tag, how it was found, wheels, firmware.
+/// The robots, one per row: link, mode, tag, how it was found, wheels, firmware.
 class RobotsModel final : public QAbstractTableModel {
   Q_OBJECT
 
@@ -24,12 +24,12 @@ class RobotsModel final : public QAbstractTableModel {
   static QString nothing() { return QStringLiteral("–"); }  ///< stands where there is no value
 
   void show_experiment(const app::Experiment& experiment);
-  /// What is known of the robots beside the record.
+  /// Facts about the robots that the record does not have.
   struct Known {
     std::vector<app::RobotStatus> links;
     bool stop_asked = false;
     std::set<int> held{};                       ///< by the operator, from 0
-    std::vector<std::size_t> may_be_driving{};  ///< from 0: told to stand, and not acknowledged
+    std::vector<std::size_t> may_be_driving{};  ///< from 0: commanded to stand, and not acknowledged
   };
   void show_record(const app::TickRecord& record, const Known& known);
   void set_colours(const Colours& colours);

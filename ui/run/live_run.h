@@ -20,11 +20,11 @@ namespace skein::ui {
 struct FilmOfRun {
   QString file;              ///< empty: nowhere
   bool of_kept_run = false;  ///< the run's folder gets a film
-  bool only_there = false;   ///< the file itself does not last
+  bool only_there = false;   ///< the file itself is temporary
 };
 
 /// The session in the window's thread: thirty times per second it passes on the control thread's records. Opening and
-/// closing, which may wait for cameras and robots, happen aside, so that the window never waits.
+/// closing, which may wait for cameras and robots, happen on another thread, so that the window never waits.
 class LiveRun final : public RunSource {
   Q_OBJECT
 
@@ -32,7 +32,7 @@ class LiveRun final : public RunSource {
   explicit LiveRun(QObject* parent = nullptr);
   ~LiveRun() override;  ///< stops the robots, and waits until the session is closed
 
-  /// Ends the session that there is, robots first, and opens one on this experiment.
+  /// Ends the present session, robots first, and opens one for this experiment.
   void open(const app::Experiment& experiment, bool start_at_once, const FilmOfRun& film = {});
   /// Ends the session; there is none then.
   void end();
@@ -69,7 +69,7 @@ class LiveRun final : public RunSource {
   bool stop_asked() const override { return stop_asked_; }
   const std::set<int>& held() const override { return held_; }
   std::vector<std::size_t> may_be_driving() const override;
-  /// A second after STOP: until then robots have had no fair chance to acknowledge it.
+  /// Whether a second has passed since STOP: before that, robots have not had enough time to acknowledge it.
   bool stop_is_due() const { return !stop_asked_ || since_stop_.hasExpired(1000); }
   /// Robots are driving, or will be driving again as soon as the run is resumed.
   bool is_under_way() const;
@@ -92,16 +92,16 @@ class LiveRun final : public RunSource {
   /// Why it runs in real time, if it does.
   QString real_time_reason() const;
 
-  /// Writes this run, what was before included, to a CSV as it goes; no file: ends that. The answer says what went
-  /// wrong; empty: nothing.
+  /// Records this run live to a CSV, including its beginning; no file: ends the recording. Returns the error; empty:
+  /// none.
   QString record_to(const QString& file);
-  /// Keeps the run that is about to start in a folder of its own; `kept` follows when it is over. The answer as of
-  /// record_to.
+  /// Keeps the run that is about to start in a folder of its own; `kept` follows when it is over. Returns as record_to
+  /// does.
   QString keep(const app::KeepRequest& request);
   bool keeps() const { return keeper_ && keeper_->keeps() && !keeper_ends_; }
   QString kept_folder() const { return keeper_ ? QString::fromStdString(keeper_->folder()) : QString(); }
   QString record_file() const { return record_file_; }  ///< empty: nothing is recorded
-  /// The next run will be recorded; for what `state` says of it.
+  /// The next run will be recorded; for `state`.
   void set_records_next(bool on) { records_next_ = on; }
 
   Done set_gain(core::GainName name, double value, double seconds = 0.0) override;
@@ -120,12 +120,12 @@ class LiveRun final : public RunSource {
   Done hold_robot(std::size_t robot, bool hold) override;
   /// `robot_tested` follows.
   Done test_robot(std::size_t robot);
-  /// Why nothing would stop the robots should this program be killed; nothing: something would, or need not.
+  /// Why nothing would stop the robots if this program were killed; none: a guard would, or need not.
   std::optional<QString> unguarded() const;
-  /// What the operator must see of the guard and of STOP from outside, each once.
+  /// Sentences that the operator must see about the guard and about STOP from outside, each once.
   QStringList alarms();
   Done put_obstacle(int number, const core::Obstacle& obstacle) override;
-  const std::string& camera_down() const { return camera_down_; }  ///< why it does not deliver; empty: it does
+  const std::string& camera_down() const { return camera_down_; }  ///< why the camera does not deliver; empty: it does
   const app::MarksStatus& marks() const { return marks_; }         ///< on the floor
   bool has_camera() const { return session_ && session_->has_camera(); }
   bool picture(app::Picture& out) { return session_ && session_->picture(out); }
@@ -134,15 +134,15 @@ class LiveRun final : public RunSource {
  signals:
   void opened();
   void open_failed(const QString& reason);
-  void frame(double now);  ///< after each poll, thirty times a second, fewer on a busy machine; the window's clock [s]
+  void frame(double now);  ///< after each poll, up to thirty times a second; the window's clock [s]
   void closed();
-  void was_away(double seconds);             ///< the window's thread stood still so long; the control thread did not
+  void was_away(double seconds);             ///< the window's thread stalled for so long; the control thread did not
   void film_failed(const QString& problem);  ///< nothing more is added to the film; the run goes on
   void robot_tested(const skein::app::WheelCheck& result);
   void test_failed(const QString& reason);
   void refused(const QString& why);  ///< the session refused a command
   void starting();                   ///< the first row of a run is about to come
-  void rows_missed(int rows);        ///< by this thread, which was away for too long; the record has them
+  void rows_missed(int rows);        ///< by this thread, which stalled for too long; the recording has them
   void recorded(const QString& file, const QString& problem);  ///< a recording is complete; no problem: empty
   void kept(const QString& folder, const QString& problem);    ///< the same of a run's folder
   void keeping_failed(const QString& problem);  ///< nothing more of this run reaches its folder; the run goes on
@@ -151,7 +151,7 @@ class LiveRun final : public RunSource {
   using Opened = tl::expected<std::unique_ptr<app::Session>, std::string>;
 
   void poll();
-  void settle();  // takes what the thread aside has brought
+  void settle();  // takes the results of the other thread
   void take_robots();
   void finish_files();
   struct Left;
@@ -167,12 +167,12 @@ class LiveRun final : public RunSource {
   QString stopped_text() const;
   QString acknowledgements() const;
   Done post(const std::function<Done(app::Session&)>& what);
-  /// The same for what nothing would come of once the run is over, but a change in its record.
+  /// The same for a change that, once the run is over, would only alter its record.
   Done change(const std::function<Done(app::Session&)>& what);
 
   app::Experiment experiment_;
   QString file_;
-  std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: it goes after it
+  std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: must outlive it
   std::shared_ptr<app::RunKeeper> keeper_;      // the same
   std::unique_ptr<app::Session> session_;
   std::future<std::optional<Opened>> changing_;  // nothing inside: closed, none opened
@@ -201,7 +201,7 @@ class LiveRun final : public RunSource {
   QTimer timer_;
   QElapsedTimer clock_;  // the window's
   double polled_at_ = 0.0;
-  Throttle statuses_{0.25};  // links change slowly, and asking for them makes strings
+  Throttle statuses_{0.25};  // links change slowly, and reading them allocates strings
 };
 
 }  // namespace skein::ui

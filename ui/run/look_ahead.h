@@ -15,14 +15,14 @@
 
 namespace skein::ui {
 
-/// Answers "what would the next seconds be?" on a thread of its own, which nobody waits for: a new question ends the
-/// one before at its next tick, and so does the end of the window. All calls from the window's thread.
+/// Computes the next seconds of a run on a thread of its own, for which nothing waits: a new question ends the previous
+/// one at its next tick, and so does the end of the window. All calls from the window's thread.
 class LookAhead final : public QObject {
   Q_OBJECT
 
  public:
   using Rows = std::shared_ptr<const std::vector<app::TickRecord>>;
-  static constexpr double seconds = 10.0;  ///< that it looks ahead, in at most so many ticks:
+  static constexpr double seconds = 10.0;  ///< the time that it looks ahead, in at most so many ticks:
   static constexpr std::size_t most_ticks = 1000;
 
   explicit LookAhead(QObject* parent = nullptr);
@@ -30,7 +30,7 @@ class LookAhead final : public QObject {
 
   void begin(const app::Experiment& experiment);  ///< a session of it; its records follow
   void follow(const app::TickRecord& record);     ///< every one, in order
-  /// With this command now, and nobody's hand afterwards; `seen` follows, unless something else is asked before.
+  /// With this command now, and no other actions afterwards; `seen` follows, unless another question comes first.
   void ask(const app::OperatorCommand& command);
   void cancel();
 
@@ -46,7 +46,7 @@ class LookAhead final : public QObject {
   std::condition_variable_any something_new_;
   std::deque<std::variant<app::Experiment, app::TickRecord>> inbox_;
   std::optional<app::OperatorCommand> asked_;
-  std::atomic<std::uint64_t> question_{0};  // the newest; what it was before is not answered any more
+  std::atomic<std::uint64_t> question_{0};  // the newest; earlier ones are not answered any more
 
   std::unique_ptr<app::Forecast> forecast_;  // the thread's; null: there is none of this experiment
   double rate_ = 25.0;                       // the thread's

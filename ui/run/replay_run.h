@@ -13,14 +13,14 @@
 
 namespace skein::ui {
 
-/// Plays a recorded run: shows its rows as time goes by, or those up to where the operator wants to be. Nothing in it
+/// Plays a recorded run: shows its rows as time goes by, or those up to the time that the operator chose. Nothing in it
 /// can be changed.
 class ReplayRun final : public RunSource {
   Q_OBJECT
 
  public:
   using Recording = std::shared_ptr<const app::RecordedRun>;
-  static constexpr double memory = 20.0;  ///< after a jump, this much of the time before is shown again [s]
+  static constexpr double memory = 20.0;  ///< after a jump, this much of the preceding time is shown again [s]
 
   explicit ReplayRun(QObject* parent = nullptr);
   void load(Recording run);  ///< null: nothing to play
@@ -35,7 +35,7 @@ class ReplayRun final : public RunSource {
   double speed() const { return speed_; }
   double first_time() const { return run_->rows.front().t; }
   double last_time() const { return run_->rows.back().t; }
-  /// How the commands came out when the run was put through the same tick once more, line by line.
+  /// The result of replaying the run through the same tick, line by line.
   QStringList verdict() const;
   bool came_out_the_same() const { return run_->check.different == 0 && run_->check.warnings.empty(); }
 
@@ -82,7 +82,7 @@ class ReplayRun final : public RunSource {
   Done put_obstacle(int, const core::Obstacle&) override { return refusal(); }
 
  signals:
-  /// Where they stand after a jump in time, before the rows that are shown again.
+  /// The obstacles after a jump in time, before the rows that are shown again.
   void obstacles_stand(const std::vector<core::Obstacle>& obstacles);
 
  private:
@@ -95,7 +95,7 @@ class ReplayRun final : public RunSource {
 
   Recording run_;
   core::ReferenceDemand demand_;         // of the whole reference
-  std::vector<app::RobotStatus> links_;  // nothing is known of them any more
+  std::vector<app::RobotStatus> links_;  // unknown in a replay
   // At the present moment, by the events until then:
   std::set<std::array<std::size_t, 2>> uncoupled_;  // i < j
   std::set<int> held_;

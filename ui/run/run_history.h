@@ -12,13 +12,13 @@
 namespace skein::ui {
 
 /// The rows of a run as they came in, for saving: everything from Start to the end. Bounded, so that a window left open
-/// over a weekend does not eat the memory; what went missing is counted.
+/// over a weekend does not use up the memory; dropped rows are counted.
 class RunHistory {
  public:
   using Rows = std::vector<std::shared_ptr<const app::TickRecord>>;
 
-  /// `bytes` is what the rows may take in all: by default 13 minutes of four robots at 25 Hz.
-  /// A recording (CsvRecorder) has no such end.
+  /// `bytes` is the limit for all rows: by default 13 minutes of four robots at 25 Hz. A recording (CsvRecorder) has no
+  /// such limit.
   explicit RunHistory(std::size_t bytes = std::size_t{48} << 20) : bytes_(bytes) {}
 
   void clear();
@@ -27,7 +27,7 @@ class RunHistory {
 
   std::size_t size() const { return rows_.size(); }
   std::size_t dropped() const { return dropped_; }
-  /// What is there now. Cheap, and good for another thread: rows never change.
+  /// The present rows. Cheap, and safe to pass to another thread: rows never change.
   Rows rows() const { return {rows_.begin(), rows_.end()}; }
 
  private:

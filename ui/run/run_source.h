@@ -14,15 +14,15 @@
 
 namespace skein::ui {
 
-/// Adds the robots that are held by this record's events, and removes those that are let go.
+/// Adds the robots that are held by this record's events, and removes those that are released.
 void note_holds(const app::TickRecord& record, std::set<int>& held);
 
-/// Puts the values of the law's parameters by this record's events; a recording may know of more than its file
+/// Updates the values of the law's parameters by this record's events; a recording may have more than its file
 /// declares.
 void note_parameters(const app::TickRecord& record, std::vector<app::LawParameter>& parameters);
 
-/// A run as the window shows it, live or recorded: the experiment, its rows, where its gains are, and what the operator
-/// can do with it. Whoever shows a run knows only this.
+/// A run as the window shows it, live or recorded: the experiment, its rows, its gains, and what the operator can do
+/// with it. Code that shows a run uses only this interface.
 class RunSource : public QObject {
   Q_OBJECT
 
@@ -32,7 +32,7 @@ class RunSource : public QObject {
   explicit RunSource(QObject* parent = nullptr) : QObject(parent) {}
 
   virtual const app::Experiment& experiment() const = 0;
-  /// The experiment's file; empty: there is none, or nobody knows. A recording has its experiment inside.
+  /// The experiment's file; empty: there is none, or it is not known. A recording has its experiment inside.
   virtual QString file() const = 0;
   virtual QString title() const = 0;  ///< of the window
   virtual app::Phase phase() const = 0;
@@ -45,14 +45,14 @@ class RunSource : public QObject {
   virtual RunHistory::Rows rows() const = 0;
   /// Whether all its rows are available from the beginning, so that it can seek to any time.
   virtual bool is_complete() const = 0;
-  /// What was found out when it was opened, for the log.
+  /// Findings from opening it, for the log.
   virtual std::vector<Notice> findings() const = 0;
   virtual const std::vector<app::RobotStatus>& robots() const = 0;
-  /// How late its ticks were until now; none: nobody knows.
+  /// How late its ticks have been so far; none: not known.
   virtual std::optional<app::Timing> timing() const { return {}; }
   virtual bool stop_asked() const = 0;            ///< by the operator
-  virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator has made to stand
-  /// The robots, from 0, that were told to stop and have not acknowledged it: they may be driving.
+  virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator holds
+  /// The robots, from 0, that were commanded to stop and have not acknowledged it: they may be driving.
   virtual std::vector<std::size_t> may_be_driving() const = 0;
 
   /// A session is open, and its robots and gains can be acted on.
@@ -61,7 +61,7 @@ class RunSource : public QObject {
   virtual bool is_busy() const = 0;
   /// Whether it can be started, or could be once the failed checks are fixed.
   virtual bool is_before_start() const = 0;
-  /// Why the operator cannot change anything here; empty: he can.
+  /// Why the operator cannot change anything here; empty: changes are possible.
   virtual QString why_fixed() const = 0;
 
   /// Across the arena; no text: nothing.
@@ -73,7 +73,8 @@ class RunSource : public QObject {
   virtual double gain(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual double gain_target(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual bool coupled(std::size_t i, std::size_t j) const = 0;
-  /// What (18f, g) leave: to all pairs over the whole reference, to one pair, to all pairs at the present moment alone.
+  /// The limit of (18f, g): for all pairs over the whole reference, for one pair, for all pairs at the present moment
+  /// alone.
   virtual double gain_limit(core::GainName name) const = 0;
   virtual double gain_limit(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual double gain_limit_now(core::GainName name) const = 0;
@@ -81,12 +82,12 @@ class RunSource : public QObject {
   /// What the law declares, with the values at the present moment.
   virtual const std::vector<app::LawParameter>& parameters() const = 0;
 
-  virtual Done go() = 0;  ///< starts, pauses, resumes, plays: what `state().go` says
+  virtual Done go() = 0;  ///< starts, pauses, resumes or plays, as `state().go` says
   virtual Done step() = 0;
   virtual Done set_speed(double speed) = 0;
   /// Goes to this time; false: the present moment cannot be moved.
   virtual bool seek(double t) = 0;
-  /// `seconds`: of the ramp; 0: as fast as it may.
+  /// `seconds`: of the ramp; 0: as fast as allowed.
   virtual Done set_gain(core::GainName name, double value, double seconds) = 0;
   virtual Done set_gain(core::GainName name, std::size_t i, std::size_t j, double value, double seconds) = 0;
   virtual Done set_parameter(const std::string& name, double value) = 0;
@@ -94,12 +95,12 @@ class RunSource : public QObject {
   virtual Done move_robot(std::size_t robot, const core::Pose& pose) = 0;
   virtual Done kick_robot(std::size_t robot, double vx, double vy) = 0;
   virtual Done hold_robot(std::size_t robot, bool hold) = 0;
-  /// Number -1: a new one; radius 0: away with it.
+  /// Number -1: a new one; radius 0: remove it.
   virtual Done put_obstacle(int number, const core::Obstacle& obstacle) = 0;
 
  signals:
   void row_added(const skein::app::TickRecord& record);     ///< to the run, in order
-  void record_shown(const skein::app::TickRecord& record);  ///< the present moment has come to it
+  void record_shown(const skein::app::TickRecord& record);  ///< the present moment has reached it
   void changed();  ///< the present moment was moved by the operator, or plays on
 };
 

@@ -20,18 +20,18 @@ struct Notice {
 };
 
 /// Where a run is and what can be done with it, as bar and menus show it. A live run and a replay fill it in
-/// differently; what shows it need not know which of the two it is.
+/// differently; code that shows it need not distinguish the two.
 struct RunState {
-  /// What the first button does; `again`: sets the experiment up once more, and nothing moves.
+  /// What the first button does; `again`: sets the experiment up again, and nothing moves.
   enum class Go { start, pause, resume, play, again };
 
   QString words;                   ///< "Running", "Replay, paused" ...
   Severity tone = Severity::note;  ///< of the words
   bool moves = false;              ///< time goes by
   double t = 0.0;                  ///< time of the experiment [s]
-  bool has_time = true;            ///< false: there is nothing that could run
+  bool has_time = true;            ///< false: there is nothing to run
   std::optional<double> end;       ///< when it will be over [s]; none: it is over
-  double speed = 1.0;              ///< asked for, times real time
+  double speed = 1.0;              ///< requested, times real time
   Go go = Go::start;
   bool may_go = false;
   Offer step, change_speed, new_run, record;

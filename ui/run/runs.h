@@ -26,7 +26,7 @@ class Runs final : public QObject {
 
  signals:
   void shown_changed();
-  void session_ends();  ///< whatever belongs to it must be let go
+  void session_ends();  ///< references to its parts must be dropped
   // Of the run that is shown, see RunSource:
   void row_added(const skein::app::TickRecord& record);
   void record_shown(const skein::app::TickRecord& record);

@@ -10,8 +10,8 @@
 
 namespace skein::ui {
 
-/// What matters now, in its colour, along the bottom of the window: states as long as they last, news for a while. Each
-/// says what has happened and what the program did.
+/// The most important message now, in its colour, along the bottom of the window: states as long as they last, news for
+/// a while. Each says what has happened and what the program did.
 class AlertStrip final : public QLabel {
   Q_OBJECT
 
@@ -20,9 +20,9 @@ class AlertStrip final : public QLabel {
   void show_record(const app::TickRecord& record);
   /// The robots that are lost now, as "2, 3"; empty: none.
   QString lost_robots() const;
-  /// Where else in the window the same is said.
+  /// Where else in the window the same text is shown.
   enum class Also { nowhere, in_banner };
-  /// For a while, also over what is held; behind it, if that is an alarm.
+  /// For a while, also in place of a held message, unless that is an alarm.
   void say(const QString& text, Severity severity, Also also = Also::nowhere);
   /// Stays until `clear`, over the states and the events of the run: STOP, a failure, the verdict on a recording.
   void hold(const QString& text, Severity severity);
@@ -30,9 +30,9 @@ class AlertStrip final : public QLabel {
   void warn_batteries(const QStringList& robots);
   /// Nothing stops the robots if this program is killed: shown unless something more severe is, until `clear`.
   void warn_unguarded(const QString& text) { stand(State::unguarded, text, Severity::warning); }
-  /// Not all of this run is kept: as long as it lasts, all is not well.
+  /// Not all of this run is kept: shown as long as it lasts, unless something more severe is.
   void warn_unkept(const QString& text) { stand(State::unkept, text, Severity::warning); }
-  /// What is said while there is nothing else to say.
+  /// The text while there is no other message.
   void rest_on(const QString& text);
   void clear_alert();
   /// The warning or alarm that is shown now; empty: there is none.
@@ -43,7 +43,7 @@ class AlertStrip final : public QLabel {
   void refresh();  ///< lets old news fade
 
  signals:
-  /// What an operator must hear who does not look: an alarm, or a low battery, once when it begins.
+  /// What an operator who does not look must hear: an alarm, or a low battery, once when it begins.
   void alarmed(const QString& text);
 
  protected:
@@ -67,7 +67,7 @@ class AlertStrip final : public QLabel {
   void show_text();
 
   std::map<int, QString> lost_;        // robots without a tag, from 1, and why it is not seen; empty: not known
-  std::vector<double> limited_since_;  // limits that bite: since when, NaN: they do not [s]
+  std::vector<double> limited_since_;  // limits that bite: since when, NaN: not limited [s]
   double v_rose_at_ = 0.0;             // [s]
   std::map<State, Said> states_;
   Said news_;

@@ -21,7 +21,7 @@ class AlertVoice final : public QObject {
   bool is_on() const { return on_; }
   /// Whether there is a speech engine; without one, alarms are beeps.
   static bool can_speak();
-  /// Takes the place of what is being spoken. Nothing while it is off.
+  /// Replaces what is being spoken. Does nothing while it is off.
   void say(const QString& text);
 
  signals:

@@ -11,8 +11,8 @@
 
 namespace skein::ui {
 
-/// What has to hold before a start, each with its reason and a way to mend it; and the button that overrules what may
-/// be overruled.
+/// The checks before a start, each with its reason and a way to fix it; and the button that overrules those that may be
+/// overruled.
 class CheckList final : public QWidget {
   Q_OBJECT
 
@@ -33,7 +33,7 @@ class CheckList final : public QWidget {
  private:
   struct Row {
     QLabel *mark, *title, *reason;
-    QPushButton* mend;  // none: nothing to press
+    QPushButton* mend;  // null: nothing to press
   };
   void dress();
   void scroll_to_amiss();
@@ -41,9 +41,9 @@ class CheckList final : public QWidget {
   std::vector<app::Check> checks_;
   std::vector<Row> rows_;
   QPushButton* anyway_;
-  QScrollArea* scroll_;  // where there is little room
+  QScrollArea* scroll_;  // if there is little room
   QWidget* list_;
-  std::optional<app::Check::What> amiss_;  // the first that is, which is scrolled to
+  std::optional<app::Check::What> amiss_;  // the first failed check, to which the list scrolls
 };
 
 }  // namespace skein::ui

@@ -25,7 +25,7 @@ class EventModel final : public QAbstractTableModel {
 
   using QAbstractTableModel::QAbstractTableModel;
   void clear();
-  /// `word`: as the CSV has it; empty: the CSV has nothing of it.
+  /// `word`: as the CSV has it; empty: it is not in the CSV.
   void add(double t, const QString& text, Severity severity, const QString& word);
   void set_colours(const Colours& colours) { colours_ = colours; }
 
@@ -77,7 +77,7 @@ class EventLog final : public QTableView {
   QSize minimumSizeHint() const override { return {120, 40}; }
 
  signals:
-  void time_picked(double t);  ///< of the event that was double-clicked, or Return pressed on [s]
+  void time_picked(double t);  ///< of the event that was double-clicked, or on which Return was pressed [s]
 
  protected:
   void changeEvent(QEvent*) override;

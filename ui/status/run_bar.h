@@ -17,7 +17,7 @@ class QVBoxLayout;
 
 namespace skein::ui {
 
-/// What the operator does with a run, where the run is, and STOP.
+/// The controls of a run, its progress, and STOP.
 class RunBar final : public QWidget {
   Q_OBJECT
 
@@ -47,8 +47,8 @@ class RunBar final : public QWidget {
 
  private:
   static constexpr int tightest = 4;
-  /// 0: everything; then, one after the other, texts of buttons and the time that is left go, and the time line moves
-  /// below the buttons. Never STOP.
+  /// 0: shows everything; at higher values the texts of buttons and the remaining time disappear one after the other,
+  /// and the time line moves below the buttons. STOP always stays.
   void set_tightness(int tightness);
   void fit();
   void put_time_line(bool below);

@@ -8,20 +8,20 @@
 namespace skein::ui {
 
 /// Sees every key and every press of the mouse before any widget does, and turns Space, Esc and a press on the STOP
-/// button into STOP: whatever has the focus, whatever dialog or menu is open. A shortcut would not do: a spin box, a
-/// menu or a button with the focus may take the key first. Since Space presses no button then, Return does. No dialog
+/// button into STOP: whatever has the focus, whatever dialog or menu is open. A shortcut is not enough: a spin box, a
+/// menu or a button with the focus may take the key first. Because Space presses no button then, Return does. No dialog
 /// opens over the STOP button.
 class StopGuard final : public QObject {
   Q_OBJECT
 
  public:
   struct Calls {
-    /// For every such press; the answer: robots could have been moving. If so the key is spent; if not, Esc goes on to
-    /// where it was meant for and Space to a text that is being written (a blank in a file name).
+    /// Called for every such press; returns whether robots could have been moving. If so, the key is consumed; if not,
+    /// Esc goes on to its own receiver and Space to a text that is being typed (a blank in a file name).
     std::function<bool()> stop;
     /// Nothing moves or is about to: then Esc closes the dialog or menu that is open, and stops nothing.
     std::function<bool()> all_stand;
-    /// Space, where nothing could be stopped and no text is written.
+    /// Called for Space when nothing could be stopped and no text is being typed.
     std::function<void()> space;
   };
   StopGuard(Calls calls, QWidget* button, QObject* parent);

@@ -9,7 +9,7 @@
 
 namespace skein::ui {
 
-/// How far the run is, and what the file has in store for it: its perturbations and changes of gains.
+/// The progress of the run, and the perturbations and changes of gains that its file schedules.
 class TimeLine final : public QWidget {
   Q_OBJECT
 
@@ -17,7 +17,7 @@ class TimeLine final : public QWidget {
   explicit TimeLine(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
   void show_record(const app::TickRecord& record);
-  /// A place on it is a time to go to. `rows`: the whole run, for its length and its events.
+  /// A click on it seeks to that time. `rows`: the whole run, for its length and its events.
   void set_scrubbable(bool on, const RunHistory::Rows& rows);
   void set_flat(bool flat);  ///< no higher than its marks
   QSize sizeHint() const override { return {320, flat_ ? flat_height : 40}; }
