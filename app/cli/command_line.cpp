@@ -172,13 +172,13 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       "check",
       "Reports every mistake in an experiment file, and certifies its gains; exit status 0 if they are "
       "certified, 1 if --controller finds the law unfit, 2 if the file has mistakes or they "
-      "are not certified (`skein run` runs it all the same)");
+      "are not certified (`skein run` still runs it)");
   ExperimentOptions check_experiment;
   check_experiment.add_to(check_command, true);
   bool check_law = false;
   check_command.add_flag("--controller", check_law,
-                         "also run it with simulated robots: whether the law keeps its deadline and its limits, and "
-                         "how often the shield acts");
+                         "also run it with simulated robots, and report whether the law keeps its deadline and its "
+                         "limits, and how often the shield acts");
   check_command.add_flag_callback(
       "--schema",
       [] {
@@ -231,10 +231,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command.add_option("--csv", track_request.csv, "one row per detection; default: stdout")->type_name("FILE");
   track_command.add_option("--record", track_request.record, "record the frames to this film, lossless (Matroska)")
       ->type_name("FILE.MKV");
-  CLI::Option* const real_tracker = track_command.add_flag("--tracker", track_request.tracker,
-                                                           "with the tracker of a run instead of AprilTag; counts what "
-                                                           "it rejects, measures its stages, says why a tag is not "
-                                                           "taken");
+  CLI::Option* const real_tracker =
+      track_command.add_flag("--tracker", track_request.tracker,
+                             "use the tracker of a run instead of AprilTag; count what it rejects, time its stages, "
+                             "and report why a tag is not taken");
   track_command
       .add_option("--tags", track_request.tags, "tags to follow, such as 1-4,7; default: those in the first frame")
       ->type_name("IDS")
@@ -253,8 +253,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App& camera_doctor_command =
       *camera_command.add_subcommand("doctor",
-                                     "Examines a camera by its frames, at 25 frames/s without --rate: what to do, and "
-                                     "a [camera] table to paste; exit status 1 if something is ill");
+                                     "Examines a camera by its frames, at 25 frames/s without --rate, and prints what "
+                                     "to do and a [camera] table to paste; exit status 1 if something must be fixed");
   CameraDoctorRequest camera_doctor_request;
   camera_doctor_command.add_option(
       "source", camera_doctor_request.source,
@@ -265,21 +265,21 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       ->check(number_within(1.0, 60.0))
       ->capture_default_str();
   camera_doctor_request.words.add_to(camera_doctor_command, /*calibrated=*/false);
-  camera_doctor_command.get_option("--rate")->description("asked of a camera [frames/s]; default: 25, as of a run");
+  camera_doctor_command.get_option("--rate")->description(
+      "requested from the camera [frames/s]; default: 25, as in a run");
 
-  CLI::App& camera_latency_command = *camera_command.add_subcommand(
-      "latency",
-      "Measures how late the stamps of an experiment's cameras are: a robot with a link turns to and fro on the spot, "
-      "and its headings are compared with the counters of its wheels; prints camera.latency; exit status 1 if the data "
-      "do not tell");
+  CLI::App& camera_latency_command =
+      *camera_command.add_subcommand("latency",
+                                     "Measures how late the time stamps of an experiment's cameras are: a robot with a "
+                                     "link turns to and fro on the spot, and its headings are compared with its wheel "
+                                     "counters; prints camera.latency; exit status 1 if the data do not determine it");
   ExperimentOptions latency_experiment;
   latency_experiment.add_to(camera_latency_command, true);
   CameraLatencyRequest latency_request;
   camera_latency_command
-      .add_option(
-          "--robot", latency_request.robots,
-          "which robot turns, from 1; repeatable: several, one after the other, at different rows of the picture, "
-          "tell the row time of a rolling shutter, too")
+      .add_option("--robot", latency_request.robots,
+                  "the robot that turns, from 1; repeatable: several robots, one after the other, at different rows of "
+                  "the picture, also determine the row time of a rolling shutter")
       ->check(whole_number(1, 1000))
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)

@@ -102,11 +102,11 @@ void RunCommands::add_to(CLI::App& program) {
       add("verify",
           "Verifies that the record of a run follows from its inputs, bit for bit: hashes, replay, and a repetition");
   verify_->add_option("run", runs_request_.run, which)->required();
-  remove_ = add("remove", "Removes runs; without --yes it prints which, and how much room they take");
+  remove_ = add("remove", "Removes runs; without --yes it only prints which, and how much space they take");
   remove_->add_option("run", runs_request_.runs, which);
   remove_
       ->add_option("--where", runs_request_.query,
-                   "those for which a condition holds, as `skein runs find` has it; with names: those of them")
+                   "the runs for which a condition holds, as for `skein runs find`; with names: only those among them")
       ->type_name("QUERY");
   remove_->add_flag("--yes", runs_request_.yes, "remove them");
   export_kept_ =

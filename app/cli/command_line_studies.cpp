@@ -46,14 +46,14 @@ void StudyCommands::add_to(CLI::App& program) {
           ->add_option("--only", request.only, "only the run with this seed, and print the `skein run` that repeats it")
           ->check(whole_number(0, largest_seed))
           ->type_name("SEED");
-  CLI::Option* const csv = sweep_->add_option("--csv", request.csv, "one row a run")->type_name("FILE");
+  CLI::Option* const csv = sweep_->add_option("--csv", request.csv, "one row per run")->type_name("FILE");
   CLI::Option* const report =
       sweep_->add_option("--report", request.report, "write figures of distributions and the worst runs to this folder")
           ->type_name("DIR");
   CLI::Option* const part =
       sweep_
           ->add_option("--part", request.part,
-                       "i/n: only the i-th of n parts, for --merge; auto: as the Slurm array or MPI job says")
+                       "i/n: only the i-th of n parts, for --merge; auto: from the Slurm array or the MPI job")
           ->type_name("i/n")
           ->excludes(only)
           ->excludes(csv)
@@ -63,13 +63,13 @@ void StudyCommands::add_to(CLI::App& program) {
   part->needs(into);
   sweep_
       ->add_option("--merge", request.merge,
-                   "combine the parts in this folder, with the result of a single machine; names missing parts")
+                   "combine the parts in this folder into the result that a single machine gives; names missing parts")
       ->type_name("DIR")
       ->excludes(part)
       ->excludes(only);
   CLI::Option* const plan = sweep_->add_flag("--plan", request.plan,
-                                             "only what the study will cost: measures 32 of its runs here, and prints "
-                                             "core-hours and the Slurm array for them");
+                                             "only estimate what the study will cost: measures 32 of its runs here, "
+                                             "and prints core-hours and the Slurm array for them");
   for (CLI::Option* const other : {only, csv, report, part, sweep_->get_option("--merge")}) plan->excludes(other);
   sweep_->add_flag("--json", request.json, "print the summary as one JSON object");
   sweep_->add_flag("--quiet", request.quiet, "no progress, no summary");
@@ -87,7 +87,7 @@ void StudyCommands::add_to(CLI::App& program) {
   tune_->add_option("--held-out", gains.held_out, "kicks held out, instead of the file's tune.held_out")
       ->check(count)
       ->type_name("N");
-  tune_->add_option("--csv", gains.csv, "the front, one row a point")->type_name("FILE");
+  tune_->add_option("--csv", gains.csv, "the front, one row per point")->type_name("FILE");
   tune_
       ->add_option("--report", gains.report, "write the front's figure and each point's experiment file to this folder")
       ->type_name("DIR");

@@ -110,13 +110,13 @@ void VisionCommands::add_to(CLI::App& program) {
                    "film of a run of this experiment (`skein run --video`); the other cameras' films lie beside it")
       ->type_name("FILM.MKV")
       ->required();
-  joint_->add_option("--reference", joint_request_.reference, "the camera that stays as it is, from 1")
+  joint_->add_option("--reference", joint_request_.reference, "the camera whose calibration stays unchanged, from 1")
       ->check(whole_number(1, static_cast<std::int64_t>(most_cameras)))
       ->capture_default_str();
-  CLI::Option* const out = joint_
-                               ->add_option("--out", joint_request_.out,
-                                            "folder for the corrected calibrations, under the names that they have")
-                               ->type_name("FOLDER");
+  CLI::Option* const out =
+      joint_
+          ->add_option("--out", joint_request_.out, "folder for the corrected calibrations, under their present names")
+          ->type_name("FOLDER");
   joint_
       ->add_flag("--save", joint_request_.save, "write them over the experiment's calibrations; the old ones are kept")
       ->excludes(out);
