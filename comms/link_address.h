@@ -10,7 +10,7 @@ enum class LinkKind {
   serial,  ///< a serial line or pseudo-terminal: USB cable, /dev/rfcommN, an emulated robot
   rfcomm,  ///< a Bluetooth serial connection made by this program
   tcp,     ///< an e-puck2 with the WiFi firmware, selector at 15
-  udp      ///< datagrams, as a rule of the open protocol
+  udp      ///< datagrams, usually of the open protocol
 };
 
 /// The address of a robot.

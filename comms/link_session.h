@@ -159,7 +159,7 @@ class LinkSession {
 
   std::optional<Pending> pending_;      // newest command, not sent yet
   std::optional<Pending> unconfirmed_;  // newest command that was sent and is not confirmed
-  std::optional<WheelCommand> told_;    // what the robot was told last; none: stopped since, or never told
+  std::optional<WheelCommand> told_;    // the last command sent; none: a stop was sent since, or no command yet
   std::uint16_t told_ticket_ = 0;
   std::optional<Asked> question_;
   int sent_since_question_ = 0;

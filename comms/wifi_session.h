@@ -29,7 +29,7 @@ class WifiSession final : public LinkSession {
   void put(WheelCommand command);
 
   WifiParser parser_;
-  WheelCommand newest_;               // what the robot was told last
+  WheelCommand newest_;               // the last command sent
   int packets_ = 0;                   // since the newest question or stop was sent
   std::optional<Encoders> standing_;  // counters since the stop
   double standing_since_ = 0.0;       // since when they have not changed [s]

@@ -20,7 +20,7 @@ struct AdversaryOutcome {
   double longest_wait = 0.0;  ///< of the control thread [s]
   std::int64_t late = 0;      ///< ticks without an answer
   bool stop_asked = false;    ///< STOP was pressed in the middle of the run
-  bool stands = false;        ///< at the end every robot was told to stand, and acknowledged
+  bool stands = false;        ///< at the end every robot was commanded to stand, and acknowledged it
   std::string failure;        ///< why the run failed, if it did; this does not count as harm
 };
 

@@ -4,8 +4,8 @@
 
 namespace skein::app {
 
-/// Measures the window, each time for so many seconds, or its memory in a run of so many hours; empty in a program that
-/// was built without one.
+/// Measures the window: each measurement takes `seconds`; with `hours` above 0, its memory during a run of that length
+/// instead. Empty in a program that was built without a window.
 using BenchWindow = std::function<int(double seconds, double hours, int& argc, char** argv)>;
 
 /// The program `skein-bench`: measures what its command line names, a row of the table in bench.cpp each. Never throws.

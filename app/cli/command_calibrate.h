@@ -40,7 +40,7 @@ struct JointRequest {
   std::string experiment;     ///< its file
   std::string film;           ///< camera 1's film of a run of it; those of the other cameras are beside it
   std::string out;            ///< folder for the corrected calibrations; empty: none are written
-  std::size_t reference = 1;  ///< the camera that stays as it is, from 1
+  std::size_t reference = 1;  ///< the camera whose calibration stays unchanged, from 1
   bool save = false;          ///< overwrite the experiment's own calibrations instead
   bool quiet = false;
 };

@@ -258,7 +258,7 @@ struct NoProgress {  ///< it has made no progress towards its place for 3 s
 struct Outside {  ///< its body is over the edge of the arena
   static constexpr std::string_view word = "outside";
   std::size_t robot = 0;
-  double over = 0.0;  ///< by so much [m]
+  double over = 0.0;  ///< how far [m]
 };
 
 struct Runaway {  ///< it does not drive as commanded; it is commanded to stand

@@ -22,7 +22,7 @@ struct RobotSetup {
   int number = -1;             ///< in the experiment, from 0; -1: it is not in it
   std::optional<bool> paired;  ///< with the PC; empty: not known
 
-  bool pinged = false;                              ///< somebody tried to reach it
+  bool pinged = false;                              ///< there was an attempt to reach it
   bool answers = false;                             ///< the last time
   std::string silence;                              ///< why it did not answer then
   double round_trip = none, round_trip_p99 = none;  ///< median and 99th percentile [s]

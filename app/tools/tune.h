@@ -56,7 +56,7 @@ struct Tuned {
 /// study gives the same result, whatever the number of threads.
 ///
 /// `progress` is called with the number of runs made, on the calling thread, and returns false to end the search: then
-/// the error says so. Else the error says what in the study cannot be searched.
+/// the error says so. Otherwise the error names what cannot be searched in the study.
 tl::expected<Tuned, std::string> tune(const Study& study, unsigned threads,
                                       const std::function<bool(std::int64_t)>& progress);
 

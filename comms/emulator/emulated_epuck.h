@@ -88,7 +88,7 @@ class EmulatedEpuck {
   core::Random random_;
   double start_;
   double held_up_until_ = 0.0;  // by a latency fault, on the way to the robot
-  double time_;                 // how far the robot's time has come
+  double time_;                 // the time that the robot has reached
   std::uint64_t breaks_ = 0;
 
   std::deque<Message> to_robot_, to_host_;  // in the air

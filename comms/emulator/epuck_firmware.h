@@ -121,7 +121,7 @@ class EpuckFirmware final : public RobotFirmware {
 
   int speed_left_ = 0, speed_right_ = 0;        // as E reports: last commanded, unclamped
   int position_left_ = 0, position_right_ = 0;  // last arguments of P
-  int motor_left_ = 0, motor_right_ = 0;        // what the motors were last told
+  int motor_left_ = 0, motor_right_ = 0;        // the speeds last sent to the motors
   std::uint64_t times_told_ = 0;
   core::StepMotor left_motor_, right_motor_;
   int i2c_module_ = 0, i2c_register_ = 0, i2c_value_ = 0;  // last arguments of Y and W

@@ -76,7 +76,7 @@ class Steering {
   struct Ride {
     double held;     // share of the course with a conflict
     double off;      // mean distance from the goal on the course [m]
-    double closest;  // smallest distance to another, less the distance to keep [m]
+    double closest;  // smallest distance to another, minus the distance to keep [m]
   };
   void gather_movers(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
                      double reach) noexcept;

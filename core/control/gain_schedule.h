@@ -52,8 +52,8 @@ struct ReferenceDemand {
   double turning = 0.0;  ///< largest |omega_ref| + k_y |v_ref| [rad/s]
 };
 
-/// The largest sum that robot i's gains of one name may have: what (18f) or (18g) leaves them beside the gain that
-/// shares the bound, less `tracking_share`. May be negative; infinite for slopes and weights, which have no bound.
+/// The largest sum that robot i's gains of one name may have: what (18f) or (18g) leaves after the gain that shares the
+/// bound and `tracking_share`. May be negative; infinite for slopes and weights, which have no bound.
 double row_limit(GainName name, std::size_t i, const Gains& gains, const CouplingGains& couplings,
                  const ReferenceDemand& demand) noexcept;
 

@@ -39,7 +39,7 @@ class CameraWatch {
     double turn = 0.0;   ///< the same for a rotation, times the lever [m]
     double noise = 0.0;  ///< uncertainty of both poses, a rotation times the lever [m]
   };
-  /// A robot's newest measurement by this camera and the one `before` it; the filter knows the commands between them.
+  /// A robot's newest measurement by this camera and the one `before` it; the filter has the commands between them.
   void see(std::size_t robot, const PoseFilter& filter, const FilterParameters& parameters, const Measurement& before,
            const Measurement& measurement) noexcept;
   /// The same, with the pose expected from its previous measurement and its commands. A measurement that is not newer

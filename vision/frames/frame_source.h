@@ -74,10 +74,10 @@ class FrameSource {
 using ControlSettings = std::vector<std::pair<std::string, double>>;
 
 struct SourceOptions {
-  int width = 0;          // asked of a camera [px], as a rule the calibration's; 0: as the camera is set
+  int width = 0;          // requested from a camera [px], usually the calibration's; 0: as the camera is set
   int height = 0;         // [px]
-  double rate = 0.0;      // asked of a camera [frames/s]; 0: as the camera is set
-  std::string format{};   // asked of a camera: "MJPG", "BayerRG8"; empty: the cheapest that gives size and rate
+  double rate = 0.0;      // requested from a camera [frames/s]; 0: as the camera is set
+  std::string format{};   // requested from a camera: "MJPG", "BayerRG8"; empty: the cheapest that gives size and rate
   std::string trigger{};  // what makes a camera take a frame: "software" (`rate` times a second, by the source), or
                           // one of its lines ("Line1"); empty: its own clock
   ControlSettings controls{};  // of a camera, see set_controls; set again whenever it is opened again

@@ -46,8 +46,8 @@ std::string reason(int error);
 inline constexpr const char* film_note = "SKEIN_FILM";
 inline constexpr const char* film_version = "1";
 
-/// What a recorded frame carries beside its pixels, as Matroska's BlockAdditional: the container itself keeps times to
-/// the millisecond only.
+/// What a recorded frame carries in addition to its pixels, as Matroska's BlockAdditional: the container itself keeps
+/// times to the millisecond only.
 struct Stamp {
   std::int64_t index = 0;
   double captured_at = 0.0;    // [s]

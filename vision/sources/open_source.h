@@ -61,7 +61,7 @@ tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_
 /// the camera has them. The error: it is not a camera, it does not answer, or a control cannot be set as requested.
 tl::expected<CameraSettings, std::string> camera_settings(std::string_view address, const ControlSettings& set = {});
 
-/// Whether that may be done while somebody reads frames from it.
+/// Whether camera_settings() works while somebody reads frames from the camera.
 bool settable_while_read(std::string_view address);
 
 }  // namespace skein::vision

@@ -89,8 +89,8 @@ struct alignas(64) TagTemplate {
   using Rigid = Eigen::Matrix<double, rigid_columns, rigid_columns>;
   using Full = Eigen::Matrix<double, columns, columns>;
 
-  /// Whole numbers of a unit, a power of two: less than half the memory of floats, which has to come to the caches in
-  /// every frame.
+  /// Whole numbers of a unit, a power of two: less than half the memory of floats, which every frame has to load into
+  /// the caches.
   using Numbers = std::array<std::int16_t, SampleGrid::count>;
   using SmallNumbers = std::array<std::int8_t, SampleGrid::count>;
   alignas(32) Numbers t{};    // 0 ink, 1 paper

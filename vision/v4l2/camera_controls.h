@@ -20,7 +20,7 @@ class V4l2Device;
 
 /// Something about a camera that can be set, in the driver's own units.
 struct CameraControl {
-  std::string name{};  // as v4l2-ctl writes it: lower case, "_" for all that is no letter or digit
+  std::string name{};  // as v4l2-ctl writes it: lower case, "_" for every other character than a letter or digit
   std::uint32_t id = 0;
   std::int64_t least = 0, most = 0, step = 1, standard = 0, value = 0;
   std::vector<std::pair<std::int64_t, std::string>> choices{};  // of a menu
