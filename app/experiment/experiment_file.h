@@ -18,8 +18,8 @@ tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view
 tl::expected<Experiment, std::vector<Problem>> load_experiment(const std::string& path,
                                                                const std::vector<std::string>& sets = {});
 
-/// The text of an experiment with all that it takes from other files, as Experiment::source has it; nothing else is
-/// checked.
+/// The text of an experiment with everything that it takes from other files, as in Experiment::source; checks nothing
+/// else.
 tl::expected<std::string, std::vector<Problem>> whole_text(std::string_view text, const std::string& file);
 
 /// The paper's experiment, built in (the text of resources/experiments/platoon.toml).

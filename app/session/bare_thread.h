@@ -21,7 +21,7 @@ class BareThread {
   int priority() const;
   std::string no_priority() const;
 
-  /// How late it has woken until now. One thread may ask.
+  /// How late it has woken so far. One reading thread.
   const Histogram& so_far() noexcept;
 
   /// Ends it, within a period. Returns how late it woke.

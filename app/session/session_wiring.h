@@ -210,7 +210,7 @@ struct SessionWiring {
   const Experiment experiment;
   SessionOptions options;
   SessionClock clock;
-  core::ObstacleField obstacles;  // as the operator wants them
+  core::ObstacleField obstacles;  // as set by the operator
   core::Gains gains;
   core::ReferenceDemand demand;
   tl::expected<SafetyNet, std::string> net;

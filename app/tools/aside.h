@@ -14,7 +14,7 @@ enum class Aside {
 /// nothing, and uses only what it owns.
 void run_aside(std::function<void()> work, Aside priority = Aside::behind);
 
-/// Waits until all work aside has ended. `patience` [s] over: false, some still runs.
+/// Waits until all work aside has ended. False: some still runs after `patience` [s].
 bool aside_is_over(double patience);
 
 }  // namespace skein::app

@@ -21,7 +21,7 @@ struct StudyPlan {
 
   double core_hours() const noexcept { return static_cast<double>(runs) * busy / 3600.0; }
   /// The number of parts: each takes at most an hour of a core, which is the loss if it is killed; and there is work
-  /// for 64 cores, if each then still gets a minute of it.
+  /// for 64 cores, if each then still gets a minute of it. At most 1000, the default limit of a Slurm array.
   std::int64_t parts() const noexcept;
 };
 

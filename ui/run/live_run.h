@@ -34,7 +34,7 @@ class LiveRun final : public RunSource {
 
   /// Ends the present session, robots first, and opens one for this experiment.
   void open(const app::Experiment& experiment, bool start_at_once, const FilmOfRun& film = {});
-  /// Ends the session; there is none then.
+  /// Ends the session, without a new one.
   void end();
   /// Ends the session for good; `closed` follows.
   void close();
