@@ -236,15 +236,18 @@ TEST(Route, StopsOnItsWay) {
   whole.stand({});
   const std::array<Leg, 2> legs{{{0.5, 0.0, 1.0, 0.0}, {0.5, 0.4, 9.0, 0.0}}};
   ASSERT_TRUE(whole.append(legs, 0.0, pace));
-  for (double t = 0.1; t < whole.duration(); t += 0.1) {
+  for (int step = 1; 0.1 * step < whole.duration(); ++step) {
+    const double t = 0.1 * step;
     Route route = whole;
     route.stop_at(t, pace);
-    for (double before = 0.0; before < t; before += 0.05)
-      EXPECT_EQ(route.at(before).pose, whole.at(before).pose) << t << ' ' << before;
+    for (int k = 0; k < 2 * step; ++k)
+      EXPECT_EQ(route.at(0.05 * k).pose, whole.at(0.05 * k).pose) << t << ' ' << 0.05 * k;
     EXPECT_LE(route.duration(), t + pace.turn_time(core::pi / 2.0));
     constexpr double tick = 1e-3;
-    for (double at = 0.0; at < route.duration(); at += tick)
+    for (int k = 0; k * tick < route.duration(); ++k) {
+      const double at = k * tick;
       EXPECT_LE(std::abs(route.twist(at + tick, tick).v - route.twist(at, tick).v), 1.001 * pace.acceleration * tick);
+    }
     EXPECT_LE(route.at(route.duration()).driven, whole.at(t).driven + 0.5 * pace.v * pace.v / pace.acceleration + 1e-9);
   }
 }
