@@ -2,6 +2,7 @@
 #include "app/experiment/certificate.h"
 #include "app/experiment/ways.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,12 +94,14 @@ TEST(Certificate, MissesNothingOfLapsAndTimesThatItLeavesOut) {
   const std::string changes =
       "[[gain_change]]\nt = 400\nramp = 5\nk_xx = 0.012\n[[gain_change]]\nt = 900\nramp = 100\nk_tt = 0.0\n";
   const std::string ellipse = "path = { shape = 'ellipse', width = 1.3, height = 0.9 }\n";
+  const std::string spaced =
+      "duration = 1500\n[reference]\nkind = 'platoon'\n[[reference.change]]\nt = 500\nduration = 30\nspacing = 0.14\n";
+  const std::string shaped =
+      "duration = 1500\n[reference]\nkind = 'formation'\nshape = 'v'\nspeed = 0.03\nspacing = 0.12\n{}{}"
+      "[[reference.change]]\nt = 600\nduration = 40\nshape = 'v'\nspacing = 0.15\n{}";
   for (const std::string& text :
-       {"duration = 1500\n[reference]\nkind = 'platoon'\n" + ellipse + robots + changes,
-        "duration = 1500\n[reference]\nkind = 'platoon'\n" + robots +
-            "[[reference.change]]\nt = 500\nduration = 30\nspacing = 0.14\n",
-        "duration = 1500\n[reference]\nkind = 'formation'\nshape = 'v'\nspeed = 0.03\nspacing = 0.12\n" + ellipse +
-            robots + "[[reference.change]]\nt = 600\nduration = 40\nshape = 'v'\nspacing = 0.15\n" + changes}) {
+       {fmt::format("duration = 1500\n[reference]\nkind = 'platoon'\n{}{}{}", ellipse, robots, changes),
+        fmt::format("{}{}", spaced, robots), fmt::format(fmt::runtime(shaped), ellipse, robots, changes)}) {
     const Experiment e = of(text.c_str());
     const Certificate quick = certify(e);
     const std::vector<Everywhere> all = everywhere(e);
@@ -177,8 +180,9 @@ Experiment parking(const std::string& obstacles) {
 std::string wall(double gap) {
   std::string text;
   for (const double side : {-1.0, 1.0})
-    for (double y = 0.05 + 0.5 * gap; y < 0.74; y += 0.09)
-      text += "[[obstacle]]\nx = 0.0\ny = " + std::to_string(side * y) + "\nradius = 0.05\n";
+    for (int k = 0; 0.05 + 0.5 * gap + 0.09 * k < 0.74; ++k)
+      text +=
+          "[[obstacle]]\nx = 0.0\ny = " + std::to_string(side * (0.05 + 0.5 * gap + 0.09 * k)) + "\nradius = 0.05\n";
   return text;
 }
 
