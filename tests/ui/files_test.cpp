@@ -82,11 +82,13 @@ std::string large_experiment() {
   std::string text =
       "name = \"large\"\nduration = 36000\n[arena]\nwidth = 20.0\nheight = 20.0\n[reference]\nkind = "
       "'independent'\nspeed = 0.05\n[controller.gains]\nk_xx = 0.0\nk_tt = 0.0\nk_yy = 0.0\n";
-  for (int i = 0; i < 64; ++i)
+  for (int i = 0; i < 64; ++i) {
+    const int column = i % 8, row = i / 8;
     text += "[[robot]]\ntag = " + std::to_string(i) +
             "\ntrajectory = { path = { shape = 'ellipse', width = 1.3, height = 0.9, centre = [" +
-            std::to_string(2.0 * (i % 8) - 7.0) + ", " + std::to_string(2.0 * (i / 8) - 7.0) +
+            std::to_string(2 * column - 7) + ", " + std::to_string(2 * row - 7) +
             "] }, speed = " + std::to_string(0.03 + 0.0002 * i) + " }\n";
+  }
   return text;
 }
 
@@ -200,7 +202,9 @@ TEST_F(Files, ThatVanishOrAreEmptyAreRefusedWithAReason) {
   delete window.findChild<MessageDialog*>(QStringLiteral("problem_dialog"));
   window.open_file(written("empty.csv", ""));
   EXPECT_TRUE(problem().contains(QStringLiteral("empty.csv")));
-  window.open_file(written("zeros.csv", std::string(10'000'000, '\0')));
+  std::string zeros;
+  zeros.resize(10'000'000);
+  window.open_file(written("zeros.csv", zeros));
   EXPECT_TRUE(problem().contains(QStringLiteral("zeros.csv")));
 }
 
