@@ -82,7 +82,7 @@ std::string large_experiment() {
   std::string text =
       "name = \"large\"\nduration = 36000\n[arena]\nwidth = 20.0\nheight = 20.0\n[reference]\nkind = "
       "'independent'\nspeed = 0.05\n[controller.gains]\nk_xx = 0.0\nk_tt = 0.0\nk_yy = 0.0\n";
-  for (int i = 0; i < 64; ++i) {
+  for (int i = 0; i < 16; ++i) {
     const int column = i % 8, row = i / 8;
     text += "[[robot]]\ntag = " + std::to_string(i) +
             "\ntrajectory = { path = { shape = 'ellipse', width = 1.3, height = 0.9, centre = [" +
