@@ -269,7 +269,7 @@ void MainWindow::default_layout() {
   log_dock_->raise();
   sized_in_ = QSize(1280, 800);
   resize(fitting(sized_in_, this));
-  dock_sizes_ = {{gains_dock_, {250, 0}}, {plots_dock_, {400, 0}}, {robots_dock_, {600, 176}}, {log_dock_, {280, 176}}};
+  dock_sizes_ = {{gains_dock_, {250, 0}}, {plots_dock_, {400, 0}}, {robots_dock_, {550, 176}}, {log_dock_, {330, 176}}};
   fit_docks();
 }
 
