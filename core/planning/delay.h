@@ -16,13 +16,14 @@ class Delay {
   Delay(double begins, double stands, double hurry, double slope) noexcept
       : Delay({begins, 0.0, 0.0}, 1.0, stands, hurry, slope) {}
 
-  /// Where a clock is at time t: so far behind, and falling behind by `falls` a second, which is 1 less its rate. [s]
+  /// The state of a clock at time t: how far it is behind, and by how much it falls behind per second (1 minus its
+  /// rate). [s]
   struct Moment {
     double t = 0.0, behind = 0.0, falls = 0.0;
   };
   /// The same from a moment on, at which the clock need not be on time; for `stands` it falls behind by `falls` a
-  /// second (1: it stands; as the moment says and `stands` 0: it catches up at once). Who is too little behind to reach
-  /// `hurry` catches up more slowly.
+  /// second (1: it stands; as the moment says and `stands` 0: it catches up at once). A clock that is too little
+  /// behind to reach `hurry` catches up more slowly.
   Delay(const Moment& begins, double falls, double stands, double hurry, double slope) noexcept;
 
   double at(double t) const noexcept;    ///< [s], never negative

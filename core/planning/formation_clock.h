@@ -18,14 +18,14 @@ class FormationClock {
  public:
   static constexpr double slowly = 0.2;         ///< its rate while it waits
   static constexpr double longest_wait = 20.0;  ///< for a robot or for several, then it runs on [s]
-  static constexpr double most_behind = 60.0;   ///< so far behind, it waits for nobody any more [s]
-  static constexpr double least_hurry = 0.02;   ///< where references leave less to catch up with, it never waits
+  static constexpr double most_behind = 60.0;   ///< farther behind it waits for no robot [s]
+  static constexpr double least_hurry = 0.02;   ///< if the references leave less for catching up, it never waits
 
   /// By how much it may run faster than the experiment's clock: a share of what (18f, g) leave beside the couplings,
   /// the rest of which is for the robots' errors. Never negative.
   static double hurry(const Gains& gains, const ReferenceDemand& demand) noexcept;
 
-  /// `away`: somebody is on its way back at time t. It may run by `hurry` faster than the experiment's clock, and its
+  /// `away`: a robot is on its way back at time t. It may run by `hurry` faster than the experiment's clock, and its
   /// rate changes by at most `slope` [1/s].
   void step(double t, bool away, double hurry, double slope) noexcept;
   void reset() noexcept { *this = {}; }
@@ -35,11 +35,11 @@ class FormationClock {
 
  private:
   Delay delay_;
-  bool waits_ = false;  // for somebody who has not come back since
+  bool waits_ = false;  // for a robot that has not come back since
   double hurry_ = 0.0;
 };
 
-/// References on a formation's clock, as it is foreseen: who shares the clock keeps the formation's distances.
+/// References on the predicted clock of a formation: robots that share the clock keep the formation's distances.
 class WaitingReference final : public Reference {
  public:
   /// The clock outlives it.

@@ -16,17 +16,18 @@
 
 namespace skein::core {
 
-/// How a reference that is near its moving place drives on to it: it looks at a point ahead on the place's line, and
-/// hurries or waits until it is abreast of it; inside the bounds, forwards only, and with bounded acceleration.
+/// How a reference that is near its moving place drives on to it: it steers towards a point ahead on the place's line,
+/// and speeds up or slows down until it is abreast of the place; within the bounds, forwards only, and with bounded
+/// acceleration.
 Twist homing(const ReferencePoint& place, const ReferencePoint& from, const ReferenceBounds& bounds,
              double dt) noexcept;
 
 /// Ways of one robot back to a place that drives on: turn on the spot or drive an arc, go straight, turn or drive an
-/// arc, so that it is where its place is, with its heading and its speed, at the soonest moment that there is (Dubins'
-/// paths with turns on the spot, against a clock). Each is driven in thought against the others' traffic, under the
-/// shield's own condition; where nobody can be met, the first is the soonest of its kind. Past others it goes by a
-/// point to the side, where it may wait, or in a lane beside them until it is abreast of its place. Allocates in its
-/// constructor only.
+/// arc, to meet the place with its heading and its speed at the earliest possible moment (Dubins' paths with turns on
+/// the spot, against a clock). Each way is simulated against the others' traffic, under the shield's own condition; if
+/// there is no other robot near, the first way of each kind is the earliest. The robot passes others by a point to the
+/// side, where it may wait, or in a lane beside them until it is abreast of its place. Allocates in its constructor
+/// only.
 class Merge {
  public:
   static constexpr double never = std::numeric_limits<double>::infinity();
@@ -39,40 +40,40 @@ class Merge {
     double v = 0.0;           ///< now [m/s]
     double t = 0.0;           ///< of the experiment, at the traffic's beginning [s]
     double k_y = 11.0;        ///< of (18g) [rad/m]
-    Pace pace;                ///< v, and omega + k_y v: the most that (18f, g) leave without couplings
+    Pace pace;                ///< v, and omega + k_y v: the most that (18f, g) allow without couplings
     Delay delay;              ///< of the place's clock
     double keep = 0.08;       ///< between two midpoints [m]
-    double gamma = 4.0;       ///< how fast what is left of that may shrink [1/s]
-    double grace = 0.0;       ///< so long others may come nearer than that [s]
+    double gamma = 4.0;       ///< how fast the distance beyond `keep` may shrink [1/s]
+    double grace = 0.0;       ///< for this long others may come closer than that [s]
     bool crowded = true;      ///< there are others at all
     bool obstacles = true;    ///< there are obstacles and edges at all
-    double stays_free = 0.0;  ///< so long after it has joined, its place leads into no obstacle, where possible [s]
-    double watched = 0.0;     ///< it looks at others so long, even if it is at its place sooner [s]
+    double stays_free = 0.0;  ///< for this long after it has joined, its place meets no obstacle, if possible [s]
+    double watched = 0.0;     ///< other robots are checked for this long, even if it is at its place sooner [s]
     double before = never;    ///< no way that joins later than that [s]
     std::size_t most_work = 2000;
-    double enough = 0.0;  ///< no way round by a point to the side where a straight one joins sooner than that [s]
+    double enough = 0.0;                ///< no detour by a point to the side if a straight way joins before [s]
     std::span<const double> smaller{};  ///< than `keep` is for: each body [m]; empty: none is
   };
   struct Way {
     bool found = false;
     double joins = never;  ///< when it is at its place, on the route's clock [s]
   };
-  /// The soonest way, as a route from now on that goes on with its place for a little while. `route` is touched only
-  /// where one was found.
+  /// The earliest way, as a route from now on that follows its place for `goes_on`. `route` changes only if one was
+  /// found.
   Way find(const Query& query, const Reference& reference, const Lattice& lattice, const Traffic& traffic,
            Route& route) noexcept;
 
   /// Work of the latest search, in nodes: about a microsecond each.
   std::size_t work() const noexcept { return courses_ / 5 + samples_ / 8; }
 
-  static constexpr double goes_on = 0.4;  ///< so long a route goes on with its place [s]
+  static constexpr double goes_on = 0.4;  ///< for how long a route follows its place at the end [s]
 
  private:
   static constexpr std::size_t curve_pieces = 3, most_pieces = 13 + curve_pieces;
   struct Piece {
     double curvature, length, limit;  // [1/m], [m], [m/s]
   };
-  /// How a way begins: braked or not; then perhaps by a point to the side, or by one abreast of the place.
+  /// How a way begins: after braking or not; then, if need be, by a point to the side, or by one abreast of the place.
   struct Start {
     bool stands = true;
     double turn = 0.0;  // on the spot, at first [rad]
@@ -108,7 +109,7 @@ class Merge {
   ReferencePoint place(double t) const noexcept;
   double stands_until() noexcept;
   void find_ways_into_obstacles() noexcept;
-  /// On the spot; whoever drives does not.
+  /// On the spot; only from rest.
   static bool turns_at_its_end(const Start& start) noexcept { return start.count == 0 || start.rests; }
   bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, Course& course) noexcept;
   double duration(const Course& course, const ReferencePoint& place) const noexcept;
@@ -149,7 +150,7 @@ class Merge {
   static constexpr double look_ahead = 40.0;  // [s]
   static constexpr double time_step = 0.25;   // [s]
   static constexpr auto times = static_cast<std::size_t>(look_ahead / time_step) + 1;
-  std::array<std::uint8_t, 2 * times> free_at_{};          // of obstacles is the place, after that many time steps
+  std::array<std::uint8_t, 2 * times> free_at_{};          // of obstacles, the place after that many time steps
   std::array<std::uint8_t, times> leads_into_obstacle_{};  // at that many time steps, or soon after
   bool lane_blocked_ = false;                              // at any of them
   double lane_free_from_ = 0.0;                            // behind the first obstacle [s]

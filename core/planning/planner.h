@@ -32,7 +32,8 @@ namespace skein::core {
 ///                          with a `FormationClock` the whole formation waits instead
 /// Where the place itself drives into an obstacle, the robot leaves the lane in time, passes abreast of its place, and
 /// returns to the lane (`Sidestep`).
-/// While they are driven, ways are sought by which the last of all arrives sooner; robots change to them on the way.
+/// While routes are driven, the planner searches for better ones, by which the last robot arrives sooner; robots change
+/// to them on the way.
 /// Routes are driven on clocks: a robot passes a point only after all robots due there earlier have left it, and a
 /// robot that falls behind its reference holds its clock back. So a delay of one robot delays others but causes no
 /// conflict. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
@@ -99,21 +100,21 @@ class Planner {
     Pose from;
     double v;
   };
-  /// Who seeks its way to a place that drives on: at most two at once, one after the other, in both orders, with others
-  /// that yield or not. What is tried comes in a fixed order, over as many ticks as it takes, always from where
-  /// everybody is by then; the best is tried once more when its time has come, with a whole tick's work.
+  /// The robots that search for a way to a place that drives on: at most two at once, one after the other, in both
+  /// orders, while others yield or not. The trials come in a fixed order and take as many ticks as they need; each
+  /// starts from where the robots are by then. The best one is repeated with a whole tick's work before it is driven.
   struct Merging {
     static constexpr std::size_t most = 2;
     struct Trial {
-      std::size_t care = 0, hold = 0, first = 0;  // hold 0: nobody yields; else those with robot `first`
+      std::size_t care = 0, hold = 0, first = 0;  // hold 0: no robot yields; else those with robot `first`
       bool backwards = false;
     };
     std::array<std::size_t, most> robots{};
-    std::size_t count = 0, searched = 0;  // searched: those of a search that goes on, or 0
+    std::size_t count = 0, searched = 0;  // searched: by the search under way; 0: there is none
     Trial next, best;
     bool decided = false;                 // everything has been tried
-    std::array<bool, most> urgent{};      // somebody comes soon upon it, where it stands until it has a way
-    bool around = false;                  // past all obstacles that are in the way of the place
+    std::array<bool, most> urgent{};      // another robot soon reaches the place where it stands without a way
+    bool around = false;                  // past all obstacles on the lane of the place
     double began = 0.0, best_ends = 0.0;  // [s]
     std::array<Pose, most> from;
     std::array<Pace, most> paces;
@@ -122,7 +123,8 @@ class Planner {
     std::array<double, most> joins{};
     std::vector<std::uint8_t> yields;
     std::array<std::vector<std::uint8_t>, holds> last_yields;  // for each duration, with the robot asked before
-    std::vector<std::size_t> order, comes;  // who is asked to yield; when it comes upon who stands [Traffic::step]
+    std::vector<std::size_t> order;                            // in which robots are asked to yield
+    std::vector<std::size_t> comes;  // when each reaches the robot that stands [Traffic::step]
     Delay delay;
   };
 
@@ -134,10 +136,10 @@ class Planner {
     double share = 1.0;
     double held_for = 0.0;  // how long its clock has hardly advanced [s]
     double retry = 0.0;     // no new plan before [s]
-    double patience = 0.0;  // the time to the next, where there was no way: the longer, the oftener there was none [s]
+    double patience = 0.0;  // time to the next attempt after finding no way; grows with each failure [s]
     double joins = 0.0;     // for a moving place: when its route meets it, on its clock [s]
-    double looks_at = 0.0;  // on its way there: again for a better one, not before [s]
-    Merging::Trial looks;   // what it tries then, of what others might do
+    double looks_at = 0.0;  // on its way there: no new search for a better one before [s]
+    Merging::Trial looks;   // the behaviour of the others that this search assumes
     double keeps = 0.0;     // distance from others' routes used in planning [m]
     ReferencePoint reference;
     Sidestep aside;  // while it passes an obstacle
@@ -197,7 +199,7 @@ class Planner {
   static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
   void know_paces(const Gains& gains) noexcept;
-  /// How much nearer than two of the largest bodies this pair may come. [m]
+  /// By how much this pair may come closer together than two of the largest bodies. [m]
   double closer(std::size_t i, std::size_t j) const noexcept {
     return setup_.smaller.empty() ? 0.0 : setup_.smaller[i] + setup_.smaller[j];
   }
@@ -226,12 +228,12 @@ class Planner {
   std::vector<double> rest_from_;  // since when, or infinity [s]
   std::vector<bool> coupled_;
   std::vector<Pose> on_route_;  // where those that drive are to be now
-  std::vector<double> shift_;   // robot i's schedule as robot j's plan took it, against its own [s], n x n
+  std::vector<double> shift_;   // robot i's schedule as robot j's plan assumed it, minus its own [s], n x n
   std::vector<Obstacle> obstacles_;
   double now_ = 0.0, keep_ = 0.1;
   double formation_t_ = 0.0;  // now, on the formation's clock [s]
   double hurry_ = 0.0;        // of that clock, at most
-  ReferenceDemand demand_;    // for that: a formation goes through its whole path to find it
+  ReferenceDemand demand_;    // for that; a formation evaluates its whole path to find it
   std::size_t tick_ = 0, spent_ = 0;
   bool begun_ = false, to_starts_ = false;
 
@@ -250,19 +252,19 @@ class Planner {
     int improvements = 0;
   } group_;
 
-  /// A trial to let whoever arrives last arrive sooner.
+  /// A trial to let the last robot arrive sooner.
   struct Improvement {
     enum class Role : std::uint8_t {
       keeps_on,   // its route stays
-      gives_way,  // it would turn off, if it was in somebody's way
-      asked,      // it turns off, and has no new route yet
+      gives_way,  // it turns off its route if it is in the way of a new one
+      asked,      // it turns off its route, and has no new one yet
       planned,
     };
     std::vector<Role> role;
     std::vector<double> from;   // where they turn off, on their clocks [s]
-    std::vector<Route> routes;  // the new ones: up to there, where they have none yet
-    std::size_t asked = 0;      // so many; 0: there is no trial
-    std::size_t next = 0;       // whose way is searched for
+    std::vector<Route> routes;  // the new ones; up to the turn-off while they have none
+    std::size_t asked = 0;      // number of robots with this role; 0: no trial
+    std::size_t next = 0;       // the robot whose route is searched for
     bool searching = false;
     double began = 0.0, limit = 0.0;  // of arrivals [s]
     std::size_t failures = 0;         // in a row

@@ -1,4 +1,4 @@
-// Sooner there: better routes for whoever arrives last, while everybody drives.
+// Better routes for the robot that arrives last, while all robots drive.
 #include <algorithm>
 #include <cmath>
 
@@ -7,12 +7,13 @@
 namespace skein::core {
 namespace {
 
-constexpr double notice = 1.5;              // nothing changes sooner than that after a trial has begun [s]
-constexpr double undisturbed = 0.5;         // of that: clocks look so far ahead [s]
-constexpr double nearly_there = 1.0;        // whoever arrives so soon after that drives on [s]
-constexpr double gain = 0.2;                // of the last one's arrival, at least [s]
-constexpr double leaves_within = 4.0;       // so long whoever has no new route yet stands where it turns off [s]
-constexpr std::size_t most_failures = 400;  // in a row: then it stays as it is
+constexpr double notice = 1.5;        // the earliest change after a trial has begun [s]
+constexpr double undisturbed = 0.5;   // of that: clocks look this far ahead [s]
+constexpr double nearly_there = 1.0;  // a robot that arrives this soon after the change keeps its route [s]
+constexpr double gain = 0.2;          // by which the last arrival must come sooner [s]
+constexpr double leaves_within =
+    4.0;  // for how long a robot without a new route is assumed to stand where it turns off [s]
+constexpr std::size_t most_failures = 400;  // in a row; then no more trials are made
 
 }  // namespace
 
@@ -42,7 +43,7 @@ void Planner::Improvement::ask(std::size_t i) noexcept {
   ++asked;
 }
 
-/// Draws who may be asked to give way to whoever arrives last. False if that one cannot arrive sooner.
+/// Draws the robots that may be asked to give way to the one that arrives last. False if that one cannot arrive sooner.
 bool Planner::begin_improvement(const Scene& scene) noexcept {
   Improvement& g = improvement_;
   const std::size_t n = robots_.size();
@@ -53,7 +54,7 @@ bool Planner::begin_improvement(const Scene& scene) noexcept {
   }
   if (last == n) return false;
   g.limit = arrives(last) - gain;
-  // In step with the samples that the routes were planned by: many just keep their distance there.
+  // At the same samples as the routes were planned: many keep their distance only just there.
   const double since = scene.t - robots_[last].due;
   g.began = robots_[last].due + Traffic::step * std::floor(since / Traffic::step);
   g.asked = 0;
@@ -74,7 +75,7 @@ bool Planner::begin_improvement(const Scene& scene) noexcept {
     g.from[i] = std::max(at, g.routes[i].duration());
   }
   if (g.asked == 0) return false;
-  // Straight to its place, as if nobody was there.
+  // Straight to its place, as if there were no other robot.
   Route alone = g.routes[last];
   const Pose to = goal(last, scene);
   const double leaves = std::max(g.from[last], alone.duration());
@@ -82,7 +83,8 @@ bool Planner::begin_improvement(const Scene& scene) noexcept {
   return alone.append(leg, to.theta, paces_[last]) && robots_[last].due + alone.duration() <= g.limit;
 }
 
-/// Begins to search the way of one of those that turn off. The others' ways are known from when the trial began on.
+/// Begins to search for a new route of one of the robots that turn off. The others' routes are known from the beginning
+/// of the trial on.
 void Planner::ask_for_improvement(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
   using Role = Improvement::Role;
   Improvement& g = improvement_;
@@ -138,9 +140,9 @@ bool Planner::gets_in_the_way(std::size_t i, std::size_t j, const Scene& scene) 
   return false;
 }
 
-/// Plans the way of whoever arrives last anew, as if some of the others were not there; then theirs in whose way that
-/// is. They change to the new ways if each of them arrives sooner than the last one did. That comes later than any
-/// clock has got, so that the order of passing up to then stays as it is.
+/// Replans the robot that arrives last, as if some of the others were absent, then those that are in its way. They
+/// change to the new routes if each of them arrives sooner than the last one did before. The change lies ahead of all
+/// clocks, so that the order of passing up to there stays as it is.
 void Planner::improve_on_the_way(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
   using Role = Improvement::Role;
   Improvement& g = improvement_;

@@ -10,9 +10,9 @@
 
 namespace skein::core {
 
-/// How far beside its place a robot drives, over time: it leaves the lane, stays beside it and returns, and is abreast
-/// of its place all the while. It changes with a bounded third derivative, and is measured across a mean heading of the
-/// place: at the beginning of a corner the outside would have to be driven faster all at once.
+/// How far beside its place a robot drives, over time: it leaves the lane, stays beside it and returns, and stays
+/// abreast of its place throughout. It changes with a bounded third derivative, and is measured across a mean heading
+/// of the place: otherwise the outside of a corner would require a jump in speed.
 class Sidestep {
  public:
   /// To the left of the place [m], and how that changes [m/s, m/s^2].
@@ -42,7 +42,7 @@ class Sidestep {
 };
 
 /// The ways of one robot past obstacles on its place's lane, the one that leaves it least first. Each keeps (18f, g),
-/// and comes near to obstacles and edges no faster than the shield allows; of other robots it knows nothing. Of fixed
+/// and comes near to obstacles and edges no faster than the shield allows; it does not consider other robots. Of fixed
 /// size: it never allocates.
 class SidestepSearch {
  public:
