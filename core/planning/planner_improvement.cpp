@@ -7,12 +7,11 @@
 namespace skein::core {
 namespace {
 
-constexpr double notice = 1.5;        // the earliest change after a trial has begun [s]
-constexpr double undisturbed = 0.5;   // of that: clocks look this far ahead [s]
-constexpr double nearly_there = 1.0;  // a robot that arrives this soon after the change keeps its route [s]
-constexpr double gain = 0.2;          // by which the last arrival must come sooner [s]
-constexpr double leaves_within =
-    4.0;  // for how long a robot without a new route is assumed to stand where it turns off [s]
+constexpr double notice = 1.5;              // the earliest change after a trial has begun [s]
+constexpr double undisturbed = 0.5;         // of that: clocks look this far ahead [s]
+constexpr double nearly_there = 1.0;        // a robot that arrives this soon after the change keeps its route [s]
+constexpr double gain = 0.2;                // by which the last arrival must come sooner [s]
+constexpr double leaves_within = 4.0;       // until then a robot without a new route stands at its turn-off [s]
 constexpr std::size_t most_failures = 400;  // in a row; then no more trials are made
 
 }  // namespace
