@@ -7,9 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "tests/places.h"
@@ -34,14 +36,21 @@ inline std::vector<vision::SyntheticTag> fake_gige_tags() {
 /// Cameras share one port of the machine: one test at a time, in whatever process.
 class PortLock {
  public:
-  PortLock() : file_(::open("/tmp/skein_fake_gige.lock", O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
-    ::flock(file_, LOCK_EX);
+  PortLock() : file_(open_lock()) {
+    if (file_ < 0 || ::flock(file_, LOCK_EX) != 0) throw std::system_error(errno, std::generic_category(), lock_file);
   }
   ~PortLock() { ::close(file_); }
   PortLock(const PortLock&) = delete;
   PortLock& operator=(const PortLock&) = delete;
 
  private:
+  static constexpr const char* lock_file = "/tmp/skein_fake_gige.lock";
+  /// Another user's, where there is one: in /tmp nobody may create what is there, nor write to it.
+  static int open_lock() {
+    const int there = ::open(lock_file, O_RDONLY | O_CLOEXEC);
+    return there >= 0 ? there : ::open(lock_file, O_CREAT | O_RDONLY | O_CLOEXEC, 0644);
+  }
+
   int file_;
 };
 
