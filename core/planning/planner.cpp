@@ -116,7 +116,7 @@ void Planner::reset() noexcept {
   std::fill(shift_.begin(), shift_.end(), 0.0);
   group_.active = false;
   improvement_.asked = improvement_.failures = 0;
-  improvement_.draw = 0;
+  improvement_.draw.seed(0U);
   improvement_.searching = false;
   merging_.searched = 0;
   begun_ = false;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -155,6 +156,10 @@ class Planner {
   void watch(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   Start begin_route(std::size_t i, const Scene& scene) noexcept;
   void plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
+  /// Begins the search for robot i's route from a pose at rest; it leaves at `begins`, on the traffic's clock [s].
+  void begin_search(std::size_t i, const Pose& from, double begins, const Scene& scene) noexcept;
+  /// Continues the search with the rest of this tick's work. Whether it has ended.
+  bool continue_search() noexcept;
   void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool improve(const Scene& scene) noexcept;
@@ -199,6 +204,8 @@ class Planner {
   static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
   void know_paces(const Gains& gains) noexcept;
+  /// The smallest distance of two of the largest bodies on routes: the shield's, with room for rounding. [m]
+  double least_apart() const noexcept { return setup_.shield_distance + 5e-4; }
   /// By how much this pair may come closer together than two of the largest bodies. [m]
   double closer(std::size_t i, std::size_t j) const noexcept {
     return setup_.smaller.empty() ? 0.0 : setup_.smaller[i] + setup_.smaller[j];
@@ -209,6 +216,7 @@ class Planner {
   static constexpr double never = std::numeric_limits<double>::infinity();
   static constexpr double put_elsewhere = 0.03;         // from a moving place, or a route: a new plan [m]
   static constexpr double sees_ahead = 3.0;             // who or what is in its way [s]
+  static constexpr double leaves_within = 4.0;          // a robot without a route is assumed to stand until then [s]
   static constexpr std::size_t nodes_each_tick = 1300;  // some 2 us each on a processor of 2.6 GHz
   static constexpr double looks_elsewhere = 0.35;       // heading error that causes one, as the law turns slowly [rad]
 
@@ -268,7 +276,8 @@ class Planner {
     bool searching = false;
     double began = 0.0, limit = 0.0;  // of arrivals [s]
     std::size_t failures = 0;         // in a row
-    std::uint64_t draw = 0;
+    /// Knuth's generator (MMIX), whose upper bits are random.
+    std::linear_congruential_engine<std::uint64_t, 6364136223846793005U, 1442695040888963407U, 0U> draw{0U};
     void ask(std::size_t i) noexcept;
     double random() noexcept;  // from 0 to 1
   } improvement_;

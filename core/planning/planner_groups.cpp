@@ -10,9 +10,8 @@ namespace {
 
 // After there was no way. Each time everybody is planned anew, and stops for it: it is tried ever less often. [s]
 constexpr double try_again = 1.0, try_again_at_last = 8.0;
-constexpr double lead_each = 0.016;    // planning a robot takes about so long [s]
-constexpr double longest_lead = 0.8;   // [s]
-constexpr double leaves_within = 4.0;  // so long whoever has no route yet is taken to stand where it is [s]
+constexpr double lead_each = 0.016;   // planning a robot takes about so long [s]
+constexpr double longest_lead = 0.8;  // [s]
 constexpr int most_attempts = 40;
 constexpr double longest_planning = 4.0;  // then whoever finds no way is left standing, and the others drive [s]
 constexpr int most_improvements = 6;
@@ -109,6 +108,27 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   return {from, v};
 }
 
+void Planner::begin_search(std::size_t i, const Pose& from, double begins, const Scene& scene) noexcept {
+  RouteSearch::Query query;
+  query.robot = i;
+  query.from = from;
+  query.begins = begins;
+  query.to = goal(i, scene);
+  query.keep = keep_;
+  query.least = least_apart();
+  query.pace = paces_[i];
+  query.smaller = setup_.smaller;
+  search_.look_at(lattice(i), traffic_);
+  search_.begin(query, traffic_);
+  spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
+}
+
+bool Planner::continue_search() noexcept {
+  if (search_.searching())
+    spent_ += search_.advance(std::max<std::size_t>(200, nodes_each_tick - std::min(nodes_each_tick, spent_)));
+  return !search_.searching();
+}
+
 void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept {
   Group& g = group_;
   const std::size_t n = robots_.size();
@@ -172,23 +192,10 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
             break;
         }
       }
-      RouteSearch::Query query;
-      query.robot = i;
-      query.from = g.from[i];
-      query.begins = std::max(g.stands[i], g.lead);
-      query.to = goal(i, scene);
-      query.keep = keep_;
-      query.least = setup_.shield_distance + 5e-4;
-      query.pace = paces_[i];
-      query.smaller = setup_.smaller;
-      search_.look_at(lattice(i), traffic_);
-      search_.begin(query, traffic_);
-      spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
+      begin_search(i, g.from[i], std::max(g.stands[i], g.lead), scene);
       g.asking = true;
     }
-    if (search_.searching())
-      spent_ += search_.advance(std::max<std::size_t>(200, nodes_each_tick - std::min(nodes_each_tick, spent_)));
-    if (search_.searching()) return;
+    if (!continue_search()) return;
     g.asking = false;
     Route& route = g.routes[i];
     route = robots_[i].route;  // that it brakes along

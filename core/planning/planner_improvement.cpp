@@ -11,7 +11,6 @@ constexpr double notice = 1.5;              // the earliest change after a trial
 constexpr double undisturbed = 0.5;         // of that: clocks look this far ahead [s]
 constexpr double nearly_there = 1.0;        // a robot that arrives this soon after the change keeps its route [s]
 constexpr double gain = 0.2;                // by which the last arrival must come sooner [s]
-constexpr double leaves_within = 4.0;       // until then a robot without a new route stands at its turn-off [s]
 constexpr std::size_t most_failures = 400;  // in a row; then no more trials are made
 
 }  // namespace
@@ -33,8 +32,7 @@ double Planner::clock_for(std::size_t j, std::size_t i, double t) const noexcept
 }
 
 double Planner::Improvement::random() noexcept {
-  draw = draw * 6364136223846793005u + 1442695040888963407u;
-  return static_cast<double>(draw >> 11) * 0x1p-53;
+  return static_cast<double>(draw() >> 11U) * 0x1p-53;
 }
 
 void Planner::Improvement::ask(std::size_t i) noexcept {
@@ -105,18 +103,7 @@ void Planner::ask_for_improvement(const Scene& scene, std::span<const ReferenceP
     if (g.role[j] == Role::gives_way || g.role[j] == Role::asked) traffic_.leaves(j, g.from[j] - clock + leaves_within);
   }
   spent_ += 10 * n;
-  RouteSearch::Query query;
-  query.robot = i;
-  query.from = g.routes[i].end();
-  query.begins = g.from[i] - clock_for(i, i, g.began);
-  query.to = goal(i, scene);
-  query.keep = keep_;
-  query.least = setup_.shield_distance + 5e-4;
-  query.pace = paces_[i];
-  query.smaller = setup_.smaller;
-  search_.look_at(lattice(i), traffic_);
-  search_.begin(query, traffic_);
-  spent_ += search_.found() ? 60 : 500;
+  begin_search(i, g.routes[i].end(), g.from[i] - clock_for(i, i, g.began), scene);
   g.searching = true;
 }
 
@@ -127,7 +114,7 @@ bool Planner::gets_in_the_way(std::size_t i, std::size_t j, const Scene& scene) 
   const double fastest = 2.0 * fastest_pace_;
   const double clock = clock_for(j, i, 0.0) - clock_for(i, i, 0.0);  // theirs, when mine is 0
   const double at_end = distance(goal(i, scene), goal(j, scene));
-  const double least = setup_.shield_distance + 5e-4 - closer(i, j);
+  const double least = least_apart() - closer(i, j);
   double keep = std::max(std::min(keep_ - closer(i, j), at_end - 1e-3), least);
   const double end = std::max(mine.duration(), theirs.duration() - clock);
   for (double t = g.from[i]; t < end + Traffic::step;) {
@@ -157,10 +144,9 @@ void Planner::improve_on_the_way(const Scene& scene, std::span<const ReferencePo
     if (g.role[i] != Role::keeps_on && !may_turn_off(i, scene)) return fails();
   while (spent_ < nodes_each_tick / 2) {
     if (!g.searching) ask_for_improvement(scene, nominal);
-    if (search_.searching())
-      spent_ += search_.advance(std::max<std::size_t>(200, nodes_each_tick - std::min(nodes_each_tick, spent_)));
+    const bool ended = continue_search();
     if (scene.t > g.began + notice - undisturbed) return fails();
-    if (search_.searching()) return;
+    if (!ended) return;
     g.searching = false;
     const std::size_t i = g.next;
     Route& route = g.routes[i];
