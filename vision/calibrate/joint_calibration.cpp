@@ -234,7 +234,7 @@ class Cameras {
   /// The turn and shift of `to` that lays its places on those of `from`.
   void lay(std::size_t to, std::size_t from, const std::vector<const Place*>& link) {
     const auto n = static_cast<Eigen::Index>(link.size());
-    Eigen::MatrixXd given(2, n), wanted(2, n);
+    Eigen::Matrix2Xd given(2, n), wanted(2, n);
     for (Eigen::Index k = 0; k < n; ++k) {
       const Place& place = *link[static_cast<std::size_t>(k)];
       const core::Pose mine = place.first == to ? place.by_first : place.by_second;
@@ -242,7 +242,7 @@ class Cameras {
       given.col(k) = Eigen::Vector2d(mine.x, mine.y);
       wanted.col(k) = Eigen::Vector2d(other.x, other.y);
     }
-    const Eigen::MatrixXd rigid = Eigen::umeyama(given, wanted, /*with_scaling=*/false);
+    const Eigen::Matrix3d rigid = Eigen::umeyama(given, wanted, /*with_scaling=*/false);
     start_[to] = turned(start_[to], std::atan2(rigid(1, 0), rigid(0, 0)), rigid.topRightCorner<2, 1>());
   }
 
