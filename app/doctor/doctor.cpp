@@ -74,6 +74,10 @@ Finding group(const Machine& machine, const char* name, const char* what) {
           {{"adduser", machine.user, name}}};
 }
 
+/// As the package skein-permissions has them.
+const std::vector<std::string> limits = {
+    "sh", "-c", "printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > /etc/security/limits.d/60-skein.conf"};
+
 Finding priority(const Machine& machine) {
   const char* const subject = "real-time priority";
   if (machine.superuser || machine.rtprio < 0) return well(subject, "granted without limit");
@@ -83,9 +87,18 @@ Finding priority(const Machine& machine) {
           fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
                       machine.rtprio, needed_priority),
           fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
-          {{"addgroup", "--quiet", "--system", "skein"},
-           {"sh", "-c", "echo '@skein - rtprio 25' > /etc/security/limits.d/60-skein.conf"},
-           {"adduser", machine.user, "skein"}}};
+          {{"addgroup", "--quiet", "--system", "skein"}, limits, {"adduser", machine.user, "skein"}}};
+}
+
+Finding memory_lock(const Machine& machine) {
+  const char* const subject = "memory lock";
+  if (machine.memlock < 0) return well(subject, "granted without limit");
+  return {State::note,
+          subject,
+          fmt::format("not granted (limit {} kB): on a machine that swaps, ticks and stops may wait for the disk",
+                      machine.memlock / 1024),
+          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
+          {{"addgroup", "--quiet", "--system", "skein"}, limits, {"adduser", machine.user, "skein"}}};
 }
 
 /// A number that the kernel has in a file below /proc/sys.
@@ -510,6 +523,7 @@ std::vector<Finding> examine(const Machine& machine, const Examination& examinat
   all.push_back(group(machine, "dialout", "robots on serial lines"));
   all.push_back(group(machine, "video", "cameras"));
   all.push_back(priority(machine));
+  all.push_back(memory_lock(machine));
   all.push_back(throttling(machine));
   all.push_back(governor(machine));
   all.push_back(idle_states(machine));

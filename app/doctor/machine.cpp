@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "app/guard/run_marker.h"
+#include "app/run/memory_lock.h"
 #include "app/runs/run_folder.h"
 #include "app/session/bare_thread.h"
 #include "comms/bluez_bus.h"
@@ -150,6 +151,7 @@ Machine this_machine() {
   machine.superuser = ::geteuid() == 0;
   machine.groups = groups_of_this_process();
   machine.rtprio = real_time_limit();
+  machine.memlock = memory_lock_limit();
   machine.display = variable("DISPLAY").empty() ? variable("WAYLAND_DISPLAY") : variable("DISPLAY");
   machine.usable = [](const std::string& path) { return ::access(path.c_str(), R_OK | W_OK) == 0; };
   machine.adapters = ask_the_daemon;

@@ -27,6 +27,7 @@ struct Machine {
   bool superuser = false;           ///< has root privileges
   std::vector<std::string> groups;  ///< of this process, by name
   long rtprio = 0;                  ///< soft limit of real-time priorities; -1: none
+  long memlock = 0;                 ///< soft limit of memory that may be locked [bytes]; -1: none
   std::string display;              ///< value of DISPLAY or WAYLAND_DISPLAY; empty: neither is set
   bool window = true;               ///< the program was built with one
 

@@ -25,6 +25,7 @@
 #include "app/guard/safety_net.h"
 #include "app/guard/stop_socket.h"
 #include "app/run/exit_status.h"
+#include "app/run/memory_lock.h"
 #include "app/run/output.h"
 #include "comms/protocol.h"
 #include "comms/watchdog.h"
@@ -248,6 +249,7 @@ int guard(const std::string& marker, int descriptor) {
   sched_param priority{};
   priority.sched_priority = 22;  // where the system grants it, above the threads that it watches
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
+  const MemoryLock memory;  // where it is granted: the disk may stall when the guard is needed
   // Whoever waits for the end of the run's output must not wait for the guard.
   if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) ::dup2(nowhere, STDOUT_FILENO);
   const WatchedMarker watched(marker);

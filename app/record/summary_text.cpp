@@ -78,6 +78,8 @@ Json timing(const std::optional<Timing>& timing) {
   if (timing->priority == 0) result["no_priority"] = timing->no_priority;
   if (timing->cpu_latency) result["cpu_latency_limit"] = 1e-6 * *timing->cpu_latency;
   if (!timing->no_cpu_latency.empty()) result["no_cpu_latency_limit"] = timing->no_cpu_latency;
+  if (timing->memory_locked) result["memory_locked"] = true;
+  if (!timing->no_memory_lock.empty()) result["no_memory_lock"] = timing->no_memory_lock;
   return result;
 }
 

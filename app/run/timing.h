@@ -15,6 +15,8 @@ struct Timing {
   std::string no_priority;         ///< why there is none
   std::optional<int> cpu_latency;  ///< the limit that the kernel was asked for, see CpuLatencyLimit [us]
   std::string no_cpu_latency;      ///< why there is none
+  bool memory_locked = false;      ///< the program is kept in memory, see MemoryLock
+  std::string no_memory_lock;      ///< why not, though it was asked for
 };
 
 /// The priority of the control thread; links and guard have higher ones, the threads that turn frames into poses a

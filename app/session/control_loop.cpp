@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/experiment/at_start.h"
+#include "app/run/memory_lock.h"
 #include "app/session/due.h"
 #include "comms/watchdog.h"
 
@@ -322,6 +323,8 @@ std::optional<Timing> ControlLoop::timing_so_far() {
   timing.no_priority = timing_.no_priority;
   timing.cpu_latency = timing_.cpu_latency;
   timing.no_cpu_latency = timing_.no_cpu_latency;
+  timing.memory_locked = timing_.memory_locked;
+  timing.no_memory_lock = timing_.no_memory_lock;
   return timing;
 }
 
@@ -336,10 +339,14 @@ void ControlLoop::thread(const std::stop_token& stop) {
   const bool real = std::any_of(experiment_.robots.begin(), experiment_.robots.end(),
                                 [](const RobotSpec& robot) { return !robot.simulated(); });
   std::optional<CpuLatencyLimit> awake;
+  std::optional<MemoryLock> memory;
   if (real_time_reason(experiment_) || controller_) {
     awake.emplace();
     timing_.cpu_latency = awake->granted();
     timing_.no_cpu_latency = awake->refused();
+    memory.emplace();
+    timing_.memory_locked = memory->granted();
+    timing_.no_memory_lock = memory->refused();
   }
   comms::Heart heart(longest_silence);
   double cycled_at = clock_.now();

@@ -45,6 +45,7 @@ class Patient {
     machine.user = "anna";
     machine.groups = {"anna", "dialout", "video"};
     machine.rtprio = 25;
+    machine.memlock = -1;
     machine.display = ":0";
     machine.usable = [](const std::string&) { return true; };
     machine.adapters = [] { return std::vector<BluetoothAdapter>{{"hci0", "00:1A:7D:DA:71:13", true}}; };
@@ -134,6 +135,8 @@ const Fault faults[] = {
     {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
     {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
     {"PriorityBelowTheGuards", State::ill, "limit 21, requested 22", [](Patient& p) { p.machine.rtprio = 21; }},
+    {"NoMemoryLock", State::note, "memory lock: not granted (limit 8192 kB)",
+     [](Patient& p) { p.machine.memlock = 8 << 20; }},
     {"NoShareForRealTime", State::ill, "sched_rt_runtime_us is 0",
      [](Patient& p) { p.write("/proc/sys/kernel/sched_rt_runtime_us", "0\n"); }},
     {"HardlyAnyShareForRealTime", State::ill, "sched_rt_runtime_us is 1000 of 1e+06",

@@ -26,6 +26,7 @@
 
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
+#include "app/run/memory_lock.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"
@@ -159,6 +160,23 @@ TEST_F(DyingProgram, WhenItIsKilledTheGuardStopsTheRobots) {
   wait_for_the_end();
   EXPECT_TRUE(eventually([this] { return stand(); }));
   EXPECT_TRUE(eventually([this] { return !markers(); })) << "and nothing is left to say";
+}
+
+/// When it is needed, the disk that its program is on may stall.
+TEST_F(DyingProgram, ItsGuardIsKeptInMemory) {
+  if (memory_lock_limit() >= 0) GTEST_SKIP() << MemoryLock().refused();
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer passes no request for a lock on to the kernel";
+#endif
+  start(test::program());
+  if (HasFatalFailure()) return;
+  const auto locked = [this] {
+    std::ifstream status("/proc/" + std::to_string(guard()) + "/status");
+    for (std::string word; status >> word;)
+      if (word == "VmLck:" && status >> word) return std::stol(word);  // [kB]
+    return 0L;
+  };
+  EXPECT_TRUE(eventually([&] { return locked() > 1000; })) << locked() << " kB";
 }
 
 TEST_F(DyingProgram, WithoutAGuardTheNextStartKnowsOfItAndStopsThem) {

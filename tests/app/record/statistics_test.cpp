@@ -383,6 +383,12 @@ TEST(Summary, HasTheTimingCertificateOfARunInRealTime) {
   s.timing->cpu_latency.reset();
   s.timing->no_cpu_latency = "not permitted";
   EXPECT_NE(as_lines(s).find("timing_no_cpu_latency_limit: not permitted\n"), std::string::npos) << as_lines(s);
+  EXPECT_EQ(as_lines(s).find("memory"), std::string::npos) << "a run of simulated robots asks for no lock";
+  s.timing->memory_locked = true;
+  EXPECT_NE(as_lines(s).find("timing_memory_locked: true\n"), std::string::npos) << as_lines(s);
+  s.timing->memory_locked = false;
+  s.timing->no_memory_lock = "not permitted";
+  EXPECT_NE(as_lines(s).find("timing_no_memory_lock: not permitted\n"), std::string::npos) << as_lines(s);
 }
 
 TEST(Statistics, CountCollisionsWithWhatTheOperatorPutsDown) {

@@ -75,6 +75,7 @@ TEST(Timing, ARunThatDrivesRobotsAsksThatProcessorsWakeFast) {
   const auto timing = (*session)->timing();
   ASSERT_TRUE(timing);
   EXPECT_EQ(timing->cpu_latency.has_value(), timing->no_cpu_latency.empty()) << "no limit without a reason";
+  EXPECT_EQ(timing->memory_locked, timing->no_memory_lock.empty()) << "no lock without a reason";
 }
 
 /// The real-time priorities of this process' threads.

@@ -1,0 +1,64 @@
+#include "app/run/memory_lock.h"
+
+#include <fmt/format.h>
+#include <link.h>
+#include <linux/capability.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+namespace skein::app {
+namespace {
+
+bool may_lock_anything() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> held{};
+  return ::syscall(SYS_capget, &header, held.data()) == 0 && (held[0].effective >> CAP_IPC_LOCK & 1U) != 0;
+}
+
+/// The first object is the program. Kernels before 5.14 cannot be asked: there the code is read in as it is used.
+int read_in(dl_phdr_info* object, std::size_t, void*) {
+#ifdef MADV_POPULATE_READ
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  for (int k = 0; k < object->dlpi_phnum; ++k) {
+    const auto& segment = object->dlpi_phdr[k];
+    if (segment.p_type != PT_LOAD) continue;
+    const std::uintptr_t begin = object->dlpi_addr + segment.p_vaddr, first = begin / page * page;
+    ::madvise(reinterpret_cast<void*>(first), begin + segment.p_memsz - first, MADV_POPULATE_READ);
+  }
+#else
+  static_cast<void>(object);
+#endif
+  return 1;
+}
+
+}  // namespace
+
+long memory_lock_limit() {
+  rlimit limit{};
+  if (may_lock_anything() || ::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return -1;
+  return static_cast<long>(limit.rlim_cur);
+}
+
+MemoryLock::MemoryLock() {
+  // Under a limit, what is allocated later would be refused: a program that runs out of memory is worse than one that
+  // waits.
+  if (const long limit = memory_lock_limit(); limit >= 0)
+    refused_ = fmt::format("limit {} kB, needed: none; `skein doctor` has the remedy", limit / 1024);
+  else if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0)
+    refused_ = std::strerror(errno);
+  else
+    ::dl_iterate_phdr(read_in, nullptr);
+}
+
+MemoryLock::~MemoryLock() {
+  if (granted()) ::munlockall();
+}
+
+}  // namespace skein::app
