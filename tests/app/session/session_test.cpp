@@ -129,6 +129,37 @@ TEST(Session, OnTheWallClockTheOperatorIsObeyed) {
   EXPECT_FALSE(session.failure());
 }
 
+TEST(Session, StartsNobodyWhoHasNotBeenSeen) {
+  auto session = Session::open(experiment_with({"simulation.dropout=1"}), Session::Clock::wall);  // no pose ever comes
+  ASSERT_TRUE(session) << session.error();
+  int turns = 0;
+  bool started = false;
+  (*session)->run([&] {
+    (*session)->drain([&](const TickRecord& record) { started = started || record.phase != Phase::ready; });
+    return ++turns < 100;
+  });
+  EXPECT_GE(turns, 100) << "the run waits";
+  EXPECT_FALSE(started);
+}
+
+TEST(Session, DrivesARobotThatIsElsewhereToItsStartFirst) {
+  auto session = Session::open(experiment_with({"staging.automatic=true"}), Session::Clock::wall);
+  ASSERT_TRUE(session) << session.error();
+  TickRecord latest;
+  const auto drain = [&] {
+    (*session)->drain([&](const TickRecord& record) {
+      if (latest.robots.empty() || latest.phase == Phase::ready) latest = record;
+    });
+    return true;
+  };
+  ASSERT_TRUE(eventually([&] { return drain() && !latest.robots.empty(); }));
+  const core::Pose start = latest.robots[3].truth;
+  ASSERT_TRUE((*session)->move_robot(3, {start.x - 0.1, start.y, start.theta}));
+  ASSERT_TRUE(eventually([&] { return drain() && core::distance(latest.robots[3].pose, start) > 0.05; }));
+  (*session)->run([&] { return drain() && latest.phase == Phase::ready; });
+  EXPECT_EQ(latest.phase, Phase::staging);
+}
+
 TEST(Session, StopReachesEveryRobotOnTheWallClock) {
   auto opened = Session::open(experiment_with(through_camera_and_protocol), Session::Clock::wall);
   ASSERT_TRUE(opened) << opened.error();
