@@ -162,6 +162,7 @@ class Planner {
   bool continue_search() noexcept;
   void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  bool include_who_follows(const Scene& scene) noexcept;
   bool improve(const Scene& scene) noexcept;
   void end_group(const Scene& scene) noexcept;
   void improve_on_the_way(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;

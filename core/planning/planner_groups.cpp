@@ -166,8 +166,21 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   });
 }
 
+/// Asks for a plan of the members, and of the robots that follow their references to places at rest. False if there are
+/// none of those.
+bool Planner::include_who_follows(const Scene& scene) noexcept {
+  bool more = false;
+  for (std::size_t j = 0; j < robots_.size(); ++j)
+    if (robots_[j].state == State::nominal && rests(j, scene) && !scene.to_starts && formation_t_ < rest_from_[j] &&
+        !stands(j, scene) && !std::isnan(scene.poses[j].x))
+      robots_[j].needs_plan = more = true;
+  if (more)
+    for (const std::size_t i : group_.order) robots_[i].needs_plan = true;
+  return more;
+}
+
 /// One robot after the other; whoever finds no way goes to the front, and all begin anew.
-void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoint>) noexcept {
+void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
   Group& g = group_;
   while (g.active && spent_ < nodes_each_tick) {
     if (g.next == g.order.size()) {
@@ -214,6 +227,11 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
     if (g.best_arrival < never) {  // the plan that there is, is good enough
       end_group(scene);
       return;
+    }
+    // The order of the members does not help: robots that are not planned may be in the way.
+    if ((g.next == 0 || g.attempt > 1) && include_who_follows(scene)) {
+      begin_group(scene, nominal, g.everybody);
+      continue;
     }
     const bool gives_up = g.attempt > most_attempts || scene.t > g.began + longest_planning;
     if (gives_up || g.next == 0) {  // first and yet no way: it stands where it is

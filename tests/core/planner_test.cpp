@@ -343,6 +343,21 @@ TEST(Planner, DoesNotSayThatThereIsNoWayWhereAClockStood) {
   EXPECT_FALSE(o.no_way);
 }
 
+/// The first robot follows its reference, since it meets nobody, and passes where the fourth stands: that one had no
+/// way for 3 s, in which all others waited for it or drove.
+TEST(Planner, WhoeverFollowsItsReferenceIsPlannedTooWhereItLeavesAnotherNoWay) {
+  Scene scene;
+  scene.starts = {
+      {-0.107, 0.2196, -0.063}, {-0.5238, 0.4445, 3.055}, {0.6954, 0.4762, -0.971}, {-0.0439, 0.1151, 2.676}};
+  const std::vector<Pose> ends{
+      {0.4748, 0.1172, -0.174}, {0.1167, 0.2978, -0.225}, {0.5729, 0.3305, -2.270}, {0.512, -0.3622, -0.709}};
+  for (std::size_t i = 0; i < ends.size(); ++i) scene.lines.add(scene.starts[i], ends[i]);
+  const Outcome o = run(scene);
+  EXPECT_FALSE(o.no_way);
+  EXPECT_GT(o.arrived, 0.0);
+  EXPECT_LE(o.arrived, 11.5);
+}
+
 /// A first plan lets some wait for many: better ways are sought while everybody drives. Without, these took 1.41, 1.55
 /// and 1.35 times the longest straight line at v_max.
 TEST(Planner, WhoeverArrivesLastGetsABetterWayWhileAllDrive) {
