@@ -122,6 +122,8 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.avoidance.horizon; }, [](Limits) { return between(0.0, 60.0, "s"); }}},
       {"avoidance", "formation_waits", "plan: the formation slows down while one of its robots is on its way back",
        FlagKey{[](E& e) -> auto& { return e.avoidance.formation_waits; }}},
+      {"avoidance", "improve", "plan: better ways are searched for while robots drive; false: each keeps its first",
+       FlagKey{[](E& e) -> auto& { return e.avoidance.improve; }}},
 
       {"shield", "enabled", "forward speeds are changed so that no two robots come too close",
        FlagKey{[](E& e) -> auto& { return e.shield.enabled; }}},

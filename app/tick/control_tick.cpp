@@ -61,6 +61,7 @@ std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Ref
                              core::standard_radius + most};
   setup.smaller.reserve(beyond.size());
   for (const double larger : beyond) setup.smaller.push_back(most - larger);
+  setup.improve = e.avoidance.improve;
   return std::make_unique<core::Planner>(setup, reference, e.avoidance.formation_waits ? &clock : nullptr);
 }
 

@@ -60,6 +60,7 @@ class Planner {
     /// Of the largest body. [m]
     double radius = standard_radius;
     std::vector<double> smaller{};  ///< than that is each body; empty: all are as large [m]
+    bool improve = true;            ///< better routes are searched for while robots drive; false: each keeps its first
   };
   /// `clock`: of a formation that waits, which the reference goes by; null: it waits for nobody. The planner steps it.
   Planner(const Setup& setup, const Reference& reference, FormationClock* clock = nullptr);

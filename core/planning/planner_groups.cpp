@@ -319,13 +319,13 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
   }
   if (merging_.robots != before) merging_.searched = 0;
   if (merging_.count > 0) plan_merges(scene, gains, nominal);
-  for (std::size_t i = 0; i < robots_.size() && spent_ == 0 && !group; ++i) {
+  for (std::size_t i = 0; i < robots_.size() && setup_.improve && spent_ == 0 && !group; ++i) {
     const Robot& robot = robots_[i];
     const bool on_its_way = robot.state == State::driving && !rests(i, scene) && robot.rate > 0.999;
     if (on_its_way && !stands(i, scene) && scene.t >= robot.looks_at) look_again(i, scene, gains, nominal);
   }
   if (!group) {
-    if (spent_ == 0)
+    if (setup_.improve && spent_ == 0)
       improve_on_the_way(scene, nominal);
     else
       improvement_.asked = 0;

@@ -59,6 +59,7 @@ struct Scene {
   std::vector<Obstacle> obstacles;
   double obstacles_from = 0.0;  // nobody knows of them before [s]
   double duration = 90.0;
+  bool improve = true;
   using Who = std::function<std::vector<std::uint8_t>(std::size_t n, double t)>;
   Who out, stuck;
   Who jammed;  // as stuck, and nobody knows
@@ -93,7 +94,9 @@ Outcome run(const Scene& scene) {
   core::Gains gains = core::paper_gains(n);
   gains.k_y = 4.0;
   for (core::PairTable* table : {&gains.k_xx, &gains.k_tt, &gains.k_yy}) table->fill(0.0);
-  Planner planner({n, scene.obstacles.size(), arena, 0.078, scene.duration}, scene.lines);
+  Planner::Setup setup{n, scene.obstacles.size(), arena, 0.078, scene.duration};
+  setup.improve = scene.improve;
+  Planner planner(setup, scene.lines);
   core::Shield shield(n, scene.obstacles.size());
   core::ShieldParameters parameters;
   parameters.half_width = arena.width;

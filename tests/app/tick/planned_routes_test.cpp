@@ -45,6 +45,28 @@ TEST(PlannedRoutes, RepeatToTheBit) {
       ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
 }
 
+/// All stand until they have ways. Whoever keeps its first is not planned any more.
+TEST(PlannedRoutes, AreNotChangedOnTheWayIfTheFileSaysSo) {
+  const auto work_on_the_way = [](bool improve) {
+    auto swap = load_experiment(experiments + "antipodal-swap-20.toml");
+    if (!swap) ADD_FAILURE() << swap.error().front().message();
+    Experiment e = *swap;
+    e.avoidance.kind = core::AvoidanceKind::plan;
+    e.avoidance.improve = improve;
+    e.duration = 10.0;
+    std::size_t nodes = 0;
+    bool drive = false;
+    for (const TickRecord& row : test::simulate(e)) {
+      if (drive) nodes += row.planning;
+      for (const RobotRecord& robot : row.robots) drive = drive || robot.reference.twist.v > 0.0;
+    }
+    EXPECT_TRUE(drive);
+    return nodes;
+  };
+  EXPECT_EQ(work_on_the_way(false), 0u);
+  EXPECT_GT(work_on_the_way(true), 0u);
+}
+
 /// Beside a larger one: two small robots 0.12 m from each other, and one 1 cm from the edge. While all were planned as
 /// if they had the largest body there was no way to the one, and the other turned on the spot for ever.
 TEST(PlannedRoutes, BringSmallRobotsToPlacesThatALargeOneHasNoRoomFor) {
