@@ -9,7 +9,8 @@
 namespace skein::core {
 namespace {
 
-constexpr double route_comfort = 0.02;      // routes keep so much more than the shield asks for [m]
+constexpr double route_comfort = 0.012;     // routes keep so much more than the shield asks for: it does not act where
+                                            // two pass one another on straight lines [m]
 constexpr double arrived = 1e-3;            // [m]
 constexpr double longest_way = 300.0;       // [s]
 constexpr double route_end_angle = 0.03;    // [rad]

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/control/coordination_law.h"
@@ -361,21 +362,28 @@ TEST(Planner, WhoeverFollowsItsReferenceIsPlannedTooWhereItLeavesAnotherNoWay) {
   EXPECT_LE(o.arrived, 11.5);
 }
 
-/// A first plan lets some wait for many: better ways are sought while everybody drives. Without, these took 1.41, 1.55
-/// and 1.35 times the longest straight line at v_max.
+/// A first plan lets some wait for many: better ways are sought while everybody drives. The control keeps the first;
+/// while routes kept 20 mm more than the shield's distance, it took 1.41, 1.55 and 1.35 times the longest straight line
+/// at v_max in the first three.
 TEST(Planner, WhoeverArrivesLastGetsABetterWayWhileAllDrive) {
-  double sum = 0.0;
-  for (const std::uint64_t seed : {1, 4, 10}) {
-    const Scene scene = crowd(30, seed);
+  double sum = 0.0, control = 0.0;
+  for (const auto& [seed, at_first] : {std::pair{1, 1.3}, {4, 1.4}, {10, 1.33}, {16, 2.0}}) {
+    Scene scene = crowd(30, static_cast<std::uint64_t>(seed));
     double straight = 0.0;  // [s]
     for (std::size_t i = 0; i < scene.starts.size(); ++i)
       straight = std::max(straight, core::distance(scene.starts[i], scene.lines.at(i, 200.0).pose) / 0.1);
     const Outcome o = run(scene);
     EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
     EXPECT_EQ(o.reversals, 0) << "seed " << seed;
+    scene.improve = false;
+    const Outcome first = run(scene);
+    EXPECT_GT(first.arrived, 0.0) << "seed " << seed;
+    EXPECT_LE(first.arrived, at_first * straight) << "seed " << seed;
     sum += o.arrived / straight;
+    control += first.arrived / straight;
   }
-  EXPECT_LE(sum / 3.0, 1.4);
+  EXPECT_LE(sum / 4.0, 1.4);
+  EXPECT_LE(sum, control - 0.3);
 }
 
 /// Robots close together, whose places are close together in another order: those inside have no way until others have
