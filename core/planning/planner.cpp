@@ -184,6 +184,7 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   const double at = robot.clock + ahead, planned = robot.due + at;
   const Pose there = robot.route.at(at).pose, here = on_route_[i];
   constexpr double less = 0.004, step = 0.1;
+  constexpr double nearing = 0.005;  // of two that are nearer already, at most [m/s]
   for (std::size_t j = 0; j < n; ++j) {
     const Robot& other = robots_[j];
     if (j == i || other.state != State::driving || other.stood) continue;
@@ -197,7 +198,7 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     // Too far away to get there by then.
     const double reach = most + fastest * (until + step - other.clock);
     if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
-    const double keep = std::min(most, distance(now, here) - 2e-3);
+    const double keep = std::min(most, distance(now, here) - nearing * ahead);
     for (double t = runs_to; t < until + step;) {
       const double apart = distance(other.route.at(std::min(t, until)).pose, there);
       if (apart < keep) {
