@@ -85,6 +85,41 @@ TEST(PlotHistory, DrawsFewPointsAndLeavesNoPeakOut) {
   EXPECT_EQ(points.size(), 27u);
 }
 
+/// The height of a line through these points.
+double height_at(const std::vector<PlotHistory::Point>& points, double t) {
+  const auto after = std::find_if(points.begin(), points.end(), [t](const auto& point) { return point.t >= t; });
+  if (after == points.begin() || after->t == t) return after->value;
+  const auto before = std::prev(after);
+  return before->value + (after->value - before->value) * (t - before->t) / (after->t - before->t);
+}
+
+TEST(PlotHistory, LevelStretchesAreDrawnByTheirEnds) {
+  const double gap = std::numeric_limits<double>::quiet_NaN();
+  std::vector<PlotHistory::Point> points{{0, 1}, {1, 1}, {2, 1.05}, {3, 1}, {4, gap}, {5, 7}, {6, 7}, {7, 9}, {8, 9}};
+  drop_level_points(points, 0.1);
+  std::vector<double> times(points.size());
+  std::transform(points.begin(), points.end(), times.begin(), [](const auto& point) { return point.t; });
+  EXPECT_EQ(times, (std::vector<double>{0, 3, 4, 5, 6, 7, 8}));
+
+  std::mt19937 random(7);
+  std::normal_distribution<double> step(0.0, 1.0);
+  for (const double tolerance : {0.0, 0.5, 2.0, 20.0}) {
+    std::vector<PlotHistory::Point> all(2000);
+    double value = 0.0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      value += k % 400 < 200 ? step(random) : 0.0;
+      all[k] = {static_cast<double>(k), value};
+    }
+    std::vector<PlotHistory::Point> few = all;
+    drop_level_points(few, tolerance);
+    EXPECT_LT(few.size(), 1020u) << tolerance;
+    EXPECT_EQ(few.front().t, all.front().t);
+    EXPECT_EQ(few.back().t, all.back().t);
+    for (const PlotHistory::Point& point : all)
+      ASSERT_NEAR(height_at(few, point.t), point.value, 2 * tolerance) << tolerance << ", " << point.t;
+  }
+}
+
 TEST(PlotHistory, ForgetsTheOldestAndStaysBounded) {
   PlotHistory history(2, 4096);
   for (int k = 0; k < 100000; ++k) history.add(k, {double(k), -double(k)});
@@ -217,6 +252,33 @@ TEST(Group, OfFourHasALegendAndNoNumbers) {
   PlotsPanel panel;
   panel.show_experiment(app::paper_experiment());
   EXPECT_EQ(panel.view().numbers_of(0), nullptr);
+}
+
+TEST(Group, ACurveThatStaysWhereItIsIsDrawnWithFewPointsAndAPeakInItIsSeen) {
+  PlotsPanel panel;
+  panel.resize(430, 600);
+  panel.show_experiment(app::paper_experiment());
+  panel.show();
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(&panel));
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(4);
+  constexpr double half_an_hour = 1800.0, peak_at = 900.0, peak = 0.015;
+  for (int k = 0; record.t < half_an_hour; ++k) {
+    record.t = 0.04 * k;
+    record.robots[0].pose.x = k == static_cast<int>(peak_at / 0.04) ? peak : 0.0;  // for one tick
+    record.robots[1].pose.x = 1e-7 * std::sin(record.t);                           // not seen
+    panel.show_record(record);
+  }
+  panel.set_span(half_an_hour);
+  panel.view().set_time(0.0, half_an_hour);
+  panel.view().draw_history(panel.history(), {});
+  const QCPGraph* with_peak = panel.view().graph(0);
+  EXPECT_LE(with_peak->dataCount(), 8);
+  EXPECT_LE(panel.view().graph(1)->dataCount(), 2);
+  double lowest = 0.0;
+  for (const QCPGraphData& point : *with_peak->data()) lowest = std::min(lowest, point.value);
+  EXPECT_EQ(lowest, -peak);
 }
 
 class Plots : public Operator {

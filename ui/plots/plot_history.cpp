@@ -105,6 +105,17 @@ void PlotHistory::points(std::size_t curve, double from, double to, std::size_t 
   }
 }
 
+void drop_level_points(std::vector<PlotHistory::Point>& points, double tolerance) {
+  std::size_t kept = 0, level = 0;  // of what is kept: how many, and where the level stretch at its end begins
+  for (const PlotHistory::Point& point : points) {
+    const bool same = kept > 0 && std::abs(point.value - points[level].value) <= tolerance;
+    if (same && kept > level + 1) --kept;  // between the first and the last of a stretch
+    if (!same) level = kept;
+    points[kept++] = point;
+  }
+  points.resize(kept);
+}
+
 PlotHistory::Range PlotHistory::range(std::size_t curve, double from, double to) const {
   if (empty()) return nothing;
   std::size_t begin = index_after(from);

@@ -70,4 +70,8 @@ class PlotHistory {
   std::deque<Block> blocks_;
 };
 
+/// Leaves out what is not seen: of a stretch whose values stay within `tolerance` of its first one, all points between
+/// the first and the last. What is left deviates from the curve by 2 * `tolerance` at most; gaps stay.
+void drop_level_points(std::vector<PlotHistory::Point>& points, double tolerance);
+
 }  // namespace skein::ui

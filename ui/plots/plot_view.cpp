@@ -262,6 +262,10 @@ void PlotView::fill(QCPGraph* graph, const PlotHistory& history, std::size_t cur
   const QCPRange range = time();
   const auto columns = static_cast<std::size_t>(std::max(50, width()));
   history.points(curve, range.lower, range.upper, columns, points_);
+  constexpr double unseen = 0.125;  // [px]
+  const QCPAxis* value = graph->valueAxis();
+  if (const int height = value->axisRect()->height(); height > 0)
+    drop_level_points(points_, unseen * value->range().size() / height);
   QVector<QCPGraphData> drawn_points;
   drawn_points.reserve(static_cast<qsizetype>(points_.size()));
   for (const PlotHistory::Point& point : points_) drawn_points.push_back({point.t, point.value});
@@ -275,6 +279,7 @@ void PlotView::draw_history(const PlotHistory& history, const std::vector<const 
     const QRect place = s.rect->outerRect();  // empty: it was not laid out yet, and the next picture may be the last
     s.rect->setVisible(within.isEmpty() || place.isEmpty() || place.intersects(within));  // with its axes and curves
     if (!s.rect->visible()) continue;
+    fit(s, history, others);  // first: how many points a curve needs depends on it
     for (std::size_t c = 0; c < row.curves.size(); ++c) {
       const bool visible = drawn(row, c);
       s.graphs[c]->setVisible(visible);
@@ -291,7 +296,6 @@ void PlotView::draw_history(const PlotHistory& history, const std::vector<const 
         one.graphs[c]->setVisible(visible);
         if (visible) fill(one.graphs[c], history, rows_[one.row].first + c);
       }
-    fit(s, history, others);
     if (s.numbers) number_curves(s, history);
   }
 }
