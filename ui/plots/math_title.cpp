@@ -1,5 +1,7 @@
 #include "ui/plots/math_title.h"
 
+#include <cmath>
+
 namespace skein::ui {
 
 MathTitle::MathTitle(QCustomPlot* plot, const QString& symbol, const QString& index, const QString& unit)
@@ -7,39 +9,45 @@ MathTitle::MathTitle(QCustomPlot* plot, const QString& symbol, const QString& in
   setMinimumMargins(QMargins(0, 0, 0, 0));
 }
 
-QFont MathTitle::slanted() const {
-  QFont font = mParentPlot->font();
-  font.setItalic(true);
-  font.setBold(true);
-  font.setPointSizeF(font.pointSizeF() + 1.5);
-  return font;
-}
-
-QFont MathTitle::lowered() const {
-  QFont font = mParentPlot->font();
-  font.setItalic(true);
-  return font;
+void MathTitle::lay_out() const {
+  const QFont plain = mParentPlot->font();
+  if (!size_.isEmpty() && laid_out_in_ == plain) return;
+  laid_out_in_ = plain;
+  QFont slanted = plain;
+  slanted.setItalic(true);
+  slanted.setBold(true);
+  slanted.setPointSizeF(plain.pointSizeF() + 1.5);
+  QFont lowered = plain;
+  lowered.setItalic(true);
+  const QFontMetricsF big(slanted), small(lowered), upright(plain);
+  const double base = big.ascent(), index = big.horizontalAdvance(symbol_) + 1;
+  const double unit = index + small.horizontalAdvance(index_) + 6;
+  const auto part = [](const QFont& font, const QString& text, double left, double top) {
+    Part made{font, {}, {left, top}};
+    made.text.setTextFormat(Qt::PlainText);
+    made.text.setPerformanceHint(QStaticText::AggressiveCaching);
+    made.text.setText(text);
+    made.text.prepare({}, font);
+    return made;
+  };
+  parts_ = {part(slanted, symbol_, 0.0, 0.0), part(lowered, index_, index, 1.25 * base - small.ascent()),
+            part(plain, unit_, unit, base - upright.ascent())};
+  size_ = {static_cast<int>(std::ceil(unit + upright.horizontalAdvance(unit_))) + 6,
+           static_cast<int>(std::ceil(big.height())) + 3};
 }
 
 QSize MathTitle::minimumOuterSizeHint() const {
-  const QFontMetrics big(slanted()), small(lowered()), plain(mParentPlot->font());
-  return {big.horizontalAdvance(symbol_) + small.horizontalAdvance(index_) + plain.horizontalAdvance(unit_) + 13 +
-              mMargins.left(),
-          big.height() + 3};
+  lay_out();
+  return size_ + QSize(mMargins.left(), 0);
 }
 
 void MathTitle::draw(QCPPainter* painter) {
+  lay_out();
   painter->setPen(colour_);
-  const QFontMetricsF big(slanted()), small(lowered());
-  QPointF at(mRect.left(), mRect.top() + big.ascent());
-  painter->setFont(slanted());
-  painter->drawText(at, symbol_);
-  at.rx() += big.horizontalAdvance(symbol_) + 1;
-  painter->setFont(lowered());
-  painter->drawText(at + QPointF(0, big.ascent() * 0.25), index_);
-  at.rx() += small.horizontalAdvance(index_) + 6;
-  painter->setFont(mParentPlot->font());
-  painter->drawText(at, unit_);
+  for (const Part& part : parts_) {
+    painter->setFont(part.font);
+    painter->drawStaticText(mRect.topLeft() + part.at, part.text);
+  }
 }
 
 }  // namespace skein::ui

@@ -2,7 +2,9 @@
 
 #include <qcustomplot.h>
 
+#include <QStaticText>
 #include <QString>
+#include <array>
 
 namespace skein::ui {
 
@@ -22,11 +24,19 @@ class MathTitle final : public QCPLayoutElement {
   void draw(QCPPainter* painter) override;
 
  private:
-  QFont slanted() const;
-  QFont lowered() const;
+  struct Part {
+    QFont font;
+    QStaticText text;
+    QPointF at;  // from the top left
+  };
+  void lay_out() const;
 
   QString symbol_, index_, unit_;
   QColor colour_;
+  // Laid out once, not in every picture.
+  mutable QFont laid_out_in_;
+  mutable std::array<Part, 3> parts_;
+  mutable QSize size_;
 };
 
 }  // namespace skein::ui

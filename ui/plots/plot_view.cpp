@@ -76,7 +76,8 @@ PlotView::PlotView(QWidget* parent) : QCustomPlot(parent), markers_(this) {
   setMouseTracking(true);
   setPlottingHint(QCP::phFastPolylines);  // stretch by stretch: of a thousand points an eighth of the time
   // The cursor moves with the mouse: it has a picture of its own, and the curves below stay as they are.
-  addLayer(QStringLiteral("cursor"), layer(QStringLiteral("axes")), QCustomPlot::limAbove);
+  // Above all others: what is above a picture of its own would need one as well.
+  addLayer(QStringLiteral("cursor"), layer(QStringLiteral("overlay")), QCustomPlot::limAbove);
   layer(QStringLiteral("cursor"))->setMode(QCPLayer::lmBuffered);
   plotLayout()->setRowSpacing(0);
   plotLayout()->setMargins(QMargins(0, 5, 0, 3));
