@@ -5,7 +5,9 @@
 #include <QLabel>
 #include <QSettings>
 #include <cmath>
+#include <functional>
 #include <tuple>
+#include <vector>
 
 #include "operator.h"
 #include "ui/base/settings.h"
@@ -174,6 +176,49 @@ TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {
     EXPECT_TRUE(why.contains(QStringLiteral("real"))) << why.toStdString();
   }
   EXPECT_EQ(gestures, 0);
+}
+
+TEST(ArenaGround, IsThatOfTheViewThatIsShownWhateverWasDrawnBefore) {
+  const app::Experiment paper = app::paper_experiment();
+  const auto eight = app::parse_experiment(paper.source, "platoon.toml", {"reference.path.width=0.8"});
+  ASSERT_TRUE(eight);
+  using Change = std::function<void(ArenaView&)>;
+  const std::vector<Change> changes{
+      [](ArenaView& view) { view.zoom_in(); },
+      [](ArenaView& view) { view.resize(500, 480); },
+      [](ArenaView& view) { view.show_grid(false); },
+      [](ArenaView& view) { view.setPalette(palette(Theme::dark)); },
+      [&](ArenaView& view) { view.show_experiment(*eight); },
+      [](ArenaView& view) { view.zoom_in(); },
+      [](ArenaView& view) { view.show_grid(true); },
+      [](ArenaView& view) {
+        QFont large = view.font();
+        large.setPointSizeF(2 * large.pointSizeF());
+        view.setFont(large);
+      },
+  };
+  QWidget window;
+  window.resize(640, 480);
+  window.show();
+  const auto begin = [&](ArenaView& view) {
+    view.setPalette(palette(Theme::light));
+    view.show();
+    view.resize(640, 480);
+    view.show_experiment(paper);
+  };
+  ArenaView long_shown(&window);
+  begin(long_shown);
+  QImage before = long_shown.grab().toImage();
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    changes[k](long_shown);
+    const QImage now = long_shown.grab().toImage();
+    EXPECT_NE(now, before) << k;
+    ArenaView fresh(&window);  // has drawn nothing before
+    begin(fresh);
+    for (std::size_t j = 0; j <= k; ++j) changes[j](fresh);
+    EXPECT_EQ(now, fresh.grab().toImage()) << k;
+    before = now;
+  }
 }
 
 TEST(ArenaHint, SaysAllOfALongHintInANarrowWindow) {

@@ -19,10 +19,14 @@ constexpr double small_robot = 7.0;  // radius [px]: of a smaller one, number an
 
 }  // namespace
 
-void ArenaPainter::paint(const QRectF& widget) {
+void ArenaPainter::paint_ground(const QRectF& widget) {
   p_.setRenderHint(QPainter::Antialiasing);
   floor(widget);
   bounds_and_path();
+}
+
+void ArenaPainter::paint(const QRectF& widget) {
+  p_.setRenderHint(QPainter::Antialiasing);
   obstacles();
   if (scene_.show_trails) trails();
   for (const OtherRun& other : scene_.compared) paint_other(p_, other, scene_, map_, c_);

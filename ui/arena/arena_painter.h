@@ -17,7 +17,9 @@ class ArenaPainter {
   ArenaPainter(QPainter& painter, const ArenaScene& scene, const ArenaMap& map, const Colours& colours)
       : p_(painter), scene_(scene), map_(map), c_(colours) {}
 
-  void paint(const QRectF& widget);
+  /// Floor, grid, bounds and path, or the camera's picture: what lies below everything that moves.
+  void paint_ground(const QRectF& widget);
+  void paint(const QRectF& widget);  ///< everything above
 
  private:
   void floor(const QRectF& widget);

@@ -46,6 +46,7 @@ void ArenaView::show_experiment(const app::Experiment& experiment) {
   end_gesture();
   turn_.reset();
   scene_.reset(experiment);
+  ground_ = {};
   camera_ = nullptr;
   choose_sheet();
 }
@@ -141,6 +142,7 @@ void ArenaView::set_coupling(std::size_t i, std::size_t j, double strength) {
 
 void ArenaView::show_grid(bool on) {
   scene_.show_grid = on;
+  ground_ = {};
   update();
 }
 
@@ -198,7 +200,30 @@ void ArenaView::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   painter.setFont(font());
   const Colours c = colours(palette());
-  ArenaPainter(painter, scene_, map_, c).paint(rect());
+  ArenaPainter arena(painter, scene_, map_, c);
+  if (map_.shows_picture())
+    arena.paint_ground(rect());
+  else
+    painter.drawPixmap(0, 0, ground(c));
+  arena.paint(rect());
+}
+
+/// Drawn once for many frames: it costs a quarter of one.
+const QPixmap& ArenaView::ground(const Colours& colours) {
+  const QSize pixels = (devicePixelRatioF() * QSizeF(size())).toSize();
+  if (ground_.size() == pixels && ground_of_ == map_.sheet()) return ground_;
+  ground_ = QPixmap(pixels);
+  ground_.setDevicePixelRatio(devicePixelRatioF());
+  ground_of_ = map_.sheet();
+  QPainter painter(&ground_);
+  painter.setFont(font());
+  ArenaPainter(painter, scene_, map_, colours).paint_ground(rect());
+  return ground_;
+}
+
+void ArenaView::changeEvent(QEvent* event) {
+  ground_ = {};  // of other colours, or in another font
+  QWidget::changeEvent(event);
 }
 
 void ArenaView::resizeEvent(QResizeEvent*) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QElapsedTimer>
+#include <QPixmap>
 #include <QWidget>
 #include <memory>
 #include <optional>
@@ -11,6 +12,8 @@
 #include "ui/arena/arena_scene.h"
 
 namespace skein::ui {
+
+struct Colours;
 
 /// The arena, seen from above, and the operator's hand in it: simulated robots are dragged, turned with the mouse wheel
 /// and kicked, obstacles dropped and dragged, distances measured, couplings switched with a click. Without a mouse the
@@ -75,6 +78,7 @@ class ArenaView final : public QWidget {
 
  protected:
   void paintEvent(QPaintEvent*) override;
+  void changeEvent(QEvent*) override;
   void resizeEvent(QResizeEvent*) override;
   void mousePressEvent(QMouseEvent*) override;
   void mouseMoveEvent(QMouseEvent*) override;
@@ -110,10 +114,13 @@ class ArenaView final : public QWidget {
   void resize_obstacle(int number, double factor);
   void end_gesture();
   void choose_sheet();
+  const QPixmap& ground(const Colours& colours);
 
   ArenaMap map_;
   ArenaMap::Camera camera_;
   ArenaScene scene_;
+  QPixmap ground_;    // floor, grid, bounds and path; null: to be drawn
+  QRectF ground_of_;  // where the plan is in it
   double painted_t_ = -1.0;
   std::optional<QPoint> tip_;  // where a tip was requested: its text is kept up to date
   QString fixed_;
