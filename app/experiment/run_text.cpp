@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/experiment/toml_edit.h"
+#include "app/experiment/toml_places.h"
 
 namespace skein::app {
 namespace {
@@ -37,6 +38,24 @@ std::string literal(const core::PairTable& table, std::size_t robots) {
       pairs += fmt::format("{}[{}, {}, {}]", pairs.empty() ? "" : ", ", i + 1, j + 1, table(i, j));
     }
   return same ? fmt::format("{}", table.largest()) : "[" + pairs + "]";
+}
+
+/// The text of the experiment without those [[operator]] tables whose actions it no longer has.
+std::string text_without_dropped_actions(const Experiment& experiment) {
+  std::string text = experiment.source;
+  const auto document = parsed_toml(text);
+  const toml::array* const tables = document ? document->get_as<toml::array>("operator") : nullptr;
+  for (std::size_t k = tables ? tables->size() : 0; k-- > 0;) {  // the last one first: the places of the others hold
+    const toml::table* const table = tables->get(k)->as_table();
+    if (!table || table->is_inline()) continue;
+    const auto event = parse_action((*table)["does"].value_or(std::string()));
+    const double t = (*table)["t"].value_or(0.0);
+    const auto is_this = [&](const OperatorAction& a) { return a.t == t && describe(a.event) == describe(*event); };
+    if (!event || std::any_of(experiment.actions.begin(), experiment.actions.end(), is_this)) continue;
+    const std::size_t begin = offset_of(text, table->source().begin);
+    text.erase(begin, end_of_table(text, *table, false) - begin);
+  }
+  return text;
 }
 
 }  // namespace
@@ -79,7 +98,7 @@ void ActionsDone::note(const TickRecord& row) {
 std::string text_as_done(const Experiment& experiment, const std::vector<const TickRecord*>& rows) {
   ActionsDone done(experiment);
   for (const TickRecord* row : rows) done.note(*row);
-  std::string text = experiment.source;
+  std::string text = text_without_dropped_actions(experiment);
   for (const OperatorAction& action : done.all())
     text += fmt::format("\n[[operator]]\nt = {}\ndoes = \"{}\"\n", action.t, describe(action.event));
   return text;

@@ -30,8 +30,8 @@ class ActionsDone {
 };
 
 /// The text of the experiment with the operator's actions in a run of it as [[operator]] tables: `skein run` repeats
-/// them at the same times. `rows`: of the run, in order. Robots that were elsewhere at the start of the run are moved
-/// there at t = 0.
+/// them at the same times; those of its text that it no longer has are left out. `rows`: of the run, in order. Robots
+/// that were elsewhere at the start of the run are moved there at t = 0.
 std::string text_as_done(const Experiment& experiment, const std::vector<const TickRecord*>& rows);
 
 /// The text with other gains in [controller.gains]: one number if it is the same for all pairs, otherwise one for each

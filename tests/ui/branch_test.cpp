@@ -1,4 +1,6 @@
 // "Go on from here": the past comes out the same, and the rest is the operator's.
+#include <fmt/format.h>
+
 #include "app/record/csv_file.h"
 #include "operator.h"
 #include "ui/gains/gains_panel.h"
@@ -55,6 +57,36 @@ TEST_F(Branch, OfALiveSimulationRepeatsWhatTheHandDidAndPauses) {
 
   window.go();
   EXPECT_TRUE(eventually([&] { return running() && record().t > before.t + 0.2; })) << "it goes on";
+}
+
+TEST_F(Branch, OfABranchHasNothingInItsPastThatDidNotHappen) {
+  constexpr double planned = 5.0;  // [s]
+  const auto experiment = app::parse_experiment(
+      app::paper_experiment().source + fmt::format("\n[[operator]]\nt = {}\ndoes = \"hold r2\"\n", planned),
+      "planned.toml");
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  start(*experiment);
+  window.go();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  ASSERT_LT(record().t, planned);
+  go_on_from_here();  // what the file does later may now be done otherwise
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  window.go();
+  window.set_speed(10.0);
+  ASSERT_TRUE(eventually([&] { return record().t > planned + 1.0; }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  const app::TickRecord before = record();
+  ASSERT_EQ(count(saved_events(), "hold r2"), 0);
+
+  go_on_from_here();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  EXPECT_NEAR(record().t, before.t, 1e-9);
+  EXPECT_EQ(count(saved_events(), "hold r2"), 0) << "the second branch has another past than the first";
+  expect_same_places(record(), before, 1e-7);
+  const auto written = app::parse_experiment(live().experiment().source, "written.toml");
+  ASSERT_TRUE(written);
+  EXPECT_TRUE(written->actions.empty()) << "its text has what never happened";
 }
 
 TEST_F(Branch, OfAReplayGoesOnLiveFromItsPresentMoment) {

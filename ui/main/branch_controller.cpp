@@ -38,15 +38,17 @@ void BranchController::go_on_from_here() {
     if (row->t <= t) rows.push_back(row.get());
   if (rows.empty() || runs_.live().is_busy())
     return messages_.say(tr("There is no run yet to go on from"), Severity::notice);
-  auto repeated = app::parse_experiment(app::text_as_done(experiment, rows), experiment.name);
+  // What was done after this moment is what may now be done otherwise.
+  const auto later = [t](const app::OperatorAction& action) { return action.t > t; };
+  app::Experiment until_here = experiment;
+  std::erase_if(until_here.actions, later);
+  auto repeated = app::parse_experiment(app::text_as_done(until_here, rows), experiment.name);
   if (!repeated)
     return messages_.problem(tr("This run cannot be repeated"),
                              QString::fromStdString(repeated.error().front().message()));
   repeated->directory = experiment.directory;
-  std::vector<app::OperatorAction>& actions = repeated->actions;
-  // What was done by hand after this moment is what may now be done otherwise.
-  std::erase_if(actions, [&](const app::OperatorAction& action) { return action.t > t; });
-  actions.push_back({t, app::events::Pause{}});
+  std::erase_if(repeated->actions, later);
+  repeated->actions.push_back({t, app::events::Pause{}});
   if (!pause_at_) speed_ = runs_.live().is_open() ? runs_.live().speed() : 1.0;
   pause_at_ = began_at_ = t;
   emit experiment_wanted(*repeated);
