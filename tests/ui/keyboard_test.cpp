@@ -233,6 +233,94 @@ TEST_F(Keyboard, MovesTurnsKicksHoldsAndMeasures) {
   EXPECT_FALSE(QToolTip::text().isEmpty()) << "why a robot does what it does is told to a mouse alone";
 }
 
+TEST_F(Keyboard, TurnsARobotAndZoomsAndPansTheArena) {
+  start();
+  press(Qt::Key_1, Qt::ControlModifier);
+  press(Qt::Key_2);
+  const double before = arena().scene().pose(1)->theta;
+  press(Qt::Key_PageDown);
+  EXPECT_NEAR(core::wrap_angle(moved(1).theta - before), -core::pi / 12, 0.1);
+
+  const QPointF origin = arena().map().to_screen({0.0, 0.0});
+  press(Qt::Key_Plus, Qt::ControlModifier, 3);
+  const double near = arena().map().zoomed();
+  EXPECT_GT(near, 1.5);
+  press(Qt::Key_Minus, Qt::ControlModifier);
+  EXPECT_LT(arena().map().zoomed(), near);
+  const QPointF here = arena().map().to_screen({0.0, 0.0});
+  press(Qt::Key_Right, Qt::AltModifier);
+  EXPECT_NE(arena().map().to_screen({0.0, 0.0}), here) << "Alt and an arrow pan nothing";
+  press(Qt::Key_0, Qt::ControlModifier);
+  EXPECT_EQ(arena().map().zoomed(), 1.0);
+  EXPECT_EQ(arena().map().to_screen({0.0, 0.0}), origin);
+}
+
+TEST_F(Keyboard, StopsTheRobotsOfAnEarlierRun) {
+  const QByteArray before = qgetenv("XDG_STATE_HOME");
+  qputenv("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
+  ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("state/skein")));
+  QFile marker(dir.filePath(QStringLiteral("state/skein/run-999999")));
+  ASSERT_TRUE(marker.open(QIODevice::WriteOnly));
+  marker.write("skein run lab\nserial:/dev/no-such-robot\n");
+  marker.close();
+  show();
+  ASSERT_TRUE(eventually([&] { return find("left_behind")->isVisible(); }));
+  tab_to("stop_left_behind");
+  press(Qt::Key_Return);
+  EXPECT_TRUE(eventually([&] {
+    return find<QLabel>("left_behind_text")->text().contains(QStringLiteral("Not all robots have acknowledged"));
+  })) << "nobody has tried to stop them";
+  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
+}
+
+TEST_F(Keyboard, RecordsChoosesTheFormOfCouplingsFiltersEventsAndCopiesLatex) {
+  settings().setValue(QStringLiteral("recordings"), dir.filePath(QStringLiteral("recordings")));
+  open_and_wait();
+  press(Qt::Key_2, Qt::ControlModifier);
+  tab_to("coupling");
+  press(Qt::Key_Down);
+  ASSERT_TRUE(eventually([&] {
+    return live().is_open() && live().latest() && live().experiment().controller.coupling == core::Coupling::bounded;
+  }));
+  press(Qt::Key_R, Qt::ControlModifier);
+  ASSERT_TRUE(eventually([&] { return arena().scene().banner.startsWith(QStringLiteral("Ready")); }));
+  press(Qt::Key_F5);
+  ASSERT_TRUE(eventually([&] { return running(); }));
+  EXPECT_TRUE(live().record_file().startsWith(dir.path())) << live().record_file().toStdString();
+
+  auto* events = find<QAbstractItemView>("event_log")->model();
+  ASSERT_TRUE(eventually([&] { return events->rowCount() > 0; }));
+  press(Qt::Key_5, Qt::ControlModifier);
+  tab_to("event_words");
+  type(QStringLiteral("zebra"));
+  EXPECT_TRUE(eventually([&] { return events->rowCount() == 0; }));
+  press(Qt::Key_6, Qt::ControlModifier);
+  tab_to("copy_results_latex");
+  press(Qt::Key_Return);
+  EXPECT_TRUE(QGuiApplication::clipboard()->text().contains(QStringLiteral("tabular")))
+      << QGuiApplication::clipboard()->text().toStdString();
+  settings().remove(QStringLiteral("recordings"));
+}
+
+TEST_F(Keyboard, OpensTheMenuOfThePlotAtTheCursor) {
+  start();
+  press(Qt::Key_3, Qt::ControlModifier);
+  press(Qt::Key_Right);
+  for (const char* plot : {"e_x", "e_y"}) {
+    const QMenu* menu = nullptr;
+    press(Qt::Key_F10, Qt::ShiftModifier);
+    ASSERT_TRUE(
+        eventually([&] { return (menu = qobject_cast<QMenu*>(QApplication::activePopupWidget())) != nullptr; }));
+    const auto* into = menu->findChild<QMenu*>(QStringLiteral("add_signal"));
+    ASSERT_NE(into, nullptr) << "it is the menu of no plot";
+    const PlotsPanel& plots = *find<PlotsPanel>("plots");
+    EXPECT_TRUE(into->title().endsWith(plots.titles_of({QLatin1String(plot)}))) << into->title().toStdString();
+    QApplication::activePopupWidget()->close();
+    press(Qt::Key_Right);
+    press(Qt::Key_Down);
+  }
+}
+
 TEST_F(Keyboard, DropsDrawsOutDragsAndTakesAwayAnObstacle) {
   start();
   press(Qt::Key_1, Qt::ControlModifier);

@@ -524,6 +524,11 @@ bool PlotsPanel::eventFilter(QObject* watched, QEvent* event) {
     const Qt::KeyboardModifiers other = key->modifiers() & ~(Qt::ShiftModifier | Qt::KeypadModifier);
     if (other == Qt::NoModifier && take_key(key->key(), key->modifiers() & Qt::ShiftModifier)) return true;
   }
+  if (event->type() == QEvent::ContextMenu && cursor_ &&
+      static_cast<QContextMenuEvent*>(event)->reason() == QContextMenuEvent::Keyboard) {
+    context_menu(view_->place_of(cursor_row_, *cursor_));  // there, and not in the middle of all plots
+    return true;
+  }
   if (event->type() == QEvent::Leave || event->type() == QEvent::FocusOut) {
     cursor_.reset();
     view_->set_cursor(std::nullopt);
