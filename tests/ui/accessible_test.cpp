@@ -1,13 +1,19 @@
 // What a screen reader is told: the tree of QAccessible, of the window and of every dialog.
 #include <QAccessible>
 #include <QAction>
+#include <QDir>
 #include <QDockWidget>
 #include <QLabel>
+#include <QMenu>
 #include <QRegularExpression>
 #include <QTabWidget>
+#include <QToolButton>
+#include <functional>
 #include <set>
+#include <vector>
 
 #include "operator.h"
+#include "ui/plots/plots_panel.h"
 
 namespace skein::ui::test {
 namespace {
@@ -87,11 +93,15 @@ TEST_F(Accessible, TheWindowTellsNameAndRoleOfEverything) {
 
 TEST_F(Accessible, EveryDialogTellsNameAndRoleOfEverything) {
   start();
+  for (const char* button : {"gain_presets", "choose_plots"}) emit find<QToolButton>(button)->menu()->aboutToShow();
   int dialogs = 0;
-  for (const char* action :
-       {"shortcuts", "about", "edit_experiment", "calibrate_camera", "camera", "connect_robots_page", "keep_preset"}) {
-    auto* asked = window.findChild<QAction*>(QLatin1String(action));
-    if (asked) asked->trigger();
+  const auto problem = [this] { window.save_plot(QStringLiteral("/nowhere/plot.pdf"), false); };
+  std::vector<std::function<void()>> ways{problem};
+  for (const char* action : {"shortcuts", "about", "edit_experiment", "calibrate_camera", "camera",
+                             "connect_robots_page", "keep_preset", "keep_layout"})
+    ways.emplace_back([this, action] { find<QAction>(action)->trigger(); });
+  for (const std::function<void()>& comes : ways) {
+    comes();
     for (QDialog* dialog : window.findChildren<QDialog*>()) {
       if (!dialog->isVisible()) continue;
       ++dialogs;
@@ -105,7 +115,32 @@ TEST_F(Accessible, EveryDialogTellsNameAndRoleOfEverything) {
       delete dialog;
     }
   }
-  EXPECT_GE(dialogs, 4);
+  EXPECT_EQ(dialogs, 9);
+}
+
+TEST_F(Accessible, WhatIsNotAlwaysInTheWindowTellsNameAndRoleToo) {
+  const QByteArray before = qgetenv("XDG_STATE_HOME");
+  const QTemporaryDir dir;
+  qputenv("XDG_STATE_HOME", dir.path().toUtf8());
+  ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("skein")));
+  QFile marker(dir.filePath(QStringLiteral("skein/run-999999")));
+  ASSERT_TRUE(marker.open(QIODevice::WriteOnly));
+  marker.write("skein run lab\nserial:/dev/no-such-robot\n");
+  marker.close();
+  const auto other_law =
+      app::parse_experiment(app::paper_experiment().source, "leader.toml", {"controller.kind=\"leader_follower\""});
+  ASSERT_TRUE(other_law);
+  open_and_wait(*other_law);
+  ASSERT_TRUE(eventually([&] { return find("left_behind")->isVisible(); }));
+  ASSERT_TRUE(eventually([&] { return !find<QLabel>("pace")->text().isEmpty(); })) << "an empty label tells nothing";
+  auto* plots = find<PlotsPanel>("plots");
+  plots->show_plots({QStringLiteral("e_x"), QStringLiteral("e_y")});
+  ASSERT_TRUE(plots->show_over(QStringLiteral("e_y"), QStringLiteral("e_x")));
+  plots->show_time(0.0);  // frozen: a button leads back
+  QTest::qWait(20);
+  expect_told(&window, 45);
+  plots->show_over({}, {});
+  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
 }
 
 TEST_F(Accessible, ValuesAndStatesAreTold) {
