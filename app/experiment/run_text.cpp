@@ -83,14 +83,37 @@ void ActionsDone::note_first_places(const TickRecord& first) {
   }
 }
 
+void ActionsDone::note_places(const TickRecord& row) {
+  stands_ = !first_ && row.t <= t_;
+  if (stands_) return;
+  t_ = row.t;
+  earlier_ = std::move(places_);
+  places_.clear();
+  for (const RobotRecord& robot : row.robots) places_.push_back(robot.truth);
+}
+
+/// A robot that was moved while the run paused stood from there on. When this is repeated it drives until the end of
+/// that tick: it is moved to where it gets to the same place from.
+Event ActionsDone::repeatable(const TickRecord& row, const Event& event) const {
+  const auto* const move = std::get_if<events::Move>(&event);
+  if (!move || !stands_ || earlier_.size() != row.robots.size()) return event;
+  const core::Pose &from = earlier_[move->robot], &to = places_[move->robot];
+  const double turn = core::wrap_angle(to.theta - from.theta), theta = core::wrap_angle(move->pose.theta - turn);
+  const double turned = theta - from.theta, c = std::cos(turned), s = std::sin(turned);
+  const double dx = to.x - from.x, dy = to.y - from.y;
+  return events::Move{move->robot, {move->pose.x - (c * dx - s * dy), move->pose.y - (s * dx + c * dy), theta}};
+}
+
 void ActionsDone::note(const TickRecord& row) {
   if (row.phase == Phase::staging || row.phase == Phase::ready) return;
+  note_places(row);
   if (first_) note_first_places(row);
   for (const Event& event : row.events) {
     const auto* const hold = std::get_if<events::Hold>(&event);
     const bool link_lost = hold && row.events.contains<events::Link>(hold->robot);
     const bool known = first_ && is<events::Move>(event);
-    if (is_action(event) && !link_lost && !known && !file_does(row.t, event)) done_.push_back({row.t, event});
+    if (is_action(event) && !link_lost && !known && !file_does(row.t, event))
+      done_.push_back({row.t, repeatable(row, event)});
   }
   first_ = false;
 }

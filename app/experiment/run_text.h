@@ -22,11 +22,16 @@ class ActionsDone {
  private:
   bool file_does(double t, const Event& event);
   void note_first_places(const TickRecord& first);
+  void note_places(const TickRecord& row);
+  Event repeatable(const TickRecord& row, const Event& event) const;
 
   Experiment experiment_;
   std::vector<OperatorAction> of_file_;  // each explains one event
   std::vector<OperatorAction> done_;
   bool first_ = true;
+  bool stands_ = false;                       // the row is not the first of its time: the run pauses
+  double t_ = 0.0;                            // of the latest places [s]
+  std::vector<core::Pose> places_, earlier_;  // true ones, at t_ and a tick earlier
 };
 
 /// The text of the experiment with the operator's actions in a run of it as [[operator]] tables: `skein run` repeats
