@@ -1,6 +1,8 @@
 // "Go on from here": the past comes out the same, and the rest is the operator's.
 #include <fmt/format.h>
 
+#include <functional>
+
 #include "app/record/csv_file.h"
 #include "operator.h"
 #include "ui/gains/gains_panel.h"
@@ -13,9 +15,12 @@ class Branch : public Operator {
  protected:
   bool paused() { return live().latest() != nullptr && live().phase() == app::Phase::paused; }
   void go_on_from_here() {
+    repeat([this] { key(Qt::Key_B, nullptr, Qt::ControlModifier); });
+  }
+  void repeat(const std::function<void()>& ask) {
     again_ = false;
     const auto opened = QObject::connect(&live(), &LiveRun::opened, &window, [this] { again_ = true; });
-    key(Qt::Key_B, nullptr, Qt::ControlModifier);
+    ask();
     EXPECT_TRUE(eventually([&] { return again_; })) << "it does not begin anew: " << alert().toStdString();
     QObject::disconnect(opened);
   }
@@ -57,6 +62,77 @@ TEST_F(Branch, OfALiveSimulationRepeatsWhatTheHandDidAndPauses) {
 
   window.go();
   EXPECT_TRUE(eventually([&] { return running() && record().t > before.t + 0.2; })) << "it goes on";
+}
+
+TEST_F(Branch, TakesTheLastGestureBackAndDoesItAgain) {
+  start();
+  const auto away = [&](std::size_t i) {
+    return core::distance(record().robots[i].pose, record().robots[i].nominal.pose);
+  };
+  const auto drag_and_pause = [&](std::size_t i, QPoint by) {
+    const QPoint from = robot(i);
+    drag(from, from + by);
+    moved(i);
+    const double moved_at = record().t;
+    ASSERT_TRUE(eventually([&] { return record().t > moved_at + 0.8; }));
+    window.go();
+    ASSERT_TRUE(eventually([&] { return paused(); }));
+    ASSERT_GT(away(i), 0.02) << "the hand's mark is still there";
+  };
+  const auto by = [&](const char* action) {
+    repeat([&] { find<QAction>(action)->trigger(); });
+    ASSERT_TRUE(eventually([&] { return paused(); }));
+  };
+  drag_and_pause(1, QPoint(30, 25));
+  const app::TickRecord first = record();
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running(); }));
+  drag_and_pause(2, QPoint(-30, 25));
+  const app::TickRecord second = record();
+
+  by("take_back");
+  EXPECT_LT(away(2), 0.01) << "as if nobody had touched it";
+  EXPECT_GE(record().t, first.t) << "what was done before stays";
+  by("take_back");
+  EXPECT_LT(away(1), 0.005);
+  EXPECT_LT(record().t, first.t);
+  by("do_again");
+  EXPECT_GE(record().t, first.t);
+  by("do_again");
+  EXPECT_NEAR(record().t, second.t, 1e-9);
+  expect_same_places(record(), second, 1e-9);
+  find<QAction>("do_again")->trigger();
+  EXPECT_TRUE(alert().contains(QStringLiteral("Nothing has been taken back"))) << alert().toStdString();
+}
+
+TEST_F(Branch, TakesBackWhatWasDoneDuringAPause) {
+  start();
+  ASSERT_TRUE(eventually([&] { return record().t > 0.5; }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  const app::TickRecord before = record();
+  const QPoint from = robot(1);
+  drag(from, from + QPoint(30, 25));
+  moved(1);
+  ASSERT_TRUE(eventually([&] { return core::distance(record().robots[1].truth, before.robots[1].truth) > 0.02; }));
+  const app::TickRecord after = record();
+  repeat([&] { find<QAction>("take_back")->trigger(); });
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  expect_same_places(record(), before, 1e-9);
+  repeat([&] { find<QAction>("do_again")->trigger(); });
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  expect_same_places(record(), after, 1e-9);
+  EXPECT_NEAR(record().t, after.t, 1e-9);
+}
+
+TEST_F(Branch, HasNothingToTakeBackWhereNothingWasDone) {
+  start();
+  window.go();
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  const double t = record().t;
+  find<QAction>("take_back")->trigger();
+  EXPECT_TRUE(alert().contains(QStringLiteral("Nothing has been done to this run"))) << alert().toStdString();
+  EXPECT_EQ(record().t, t);
 }
 
 TEST_F(Branch, OfABranchHasNothingInItsPastThatDidNotHappen) {

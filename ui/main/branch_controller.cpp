@@ -1,6 +1,7 @@
 #include "ui/main/branch_controller.h"
 
-#include <vector>
+#include <algorithm>
+#include <utility>
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/run_text.h"
@@ -8,7 +9,12 @@
 namespace skein::ui {
 namespace {
 
-constexpr double fastest = 50.0;  // times real time
+constexpr double fastest = 50.0;     // times real time
+constexpr double one_gesture = 0.5;  // actions that follow one another within this time [s]
+
+bool acts(const app::TickRecord& row) {
+  return std::any_of(row.events.begin(), row.events.end(), app::is_action);
+}
 
 }  // namespace
 
@@ -23,36 +29,105 @@ void BranchController::build_menu(QMenu* run) {
   action->setShortcut(QKeySequence(tr("Ctrl+B")));
   action->setToolTip(
       tr("Repeats a simulation, or the replay of one, up to this moment and pauses: from there on it is yours"));
+  action = run->addAction(tr("Take the last action &back"), this, &BranchController::take_back);
+  action->setObjectName(QStringLiteral("take_back"));
+  action->setShortcut(QKeySequence(tr("Ctrl+Alt+Z")));
+  action->setToolTip(
+      tr("Repeats a simulation up to the moment before the last drag, kick, obstacle, gain, coupling or hold"));
+  action = run->addAction(tr("Do it a&gain"), this, &BranchController::do_again);
+  action->setObjectName(QStringLiteral("do_again"));
+  action->setShortcut(QKeySequence(tr("Ctrl+Alt+Shift+Z")));
+  action->setToolTip(tr("Repeats the simulation with the action that was taken back last"));
+}
+
+/// How many rows of the shown run are not later than the moment that is shown.
+std::size_t BranchController::rows_so_far() const {
+  const RunHistory::Rows rows = runs_.shown().rows();
+  const auto later = [t = runs_.shown().t()](const auto& row) { return row->t > t; };
+  return static_cast<std::size_t>(std::find_if(rows.begin(), rows.end(), later) - rows.begin());
+}
+
+/// The shown run's first so many rows, with everything that was done in them; none: it cannot be repeated, and a
+/// message says why.
+std::optional<BranchController::Past> BranchController::past(std::size_t count) {
+  const RunSource& shown = runs_.shown();
+  if (const auto why = app::real_time_reason(shown.experiment())) {
+    messages_.say(tr("Only a simulation can be repeated: %1").arg(QString::fromStdString(*why)), Severity::notice);
+    return {};
+  }
+  const RunHistory::Rows kept = shown.rows();
+  if (count == 0 || runs_.live().is_busy()) {
+    messages_.say(tr("There is no run yet to go on from"), Severity::notice);
+    return {};
+  }
+  std::vector<const app::TickRecord*> rows;
+  for (std::size_t k = 0; k < count; ++k) rows.push_back(kept[k].get());
+  const double t = rows.back()->t;
+  // What was done after this moment is what may now be done otherwise.
+  const auto undone = [&](const app::OperatorAction& action) {
+    const auto did = [&](const auto& row) {
+      return row->t == action.t && std::any_of(row->events.begin(), row->events.end(), [&](const app::Event& event) {
+               return app::describe(event) == app::describe(action.event);
+             });
+    };
+    return action.t > t || std::any_of(kept.begin() + static_cast<std::ptrdiff_t>(count), kept.end(), did);
+  };
+  app::Experiment until_here = shown.experiment();
+  std::erase_if(until_here.actions, undone);
+  auto repeated = app::parse_experiment(app::text_as_done(until_here, rows), until_here.name);
+  if (!repeated) {
+    messages_.problem(tr("This run cannot be repeated"), QString::fromStdString(repeated.error().front().message()));
+    return {};
+  }
+  repeated->directory = until_here.directory;
+  std::erase_if(repeated->actions, [t](const app::OperatorAction& action) { return action.t > t; });
+  repeated->actions.push_back({t, app::events::Pause{}});
+  return Past{*std::move(repeated), t};
+}
+
+void BranchController::repeat(const Past& past) {
+  if (!pause_at_) speed_ = runs_.live().is_open() ? runs_.live().speed() : 1.0;
+  pause_at_ = began_at_ = past.t;
+  emit experiment_wanted(past.experiment);
+  (void)runs_.live().set_speed(fastest);  // no session is open yet: it is kept for the one that comes
 }
 
 void BranchController::go_on_from_here() {
-  const RunSource& shown = runs_.shown();
-  const app::Experiment& experiment = shown.experiment();
-  if (const auto why = app::real_time_reason(experiment))
-    return messages_.say(tr("Only a simulation can be repeated: %1").arg(QString::fromStdString(*why)),
-                         Severity::notice);
-  const RunHistory::Rows kept = shown.rows();
-  const double t = shown.t();
-  std::vector<const app::TickRecord*> rows;
-  for (const auto& row : kept)
-    if (row->t <= t) rows.push_back(row.get());
-  if (rows.empty() || runs_.live().is_busy())
-    return messages_.say(tr("There is no run yet to go on from"), Severity::notice);
-  // What was done after this moment is what may now be done otherwise.
-  const auto later = [t](const app::OperatorAction& action) { return action.t > t; };
-  app::Experiment until_here = experiment;
-  std::erase_if(until_here.actions, later);
-  auto repeated = app::parse_experiment(app::text_as_done(until_here, rows), experiment.name);
-  if (!repeated)
-    return messages_.problem(tr("This run cannot be repeated"),
-                             QString::fromStdString(repeated.error().front().message()));
-  repeated->directory = experiment.directory;
-  std::erase_if(repeated->actions, later);
-  repeated->actions.push_back({t, app::events::Pause{}});
-  if (!pause_at_) speed_ = runs_.live().is_open() ? runs_.live().speed() : 1.0;
-  pause_at_ = began_at_ = t;
-  emit experiment_wanted(*repeated);
-  (void)runs_.live().set_speed(fastest);  // no session is open yet: it is kept for the one that comes
+  if (const auto here = past(rows_so_far())) repeat(*here);
+}
+
+void BranchController::take_back() {
+  const RunHistory::Rows rows = runs_.shown().rows();
+  const std::size_t now = rows_so_far();
+  std::size_t before = 0;       // so many rows are before the first of the last actions
+  std::optional<double> acted;  // when that was, by the session's clock: time stands while a run pauses [s]
+  for (std::size_t k = now; k-- > 0 && !(acted && rows[k]->now < *acted - one_gesture);)
+    if (acts(*rows[k])) acted = rows[before = k]->now;
+  if (before == 0 || rows[before - 1]->phase == app::Phase::staging)
+    return messages_.say(tr("Nothing has been done to this run that could be taken back"), Severity::notice);
+  auto all = past(now);
+  const auto rest = all ? past(before) : std::nullopt;
+  if (!rest) return;
+  if (runs_.shown().experiment().source != branch_) taken_back_.clear();
+  taken_back_.push_back(*std::move(all));
+  branch_ = rest->experiment.source;
+  repeat(*rest);
+}
+
+void BranchController::do_again() {
+  const RunHistory::Rows rows = runs_.shown().rows();
+  const auto paused = std::find_if(rows.begin(), rows.end(), [this](const auto& row) {
+    return began_at_ && row->t >= *began_at_ && row->events.template contains<app::events::Pause>();
+  });
+  const bool otherwise =
+      paused != rows.end() && std::any_of(std::next(paused), rows.end(), [](const auto& row) { return acts(*row); });
+  if (otherwise || runs_.shown().experiment().source != branch_) taken_back_.clear();
+  if (taken_back_.empty())
+    return messages_.say(tr("Nothing has been taken back since the last action"), Severity::notice);
+  const Past again = std::move(taken_back_.back());
+  taken_back_.pop_back();
+  branch_ = again.experiment.source;
+  repeat(again);
 }
 
 void BranchController::forget_pause(app::Experiment& experiment) const {

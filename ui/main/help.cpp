@@ -18,6 +18,9 @@ QString shortcuts_text() {
          row.arg(tr("Ctrl+Up, Ctrl+Down"), tr("A simulation: faster, slower")) +
          row.arg(QStringLiteral("Ctrl+R"), tr("Record as CSV")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
          row.arg(QStringLiteral("Ctrl+B"), tr("A simulation or its replay: go on from this moment, with changes")) +
+         row.arg(QStringLiteral("Ctrl+Alt+Z"),
+                 tr("A simulation: take the last drag, kick, obstacle or other action back")) +
+         row.arg(QStringLiteral("Ctrl+Alt+Shift+Z"), tr("Do again what was taken back")) +
          row.arg(QStringLiteral("Ctrl+L"), tr("Check list: the conditions for a start")) +
          row.arg(tr("Ctrl+Z, Ctrl+Shift+Z"), tr("Undo and redo a change of a gain")) +
          row.arg(tr("Tab, Return"), tr("To the next control; presses the button that has the focus")) +
