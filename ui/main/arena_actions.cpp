@@ -18,7 +18,7 @@ ArenaActions::ArenaActions(ArenaView* arena, QObject* parent) : QObject(parent),
     auto* made = new QAction(text, this);
     made->setObjectName(name);
     made->setShortcut(keys);
-    connect(made, &QAction::triggered, arena_, [this, slot] { (arena_->*slot)(); });
+    connect(made, &QAction::triggered, arena_, slot);
     return made;
   };
   fit_ = action(tr("&Whole arena"), QStringLiteral("fit"), QKeySequence(tr("Ctrl+0")), &ArenaView::fit);
