@@ -181,6 +181,23 @@ TEST_F(Keyboard, OpensChecksStartsPausesStepsAndStops) {
   EXPECT_TRUE(eventually([&] { return live().is_open() && live().phase() == app::Phase::ready; }));
 }
 
+TEST_F(Keyboard, NoArrowIsLostHoweverFastTheyCome) {
+  start();
+  window.go();
+  ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::paused; }));
+  press(Qt::Key_1, Qt::ControlModifier);
+  press(Qt::Key_2);
+  const core::Pose before = *arena().scene().pose(1);
+  press(Qt::Key_Right, Qt::NoModifier, 3);
+  press(Qt::Key_Up);
+  press(Qt::Key_PageUp);
+  EXPECT_TRUE(eventually([&] {
+    const core::Pose now = *arena().scene().pose(1);
+    return std::abs(now.x - before.x - 0.06) < 1e-6 && std::abs(now.y - before.y - 0.02) < 1e-6 &&
+           std::abs(core::wrap_angle(now.theta - before.theta) - 15.0 * core::pi / 180.0) < 1e-6;
+  })) << arena().scene().pose(1)->x - before.x;
+}
+
 TEST_F(Keyboard, MovesTurnsKicksHoldsAndMeasures) {
   start();
   press(Qt::Key_1, Qt::ControlModifier);

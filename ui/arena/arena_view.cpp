@@ -18,8 +18,8 @@ namespace skein::ui {
 namespace {
 
 constexpr double zoom_step = 1.2;
-constexpr double notch = 120.0;       // of a mouse wheel, in Qt's unit
-constexpr qint64 same_turn_ms = 400;  // the wheel keeps to a robot that drives away from under the pointer
+constexpr double notch = 120.0;        // of a mouse wheel, in Qt's unit
+constexpr qint64 same_nudge_ms = 400;  // the wheel keeps to a robot that drives away from under the pointer
 
 /// Keys 1 to 9 mean the robots 0 to 8.
 std::optional<int> robot_of(const QKeyEvent& key) {
@@ -44,7 +44,7 @@ ArenaView::ArenaView(QWidget* parent) : QWidget(parent) {
 
 void ArenaView::show_experiment(const app::Experiment& experiment) {
   end_gesture();
-  turn_.reset();
+  nudge_.reset();
   scene_.reset(experiment);
   ground_ = {};
   camera_ = nullptr;
@@ -177,16 +177,10 @@ void ArenaView::select(int robot) {
 }
 
 void ArenaView::refresh() {
-  if (turn_ && turn_->by != 0.0) {
-    if (const auto pose = scene_.pose(static_cast<std::size_t>(turn_->robot))) {
-      const double theta = core::wrap_angle(turn_->asked.value_or(pose->theta) + turn_->by);
-      turn_->asked = theta;
-      turn_->by = 0.0;
-      emit move_wanted(turn_->robot, {pose->x, pose->y, theta});
-    }
-  } else if (turn_ && turn_->since.elapsed() > same_turn_ms) {
-    turn_.reset();
-  }
+  if (nudge_ && (nudge_->turn != 0.0 || !nudge_->way.isNull()))
+    request(*nudge_);
+  else if (nudge_ && nudge_->since.elapsed() > same_nudge_ms)
+    nudge_.reset();
   if (!scene_.record || scene_.record->now == painted_t_) return;
   painted_t_ = scene_.record->now;
   if (tip_ && QToolTip::isVisible())
@@ -438,12 +432,28 @@ QPoint ArenaView::place_of_keys() const {
   return rect().center();
 }
 
+ArenaView::Nudge& ArenaView::nudged(int robot) {
+  if (!nudge_ || nudge_->robot != robot) nudge_ = Nudge{robot, 0.0, {}, {}, {}, {}};
+  nudge_->since.start();
+  return *nudge_;
+}
+
+void ArenaView::request(Nudge& nudge) {
+  const auto robot = static_cast<std::size_t>(nudge.robot);
+  auto pose = scene_.pose(robot);
+  if (!pose) return;
+  if (nudge.turn != 0.0) nudge.heading = core::wrap_angle(nudge.heading.value_or(pose->theta) + nudge.turn);
+  if (!nudge.way.isNull())
+    nudge.place =
+        inside_arena(scene_, nudge.place.value_or(QPointF(pose->x, pose->y)) + nudge.way, scene_.radius(robot));
+  nudge.turn = 0.0;
+  nudge.way = {};
+  const QPointF place = nudge.place.value_or(QPointF(pose->x, pose->y));
+  emit move_wanted(nudge.robot, {place.x(), place.y(), nudge.heading.value_or(pose->theta)});
+}
+
 void ArenaView::nudge(int robot, QPointF by) {
-  const auto pose = scene_.pose(static_cast<std::size_t>(robot));
-  if (!pose || !may_take(robot, {})) return;
-  const QPointF to =
-      inside_arena(scene_, QPointF(pose->x, pose->y) + by, scene_.radius(static_cast<std::size_t>(robot)));
-  emit move_wanted(robot, {to.x(), to.y(), pose->theta});
+  if (may_take(robot, {})) nudged(robot).way += by;
 }
 
 void ArenaView::resize_obstacle(int number, double factor) {
@@ -462,7 +472,7 @@ void ArenaView::wheelEvent(QWheelEvent* event) {
     update();
     return;
   }
-  const int robot = turn_ ? turn_->robot : robot_under(event->position());
+  const int robot = nudge_ && (nudge_->heading || nudge_->turn != 0.0) ? nudge_->robot : robot_under(event->position());
   if (const int obstacle = obstacle_under(event->position()); robot < 0 && obstacle >= 0)
     return resize_obstacle(obstacle, std::pow(1.1, notches));
   if (robot < 0 || !may_take(robot, {})) return;
@@ -471,9 +481,7 @@ void ArenaView::wheelEvent(QWheelEvent* event) {
 }
 
 void ArenaView::turn(int robot, double by) {
-  if (!turn_ || turn_->robot != robot) turn_ = Turn{robot, 0.0, std::nullopt, {}};
-  turn_->by += by;
-  turn_->since.start();
+  nudged(robot).turn += by;
   select(robot);
 }
 

@@ -131,15 +131,19 @@ class ArenaView final : public QWidget {
   bool moving_ = false;  // moved far enough from there not to be a click
   std::optional<QPointF> panned_;
 
-  // Several notches of the wheel may come between two ticks: each continues from the turn that the previous one
-  // requested.
-  struct Turn {
+  // Several notches of the wheel, or arrow keys, may come between two ticks: each continues from the heading or place
+  // that the previous one requested.
+  struct Nudge {
     int robot;
-    double by;
-    std::optional<double> asked;
+    double turn = 0.0;  // not requested yet [rad]
+    QPointF way;        // [m]
+    std::optional<double> heading;
+    std::optional<QPointF> place;
     QElapsedTimer since;
   };
-  std::optional<Turn> turn_;
+  Nudge& nudged(int robot);
+  void request(Nudge& nudge);
+  std::optional<Nudge> nudge_;
 };
 
 }  // namespace skein::ui
