@@ -34,7 +34,7 @@ void BranchController::build_menu(QMenu* run) {
   action->setShortcut(QKeySequence(tr("Ctrl+Alt+Z")));
   action->setToolTip(
       tr("Repeats a simulation up to the moment before the last drag, kick, obstacle, gain, coupling or hold"));
-  action = run->addAction(tr("Do it a&gain"), this, &BranchController::do_again);
+  action = run->addAction(tr("Do th&e action again"), this, &BranchController::do_again);
   action->setObjectName(QStringLiteral("do_again"));
   action->setShortcut(QKeySequence(tr("Ctrl+Alt+Shift+Z")));
   action->setToolTip(tr("Repeats the simulation with the action that was taken back last"));
