@@ -22,8 +22,8 @@ Json json(const std::optional<double>& value) {
   return value ? json(*value) : Json();
 }
 std::vector<int> from_one(const std::vector<int>& robots) {
-  std::vector<int> numbers;
-  for (const int robot : robots) numbers.push_back(robot + 1);
+  std::vector<int> numbers = robots;
+  for (int& number : numbers) ++number;
   return numbers;
 }
 
@@ -178,7 +178,7 @@ std::string as_lines(const Statistics::Summary& summary) {
     } else if (key == "links") {
       for (const auto& link : value)
         for (const auto& [name, part] : link.items())
-          if (name != "robot" && part != "")
+          if (name != "robot" && part != Json(""))
             lines += fmt::format("r{}_{}: {}\n", link["robot"].get<int>(), name, text(part));
     } else if (key == "events") {
       lines += fmt::format("events: {}\n", value.size());

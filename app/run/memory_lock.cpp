@@ -30,7 +30,8 @@ int read_in(dl_phdr_info* object, std::size_t, void*) {
     const auto& segment = object->dlpi_phdr[k];
     if (segment.p_type != PT_LOAD) continue;
     const std::uintptr_t begin = object->dlpi_addr + segment.p_vaddr, first = begin / page * page;
-    ::madvise(reinterpret_cast<void*>(first), begin + segment.p_memsz - first, MADV_POPULATE_READ);
+    void* const at = reinterpret_cast<void*>(first);  // NOLINT(performance-no-int-to-ptr): the loader has numbers
+    ::madvise(at, begin + segment.p_memsz - first, MADV_POPULATE_READ);
   }
 #else
   static_cast<void>(object);
