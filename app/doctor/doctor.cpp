@@ -74,31 +74,36 @@ Finding group(const Machine& machine, const char* name, const char* what) {
           {{"adduser", machine.user, name}}};
 }
 
-/// As the package skein-permissions has them.
-const std::vector<std::string> limits = {
-    "sh", "-c", "printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > /etc/security/limits.d/60-skein.conf"};
+/// What the package skein-permissions allows the group skein is not granted.
+Finding not_granted(State state, const char* subject, std::string found, const Machine& machine) {
+  return {state,
+          subject,
+          std::move(found),
+          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
+          {{"addgroup", "--quiet", "--system", "skein"},
+           {"sh", "-c",
+            "printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > /etc/security/limits.d/60-skein.conf"},
+           {"adduser", machine.user, "skein"}}};
+}
 
 Finding priority(const Machine& machine) {
   const char* const subject = "real-time priority";
   if (machine.superuser || machine.rtprio < 0) return well(subject, "granted without limit");
   if (machine.rtprio >= needed_priority) return well(subject, fmt::format("granted up to {}", machine.rtprio));
-  return {State::ill,
-          subject,
-          fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
-                      machine.rtprio, needed_priority),
-          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
-          {{"addgroup", "--quiet", "--system", "skein"}, limits, {"adduser", machine.user, "skein"}}};
+  return not_granted(State::ill, subject,
+                     fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
+                                 machine.rtprio, needed_priority),
+                     machine);
 }
 
 Finding memory_lock(const Machine& machine) {
   const char* const subject = "memory lock";
   if (machine.memlock < 0) return well(subject, "granted without limit");
-  return {State::note,
-          subject,
-          fmt::format("not granted (limit {} kB): on a machine that swaps, ticks and stops may wait for the disk",
-                      machine.memlock / 1024),
-          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
-          {{"addgroup", "--quiet", "--system", "skein"}, limits, {"adduser", machine.user, "skein"}}};
+  return not_granted(
+      State::note, subject,
+      fmt::format("not granted (limit {} kB): on a machine that swaps, ticks and stops may wait for the disk",
+                  machine.memlock / 1024),
+      machine);
 }
 
 /// A number that the kernel has in a file below /proc/sys.

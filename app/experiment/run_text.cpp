@@ -87,13 +87,13 @@ void ActionsDone::note_places(const TickRecord& row) {
   stands_ = !first_ && row.t <= t_;
   if (stands_) return;
   t_ = row.t;
-  earlier_ = std::move(places_);
+  std::swap(earlier_, places_);
   places_.clear();
   for (const RobotRecord& robot : row.robots) places_.push_back(robot.truth);
 }
 
-/// A robot that was moved while the run paused stood from there on. When this is repeated it drives until the end of
-/// that tick: it is moved to where it gets to the same place from.
+/// A robot that is moved during a pause stays where it is put. The repeated run does not pause there: the robot still
+/// drives to the end of that tick, and is therefore put where that drive begins.
 Event ActionsDone::repeatable(const TickRecord& row, const Event& event) const {
   const auto* const move = std::get_if<events::Move>(&event);
   if (!move || !stands_ || earlier_.size() != row.robots.size()) return event;

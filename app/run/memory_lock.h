@@ -6,8 +6,8 @@ namespace skein::app {
 
 /// Keeps this process in memory as long as the object lives. Otherwise, on a machine that runs out of memory, the
 /// kernel takes pages away, of the program's code as well, and a tick or a STOP waits for the disk that holds them,
-/// which may stall. Pages are kept from their first use on; the program's own code is read in at once. One object at a
-/// time.
+/// which may stall. Pages are kept from their first use on; the program's own code is read in at once, that of
+/// libraries is not. One object at a time.
 class MemoryLock {
  public:
   MemoryLock();

@@ -440,7 +440,7 @@ ArenaView::Nudge& ArenaView::nudged(int robot) {
 
 void ArenaView::request(Nudge& nudge) {
   const auto robot = static_cast<std::size_t>(nudge.robot);
-  auto pose = scene_.pose(robot);
+  const auto pose = scene_.pose(robot);
   if (!pose) return;
   if (nudge.turn != 0.0) nudge.heading = core::wrap_angle(nudge.heading.value_or(pose->theta) + nudge.turn);
   if (!nudge.way.isNull())

@@ -80,7 +80,7 @@ std::optional<BranchController::Past> BranchController::past(std::size_t count) 
     return {};
   }
   repeated->directory = until_here.directory;
-  std::erase_if(repeated->actions, [t](const app::OperatorAction& action) { return action.t > t; });
+  std::erase_if(repeated->actions, undone);  // those of a table in one line are still in the text
   repeated->actions.push_back({t, app::events::Pause{}});
   return Past{*std::move(repeated), t};
 }
