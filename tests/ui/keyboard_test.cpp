@@ -250,6 +250,22 @@ TEST_F(Keyboard, MovesTurnsKicksHoldsAndMeasures) {
   EXPECT_FALSE(QToolTip::text().isEmpty()) << "why a robot does what it does is told to a mouse alone";
 }
 
+TEST_F(Keyboard, BringsARobotBackToItsPlace) {
+  open_and_wait();
+  press(Qt::Key_1, Qt::ControlModifier);
+  press(Qt::Key_2);
+  press(Qt::Key_Right, Qt::NoModifier, 5);
+  ASSERT_TRUE(eventually([&] { return find("mend_places")->isVisible(); })) << "nobody says that robot 2 is elsewhere";
+  tab_to("mend_places");
+  press(Qt::Key_Return);
+  EXPECT_TRUE(eventually([&] {
+    return !find("check_list")->isVisible() && arena().scene().banner.contains(QStringLiteral("Ready"));
+  })) << "it was not brought back";
+  EXPECT_EQ(live().phase(), app::Phase::ready);
+  press(Qt::Key_F5);
+  EXPECT_TRUE(eventually([&] { return running(); }));
+}
+
 TEST_F(Keyboard, TurnsARobotAndZoomsAndPansTheArena) {
   start();
   press(Qt::Key_1, Qt::ControlModifier);
