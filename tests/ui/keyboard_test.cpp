@@ -266,6 +266,23 @@ TEST_F(Keyboard, BringsARobotBackToItsPlace) {
   EXPECT_TRUE(eventually([&] { return running(); }));
 }
 
+TEST_F(Keyboard, SwitchesTheVoiceOfAlarmsAndAsksForARehearsal) {
+  open_and_wait();
+  const auto choose = [&](Qt::Key menu, Qt::Key entry) {
+    press(menu, Qt::AltModifier);
+    ASSERT_TRUE(eventually([] { return QApplication::activePopupWidget() != nullptr; }));
+    press(entry);
+  };
+  const bool spoke = find<QAction>("view_voice")->isChecked();
+  choose(Qt::Key_V, Qt::Key_S);
+  EXPECT_NE(find<QAction>("view_voice")->isChecked(), spoke);
+  choose(Qt::Key_R, Qt::Key_H);
+  const QPointer<QDialog> problem = comes_up<QDialog>(&window, "problem_dialog");
+  ASSERT_NE(problem, nullptr) << "the paper's experiment has no hardware";
+  close(problem);
+  expect_in_front(window);
+}
+
 TEST_F(Keyboard, TurnsARobotAndZoomsAndPansTheArena) {
   start();
   press(Qt::Key_1, Qt::ControlModifier);
