@@ -328,7 +328,7 @@ void TickState::hear_links(const TickInput& input) noexcept {
 /// row, is told to stand, until it does. One that stands although it is told to drive is stuck, or was switched off: it
 /// is told to drive all the same, or nobody would learn when it can, and the others take it for an obstacle.
 void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
-  constexpr double contrary = 0.04;     // what lies between expected and measured velocity [m/s]
+  constexpr double contrary = 0.04;     // between expected and measured velocity, of its middle or of a wheel [m/s]
   constexpr double turns_little = 0.3;  // [rad/s]
   const core::Measurement& newest = record.robots[i].measurement;
   const double noise = trusted_deviations * (first.sigma_xy + newest.sigma_xy);
@@ -338,9 +338,11 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
   const double off_angle = std::abs(core::wrap_angle(expected.theta - newest.pose.theta));
   const double turned = std::abs(core::wrap_angle(newest.pose.theta - first.pose.theta));
   const double seconds = newest.captured_at - first.captured_at;
-  const double little = trusted_deviations * (first.sigma_theta + newest.sigma_theta) + turns_little * seconds;
+  const double noise_angle = trusted_deviations * (first.sigma_theta + newest.sigma_theta);
+  const double little = noise_angle + turns_little * seconds;
   const bool drives = std::abs(v) >= too_slow, turns = turned > little;
-  const bool otherwise = drives && off > noise + blind + contrary * seconds;
+  const bool otherwise = (drives && off > noise + blind + contrary * seconds) ||
+                         (turns && off_angle > noise_angle + (blind + contrary * seconds) / to_wheel(i));
   // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive, or to turn. One that
   // turns by itself on the spot does not drive.
   const auto count = [](int& times, bool stays, bool moves) {
@@ -350,10 +352,9 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
       times = 0;
   };
   count(sights[i].stood, !drives && off > noise + blind + too_slow * seconds, drives);
-  count(sights[i].still, !drives && !turns && off_angle > little + blind / (0.5 * experiment.robots[i].drive.track),
-        drives || turns);
+  count(sights[i].still, !drives && !turns && off_angle > little + blind / to_wheel(i), drives || turns);
   int& times = sights[i].contradicted;
-  times = (disobeys[i] ? !drives : otherwise) ? times + 1 : 0;
+  times = (disobeys[i] ? !drives && !turns : otherwise) ? times + 1 : 0;
   if (times < convincing) return;
   times = 0;
   disobeys[i] = !disobeys[i];
@@ -369,8 +370,11 @@ void TickState::measure_twist(std::size_t i) noexcept {
   const core::Measurement& before = sight.seen[(sight.count + Sight::frames - 1) % Sight::frames];
   const bool seen_anew = sight.count == 0 || before.captured_at < newest.captured_at;
   if (seen_anew && sight.count > 0) {
-    const double jump = core::distance(filters[i].predict(before, newest.captured_at), newest.pose);
-    if (jump > experiment.estimation.filter.kidnap + trusted_deviations * (before.sigma_xy + newest.sigma_xy))
+    const core::Pose expected = filters[i].predict(before, newest.captured_at);
+    const double jump = core::distance(expected, newest.pose), kidnap = experiment.estimation.filter.kidnap;
+    const double turn = std::abs(core::wrap_angle(expected.theta - newest.pose.theta));
+    if (jump > kidnap + trusted_deviations * (before.sigma_xy + newest.sigma_xy) ||
+        turn > kidnap / to_wheel(i) + trusted_deviations * (before.sigma_theta + newest.sigma_theta))
       sight.count = 0, sight.contradicted = 0;
   }
   if (seen_anew) {

@@ -152,10 +152,12 @@ QString sentence(const app::Event& event) {
           },
           [&](const Outside& e) { return tr("Robot %1 is over the edge of the arena").arg(e.robot + 1); },
           [&](const Runaway& e) {
-            return tr("Robot %1 drives at %2 m/s though it is told otherwise: it is told to stand, the others keep "
-                      "clear")
+            constexpr double turns_only = 0.02;  // [m/s]
+            const QString does =
+                std::abs(e.v) < turns_only ? tr("turns on the spot") : tr("drives at %1 m/s").arg(e.v, 0, 'f', 2);
+            return tr("Robot %1 %2 though it is told otherwise: it is told to stand, the others keep clear")
                 .arg(e.robot + 1)
-                .arg(e.v, 0, 'f', 2);
+                .arg(does);
           },
           [&](const Obeys& e) { return tr("Robot %1 stands, and may drive again").arg(e.robot + 1); },
           [&](const Controller& e) {

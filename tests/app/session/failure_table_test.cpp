@@ -211,6 +211,27 @@ TEST(FailureTable, ARobotThatDisobeysIsToldToStandAndLeavesTheGroup) {
     }
 }
 
+// It collides with nobody, and gets nowhere: the operator must know why.
+TEST(FailureTable, ARobotThatSpinsOnTheSpotIsToldToStandUntilItDoes) {
+  for (const double steps : {400.0, -400.0, 700.0, -700.0})
+    for (int seed = 0; seed < 8; ++seed) {
+      Group group(others_go_on());
+      group.start();
+      group.steps(100 + 240 * seed);
+      group.adrift = 1;
+      group.robots[1].command({-steps, steps});
+      group.steps(15);  // 0.6 s
+      EXPECT_TRUE(group.rows.back().robots[1].is(stopped)) << steps << " steps/s, " << seed;
+      EXPECT_EQ(group.rows.back().robots[1].wheels, core::WheelSpeeds{}) << steps << " steps/s, " << seed;
+      group.steps(100);
+      EXPECT_TRUE(group.rows.back().robots[1].is(stopped)) << "it still spins: " << steps << " steps/s, " << seed;
+      group.robots[1].command({});
+      group.adrift = 99;
+      group.steps(25);
+      EXPECT_FALSE(group.rows.back().robots[1].is(stopped)) << steps << " steps/s, " << seed;
+    }
+}
+
 // Its battery is empty, a wheel hangs: nobody may count on the speed that it is told to have.
 TEST(FailureTable, NobodyDrivesIntoARobotThatStandsThoughItIsToldToDrive) {
   double nearest_if_ignored = 1.0;
@@ -271,6 +292,17 @@ TEST(FailureTable, NobodyIsTakenForARunawayWhoIsMovedOrBadlyMeasured) {
     (*session)->run();
     EXPECT_EQ(rows.rows.size(), 1000u);
     EXPECT_EQ(rows.count<events::Runaway>(), 0);
+  }
+}
+
+TEST(FailureTable, NobodyIsTakenForARunawayWhomAHandTurns) {
+  for (const double angle : {0.8, 1.6, -2.4, 3.1}) {
+    Group group(others_go_on());
+    group.start();
+    group.steps(150);
+    const core::Pose pose = group.robots[1].pose();
+    group.robots[1].place({pose.x, pose.y, core::wrap_angle(pose.theta + angle)});
+    for (int k = 0; k < 50; ++k) EXPECT_FALSE(group.step().robots[1].is(stopped)) << angle;
   }
 }
 
