@@ -341,7 +341,9 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
   const double noise_angle = trusted_deviations * (first.sigma_theta + newest.sigma_theta);
   const double little = noise_angle + turns_little * seconds;
   const bool drives = std::abs(v) >= too_slow, turns = turned > little;
-  const bool otherwise = (drives && off > noise + blind + contrary * seconds) ||
+  // One that reverses stands on the average, but one that stands is off by no more than it was told to drive.
+  const bool reverses = off > noise + core::distance(first.pose, expected);
+  const bool otherwise = ((drives || reverses) && off > noise + blind + contrary * seconds) ||
                          (turns && off_angle > noise_angle + (blind + contrary * seconds) / to_wheel(i));
   // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive, or to turn. One that
   // turns by itself on the spot does not drive.

@@ -211,6 +211,21 @@ TEST(FailureTable, ARobotThatDisobeysIsToldToStandAndLeavesTheGroup) {
     }
 }
 
+// On the average of the sights between, one that reverses stands. Who follows it closely has no time for that.
+TEST(FailureTable, ARobotThatReversesIsKnownWithinFiveTicks) {
+  for (const double steps : {-400.0, -500.0, -700.0})
+    for (int seed = 0; seed < 8; ++seed) {
+      Group group(others_go_on({"reference.speed=0.06"}));
+      group.start();
+      group.steps(100 + 50 * seed);
+      group.adrift = 2;
+      group.robots[2].command({steps, steps});
+      int ticks = 1;
+      while (!group.step().robots[2].is(stopped) && ticks < 20) ++ticks;
+      EXPECT_LE(ticks, 5) << steps << " steps/s, " << seed;
+    }
+}
+
 // It collides with nobody, and gets nowhere: the operator must know why.
 TEST(FailureTable, ARobotThatSpinsOnTheSpotIsToldToStandUntilItDoes) {
   for (const double steps : {400.0, -400.0, 700.0, -700.0})
