@@ -252,6 +252,37 @@ TEST(PhotometricFit, RefusesTheFloor) {
   EXPECT_EQ(refused, 400);
 }
 
+TEST(PhotometricFit, SaysOfTagsOfAnotherSizeThatTheyAreMisshapen) {
+  FitScene scene;
+  for (SyntheticTag& tag : scene.tags) tag.size = 0.935 * tag_size;
+  SyntheticCamera(scene.calibration, {}, 1).render(scene.tags, 0.0, scene.frame);
+  int misshapen = 0;
+  for (const SyntheticTag& tag : scene.tags) {
+    const FitVerdict verdict = fit(scene, tag.tag, tag.pose).verdict;
+    EXPECT_NE(verdict, FitVerdict::good) << tag.tag;
+    misshapen += verdict == FitVerdict::misshapen ? 1 : 0;
+  }
+  EXPECT_GE(misshapen, 8) << "not merely unlike them";
+}
+
+TEST(PhotometricFit, RefusesATagFarFromWhereItBegan) {
+  const FitScene scene;
+  for (const SyntheticTag& tag : scene.tags)
+    for (const double turn : {-0.65, -0.55, 0.55, 0.65}) {
+      const Fit found = fit(scene, tag.tag, moved(tag.pose, 0.0, 0.0, turn));
+      EXPECT_GT(found.correlation, 0.99) << "it found the tag";
+      EXPECT_EQ(found.verdict, FitVerdict::unlike) << tag.tag << ", " << turn;
+    }
+}
+
+TEST(PhotometricFit, RefusesATagTooBlurredToBeToldFromOthers) {
+  for (const double blur : {1.5, 3.5}) {
+    const FitScene scene({.blur_px = blur});
+    for (const SyntheticTag& tag : scene.tags)
+      EXPECT_EQ(fit(scene, tag.tag, tag.pose).verdict == FitVerdict::good, blur < 2.0) << tag.tag << ", " << blur;
+  }
+}
+
 TEST(PhotometricFit, SeesThatATagIsHeldUp) {
   FitScene scene;
   SyntheticTag& tag = scene.tags[0];

@@ -311,6 +311,20 @@ TEST(TagTracker, TagsOfTheWrongSizeAreRejected) {
   EXPECT_GE(lab.tracker.counters().rejected, 1);
 }
 
+TEST(TagTracker, ATagThatIsLargerThanAllOthersIsNotReported) {
+  TrackerLab lab({.tags = {1, 2, 3, 4}});
+  const auto scene = [](double size_of_4) {
+    return std::vector<SyntheticTag>{{1, {0.5, 0.0, 0.3}},
+                                     {2, {-0.5, 0.0, 0.3}},
+                                     {3, {0.0, 0.4, 2.0}},
+                                     {4, {0.0, -0.4, -1.0}, size_of_4 * default_tag_size}};
+  };
+  EXPECT_EQ(lab.step(scene(1.0)).size(), 4U);
+  TrackerLab with_a_larger_one({.tags = {1, 2, 3, 4}});
+  EXPECT_EQ(with_a_larger_one.step(scene(1.04)).size(), 3U) << "somebody holds it";
+  EXPECT_EQ(with_a_larger_one.tracker.counters().odd, 1);
+}
+
 TEST(TagTracker, OtherTagsAreNotReported) {
   TrackerLab lab({.tags = {2, 2}});  // wanted twice is wanted once
   const auto& poses = lab.step({{1, {0.5, 0.0, 0.3}}, {2, {-0.5, 0.0, 0.3}}});
