@@ -151,6 +151,20 @@ TEST_F(DyingProgram, ACrashInAnyThreadStopsTheRobotsFirst) {
     }
 }
 
+/// The links' thread, which would repeat the stop, is the one that crashed.
+TEST_F(DyingProgram, ACrashStopsARobotThatDidNotHearTheFirstStop) {
+  start("-");
+  if (HasFatalFailure()) return;
+  const std::vector<pid_t> ids = threads();
+  ptys.silence(0, true);
+  ::syscall(SYS_tgkill, pid_, *std::max_element(ids.begin(), ids.end()), SIGSEGV);
+  ASSERT_TRUE(eventually([this] { return ptys.wheels(1) == WheelSpeeds{}; })) << "the first stop";
+  EXPECT_GT(ptys.wheels(0).left, 0);
+  ptys.silence(0, false);
+  EXPECT_TRUE(eventually([this] { return stand(); }));
+  wait_for_the_end();
+}
+
 TEST_F(DyingProgram, WhenItIsKilledTheGuardStopsTheRobots) {
   start(test::program());
   if (HasFatalFailure()) return;
