@@ -129,15 +129,19 @@ Check reference(const Certificate* certificate) {
 Check places(const Experiment& e, const TickRecord* record) {
   if (!record) return {What::places, State::waits, "no poses yet", false};
   std::vector<std::size_t> away, unseen;
-  double farthest = 0.0;
+  double farthest = 0.0, turned = 0.0;
+  const StartTolerance tolerance = start_tolerance(e.staging);
   for (std::size_t i = 0; i < record->robots.size(); ++i) {
     const RobotRecord& robot = record->robots[i];
     if (robot.is(lost)) {
       unseen.push_back(i);
       continue;
     }
-    farthest = std::max(farthest, core::distance(robot.pose, robot.nominal.pose));
-    if (!at_start(robot.pose, robot.nominal.pose, start_tolerance(e.staging))) away.push_back(i);
+    // A simulated one may begin anywhere, if it need not drive to its start first.
+    const core::Pose& place = e.staging.automatic ? robot.nominal.pose : e.robots[i].start.value_or(robot.nominal.pose);
+    farthest = std::max(farthest, core::distance(robot.pose, place));
+    turned = std::max(turned, std::abs(core::wrap_angle(robot.pose.theta - place.theta)));
+    if (!at_start(robot.pose, place, tolerance)) away.push_back(i);
   }
   if (away.empty() && !unseen.empty())
     return {What::places, State::fails,
@@ -146,8 +150,12 @@ Check places(const Experiment& e, const TickRecord* record) {
             false};
   if (away.empty())
     return {What::places, State::holds, fmt::format("all robots within {:.0f} mm", std::ceil(1000 * farthest)), false};
-  return {What::places, State::fails,
-          fmt::format("{} not in place, up to {:.0f} cm away", numbers(away), 100 * farthest), false};
+  return {
+      What::places, State::fails,
+      fmt::format(
+          "{} not in place, up to {:.0f} cm away{}", numbers(away), 100 * farthest,
+          turned > tolerance.heading ? fmt::format(", turned by up to {:.0f} degrees", turned * 180.0 / core::pi) : ""),
+      false};
 }
 
 }  // namespace

@@ -111,6 +111,19 @@ TEST_F(Readiness, ARobotOutOfItsPlaceMayBeOverruled) {
   measurements[0].pose.theta =
       core::wrap_angle(measurements[0].pose.theta + 2 * start_tolerance(experiment.staging).heading);
   EXPECT_EQ(check(Check::What::places).state, Check::State::fails) << "it looks the wrong way";
+  EXPECT_EQ(check(Check::What::places).reason, "robot 1 not in place, up to 0 cm away, turned by up to 23 degrees");
+}
+
+TEST_F(Readiness, ARobotThatTheFilePlacesElsewhereIsInPlaceThereUnlessItDrivesToItsStart) {
+  const core::Pose elsewhere{0.3, -0.2, 2.0};
+  experiment.robots[1].start = elsewhere;
+  measurements[1].pose = elsewhere;
+  EXPECT_EQ(check(Check::What::places).state, Check::State::fails) << "staging drives it to its place first";
+  experiment.staging.automatic = false;
+  EXPECT_EQ(check(Check::What::places).state, Check::State::holds);
+  EXPECT_TRUE(all_hold(all()));
+  measurements[1].pose.x += 0.2;
+  EXPECT_EQ(check(Check::What::places).state, Check::State::fails) << "and then it was moved";
 }
 
 TEST_F(Readiness, ARealCameraNeedsItsCalibration) {
