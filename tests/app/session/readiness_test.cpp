@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/experiment/at_start.h"
 #include "app/experiment/experiment_file.h"
@@ -46,6 +47,33 @@ class Readiness : public ::testing::Test {
 TEST_F(Readiness, ThePapersExperimentMayStartAtOnce) {
   EXPECT_TRUE(all_hold(all()));
   EXPECT_TRUE(may_start(all()));
+}
+
+TEST(ReadyToStart, EveryExperimentThatComesWithSkeinAndSimulatesItsRobots) {
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(test::in_source("resources/experiments"))) {
+    if (file.path().extension() != ".toml") continue;
+    const auto experiment = load_experiment(file.path().string());
+    ASSERT_TRUE(experiment) << file.path();
+    if (std::any_of(experiment->robots.begin(), experiment->robots.end(),
+                    [](const RobotSpec& r) { return r.has_link(); }) ||
+        experiment->cameras() > 1)
+      continue;
+    const std::unique_ptr<const core::Reference> reference = make_reference(*experiment);
+    std::vector<core::Measurement> measurements;
+    for (std::size_t i = 0; i < experiment->robots.size(); ++i)
+      measurements.push_back({experiment->robots[i].start.value_or(reference->at(i, 0.0).pose), 0.0});
+    ControlTick tick(*experiment);
+    TickInput input;
+    input.measurements = measurements;
+    const TickRecord& record = tick.step(input);
+    const Certificate certificate = certify(*experiment);
+    const std::vector<RobotStatus> robots(experiment->robots.size(), {LinkState::simulated, {}});
+    for (const Check& check : readiness(*experiment, &certificate, &record, robots))
+      EXPECT_EQ(check.state, Check::State::holds) << file.path() << ": " << check.reason;
+    ++count;
+  }
+  EXPECT_GE(count, 15);
 }
 
 TEST_F(Readiness, NothingIsKnownYet) {
