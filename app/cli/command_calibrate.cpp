@@ -111,6 +111,11 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
     status = fail_with(sight.error(), device_failed);
     return {};
   }
+  // Fewer frames than asked for would do for a solution, but whoever presses Ctrl-C wants none.
+  if (interrupted()) {
+    status = fail_with("interrupted; nothing was written", device_failed);
+    return {};
+  }
   looked.sight = std::move(*sight);
   enter(looked.sight, looked.marks);
   for (const vision::FloorMark& mark : looked.marks)
@@ -270,10 +275,11 @@ int calibrate_floor(const FloorRequest& request) {
     print_error(
         fmt::format("skein: {} was rejected: it is {:.1f} mm from its place in {}, and the others agree without it\n",
                     solved->left_out->name, mm(solved->off), request.marks.empty() ? request.camera : request.marks));
-  else if (check->worst > 5e-3)
+  else if (const double off = vision::single_error(*check); off > 5e-3)
     print_error(
-        fmt::format("skein: the marks disagree by up to {:.1f} mm: check their positions and the camera's focus\n",
-                    mm(check->worst)));
+        fmt::format("skein: the marks disagree by up to {:.1f} mm, as if one of the {} were off by {:.1f} mm: check "
+                    "their positions and the camera's focus\n",
+                    mm(check->worst), check->residuals.size(), mm(off)));
   return done;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "vision/detector/detector.h"
@@ -164,10 +165,16 @@ const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorM
   return worst;
 }
 
+double single_error(const FloorCheck& check) {
+  constexpr double taken_up = 3.0;  // marks of two coordinates each that a pose of six could meet without a residual
+  const auto marks = static_cast<double>(check.residuals.size());
+  return marks > taken_up ? check.worst * marks / (marks - taken_up) : std::numeric_limits<double>::infinity();
+}
+
 tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
                                                             const std::vector<FloorMark>& marks) {
   constexpr double clearly_off = 5e-3;  // [m]
-  constexpr double most_off = 10e-3;    // of a mark that is used [m]
+  constexpr double most_off = 10e-3;    // of a mark that is used, as far as can be known [m]
   TrustedFloor floor;
   std::vector<FloorMark> used = marks;
   if (const FloorMark* odd = suspect(intrinsics, marks)) {
@@ -186,11 +193,11 @@ tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& i
   floor.calibration = *solved;
   const auto check = check_floor(*solved, used);
   if (!check) return tl::unexpected(check.error());
-  if (check->worst > most_off)
+  if (const double off = single_error(*check); off > most_off)
     return tl::unexpected(
-        fmt::format("the marks disagree by up to {:.0f} mm; allowed: {:.0f} mm: check their places, and the camera's "
-                    "focus",
-                    1e3 * check->worst, 1e3 * most_off));
+        fmt::format("the marks disagree by up to {:.0f} mm, as if one of the {} were off by {:.0f} mm; allowed: {:.0f} "
+                    "mm: check their places, and the camera's focus",
+                    1e3 * check->worst, check->residuals.size(), 1e3 * off, 1e3 * most_off));
   return floor;
 }
 

@@ -47,6 +47,11 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
 /// at least six marks.
 const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorMark>& marks);
 
+/// By how much one mark must be off so that the marks which a solution was made of disagree as they do, if all others
+/// are right: the solution follows the wrong one, among four so far that a quarter of its error is left as a residual.
+/// Infinite for three marks, which never disagree. [m]
+double single_error(const FloorCheck& check);
+
 /// A solution that one wrong mark does not spoil.
 struct TrustedFloor {
   Calibration calibration{};
@@ -54,7 +59,7 @@ struct TrustedFloor {
   double off = 0.0;                     // distance between its stated place and the place that the picture shows [m]
 };
 /// solve_floor, without the suspect where that is more than 5 mm off. The error: solve_floor's, or marks that still
-/// disagree by more than 10 mm, so that any solution would be a guess.
+/// disagree as if one of them were off by more than 10 mm (`single_error`), so that any solution would be a guess.
 tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
                                                             const std::vector<FloorMark>& marks);
 

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
 #include "app/calibration/calibration_file.h"
 #include "app/cli/command_calibrate.h"
+#include "app/run/interrupted.h"
 #include "tests/app/folder.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -88,6 +90,21 @@ TEST(CalibrateFloor, GoesByTheMarksOfTheCalibrationWhenTheCameraHasMoved) {
   EXPECT_LT((second->world_from_camera->rotation - truth.rotation).norm(), 2e-3);
   EXPECT_EQ(second->marks.size(), 6U);
   EXPECT_THAT(lab.run(calibrate_check, 0), HasSubstr("marks: 6"));
+}
+
+TEST(CalibrateFloor, WritesNothingOnCtrlC) {
+  Lab lab;
+  lab.photograph("first", 0.0);
+  lab.request.marks = lab.folder / "floor.toml";
+  const auto before = load_calibration(lab.request.camera);
+  const auto interrupted_calibration = [&] {
+    interrupt();
+    return calibrate_floor(lab.request);
+  };
+  EXPECT_EXIT(std::exit(interrupted_calibration()), testing::ExitedWithCode(3), "");
+  EXPECT_EQ(*load_calibration(lab.request.camera), *before);
+  lab.run(calibrate_floor, 0);
+  EXPECT_NE(*load_calibration(lab.request.camera), *before) << "the control";
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // The world frame from marks on the floor, through the synthetic camera.
 #include "vision/calibrate/floor_calibration.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -155,6 +157,30 @@ TEST(FloorCalibration, RefusesMarksThatDisagree) {
   const auto solved = solve_trusted_floor(lab.intrinsics(), lab.marks);
   ASSERT_FALSE(solved);
   EXPECT_NE(solved.error().find("the marks disagree by up to"), std::string::npos) << solved.error();
+}
+
+TEST(FloorCalibration, RefusesAWrongMarkAmongTooFewToNameIt) {
+  Lab lab;
+  Drawn film = lab.film(1);
+  enter(look_at_floor(film, lab.intrinsics(), 1).value(), lab.marks);
+  for (const std::vector<std::size_t>& few : {std::vector<std::size_t>{0, 2, 6, 8}, {0, 2, 4, 6, 8}})
+    for (const std::size_t wrong : few)
+      for (const auto& [dx, dy] : {std::pair{0.03, 0.0}, {0.0, 0.03}, {0.0, 0.0}}) {
+        std::vector<FloorMark> marks;
+        for (const std::size_t i : few) {
+          marks.push_back(lab.marks[i]);
+          // What a tape measure is off by, and, of one of them, a mistake in typing.
+          marks.back().x += (i % 4 == 0 ? 1e-3 : -1e-3) + (i == wrong ? dx : 0.0);
+          marks.back().y += i == wrong ? dy : 0.0;
+        }
+        const auto solved = solve_trusted_floor(lab.intrinsics(), marks);
+        const bool right = dx == 0.0 && dy == 0.0;
+        EXPECT_EQ(solved.has_value(), right) << few.size() << " marks, " << marks.front().name << " to "
+                                             << marks.back().name << ", wrong: " << wrong << " by " << dx << ", " << dy;
+        if (solved) continue;
+        EXPECT_NE(solved.error().find(fmt::format("as if one of the {} were", few.size())), std::string::npos)
+            << solved.error();
+      }
 }
 
 TEST(FloorCalibration, MeasuresHowHighATagIsCarried) {
