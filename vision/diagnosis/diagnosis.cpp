@@ -4,7 +4,11 @@
 #include <apriltag/tag16h5.h>
 #include <apriltag/tag25h9.h>
 #include <apriltag/tag36h10.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagCircle49h12.h>
+#include <apriltag/tagCustom48h12.h>
 #include <apriltag/tagStandard41h12.h>
+#include <apriltag/tagStandard52h13.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -131,12 +135,17 @@ struct OtherFamily {
   std::string_view name;
   apriltag_family_t* (*create)();
   void (*destroy)(apriltag_family_t*);
+  bool has_ghosts = false;  // so few bits that a texture may look like a tag
 };
 constexpr std::array other_families{
     OtherFamily{"25h9", tag25h9_create, tag25h9_destroy},
     OtherFamily{"36h10", tag36h10_create, tag36h10_destroy},
     OtherFamily{"Standard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
-    OtherFamily{"16h5", tag16h5_create, tag16h5_destroy},
+    OtherFamily{"Standard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
+    OtherFamily{"Circle21h7", tagCircle21h7_create, tagCircle21h7_destroy, true},
+    OtherFamily{"Circle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
+    OtherFamily{"Custom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
+    OtherFamily{"16h5", tag16h5_create, tag16h5_destroy, true},
 };
 
 /// A tag of another family, with its family's name.
@@ -268,6 +277,9 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   const double expected_px = tag_edge_px(calibration);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     TagDiagnosis& answer = answers[i];
+    // Where all of the picture is too dark or too bright, a tag that is not accepted lacks light above all.
+    if (answer.why == NotSeen::covered && light.saturated > saturated_share) answer.why = NotSeen::too_bright;
+    if (answer.why == NotSeen::covered && light.brightest < dark_grey) answer.why = NotSeen::in_shadow;
     if (answer.why != NotSeen::not_found) continue;
     answer.edge_px = expected_px;
     const auto& last = missing[i].last;
@@ -292,8 +304,6 @@ std::string why_no_tag(const Frame& frame) {
     return fmt::format("tag{} {} {} mirrored: switch the camera's mirror off", reversed.size() == 1 ? "" : "s",
                        fmt::join(reversed, ", "), reversed.size() == 1 ? "is" : "are");
   }
-  // A single one of 16 bits may be a ghost.
-  constexpr std::string_view smallest = "16h5";
   std::vector<int> ids;
   std::string_view family;
   const std::vector<Stranger> found = tags_of_other_families(frame);
@@ -301,7 +311,7 @@ std::string why_no_tag(const Frame& frame) {
     std::vector<int> of_this;
     for (const Stranger& stranger : found)
       if (stranger.family == other.name) of_this.push_back(stranger.seen.tag);
-    if (of_this.size() <= ids.size() || (other.name == smallest && of_this.size() < 2)) continue;
+    if (of_this.size() <= ids.size() || (other.has_ghosts && of_this.size() < 2)) continue;
     ids = std::move(of_this);
     family = other.name;
   }
@@ -312,6 +322,7 @@ std::string why_no_tag(const Frame& frame) {
 }
 
 std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
+  const bool found = d.contrast > 0.0;
   switch (d.why) {
     case NotSeen::not_found:
       return fmt::format("no tag {} is in the picture", d.tag);
@@ -348,15 +359,18 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
       return fmt::format("tag {} cannot be read: a tag of {} has {:.1f} px in this picture, and {:.0f} are needed",
                          d.tag, millimetres(calibration.tag_size), d.edge_px, least_edge_px);
     case NotSeen::too_bright:
-      return fmt::format("no tag {} is in the picture, and much of the picture is too bright: lower the exposure",
-                         d.tag);
+      return found
+                 ? fmt::format("tag {} is there, but much of the picture is too bright: lower the exposure", d.tag)
+                 : fmt::format("no tag {} is in the picture, and much of the picture is too bright: lower the exposure",
+                               d.tag);
     case NotSeen::in_shadow:
-      return d.contrast > 0.0
+      if (!found) return fmt::format("no tag {} is in the picture, and the picture is dark: raise the exposure", d.tag);
+      return d.contrast < least_contrast
                  ? fmt::format(
                        "tag {} is there, but in shadow: {:.0f} grey levels between ink and paper, "
                        "and {:.0f} are needed",
                        d.tag, d.contrast, least_contrast)
-                 : fmt::format("no tag {} is in the picture, and the picture is dark: raise the exposure", d.tag);
+                 : fmt::format("tag {} is there, but the picture is dark: raise the exposure", d.tag);
     case NotSeen::mirrored:
       return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
     case NotSeen::other_family:

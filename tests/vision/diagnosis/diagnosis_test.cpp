@@ -3,9 +3,15 @@
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag25h9.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagCircle49h12.h>
+#include <apriltag/tagCustom48h12.h>
+#include <apriltag/tagStandard52h13.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -137,6 +143,44 @@ TEST(Diagnosis, TagOfAnotherFamily) {
   EXPECT_EQ(why_no_tag(lab.frame), "no tag is of the family 36h11, but 1 looks like 25h9 (3): print it anew in 36h11");
   lab.show({});
   EXPECT_EQ(why_no_tag(lab.frame), "") << "the control: a floor with clutter";
+}
+
+TEST(Diagnosis, TagsOfAprilTagsNewerFamilies) {
+  const std::initializer_list<std::tuple<apriltag_family_t* (*)(), void (*)(apriltag_family_t*), std::string>> newer = {
+      {tagStandard52h13_create, tagStandard52h13_destroy, "Standard52h13"},
+      {tagCircle21h7_create, tagCircle21h7_destroy, "Circle21h7"},
+      {tagCircle49h12_create, tagCircle49h12_destroy, "Circle49h12"},
+      {tagCustom48h12_create, tagCustom48h12_destroy, "Custom48h12"}};
+  for (const auto& [create, destroy, name] : newer) {
+    DiagnosisLab lab;
+    lab.show({});
+    apriltag_family_t* family = create();
+    image_u8_t* picture = apriltag_to_image(family, 3);
+    constexpr int cell = 8;  // [px]
+    for (int v = 0; v < picture->height * cell; ++v)
+      for (int u = 0; u < picture->width * cell; ++u)
+        lab.frame.row(400 + v)[600 + u] = picture->buf[v / cell * picture->stride + u / cell] > 127 ? 220 : 30;
+    std::free(picture->buf);
+    std::free(picture);
+    destroy(family);
+    EXPECT_EQ(lab.said(), "tag 3 looks like 3 of the family " + name + ": print it anew in 36h11");
+  }
+}
+
+TEST(Diagnosis, ATagInADarkOrOverexposedPictureLacksLight) {
+  DiagnosisLab lab;
+  // AprilTag reads the tag, but the tracker does not accept it.
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.noise_sigma = 1.0, .brightness = 0.06});
+  ASSERT_FALSE(lab.tracked());
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::in_shadow);
+  EXPECT_EQ(lab.said(), "tag 3 is there, but the picture is dark: raise the exposure");
+  // The control: in a picture that has light enough, a tag that is not accepted is covered.
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}});
+  const auto middle = pixel_from_world(lab.calibration, {0.3, -0.2, lab.calibration.tag_height});
+  for (int v = 0; v < lab.frame.height; ++v)
+    for (int u = 0; u < lab.frame.width; ++u)
+      if (std::hypot(u - middle->x(), v - middle->y()) < 9.0) lab.frame.row(v)[u] = 128;
+  EXPECT_NE(lab.diagnosis().why, NotSeen::in_shadow);
 }
 
 TEST(Diagnosis, EmptyFloorHasNoTag) {
