@@ -168,7 +168,6 @@ int run(const RunRequest& request) {
   Statistics::Summary summary = statistics.summary();
   complete(summary, facts_of(**session, end), *experiment);
   const vision::SourceStatus camera = (*session)->camera();
-  for (const std::string& notice : camera.notices) complain(notice);
   if (camera.outages > 0) complain(fmt::format("the camera failed {} times: {}", camera.outages, camera.reason));
   if (publisher) {
     const Publisher::Counts counts = publisher->finish();

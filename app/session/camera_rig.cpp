@@ -27,6 +27,10 @@ namespace {
 
 constexpr double mark_moved_by = 0.05;  // for practice [m]
 
+bool ever_seen(const core::Measurement& tag) {
+  return tag.captured_at > core::Measurement{}.captured_at;
+}
+
 /// The part of the arena that a synthetic camera sees: as many columns and rows as there are cameras, the longer side
 /// of the arena divided into more.
 vision::Calibration shared_floor(const Experiment& experiment, std::size_t number) {
@@ -159,7 +163,9 @@ CameraRig::CameraRig(const Experiment& experiment, std::size_t number, SessionCl
       ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       absences_(experiment.robots.size()),
       mark_watch_(calibration_, wanted_tags(experiment)),
-      scale_watch_(calibration_) {
+      scale_watch_(calibration_),
+      rate_watch_(experiment.rate) {
+  why_lost_.resize(experiment.robots.size());
   marks_.watched = mark_watch_.marks() >= vision::MarkWatch::least_seen;
   marks_.known = !marks_.watched;
 }
@@ -356,7 +362,7 @@ void CameraRig::answer_question() {
     if (tag.captured_at >= frame_.captured_at) continue;
     const double elsewhere = last_sights_->newest(i);
     if (elsewhere > tag.captured_at && elsewhere >= frame_.captured_at - experiment_.estimation.bridge) continue;
-    const bool ever = std::isfinite(tag.captured_at) && std::isfinite(tag.pose.x);
+    const bool ever = ever_seen(tag);
     answer_.missing.push_back({wanted_[i], ever ? std::optional(tag.pose) : std::nullopt});
   }
   answered_.notify_all();
@@ -385,13 +391,18 @@ std::vector<CameraRig::Absence> CameraRig::why_not_seen() {
 /// Whoever was seen and has not been seen for half a second is asked about, once, at the camera that saw it last. A
 /// frame tells of all of them.
 void CameraRig::explain_absences() {
-  constexpr double between = 2.0;  // [s]
+  constexpr double between = 2.0, between_searches = 5.0;  // [s]
   const double now = frame_.captured_at;
   missing_.clear();
+  // Whoever was never seen is looked for again and again: the operator mends tags, light and camera meanwhile.
+  const bool search = clock_.wall() && !(now < next_search_);
+  if (search) next_search_ = now + between_searches;
   for (std::size_t i = 0; i < absences_.size(); ++i) {
     const core::Measurement& tag = seen_.tags[i];
-    if (tag.captured_at >= now) absences_[i].seen(now);
-    if (absences_[i].due(now) && last_sights_->newest(i) <= tag.captured_at) missing_.push_back({wanted_[i], tag.pose});
+    const bool ever = ever_seen(tag);
+    if (tag.captured_at >= now || (!ever && search)) absences_[i].seen(now);
+    if (absences_[i].due(now) && last_sights_->newest(i) <= tag.captured_at)
+      missing_.push_back({wanted_[i], ever ? std::optional(tag.pose) : std::nullopt});
   }
   if (missing_.empty() || now < next_absence_) return;
   if (clock_.wall()) {
@@ -412,10 +423,19 @@ void CameraRig::explain(const vision::Frame& frame, std::span<const vision::Miss
   const std::vector<vision::TagDiagnosis> tags = vision::diagnose(frame, calibration_, missing);
   const std::lock_guard lock(absence_mutex_);
   for (const vision::TagDiagnosis& tag : tags) {
-    const auto robot = std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin();
-    found_out_.push(events::NotSeen{static_cast<std::size_t>(robot), tag.why});
-    alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, vision::sentence(tag, calibration_)));
+    const auto robot = static_cast<std::size_t>(std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin());
+    why_lost_[robot] = {tag.tag, tag.why, vision::sentence(tag, calibration_)};
+    const bool ever = std::any_of(missing.begin(), missing.end(),
+                                  [&](const vision::MissingTag& one) { return one.tag == tag.tag && one.last; });
+    if (!ever) continue;  // it is no news that it is not there
+    found_out_.push(events::NotSeen{robot, tag.why});
+    alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, why_lost_[robot].sentence));
   }
+}
+
+std::vector<CameraRig::Absence> CameraRig::why_lost() const {
+  const std::lock_guard lock(absence_mutex_);
+  return why_lost_;
 }
 
 /// Now and then, and soon again where a sight is to be confirmed.
@@ -466,6 +486,16 @@ void CameraRig::watch_tags() {
     const std::lock_guard lock(absence_mutex_);
     alarms_.push_back(prefix_ + sentence);
   }
+}
+
+/// What the camera does not do as it was asked to, and how fast its frames come.
+void CameraRig::watch_source() {
+  if (!live_) return;
+  std::vector<std::string> sentences = source_->status().notices;
+  sentences.push_back(rate_watch_.update(frame_.captured_at));
+  const std::lock_guard lock(absence_mutex_);
+  for (const std::string& sentence : sentences)
+    if (!sentence.empty() && told_of_source_.insert(sentence).second) alarms_.push_back(prefix_ + sentence);
 }
 
 MarksStatus CameraRig::marks() const {
@@ -521,7 +551,8 @@ void CameraRig::work_off() {
   ready_at_.store(seen_.times.ready_at, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
-  watch_tags();                                                             // the tick waits for poses, not for this
+  watch_tags();                                                             // the tick waits for poses, not for these
+  watch_source();
   film_frame();
   if (!pictures_) return;
   Picture& picture = picture_.draft();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <thread>
@@ -25,6 +26,7 @@
 #include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/focus_watch.h"
 #include "vision/diagnosis/mark_watch.h"
+#include "vision/diagnosis/rate_watch.h"
 #include "vision/diagnosis/scale_watch.h"
 #include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame_source.h"
@@ -106,6 +108,10 @@ class CameraRig {
   /// the control thread, one caller at a time.
   std::vector<Absence> why_not_seen();
 
+  /// By robot: why its tag was not seen when that was last looked for, in the background; see Absence. A robot that was
+  /// never seen is looked for every few seconds, others when they are lost. Wall clock only; any thread.
+  std::vector<Absence> why_lost() const;
+
   /// Sentences about lost robots, as from `why_not_seen`, about marks on the floor and about the tags' size, each once.
   /// Any thread, one caller at a time.
   std::vector<std::string> alarms();
@@ -136,6 +142,7 @@ class CameraRig {
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
   void watch_marks();
   void watch_tags();
+  void watch_source();
   void film_frame();
   void look_at_marks(const vision::Frame& frame);
   void explainer(const std::stop_token& stop);
@@ -187,12 +194,14 @@ class CameraRig {
   Question answer_;
   // Why robots are lost, and whether the marks have moved: requested by the camera's thread, diagnosed at once on the
   // virtual clock and in a separate thread on the wall clock.
-  std::vector<vision::TagAbsence> absences_;  // of the robots' tags
-  double next_absence_ = none;
+  std::vector<vision::TagAbsence> absences_;         // of the robots' tags
+  double next_absence_ = none, next_search_ = none;  // the latter for robots that were never seen
   std::vector<vision::MissingTag> missing_;
   vision::MarkWatch mark_watch_;
   vision::ScaleWatch scale_watch_;
   vision::FocusWatch focus_watch_;
+  vision::RateWatch rate_watch_;
+  std::set<std::string> told_of_source_;
   int own_looks_ = 0;                    // at the marks, by the camera's thread
   std::atomic<double> next_look_{-1e9};  // at the marks [s]
   mutable std::mutex absence_mutex_;     // of what follows
@@ -200,6 +209,7 @@ class CameraRig {
   std::optional<Question> absence_;
   std::optional<vision::Frame> floor_;  // to be searched for the marks
   std::vector<std::string> alarms_;
+  std::vector<Absence> why_lost_;  // by robot
   MarksStatus marks_;
   boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<256>> found_out_;
   std::string reason_;

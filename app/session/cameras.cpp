@@ -105,6 +105,7 @@ vision::SourceStatus Cameras::status() const {
     const std::string prefix = camera_prefix(experiment_, k);
     if (k == 0) all = {};
     for (std::string& notice : one.notices) all.notices.push_back(prefix + notice);
+    for (const std::string& automatic : one.automatics) all.automatics.push_back(prefix + automatic);
     all.outages += one.outages;
     all.damaged += one.damaged;
     all.passed_over += one.passed_over;
@@ -128,6 +129,21 @@ std::vector<std::string> Cameras::why_not_seen() {
     // Where no camera finds anything, the first says so for all.
     if (nothing && (std::any_of(all.begin(), all.end(), tells) || std::any_of(all.begin(), one, same))) continue;
     sentences.push_back((nothing ? std::string() : camera_prefix(experiment_, one->first)) + absence.sentence);
+  }
+  return sentences;
+}
+
+std::vector<std::string> Cameras::why_lost() const {
+  std::vector<std::string> sentences(experiment_.robots.size());
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    const std::vector<CameraRig::Absence> absences = all_[k].rig->why_lost();
+    for (std::size_t i = 0; i < sentences.size(); ++i) {
+      const bool tells = absences[i].why != core::NotSeen::not_found;
+      if (tells)
+        sentences[i] = camera_prefix(experiment_, k) + absences[i].sentence;
+      else if (sentences[i].empty())
+        sentences[i] = absences[i].sentence;
+    }
   }
   return sentences;
 }

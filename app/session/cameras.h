@@ -48,6 +48,9 @@ class Cameras {
 
   /// Why robots were seen by no camera, a sentence each. As CameraRig's.
   std::vector<std::string> why_not_seen();
+  /// By robot: why its tag was not seen when that was last looked for, by the camera that can tell most; empty: not
+  /// known. Any thread.
+  std::vector<std::string> why_lost() const;
   /// Sentences about lost robots and cameras, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
   /// Of all cameras: `known` if it is for each, `moved` of the first one that moved, and the sentences of all. Any

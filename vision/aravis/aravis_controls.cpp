@@ -148,13 +148,22 @@ std::string set_controls(ArvCamera* camera, const std::string& name, const Contr
     if (!automatic && std::abs(written.value - value) > 1e-3 * std::abs(value))
       notices.push_back(fmt::format("aravis:{}: {} is {:.6g}, not {}", name, control, written.value, value));
   }
+  for (const std::string& automatic : automatics_on(camera, settings))
+    notices.push_back(fmt::format("aravis:{}: its {} is automatic, and so {}", name, automatic,
+                                  automatic == "exposure" ? "are blur and time of capture" : "is its noise"));
+  return {};
+}
+
+std::vector<std::string> automatics_on(ArvCamera* camera, const ControlSettings& settings) {
+  Silence silence;
+  std::vector<std::string> names;
   if (!asked(settings, "exposure") && arv_camera_is_exposure_auto_available(camera, &silence) &&
       arv_camera_get_exposure_time_auto(camera, &silence) != ARV_AUTO_OFF)
-    notices.push_back(fmt::format("aravis:{}: its exposure is automatic, and so are blur and time of capture", name));
+    names.emplace_back("exposure");
   if (!asked(settings, "gain") && arv_camera_is_gain_auto_available(camera, &silence) &&
       arv_camera_get_gain_auto(camera, &silence) != ARV_AUTO_OFF)
-    notices.push_back(fmt::format("aravis:{}: its gain is automatic, and so is its noise", name));
-  return {};
+    names.emplace_back("gain");
+  return names;
 }
 
 std::vector<std::string> words_of(ArvCamera* camera, const char* feature, Silence& silence) {

@@ -23,6 +23,9 @@ Object<ArvCamera> open_named(const std::string& name, Failure& failed);
 std::string set_controls(ArvCamera* camera, const std::string& name, const ControlSettings& settings,
                          std::vector<std::string>& notices);
 
+/// Which of "exposure" and "gain" the camera sets by itself and was not asked to.
+std::vector<std::string> automatics_on(ArvCamera* camera, const ControlSettings& asked);
+
 /// Exposure and gain, as far as the camera has them.
 std::vector<CameraSetting> settings_of(ArvCamera* camera, Silence& silence);
 

@@ -136,6 +136,7 @@ class AravisSource final : public FrameSource {
     read_clock(notices);
     const std::lock_guard lock(status_mutex_);
     status_.notices = std::move(notices);
+    status_.automatics = automatics_on(camera_.get(), options_.controls);
     return {};
   }
 

@@ -17,12 +17,13 @@ namespace skein::vision {
 
 /// The status of a source, mainly of a camera.
 struct SourceStatus {
-  bool up = true;                      // false: the camera does not deliver, and is opened again and again
-  std::int64_t outages = 0;            // times that it stopped delivering: unplugged, stalled
-  std::int64_t damaged = 0;            // frames that were skipped because they were damaged
-  std::int64_t passed_over = 0;        // intact frames that were skipped because a newer one was there
-  std::string reason{};                // of the last outage
-  std::vector<std::string> notices{};  // controls that took another value than requested
+  bool up = true;                         // false: the camera does not deliver, and is opened again and again
+  std::int64_t outages = 0;               // times that it stopped delivering: unplugged, stalled
+  std::int64_t damaged = 0;               // frames that were skipped because they were damaged
+  std::int64_t passed_over = 0;           // intact frames that were skipped because a newer one was there
+  std::string reason{};                   // of the last outage
+  std::vector<std::string> notices{};     // what it did not do as requested, a sentence each
+  std::vector<std::string> automatics{};  // which of "exposure", "gain", "focus" it sets by itself, unasked
 };
 
 /// The origin of a source's time stamps. From a camera's stamp its source computes captured_at, the middle of the first

@@ -46,7 +46,7 @@ bool encode_jpeg(const Frame& frame, int quality, std::vector<std::uint8_t>& byt
 }  // namespace skein::vision::media
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Media skein_media_7 = {.open = skein::vision::media::open,
+const skein::vision::Media skein_media_8 = {.open = skein::vision::media::open,
                                             .decode_jpeg = skein::vision::media::decode_jpeg,
                                             .encode_jpeg = skein::vision::media::encode_jpeg,
                                             .create_film = skein::vision::media::create_film};

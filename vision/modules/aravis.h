@@ -41,6 +41,6 @@ inline constexpr const char* receive_buffer_setting = "/proc/sys/net/core/rmem_m
 inline constexpr long good_receive_buffer_limit = 32L << 20;
 
 /// Carries a number for the same reason as media_symbol; SourceOptions counts too.
-inline constexpr const char* aravis_symbol = "skein_aravis_3";
+inline constexpr const char* aravis_symbol = "skein_aravis_4";
 
 }  // namespace skein::vision

@@ -36,6 +36,6 @@ struct Media {
 
 /// The one name that is looked up in the module. It carries a number, to be raised whenever Media, Frame, FrameSource
 /// or FilmWriter change, so that a module left over from another version is refused.
-inline constexpr const char* media_symbol = "skein_media_7";
+inline constexpr const char* media_symbol = "skein_media_8";
 
 }  // namespace skein::vision

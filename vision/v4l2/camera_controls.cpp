@@ -159,6 +159,14 @@ bool sets_exposure(std::int64_t automatic) {
   return automatic != V4L2_EXPOSURE_MANUAL && automatic != V4L2_EXPOSURE_SHUTTER_PRIORITY;
 }
 
+/// What the camera sets by itself where this control has this value; null: nothing.
+const char* automatic_of(std::uint32_t id, std::int64_t value) {
+  if (id == V4L2_CID_EXPOSURE_AUTO) return sets_exposure(value) ? "exposure" : nullptr;
+  if (id == V4L2_CID_AUTOGAIN) return value != 0 ? "gain" : nullptr;
+  if (id == V4L2_CID_FOCUS_AUTO) return value != 0 ? "focus" : nullptr;
+  return nullptr;
+}
+
 const CameraControl* find(const std::vector<CameraControl>& controls, std::uint32_t id) {
   const auto found = std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.id == id; });
   return found == controls.end() ? nullptr : &*found;
@@ -184,11 +192,20 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
 
 std::vector<std::string> automatics_on(const CameraDescription& camera) {
   std::vector<std::string> names;
-  for (const CameraControl& control : camera.controls) {
-    if (control.id == V4L2_CID_EXPOSURE_AUTO && sets_exposure(control.value)) names.emplace_back("exposure");
-    if (control.id == V4L2_CID_AUTOGAIN && control.value != 0) names.emplace_back("gain");
-    if (control.id == V4L2_CID_FOCUS_AUTO && control.value != 0) names.emplace_back("focus");
+  for (const CameraControl& control : camera.controls)
+    if (const char* name = automatic_of(control.id, control.value)) names.emplace_back(name);
+  return names;
+}
+
+std::vector<std::string> automatics_on(const V4l2Device& device, const ControlSettings& asked) {
+  std::vector<std::string> names;
+  for (const std::uint32_t id : {V4L2_CID_EXPOSURE_AUTO, V4L2_CID_AUTOGAIN, V4L2_CID_FOCUS_AUTO}) {
+    const auto value = value_of(device, id);
+    if (const char* name = value ? automatic_of(id, *value) : nullptr) names.emplace_back(name);
   }
+  const bool wanted = std::any_of(asked.begin(), asked.end(),
+                                  [](const auto& one) { return one.first == "exposure" && one.second == 0.0; });
+  if (wanted) std::erase(names, "exposure");
   return names;
 }
 

@@ -64,6 +64,9 @@ tl::expected<CameraSettings, std::string> v4l2_settings(const std::string& devic
 /// Which of "exposure", "gain" and "focus" the camera sets by itself at present.
 std::vector<std::string> automatics_on(const CameraDescription& camera);
 
+/// The same of an open camera, except an exposure that `asked` wants automatic (0).
+std::vector<std::string> automatics_on(const detail::V4l2Device& device, const ControlSettings& asked);
+
 /// The present value of one of these three, in the units of set_controls; none: the camera has no such control.
 std::optional<double> present_setting(const CameraDescription& camera, const std::string& name);
 

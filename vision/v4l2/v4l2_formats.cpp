@@ -10,15 +10,20 @@
 namespace skein::vision::detail {
 namespace {
 
-// From free to costly (a JPEG of 1280x960 takes 3 ms).
+// From free to costly (a JPEG of 1280x960 takes 3 ms). Those of one kind are the same to us: colours are not looked at.
 constexpr std::array formats{
     PixelFormat{V4L2_PIX_FMT_GREY, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_NV12, grey_from_grey},  // the plane of the grey levels comes first in these four
+    PixelFormat{V4L2_PIX_FMT_NV12, grey_from_grey},  // the plane of the grey levels comes first in these seven
     PixelFormat{V4L2_PIX_FMT_NV21, grey_from_grey},
     PixelFormat{V4L2_PIX_FMT_YUV420, grey_from_grey},
     PixelFormat{V4L2_PIX_FMT_YVU420, grey_from_grey},
+    PixelFormat{V4L2_PIX_FMT_NV16, grey_from_grey},
+    PixelFormat{V4L2_PIX_FMT_NV61, grey_from_grey},
+    PixelFormat{V4L2_PIX_FMT_YUV422P, grey_from_grey},
     PixelFormat{V4L2_PIX_FMT_YUYV, grey_from_yuyv},
+    PixelFormat{V4L2_PIX_FMT_YVYU, grey_from_yuyv},
     PixelFormat{V4L2_PIX_FMT_UYVY, grey_from_uyvy},
+    PixelFormat{V4L2_PIX_FMT_VYUY, grey_from_uyvy},
     PixelFormat{V4L2_PIX_FMT_Y10, grey_from_words<10>},
     PixelFormat{V4L2_PIX_FMT_Y12, grey_from_words<12>},
     PixelFormat{V4L2_PIX_FMT_Y16, grey_from_words<16>},
@@ -26,7 +31,16 @@ constexpr std::array formats{
     PixelFormat{V4L2_PIX_FMT_SGRBG8, grey_from_bayer<8>},
     PixelFormat{V4L2_PIX_FMT_SGBRG8, grey_from_bayer<8>},
     PixelFormat{V4L2_PIX_FMT_SBGGR8, grey_from_bayer<8>},
+    PixelFormat{V4L2_PIX_FMT_SRGGB10, grey_from_bayer<10>},
+    PixelFormat{V4L2_PIX_FMT_SGRBG10, grey_from_bayer<10>},
+    PixelFormat{V4L2_PIX_FMT_SGBRG10, grey_from_bayer<10>},
+    PixelFormat{V4L2_PIX_FMT_SBGGR10, grey_from_bayer<10>},
+    PixelFormat{V4L2_PIX_FMT_SRGGB12, grey_from_bayer<12>},
+    PixelFormat{V4L2_PIX_FMT_SGRBG12, grey_from_bayer<12>},
+    PixelFormat{V4L2_PIX_FMT_SGBRG12, grey_from_bayer<12>},
+    PixelFormat{V4L2_PIX_FMT_SBGGR12, grey_from_bayer<12>},
     PixelFormat{V4L2_PIX_FMT_MJPEG, nullptr},
+    PixelFormat{V4L2_PIX_FMT_JPEG, nullptr},
 };
 
 constexpr double any_rate = std::numeric_limits<double>::infinity();

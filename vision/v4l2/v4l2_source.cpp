@@ -1,6 +1,7 @@
 #include "vision/v4l2/v4l2_source.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <linux/videodev2.h>
 #include <sys/mman.h>
 
@@ -31,6 +32,9 @@ constexpr double first_frame_wait = 5.0;
 constexpr double stall_frames = 3.0;
 constexpr double least_stall_wait = 0.02;
 
+// From one look at the exposure and at automatics that are on to the next.
+constexpr std::int64_t frames_between_looks = 25;
+
 // Between two attempts to open a camera that has gone. [s]
 constexpr double reopen_pause = 0.1;
 
@@ -51,13 +55,16 @@ class V4l2Camera final : public FrameSource {
     if (problem.empty()) {
       const auto set = set_controls(device_, options_.controls);
       if (set)
-        note(*set, slow_rate());
+        note(*set, {slow_rate(), automatic()});
       else
         problem = set.error();
     }
     if (problem.empty()) problem = map_buffers();
-    exposure_ = problem.empty() ? fixed_exposure(device_).value_or(0.0) : 0.0;
-    if (!problem.empty()) close();
+    exposure_ = 0.0;
+    if (problem.empty())
+      look_at_controls();
+    else
+      close();
     return problem;
   }
 
@@ -105,10 +112,19 @@ class V4l2Camera final : public FrameSource {
     device_.close();
   }
 
-  void note(const std::vector<std::string>& notices, const std::string& another) {
+  void note(const std::vector<std::string>& notices, const std::vector<std::string>& others) {
     const std::lock_guard lock(status_mutex_);
     status_.notices = notices;
-    if (!another.empty()) status_.notices.push_back(another);
+    std::copy_if(others.begin(), others.end(), std::back_inserter(status_.notices),
+                 [](const std::string& other) { return !other.empty(); });
+  }
+
+  /// Empty, or what the camera sets by itself without having been asked to.
+  std::string automatic() const {
+    const std::vector<std::string> names = automatics_on(device_, options_.controls);
+    if (names.empty()) return {};
+    return fmt::format("{}: its {} {} automatic, and the picture changes by itself", device_.path(),
+                       fmt::join(names, " and "), names.size() == 1 ? "is" : "are");
   }
 
   /// Empty, or that the camera gives fewer frames than it was asked for.
@@ -117,6 +133,14 @@ class V4l2Camera final : public FrameSource {
     if (options_.rate <= 0.0 || 1.0 / period_ >= as_good * options_.rate) return {};
     return fmt::format("{}: delivers {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
                        height_, four_letters(format_), options_.rate);
+  }
+
+  /// What others may change while frames are read. The kernel knows these values: the camera is not asked.
+  void look_at_controls() {
+    exposure_ = fixed_exposure(device_).value_or(0.0);
+    std::vector<std::string> automatics = automatics_on(device_, options_.controls);
+    const std::lock_guard lock(status_mutex_);
+    status_.automatics = std::move(automatics);
   }
 
   /// A camera may lower its rate in the dark: what counts as a stall follows it. [s]
@@ -151,6 +175,7 @@ class V4l2Camera final : public FrameSource {
     }
     if (!newest) return false;
     const double arrived_at = monotonic_now();
+    if (frames_ % frames_between_looks == 0) look_at_controls();
     const bool whole = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && convert(*newest, frame);
     const bool first = fresh_ && whole;
     if (first) stamps_.store(stamps_of(*newest), std::memory_order_relaxed);

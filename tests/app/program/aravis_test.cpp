@@ -150,6 +150,8 @@ TEST_F(AravisRun, ACameraThatIsLostEndsTheRunAndTheOperatorIsToldWhy) {
          "--set", "camera.calibration=" + file("cal.toml"), "--set", "perturb=[]", "--set", "expect={}", "--set",
          "duration=60", "--csv", file("run.csv")});
   ASSERT_TRUE(grows("run.csv", 150)) << said();
+  EXPECT_THAT(said(), testing::HasSubstr("aravis:127.0.0.1: its clock cannot be read"))
+      << "what the camera does not do is told while the run goes on";
   fake.kill();
   const test::PortLock nobody_comes_back;
   EXPECT_EQ(end(0), 3) << said();

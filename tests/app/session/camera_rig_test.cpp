@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/experiment/experiment_file.h"
+#include "tests/eventually.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -63,6 +64,22 @@ struct OpenRig {
   SimulatedWorld world;
   std::unique_ptr<CameraRig> rig;
 };
+
+TEST(CameraRig, FindsOutByItselfWhyATagWasNeverSeen) {
+  const Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml");
+  OpenRig opened(experiment, true);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
+  EXPECT_EQ(rig->why_lost().at(0).sentence, "") << "nobody has looked yet";
+  rig->start();
+  EXPECT_TRUE(test::eventually([&rig = rig] { return !rig->why_lost().at(0).sentence.empty(); }));
+  EXPECT_EQ(rig->why_lost().at(0).why, core::NotSeen::wrong_size);
+  EXPECT_TRUE(rig->why_lost().at(0).sentence.starts_with("tag 1 is there, but its edge is 40 mm"));
+  EXPECT_EQ(rig->why_lost().at(1).sentence, "no tag 2 is in the picture");
+  EXPECT_TRUE(rig->alarms().empty()) << "it is no news that a robot is not there yet";
+  rig->end();
+}
 
 TEST(CameraRig, SaysWhyATagIsNotSeen) {
   const Lab lab;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <deque>
@@ -228,11 +229,10 @@ class FakeCamera final : public V4l2Kernel {
     return known == rates.end() ? rate : known->second.front();
   }
   std::uint32_t stride() const {
-    return (pixelformat == V4L2_PIX_FMT_YUYV || pixelformat == V4L2_PIX_FMT_UYVY || pixelformat == V4L2_PIX_FMT_Y16
-                ? 2
-                : 1) *
-               width +
-           padding;
+    constexpr std::array of_two_bytes{V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_YVYU,    V4L2_PIX_FMT_UYVY,   V4L2_PIX_FMT_VYUY,
+                                      V4L2_PIX_FMT_Y16,  V4L2_PIX_FMT_SGRBG10, V4L2_PIX_FMT_SBGGR12};
+    const bool two = std::find(of_two_bytes.begin(), of_two_bytes.end(), pixelformat) != of_two_bytes.end();
+    return (two ? 2 : 1) * width + padding;
   }
   void describe(v4l2_format& format) const {
     format.fmt.pix.width = width;

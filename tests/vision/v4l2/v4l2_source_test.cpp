@@ -3,6 +3,7 @@
 
 #include "tests/vision/support.h"
 #include "tests/vision/v4l2/fake_camera.h"
+#include "vision/v4l2/v4l2_device.h"
 
 namespace skein::vision {
 namespace {
@@ -48,6 +49,27 @@ TEST(V4l2, TakesGreyOutOfColours) {
   EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(320 * 240, 77));
 }
 
+TEST(V4l2, TakesGreyOutOfFormatsThatAreSeldom) {
+  // Every byte is 1, so that two of them are 257: of 10 bits the upper eight are 64, of 12 bits 16.
+  for (const auto& [format, grey] :
+       std::initializer_list<std::pair<std::uint32_t, std::uint8_t>>{{V4L2_PIX_FMT_NV16, 1},
+                                                                     {V4L2_PIX_FMT_YUV422P, 1},
+                                                                     {V4L2_PIX_FMT_YVYU, 1},
+                                                                     {V4L2_PIX_FMT_VYUY, 1},
+                                                                     {V4L2_PIX_FMT_SGRBG10, 64},
+                                                                     {V4L2_PIX_FMT_SBGGR12, 16}}) {
+    FakeCamera fake;
+    fake.formats = {format};
+    fake.padding = 32;
+    fake.coming = {{{1, 1.0}}};
+    auto camera = open_v4l2("/dev/fake", {.width = 320, .height = 240}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    Frame frame;
+    ASSERT_TRUE((*camera)->read(frame).value());
+    EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(320 * 240, grey)) << detail::four_letters(format);
+  }
+}
+
 TEST(V4l2, ChoosesTheFormatBySizeAndRate) {
   // A C920: raw frames of this size come at 10 frames/s, JPEGs at 30.
   FakeCamera fake;
@@ -72,6 +94,34 @@ TEST(V4l2, ChoosesTheFormatBySizeAndRate) {
     ASSERT_EQ(notices.size(), 1U);
     EXPECT_EQ(notices[0], "/dev/fake: delivers 10 frames/s at 1280x960 YUYV, not 25");
   }
+}
+
+TEST(V4l2, TellsWhatTheCameraSetsByItselfUntilItIsSwitchedOff) {
+  FakeCamera fake;
+  fake.controls[V4L2_CID_EXPOSURE_AUTO] = {"Auto Exposure", V4L2_CTRL_TYPE_MENU, 0, 3, V4L2_EXPOSURE_APERTURE_PRIORITY};
+  fake.controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {"Exposure Time", V4L2_CTRL_TYPE_INTEGER, 1, 5000, 100};
+  fake.controls[V4L2_CID_FOCUS_AUTO] = {"Focus, Automatic", V4L2_CTRL_TYPE_BOOLEAN, 0, 1, 1};
+  fake.coming.assign(60, {{77, 1.0}});
+  auto camera = open_v4l2("/dev/fake", {}, fake);
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_EQ((*camera)->status().automatics, (std::vector<std::string>{"exposure", "focus"}));
+  ASSERT_EQ((*camera)->status().notices.size(), 1U);
+  EXPECT_EQ((*camera)->status().notices[0],
+            "/dev/fake: its exposure and focus are automatic, and the picture changes by itself");
+  // The window sets controls beside the run that reads the camera.
+  fake.controls[V4L2_CID_FOCUS_AUTO].value = 0;
+  fake.controls[V4L2_CID_EXPOSURE_AUTO].value = V4L2_EXPOSURE_MANUAL;
+  Frame frame;
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE((*camera)->read(frame).value());
+  EXPECT_TRUE((*camera)->status().automatics.empty());
+  EXPECT_NEAR(frame.captured_at, 1.0 + 0.5 * 0.01, 1e-9) << "half of the exposure that holds now";
+  // Whoever asks for an automatic exposure knows that it is one.
+  fake.controls[V4L2_CID_EXPOSURE_AUTO].value = V4L2_EXPOSURE_MANUAL;
+  camera->reset();
+  camera = open_v4l2("/dev/fake", {.controls = {{"exposure", 0.0}}}, fake);
+  ASSERT_TRUE(camera) << camera.error();
+  EXPECT_EQ(fake.controls[V4L2_CID_EXPOSURE_AUTO].value, V4L2_EXPOSURE_APERTURE_PRIORITY);
+  EXPECT_TRUE((*camera)->status().automatics.empty());
 }
 
 TEST(V4l2, TakesTheFastestFormatWhereNoneGivesTheRate) {
@@ -296,8 +346,8 @@ TEST(V4l2, RefusesWhatDoesNotFit) {
   h264.formats = {V4L2_PIX_FMT_H264};
   EXPECT_EQ(
       error_of(h264),
-      "/dev/fake: offers H264; needed: GREY, NV12, NV21, YU12, YV12, YUYV, UYVY, Y10 , Y12 , Y16 , RGGB, GRBG, GBRG, "
-      "BA81, MJPG");
+      "/dev/fake: offers H264; needed: GREY, NV12, NV21, YU12, YV12, NV16, NV61, 422P, YUYV, YVYU, UYVY, VYUY, Y10 , "
+      "Y12 , Y16 , RGGB, GRBG, GBRG, BA81, RG10, BA10, GB10, BG10, RG12, BA12, GB12, BG12, MJPG, JPEG");
   FakeCamera small;
   small.fixed_size = true;
   EXPECT_EQ(error_of(small, {.width = 1280, .height = 960}), "/dev/fake: cannot give 1280x960 in GREY, only 640x480");
