@@ -46,6 +46,14 @@ struct MarksStatus {
   std::string sentence{};                      ///< in words; empty: there is nothing to say
 };
 
+/// What is known about the cameras before a start.
+struct CameraStatus {
+  std::string down{};                     ///< why they do not deliver frames; empty: they do
+  MarksStatus marks{};                    ///< on the floor
+  std::vector<std::string> automatics{};  ///< "exposure", "gain", "focus": what they set by themselves, unasked
+  std::vector<std::string> why_lost{};    ///< by robot: what its tag looks like that is not seen; empty: not known
+};
+
 /// The result of a check of one robot's wheels.
 struct WheelCheck {
   std::size_t robot = 0;

@@ -48,18 +48,39 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
   return {What::camera, State::holds, marks.sentence.empty() ? calibration : calibration + "; " + marks.sentence, real};
 }
 
-Check tags(const Experiment& e, const TickRecord* record) {
+/// What a camera sets by itself changes its picture, its rate and the time of capture in the middle of a run.
+Check settings(const Experiment& e, const CameraStatus& camera) {
+  if (e.camera.kind() != CameraKind::live) return {What::settings, State::holds, "no real camera", false};
+  if (!camera.down.empty()) return {What::settings, State::waits, "not known: the camera does not deliver", false};
+  if (camera.automatics.empty())
+    return {What::settings, State::holds, "the camera sets none of exposure, gain and focus by itself", false};
+  return {What::settings, State::fails,
+          fmt::format("automatic {} {} on: picture, rate and time of capture may change during the run",
+                      fmt::join(camera.automatics, ", "), camera.automatics.size() == 1 ? "is" : "are"),
+          false};
+}
+
+Check tags(const Experiment& e, const TickRecord* record, std::span<const std::string> why_lost) {
   if (!record) return {What::tags, State::waits, "no poses yet", true};
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < record->robots.size(); ++i)
     if (record->robots[i].is(lost)) unseen.push_back(i);
   if (unseen.empty())
     return {What::tags, State::holds, fmt::format("all {} robots have a fresh pose", e.robots.size()), true};
+  // A reason that is known, robot by robot; the others in one breath.
+  std::string reasons;
+  std::erase_if(unseen, [&](std::size_t i) {
+    const bool known = i < why_lost.size() && !why_lost[i].empty();
+    if (known) reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", numbers({i}), why_lost[i]);
+    return known;
+  });
   std::vector<int> ids;
   ids.reserve(unseen.size());
   for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
-  return {What::tags, State::fails, fmt::format("{}: no tag {} in the picture", numbers(unseen), fmt::join(ids, ", ")),
-          true};
+  if (!ids.empty())
+    reasons += fmt::format("{}{}: no tag {} in the picture", reasons.empty() ? "" : "; ", numbers(unseen),
+                           fmt::join(ids, ", "));
+  return {What::tags, State::fails, reasons, true};
 }
 
 Check links(const Experiment& e, std::span<const RobotStatus> robots) {
@@ -161,10 +182,10 @@ Check places(const Experiment& e, const TickRecord* record) {
 }  // namespace
 
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
-                             std::span<const RobotStatus> robots, const std::string& camera_down,
-                             const MarksStatus& marks) {
-  return {camera(experiment, camera_down, marks),
-          tags(experiment, record),
+                             std::span<const RobotStatus> robots, const CameraStatus& cameras) {
+  return {camera(experiment, cameras.down, cameras.marks),
+          settings(experiment, cameras),
+          tags(experiment, record, cameras.why_lost),
           links(experiment, robots),
           batteries(robots),
           gains(certificate),

@@ -11,7 +11,7 @@ namespace skein::app {
 
 /// One check before a start.
 struct Check {
-  enum class What { camera, tags, links, batteries, gains, reference, places };
+  enum class What { camera, settings, tags, links, batteries, gains, reference, places };
   enum class State {
     holds,
     waits,  ///< not yet known
@@ -36,11 +36,8 @@ struct Check {
 
 /// The checks for a start, from what is known by now; empty pointers: not known yet. In the order in which problems
 /// should be fixed.
-/// `camera_down`: why the camera does not deliver frames; empty: it does. `marks`: what the marks on the floor show
-/// about it.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
-                             std::span<const RobotStatus> robots, const std::string& camera_down = {},
-                             const MarksStatus& marks = {});
+                             std::span<const RobotStatus> robots, const CameraStatus& camera = {});
 
 /// Every hard check holds.
 bool may_start(std::span<const Check> checks) noexcept;

@@ -118,6 +118,13 @@ vision::SourceStatus Session::camera() const {
   return cameras ? cameras->status() : vision::SourceStatus{};
 }
 
+CameraStatus Session::camera_status() const {
+  const vision::SourceStatus source = camera();
+  CameraStatus status{.down = source.up ? "" : source.reason, .marks = marks(), .automatics = source.automatics};
+  if (const Cameras* cameras = wiring_->plant->cameras()) status.why_lost = cameras->why_lost();
+  return status;
+}
+
 MarksStatus Session::marks() const {
   return wiring_->plant->marks();
 }

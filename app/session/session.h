@@ -143,6 +143,8 @@ class Session {
   std::vector<RobotStatus> robots() const;
   /// Any thread.
   vision::SourceStatus camera() const;
+  /// What is known about the cameras before a start.
+  CameraStatus camera_status() const;
   /// What the marks on the floor show about the camera. If they show that it has moved, the session refuses to start,
   /// and stops if it runs. Any thread.
   MarksStatus marks() const;

@@ -39,7 +39,7 @@ TEST_F(Checks, CanBeLookedAtAnyTime) {
   find<QAction>("view_checks")->trigger();
   EXPECT_TRUE(seen());
   EXPECT_TRUE(eventually([&] { return find<QLabel>("check_gains")->text().contains(QStringLiteral("(18)")); }));
-  for (const char* name : {"camera", "tags", "links", "batteries", "gains", "reference", "places"})
+  for (const char* name : {"camera", "settings", "tags", "links", "batteries", "gains", "reference", "places"})
     EXPECT_TRUE(eventually([&] {
       return find<QLabel>((std::string("check_mark_") + name).c_str())->text().contains(QStringLiteral("✓"));
     })) << name;
@@ -94,6 +94,12 @@ TEST_F(Checks, NeedNoScrollBarWhereTheArenaHasRoomToSpare) {
         << bar->maximum() << " px are hidden at " << width;
     EXPECT_GE(arena().height(), 130) << width;
   }
+}
+
+TEST_F(Checks, ShowTheCameraWhoseAutomaticsAreToBeSwitchedOff) {
+  open_and_wait();
+  find<QPushButton>("mend_settings")->click();
+  EXPECT_TRUE(eventually([&] { return find("camera_page")->isVisible(); }));
 }
 
 TEST_F(Checks, AreOverruledWhereThatEndangersNobody) {

@@ -26,7 +26,7 @@ const std::vector<app::Check>& CheckController::judge(std::chrono::milliseconds 
   if (auto certificate = certifying_.take(patience)) certificate_ = std::move(certificate);
   show_delay();
   checks_ = app::readiness(live_.experiment(), certificate_ ? &*certificate_ : nullptr, live_.latest(), live_.robots(),
-                           live_.camera_down(), live_.marks());
+                           live_.camera());
   return checks_;
 }
 

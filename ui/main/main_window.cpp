@@ -858,7 +858,9 @@ void MainWindow::mend(app::Check::What what) {
   using What = app::Check::What;
   switch (what) {
     case What::camera:
-      return calibration_->calibrate(runs_.live().marks().moved.has_value());
+      return calibration_->calibrate(runs_.live().camera().marks.moved.has_value());
+    case What::settings:
+      return camera_->show();
     case What::tags:
       return arena_actions_->show_picture();
     case What::links:

@@ -72,8 +72,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   parameters_ = app::declared_parameters(experiment.controller.law);
   failure_.reset();
   film_is_broken_ = false;
-  camera_down_.clear();
-  marks_ = {};
+  camera_ = {};
   tests_ = false;
   history_.clear();
   rows_missed_ = 0;
@@ -267,9 +266,7 @@ void LiveRun::tell_of_kept() {
 
 void LiveRun::take_robots() {
   robots_ = session_->robots();
-  const auto camera = session_->camera();
-  camera_down_ = camera.up ? std::string() : camera.reason;
-  marks_ = session_->marks();
+  camera_ = session_->camera_status();
   const app::VideoStatus video = session_->video();
   if (!video.problem.empty() && !std::exchange(film_is_broken_, true))
     emit film_failed(QString::fromStdString(video.problem));

@@ -125,8 +125,7 @@ class LiveRun final : public RunSource {
   /// Sentences that the operator must see about the guard and about STOP from outside, each once.
   QStringList alarms();
   Done put_obstacle(int number, const core::Obstacle& obstacle) override;
-  const std::string& camera_down() const { return camera_down_; }  ///< why the camera does not deliver; empty: it does
-  const app::MarksStatus& marks() const { return marks_; }         ///< on the floor
+  const app::CameraStatus& camera() const { return camera_; }  ///< of the run's cameras
   bool has_camera() const { return session_ && session_->has_camera(); }
   bool picture(app::Picture& out) { return session_ && session_->picture(out); }
   std::array<double, 2> pixel(double x, double y) const { return session_->pixel(x, y); }
@@ -186,8 +185,7 @@ class LiveRun final : public RunSource {
   std::vector<app::RobotStatus> robots_;
   std::set<int> held_;
   std::vector<app::LawParameter> parameters_;
-  std::string camera_down_;
-  app::MarksStatus marks_;
+  app::CameraStatus camera_;
   std::optional<QString> failure_;
   RunHistory history_;
   struct Keeping {

@@ -26,6 +26,10 @@ struct Entry {
 constexpr std::array entries{
     Entry{"camera", QT_TRANSLATE_NOOP("CheckList", "Camera calibrated"), QT_TRANSLATE_NOOP("CheckList", "Calibrate …"),
           QT_TRANSLATE_NOOP("CheckList", "Calibrates the camera with a board, and writes the calibration file")},
+    Entry{"settings", QT_TRANSLATE_NOOP("CheckList", "Camera settings fixed"),
+          QT_TRANSLATE_NOOP("CheckList", "Camera …"),
+          QT_TRANSLATE_NOOP("CheckList",
+                            "Looks through the camera: automatic exposure, gain and focus are switched off there")},
     Entry{"tags", QT_TRANSLATE_NOOP("CheckList", "All tags seen"), QT_TRANSLATE_NOOP("CheckList", "Show picture"),
           QT_TRANSLATE_NOOP("CheckList", "Shows the camera's picture, to find the robot that is missing in it")},
     Entry{"links", QT_TRANSLATE_NOOP("CheckList", "Links up"), QT_TRANSLATE_NOOP("CheckList", "Connect"),

@@ -175,7 +175,7 @@ TEST_F(FloorMarks, ThatRobotsHideAreNoCauseForAlarm) {
 TEST_F(FloorMarks, TheCheckListSaysSoBeforeTheStart) {
   const Experiment experiment = platoon({});
   MarksStatus marks{.watched = true, .known = false};
-  const auto camera = [&](const Experiment& e) { return readiness(e, nullptr, nullptr, {}, "", marks).front(); };
+  const auto camera = [&](const Experiment& e) { return readiness(e, nullptr, nullptr, {}, {.marks = marks}).front(); };
   EXPECT_EQ(camera(experiment).state, Check::State::waits);
   marks.known = true;
   marks.sentence = "mark 20 was moved";

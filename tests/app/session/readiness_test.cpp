@@ -154,6 +154,34 @@ TEST_F(Readiness, ARobotThatTheFilePlacesElsewhereIsInPlaceThereUnlessItDrivesTo
   EXPECT_EQ(check(Check::What::places).state, Check::State::fails) << "and then it was moved";
 }
 
+TEST_F(Readiness, WhatIsKnownOfATagThatIsNotAcceptedIsTheReason) {
+  measurements[1] = {};
+  measurements[2] = {};
+  const CameraStatus camera{.why_lost = {"", "", "tag 3 is there, but its edge is 40 mm", ""}};
+  const auto tags = [&](const CameraStatus& known) {
+    return readiness(experiment, &certificate, &look(), robots, known)[static_cast<std::size_t>(Check::What::tags)];
+  };
+  EXPECT_EQ(tags(camera).reason, "robot 3: tag 3 is there, but its edge is 40 mm; robot 2: no tag 2 in the picture");
+  EXPECT_EQ(tags({}).reason, "robots 2, 3: no tag 2, 3 in the picture") << "the control: nobody has looked yet";
+}
+
+TEST_F(Readiness, AutomaticsOfACameraMayBeOverruled) {
+  CameraStatus camera{.automatics = {"exposure", "focus"}};
+  const auto settings = [&] {
+    return readiness(experiment, &certificate, &look(), robots,
+                     camera)[static_cast<std::size_t>(Check::What::settings)];
+  };
+  EXPECT_EQ(settings().state, Check::State::holds) << "of a simulation";
+  experiment.camera.source = "v4l2:/dev/video0";
+  EXPECT_EQ(settings().state, Check::State::fails);
+  EXPECT_FALSE(settings().hard);
+  EXPECT_THAT(settings().reason, testing::StartsWith("automatic exposure, focus are on"));
+  camera.automatics.clear();
+  EXPECT_EQ(settings().state, Check::State::holds);
+  camera.down = "unplugged";
+  EXPECT_EQ(settings().state, Check::State::waits);
+}
+
 TEST_F(Readiness, ARealCameraNeedsItsCalibration) {
   experiment.camera.source = "v4l2:/dev/video0";
   EXPECT_EQ(check(Check::What::camera).state, Check::State::fails);
