@@ -132,6 +132,7 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
   const auto module = boards();
   if (!module) return tl::unexpected(module.error());
   std::vector<Landmark> landmarks;
+  landmarks.reserve(seen.size());
   for (const FloorMark& mark : seen) landmarks.push_back({mark.x, mark.y, mark.z, mark.u, mark.v});
   Calibration result = intrinsics;
   if (std::string problem = (*module)->locate(landmarks, result); !problem.empty()) return tl::unexpected(problem);
@@ -241,8 +242,7 @@ std::optional<PoseShift> pose_shift(const Calibration& before, const Calibration
   };
   shift.places = {{{"centre"}, {"bottom left"}, {"bottom right"}, {"top left"}, {"top right"}}};
   bool all = at(0.5, 0.5, shift.places[0]);
-  for (std::size_t k = 0; k < 4; ++k)
-    all = at(static_cast<double>(k % 2), static_cast<double>(k / 2), shift.places[k + 1]) && all;
+  for (std::size_t k = 0; k < 4; ++k) all = at(k % 2 == 0 ? 0.0 : 1.0, k < 2 ? 0.0 : 1.0, shift.places[k + 1]) && all;
   constexpr int steps = 8;
   double squares = 0.0;
   for (int i = 0; i <= steps; ++i)
