@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include "app/experiment/toml_places.h"
@@ -53,6 +54,10 @@ std::string toml_literal(const toml::node& node) {
 
 namespace {
 
+std::string line_of(const toml::key& key, const toml::node& value) {
+  return fmt::format("{} = {}\n", toml_key(key.str()), toml_literal(value));
+}
+
 /// A table with a header of its own, which the root has not, and those below it, as lines.
 void write_table(const toml::table& table, const std::string& name, bool element, std::string& text) {
   if (!name.empty()) text += fmt::format("\n{}{}{}\n", element ? "[[" : "[", name, element ? "]]" : "]");
@@ -60,7 +65,7 @@ void write_table(const toml::table& table, const std::string& name, bool element
     return (node.is_table() && !node.as_table()->is_inline()) || node.is_array_of_tables();
   };
   for (auto&& [key, value] : table)
-    if (!has_header(value)) text += fmt::format("{} = {}\n", toml_key(key.str()), toml_literal(value));
+    if (!has_header(value)) text += line_of(key, value);
   for (auto&& [key, value] : table) {
     if (!has_header(value)) continue;
     const std::string below = name.empty() ? toml_key(key.str()) : name + '.' + toml_key(key.str());
@@ -69,6 +74,26 @@ void write_table(const toml::table& table, const std::string& name, bool element
     else
       write_table(*value.as_table(), below, false, text);
   }
+}
+
+/// The last line of the text that belongs to a node: values below a header stand behind it.
+toml::source_index last_line(const toml::node& node) {
+  toml::source_index last = node.source().end.line;
+  if (const toml::table* const table = node.as_table())
+    for (auto&& [key, value] : *table) last = std::max(last, last_line(value));
+  if (const toml::array* const array = node.as_array())
+    for (const toml::node& element : *array) last = std::max(last, last_line(element));
+  return last;
+}
+
+bool same_keys(const toml::table& a, const toml::table& b) {
+  return a.size() == b.size() &&
+         std::all_of(a.begin(), a.end(), [&](auto&& entry) { return b.contains(entry.first.str()); });
+}
+
+/// [[name]] in the text, not name = [{...}].
+bool has_headers(const toml::node& node) {
+  return node.is_array_of_tables() && !node.as_array()->get(0)->as_table()->is_inline();
 }
 
 /// The changes that make a text say another document.
@@ -105,10 +130,14 @@ class Edits {
     const std::size_t begin = offset_of(text_, there.source().begin), end = offset_of(text_, there.source().end);
     edits_.push_back({begin, end - begin, toml_literal(value)});
   }
-  /// The lines of a key and its value.
+  /// The lines of a node, from the one where its key or its header is.
+  void erase(const toml::source_position& from, const toml::node& there) {
+    const std::size_t begin = line_begin(offset_of(text_, from));
+    edits_.push_back({begin, line_end(offset_of(text_, {last_line(there), 1})) - begin, ""});
+  }
   void erase(const toml::key& key, const toml::node& there) {
-    const std::size_t begin = line_begin(offset_of(text_, key.source().begin));
-    edits_.push_back({begin, line_end(offset_of(text_, there.source().end)) - begin, ""});
+    if (!has_headers(there)) return erase(key.source().begin, there);
+    for (const toml::node& element : *there.as_array()) erase(element.source().begin, element);
   }
 
   void compare(const toml::table& before, const toml::table& after, const std::string& name, bool root) {
@@ -118,14 +147,19 @@ class Edits {
     for (auto&& [key, value] : after) {
       const std::string below = name.empty() ? toml_key(key.str()) : name + '.' + toml_key(key.str());
       const toml::node* const there = before.get(key.str());
-      if (there)
+      if (there && has_headers(*there) && !value.is_array_of_tables()) {
+        erase(before.find(key.str())->first, *there);
+        lines += line_of(key, value);
+      } else if (there)
         compare(*there, value, below);
+      else if (inside_element_)  // a header at the end of the text would belong to the array's last element
+        lines += line_of(key, value);
       else if (value.is_table() && !value.as_table()->is_inline())
         write_table(*value.as_table(), below, false, end_);
       else if (value.is_array_of_tables())
         for (const toml::node& one : *value.as_array()) write_table(*one.as_table(), below, true, end_);
       else
-        lines += fmt::format("{} = {}\n", toml_key(key.str()), toml_literal(value));
+        lines += line_of(key, value);
     }
     if (lines.empty()) return;
     const std::size_t at = end_of_table(text_, before, root);
@@ -135,24 +169,24 @@ class Edits {
 
   void compare(const toml::node& before, const toml::node& after, const std::string& name) {
     const toml::table *const a = before.as_table(), *const b = after.as_table();
-    if (a && b && !a->is_inline()) return compare(*a, *b, name, false);
-    const bool tables = before.is_array_of_tables() && after.is_array_of_tables() &&
-                        !before.as_array()->get(0)->as_table()->is_inline();
-    if (!tables) {
+    if (a && b && (!a->is_inline() || same_keys(*a, *b))) return compare(*a, *b, name, false);
+    const toml::array *const from = before.as_array(), *const to = after.as_array();
+    const bool elements = has_headers(before) ? after.is_array_of_tables() : from && to && from->size() == to->size();
+    if (!elements) {
       if (toml_literal(before) != toml_literal(after)) replace(before, after);
       return;
     }
-    const toml::array &from = *before.as_array(), &to = *after.as_array();
-    for (std::size_t i = 0; i < to.size(); ++i)
-      if (i < from.size())
-        compare(*from.get(i)->as_table(), *to.get(i)->as_table(), name, false);
-      else
-        write_table(*to.get(i)->as_table(), name, true, end_);
+    const bool outside = !std::exchange(inside_element_, true);
+    for (std::size_t i = 0; i < std::min(from->size(), to->size()); ++i) compare(*from->get(i), *to->get(i), name);
+    if (outside) inside_element_ = false;
+    for (std::size_t i = to->size(); i < from->size(); ++i) erase(from->get(i)->source().begin, *from->get(i));
+    for (std::size_t i = from->size(); i < to->size(); ++i) write_table(*to->get(i)->as_table(), name, true, end_);
   }
 
   std::string_view text_;
   std::vector<Edit> edits_;
   std::string end_;  // tables behind all others
+  bool inside_element_ = false;
 };
 
 }  // namespace

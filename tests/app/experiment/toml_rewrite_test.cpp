@@ -56,6 +56,40 @@ TEST(TomlRewrite, KeysThatAreGoneTakeTheirLinesAlong) {
   EXPECT_EQ(rewritten("robots_file = \"r.toml\"  # theirs\nrate = 25 # Hz\n", "rate = 25"), "rate = 25 # Hz\n");
 }
 
+TEST(TomlRewrite, TablesThatAreGoneLeaveTheCommentsAroundThem) {
+  const std::string text =
+      "# Kicks\n"
+      "rate = 25  # Hz\n"
+      "\n"
+      "# the first\n"
+      "[[perturb]]\n"
+      "t = 1.0\n"
+      "\n"
+      "[[perturb]]\n"
+      "t = 2.0  # the second\n"
+      "\n"
+      "# what must hold\n"
+      "[expect]\n"
+      "collisions = 0\n";
+  const std::string rest = "[expect]\ncollisions = 0\n";
+  EXPECT_EQ(rewritten(text, "rate = 25\nperturb = []\n" + rest),
+            "# Kicks\nrate = 25  # Hz\nperturb = []\n\n# the first\n\n\n# what must hold\n" + rest);
+  EXPECT_EQ(rewritten(text, "rate = 25\nperturb = [{t = 1.0}]\n" + rest),
+            "# Kicks\nrate = 25  # Hz\n\n# the first\n[[perturb]]\nt = 1.0\n\n\n# what must hold\n" + rest);
+  EXPECT_EQ(rewritten(text, "rate = 25\n" + rest),
+            "# Kicks\nrate = 25  # Hz\n\n# the first\n\n\n# what must hold\n" + rest);
+  EXPECT_EQ(rewritten("[a]\nb = 1 # one\n[a.c]\nd = 2\n# e\n", "a = { b = 1 }"), "[a]\nb = 1 # one\n# e\n");
+}
+
+TEST(TomlRewrite, ATableInOneLineKeepsItsOrderAndANewOneStaysWithItsRobot) {
+  EXPECT_EQ(rewritten("path = { width = 1.30, height = 0.90 } # m\nat = [0.10, # x\n  0.20]\n",
+                      "path = { width = 1.31, height = 0.9 }\nat = [0.1, 0.3]"),
+            "path = { width = 1.31, height = 0.90 } # m\nat = [0.10, # x\n  0.3]\n");
+  EXPECT_EQ(rewritten("[[robot]]\ntag = 1 # first\n[[robot]]\ntag = 2\n",
+                      "[[robot]]\ntag = 1\n[robot.truth]\ntrack = 0.05\n[[robot]]\ntag = 2"),
+            "[[robot]]\ntag = 1 # first\ntruth = { track = 0.05 }\n[[robot]]\ntag = 2\n");
+}
+
 TEST(TomlRewrite, WhatItCannotFollowIsWrittenAnew) {
   rewritten("a.b.c = 1\n", "[a]\nd = 2\n[a.b]\nc = 2");
   rewritten("[a.b]\nc = 1\n", "[a]\nd = 2\n[a.b]\nc = 1");
@@ -87,9 +121,17 @@ TEST(TomlRewrite, ASetChangesOneLineOfTheExperimentThatARunEmbeds) {
 TEST(TomlRewrite, EveryExperimentOfTheRepositoryWithSets) {
   for (const auto& file : std::filesystem::directory_iterator(skein::test::in_source("resources/experiments"))) {
     if (file.path().extension() != ".toml") continue;
-    const std::vector<std::string> sets{"duration=3.5",         "seed=17",         "controller.gains.k_xx=0.0003",
-                                        "shield.gamma=0.7",     "robot.1.tag=30",  "expect.final_error=0.1",
-                                        "simulation.slip=0.01", "name=a \"name\"", "arena.width=9"};
+    const std::vector<std::string> sets{"duration=3.5",
+                                        "seed=17",
+                                        "controller.gains.k_xx=0.0003",
+                                        "shield.gamma=0.7",
+                                        "robot.1.tag=30",
+                                        "expect.final_error=0.1",
+                                        "simulation.slip=0.01",
+                                        "name=a \"name\"",
+                                        "arena.width=9",
+                                        "perturb=[]",
+                                        "robot.1.truth.wheel_ratio=1.01"};
     const auto set = load_experiment(file.path().string(), sets);
     ASSERT_TRUE(set) << set.error().front().message();
     const auto again = parse_experiment(set->source, "again");
