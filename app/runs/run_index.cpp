@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "app/run/event.h"
 #include "app/runs/run_folder.h"
 
 namespace skein::app {
@@ -273,6 +274,33 @@ struct RunIndex::State {
   tl::expected<std::string, std::string> condition(const RunQuery::Comparison& c, std::vector<Value>& bound) {
     const auto key = resolve(c.key);
     if (!key) return tl::unexpected(key.error());
+    const bool is_text = std::holds_alternative<std::string>(c.value);
+    // A text is no smaller or larger number: SQLite sorts all texts behind all numbers.
+    const auto facts = [&](bool text) {
+      return fmt::format("FROM fact WHERE key = {} AND typeof(value) {}", *key,
+                         text ? "= 'text'" : "IN ('real', 'integer')");
+    };
+    const auto any = [&](bool text) { return Statement(database, "SELECT 1 " + facts(text) + " LIMIT 1").row(); };
+    const std::string of_this_type = facts(is_text);
+    if (!any(is_text) && any(!is_text))
+      return tl::unexpected(
+          fmt::format("{}: found {}, allowed: {}", c.key,
+                      std::visit(Overloaded{[](const std::string& text) { return fmt::format("the text {}", text); },
+                                            [](const auto& number) { return fmt::format("the number {}", number); }},
+                                 c.value),
+                      is_text ? "a number, such as 0.01, since no run has a text here"
+                              : "a text between quotes, since no run has a number here"));
+    std::string left = "value", right = "?";
+    Value value = c.value;
+    if (is_text && c.relation != RunQuery::Relation::contains && has_times(*key)) {
+      auto time = time_of(std::get<std::string>(c.value));
+      if (!time) return tl::unexpected(c.key + ": " + time.error());
+      if (time->has_zone)
+        left = "julianday(value)", right = "julianday(?)";
+      else  // as exactly as it is written, by the clock where the run was made
+        left = fmt::format("substr(value, 1, {})", time->text.size());
+      value = std::move(time->text);
+    }
     std::string_view sign;
     switch (c.relation) {
       case RunQuery::Relation::equal:
@@ -295,13 +323,46 @@ struct RunIndex::State {
         break;
       case RunQuery::Relation::contains:
         bound.push_back(c.value);
-        return fmt::format("(number IN (SELECT run FROM fact WHERE key = {} AND instr(value, ?) > 0))", *key);
+        return fmt::format("(number IN (SELECT run {} AND instr(value, ?) > 0))", of_this_type);
     }
-    bound.push_back(c.value);
-    // A text is no smaller or larger number: SQLite sorts all texts behind all numbers.
-    const char* const type = std::holds_alternative<std::string>(c.value) ? "= 'text'" : "IN ('real', 'integer')";
-    return fmt::format("(number IN (SELECT run FROM fact WHERE key = {} AND typeof(value) {} AND value {} ?))", *key,
-                       type, sign);
+    bound.push_back(std::move(value));
+    return fmt::format("(number IN (SELECT run {} AND {} {} {}))", of_this_type, left, sign, right);
+  }
+
+  struct Time {
+    std::string text;  // as run.json has it, or its beginning: 2026-11, 2026-11-20T20:15
+    bool has_zone = false;
+  };
+  /// A time in a query. Only times of this form can be compared as texts: 2026-9-1 would be later than 2026-11-01.
+  tl::expected<Time, std::string> time_of(std::string text) {
+    constexpr std::string_view form = "0000-00-00T00:00:00.000", earliest = "0000-01-01T00:00:00.000";
+    constexpr std::size_t day = 10, minute = 16;
+    if (text.size() > day && text[day] == ' ') text[day] = 'T';
+    std::size_t size = text.size();
+    if (size > minute && text.back() == 'Z')
+      size -= 1;
+    else if (size >= minute + 6 && (text[size - 6] == '+' || text[size - 6] == '-'))
+      size -= 6;
+    bool good = size == 4 || size == 7 || size == day || size == minute || (size >= 19 && size != 20);
+    for (std::size_t i = 0; i < size; ++i)
+      good = good && i < form.size() &&
+             (form[i] == '0' ? std::isdigit(static_cast<unsigned char>(text[i])) != 0 : text[i] == form[i]);
+    if (good) {
+      Statement known(database, "SELECT julianday(?) IS NULL");
+      known.bind(1, text.substr(0, size) + std::string(earliest.substr(size)) + text.substr(size)).row();
+      good = known.whole(0) == 0;
+    }
+    if (!good)
+      return tl::unexpected(
+          fmt::format("found {}, allowed: a date such as 2026-11-20, or a time such as 2026-11-20T20:15", text));
+    return Time{text, size < text.size()};
+  }
+
+  /// Whether the key's values are times.
+  bool has_times(std::int64_t key) {
+    Statement name(database, "SELECT name FROM key WHERE number = ?");
+    name.bind(1, key).row();
+    return name.text(0) == "began" || name.text(0) == "ended";
   }
 
   std::vector<Run> select(const std::string& where, const std::vector<Value>& bound,

@@ -61,8 +61,47 @@ TEST(RunIndex, FindsRunsByWhatTheyWereAndWhatCameOfThem) {
   EXPECT_EQ(found(index, "machine.host = lab1 and not (k_xx = 0.03)"), (Days{"1"}));
   EXPECT_EQ(found(index, "host ~ 'ab0'"), (Days{"2", "4"}));
   EXPECT_EQ(found(index, "stopped = false and saturation = tanh and collisions != 0"), (Days{"3"}));
-  EXPECT_EQ(found(index, "saturation > 5"), Days{}) << "a text is not larger than a number";
   EXPECT_EQ(found(index, "v_max = 0.1").size(), 4u) << "keys of single robots stand behind that of the group";
+}
+
+std::string refusal(RunIndex& index, const std::string& text) {
+  const auto runs = index.find(parse_query(text).value(), {});
+  return runs ? "" : runs.error();
+}
+
+/// Else `remove --where 'began < 2026-9-1'` would remove the runs of November.
+TEST(RunIndex, TimesAreComparedAsTimes) {
+  FourRuns four;
+  auto index = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(found(index, "began = 2026-11-02"), (Days{"2"})) << "as exactly as it is written";
+  EXPECT_EQ(found(index, "began <= 2026-11-02"), (Days{"1", "2"}));
+  EXPECT_EQ(found(index, "began < 2026-11-02"), (Days{"1"}));
+  EXPECT_EQ(found(index, "began > 2026-11-02"), (Days{"3", "4"}));
+  EXPECT_EQ(found(index, "began = 2026-11").size(), 4u);
+  EXPECT_EQ(found(index, "began > '2026-11-02 11:30' and began < '2026-11-03 12:00'"), (Days{"2"}));
+  EXPECT_EQ(found(index, "began > 2026-11-02T13:00"), (Days{"3", "4"}));
+  EXPECT_EQ(found(index, "began >= 2026-11-03T12:00:00.000+01:00"), (Days{"3", "4"}));
+  EXPECT_EQ(found(index, "began > 2026-11-03T10:30:00Z"), (Days{"3", "4"})) << "half an hour before 12:00+01:00";
+  EXPECT_EQ(found(index, "began > 2026-11-03T13:30+02:00"), (Days{"4"}));
+  for (const char* const bad : {"2026-9-1", "yesterday", "01.11.2026", "11/01/2026", "2026-13-01", "2026-11-20T8:15",
+                                "2026-11-20T20:15+1", "2026-11-2", "''", "2026-11-20T20:15:00.0001"})
+    EXPECT_NE(refusal(index, std::string("began < ") + bad).find("allowed: a date such as 2026-11-20"),
+              std::string::npos)
+        << bad;
+  EXPECT_EQ(found(index, "began ~ '11-04'"), (Days{"4"}));
+}
+
+TEST(RunIndex, ATextIsNoNumberAndIsRefusedWhereAllRunsHaveOne) {
+  FourRuns four;
+  auto index = RunIndex::open(four.runs.path).value();
+  for (const char* const bad : {"k_xx > 0,01", "k_xx < 1e400", "collisions != none", "not k_xx = '0.01'"})
+    EXPECT_NE(refusal(index, bad).find("allowed: a number"), std::string::npos) << bad << ": " << refusal(index, bad);
+  for (const char* const bad : {"saturation > 5", "host = 7", "began < 2026.5"})
+    EXPECT_NE(refusal(index, bad).find("allowed: a text"), std::string::npos) << bad << ": " << refusal(index, bad);
+  keep_run(four.runs, "2026-11-05_120000_a", R"({"experiment":{"controller.saturation":5}})");
+  auto with_both = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(found(with_both, "saturation > 4"), (Days{"5"})) << "a text is not larger than a number";
+  EXPECT_EQ(found(with_both, "saturation > a").size(), 4u);
 }
 
 TEST(RunIndex, SeedsThatNoDoubleHoldsAreToldApart) {
