@@ -101,6 +101,34 @@ int run(const RunRequest& request) {
                          free_name(request.video)));
     return wrong_input;
   }
+  const auto record_to = [&](const std::string& path) {
+    try {
+      if (same_file(path, request.experiment.file))
+        throw std::runtime_error(path + ": is the experiment itself; allowed: another file");
+      files.push_back(std::make_unique<CsvFile>(path, *experiment, CsvOptions{.rules = {.force = request.force}}));
+      options.sinks.push_back(files.back().get());
+      return true;
+    } catch (const std::exception& error) {
+      complain(error.what());
+      return false;
+    }
+  };
+  for (const std::string& path :
+       {request.csv, request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()})
+    if (!path.empty() && !record_to(path)) return wrong_input;
+
+  std::unique_ptr<Publisher> publisher;
+  if (!request.publish.empty()) {
+    auto opened = Publisher::open(request.publish, *experiment);
+    if (!opened) {
+      complain(opened.error());
+      return wrong_input;
+    }
+    publisher = std::move(*opened);
+    options.sinks.push_back(publisher.get());
+  }
+
+  // Last, so that what is refused leaves no kept run that only began.
   std::optional<KeptRun> kept;
   if (request.keep) {
     const auto directory = runs_directory(request.runs_directory);
@@ -114,33 +142,8 @@ int run(const RunRequest& request) {
       return wrong_input;
     }
     kept = std::move(*begun);
+    if (!record_to(kept->csv())) return wrong_input;
   }
-  try {
-    for (const std::string& path :
-         {request.csv, kept ? kept->csv() : "",
-          request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()}) {
-      if (path.empty()) continue;
-      if (same_file(path, request.experiment.file))
-        throw std::runtime_error(path + ": is the experiment itself; allowed: another file");
-      files.push_back(std::make_unique<CsvFile>(path, *experiment, CsvOptions{.rules = {.force = request.force}}));
-      options.sinks.push_back(files.back().get());
-    }
-  } catch (const std::exception& error) {
-    complain(error.what());
-    return wrong_input;
-  }
-
-  std::unique_ptr<Publisher> publisher;
-  if (!request.publish.empty()) {
-    auto opened = Publisher::open(request.publish, *experiment);
-    if (!opened) {
-      complain(opened.error());
-      return wrong_input;
-    }
-    publisher = std::move(*opened);
-    options.sinks.push_back(publisher.get());
-  }
-
   const auto keep = [&](const Statistics::Summary& summary, int status, std::vector<std::string> problems,
                         const std::string& film) {
     if (const auto ended = kept->end(summary, {status, std::move(problems), film}); !ended)
@@ -151,6 +154,7 @@ int run(const RunRequest& request) {
     complain(session.error());
     Statistics::Summary nothing = statistics.summary();
     nothing.failure = session.error();
+    files.clear();  // without a row they leave nothing
     if (kept) keep(nothing, device_failed, {session.error()}, "");
     return device_failed;
   }
@@ -181,10 +185,11 @@ int run(const RunRequest& request) {
     }
   }
 
+  int status_of_report = done;
   if (!request.report.empty())
     if (auto written = write_report(request.report, *experiment, summary); !written) {
       complain(written.error());
-      return wrong_input;
+      status_of_report = wrong_input;
     }
   if (kept) summary.kept = kept->folder();
   constexpr double reader_patience = 60.0;  // the robots stand: whoever reads may take its time [s]
@@ -194,7 +199,7 @@ int run(const RunRequest& request) {
   for (const std::string& sentence : verdict.problems) complain(sentence);
   // Last: everybody knows how the run went.
   if (kept) keep(summary, verdict.exit_status, verdict.problems, request.video);
-  return verdict.exit_status;
+  return verdict.exit_status != done ? verdict.exit_status : status_of_report;
 }
 
 }  // namespace skein::app

@@ -195,7 +195,11 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
                   {"experiment", facts}};
   std::string begun = sealed(head);
   if (written) written = write_file(folder / run_files::story, begun);
-  if (!written) return tl::unexpected(written.error());
+  if (!written) {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);  // nothing began
+    return tl::unexpected(written.error());
+  }
   return KeptRun(folder.string(), experiment, std::move(begun));
 }
 

@@ -214,6 +214,38 @@ TEST_F(Mistakes, WhatTheWordsOrTheFileAreWrongAboutIsNoFailureOfADevice) {
   EXPECT_THAT(said, AnyOf(HasSubstr("no display for the window"), HasSubstr("built without a window")));
 }
 
+/// Else `last` would be a run that nobody made.
+TEST_F(Mistakes, ARefusedRunLeavesNoKeptRun) {
+  EXPECT_EQ(shell("mkdir runs; echo mine > there.csv; $skein run e.toml --keep --runs-dir runs --csv there.csv"), 2);
+  EXPECT_THAT(said, HasSubstr("there.csv: already exists"));
+  EXPECT_EQ(shell("$skein run e.toml --keep --runs-dir runs --publish udp:nowhere"), 2);
+  EXPECT_EQ(shell("$skein run e.toml --keep --runs-dir runs --set camera.source=video:none.mkv "
+                  "--set camera.calibration=none.toml"),
+            2);
+  EXPECT_EQ(shell("ls runs"), 0);
+  EXPECT_EQ(out, "");
+}
+
+TEST_F(Mistakes, ARunWhoseControllerRefusesIsKeptWithTheFilesThatItHas) {
+  EXPECT_EQ(shell("mkdir runs; $skein run e.toml --keep --runs-dir runs --set controller.command=/bin/false"), 3);
+  EXPECT_THAT(read("said"), HasSubstr("the controller"));
+  EXPECT_EQ(shell("$skein runs verify last --runs-dir runs"), 1) << "nothing was recorded";
+  EXPECT_THAT(out, HasSubstr("files: holds"));
+}
+
+/// The figures come last: how the run went, and whether its robots stand, must be told all the same.
+TEST_F(Mistakes, FiguresThatCannotBeDrawnHideNoResult) {
+  write("gnuplot", "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho no room >&2\nexit 1\n");
+  const std::string run =
+      "chmod +x gnuplot; PATH=\"$PWD:$PATH\"; $skein run e.toml --duration 2 --report r --keep --runs-dir runs ";
+  EXPECT_EQ(shell(run), 2);
+  EXPECT_THAT(said, HasSubstr("figure3.gp: gnuplot ended with status 1: no room"));
+  EXPECT_THAT(out, HasSubstr("ticks: 50"));
+  EXPECT_EQ(shell("$skein runs find 'state = finished' --runs-dir runs"), 0) << said;
+  EXPECT_EQ(shell(run + "--set expect.min_distance=9 --force"), 1);
+  EXPECT_THAT(said, HasSubstr("expect.min_distance"));
+}
+
 TEST_F(Mistakes, NoRunIsFoundByANumberThatIsNone) {
   keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
   EXPECT_EQ(shell("$skein runs find 'collisions = nan' --runs-dir runs"), 2);
