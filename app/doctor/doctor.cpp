@@ -76,6 +76,9 @@ Finding group(const Machine& machine, const char* name, const char* what) {
 
 /// What the package skein-permissions allows the group skein is not granted.
 Finding not_granted(State state, const char* subject, std::string found, const Machine& machine) {
+  if (machine.superuser)  // a group grants root nothing: it lacks a capability
+    return {state, subject, std::move(found),
+            "a container withholds it: start it as root, with --cap-add=SYS_NICE --cap-add=IPC_LOCK"};
   return {state,
           subject,
           std::move(found),
@@ -88,7 +91,7 @@ Finding not_granted(State state, const char* subject, std::string found, const M
 
 Finding priority(const Machine& machine) {
   const char* const subject = "real-time priority";
-  if (machine.superuser || machine.rtprio < 0) return well(subject, "granted without limit");
+  if (machine.rtprio < 0) return well(subject, "granted without limit");
   if (machine.rtprio >= needed_priority) return well(subject, fmt::format("granted up to {}", machine.rtprio));
   return not_granted(State::ill, subject,
                      fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
@@ -319,11 +322,15 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
       ++on;
       continue;
     }
+    // bluetoothctl would switch on the default adapter, whichever that is.
+    const std::vector<std::string> power_on{
+        "busctl", "set-property", "org.bluez", "/org/bluez/" + adapter.name, "org.bluez.Adapter1", "Powered",
+        "b",      "true"};
     result.push_back({missing,
                       fmt::format("Bluetooth {}", adapter.name),
                       "is switched off",
-                      fmt::format("bluetoothctl select {} ; bluetoothctl power on", adapter.address),
-                      {{"bluetoothctl", "power", "on"}}});
+                      "as root: " + fmt::format("{}", fmt::join(power_on, " ")),
+                      {power_on}});
   }
   const std::size_t room = on * robots_per_adapter;
   const std::string found = fmt::format("{} adapter{} on: {} robots at most{}", on, on == 1 ? "" : "s", room,

@@ -5,7 +5,6 @@
 #include <grp.h>
 #include <pwd.h>
 #include <spawn.h>
-#include <sys/resource.h>
 #include <sys/statvfs.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +21,7 @@
 
 #include "app/guard/run_marker.h"
 #include "app/run/memory_lock.h"
+#include "app/run/privileges.h"
 #include "app/runs/run_folder.h"
 #include "app/session/bare_thread.h"
 #include "comms/bluez_bus.h"
@@ -47,12 +47,6 @@ std::vector<std::string> groups_of_this_process() {
   for (const gid_t id : ids)
     if (const ::group* const entry = ::getgrgid(id); entry != nullptr) names.emplace_back(entry->gr_name);
   return names;
-}
-
-long real_time_limit() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_RTPRIO, &limit) != 0) return 0;
-  return limit.rlim_cur == RLIM_INFINITY ? -1 : static_cast<long>(limit.rlim_cur);
 }
 
 tl::expected<std::vector<BluetoothAdapter>, std::string> ask_the_daemon() {
@@ -150,7 +144,7 @@ Machine this_machine() {
   machine.user = entry != nullptr ? entry->pw_name : std::to_string(::getuid());
   machine.superuser = ::geteuid() == 0;
   machine.groups = groups_of_this_process();
-  machine.rtprio = real_time_limit();
+  machine.rtprio = real_time_priority_limit();
   machine.memlock = memory_lock_limit();
   machine.display = variable("DISPLAY").empty() ? variable("WAYLAND_DISPLAY") : variable("DISPLAY");
   machine.usable = [](const std::string& path) { return ::access(path.c_str(), R_OK | W_OK) == 0; };

@@ -5,22 +5,16 @@
 #include <linux/capability.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 
+#include "app/run/privileges.h"
+
 namespace skein::app {
 namespace {
-
-bool may_lock_anything() {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> held{};
-  return ::syscall(SYS_capget, &header, held.data()) == 0 && (held[0].effective >> CAP_IPC_LOCK & 1U) != 0;
-}
 
 /// The first object is the program. Kernels before 5.14 cannot be asked: there the code is read in as it is used.
 int read_in(dl_phdr_info* object, std::size_t, void*) {
@@ -43,7 +37,8 @@ int read_in(dl_phdr_info* object, std::size_t, void*) {
 
 long memory_lock_limit() {
   rlimit limit{};
-  if (may_lock_anything() || ::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return -1;
+  if (has_capability(CAP_IPC_LOCK) || ::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+    return -1;
   return static_cast<long>(limit.rlim_cur);
 }
 

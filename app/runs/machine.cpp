@@ -1,14 +1,14 @@
 #include "app/runs/machine.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <sys/utsname.h>
-#include <unistd.h>
 
 #include <array>
 #include <ctime>
 #include <fstream>
 #include <thread>
+
+#include "app/run/privileges.h"
 
 namespace skein::app {
 namespace {
@@ -54,12 +54,9 @@ MachineDescription describe_machine() {
   machine.cores = std::thread::hardware_concurrency();
   machine.governor = first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
   machine.realtime_kernel = first_line("/sys/kernel/realtime") == "1";
-  rlimit limit{};
   constexpr std::int64_t highest = 99;
-  if (::geteuid() == 0)
-    machine.realtime_priority = highest;
-  else if (::getrlimit(RLIMIT_RTPRIO, &limit) == 0)
-    machine.realtime_priority = limit.rlim_cur == RLIM_INFINITY ? highest : static_cast<std::int64_t>(limit.rlim_cur);
+  const long limit = real_time_priority_limit();
+  machine.realtime_priority = limit < 0 ? highest : limit;
   return machine;
 }
 

@@ -135,6 +135,8 @@ const Fault faults[] = {
     {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
     {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
     {"PriorityBelowTheGuards", State::ill, "limit 21, requested 22", [](Patient& p) { p.machine.rtprio = 21; }},
+    {"RootOfAContainerWithoutPriority", State::ill, "start it as root, with --cap-add=SYS_NICE",
+     [](Patient& p) { p.machine.superuser = true, p.machine.rtprio = 0; }},
     {"NoMemoryLock", State::note, "memory lock: not granted (limit 8192 kB)",
      [](Patient& p) { p.machine.memlock = 8 << 20; }},
     {"NoShareForRealTime", State::ill, "sched_rt_runtime_us is 0",
@@ -311,6 +313,19 @@ TEST(Doctor, WhatCanBeFixedIsACommand) {
   };
   EXPECT_TRUE(named({"adduser", "anna", "dialout"}));
   EXPECT_TRUE(named({"adduser", "anna", "skein"}));
+}
+
+TEST(Doctor, SwitchesOnTheAdaptersThatAreOff) {
+  Patient patient;
+  patient.machine.adapters = [] {
+    return std::vector<BluetoothAdapter>{{"hci0", "A", true}, {"hci1", "B", false}, {"hci2", "C", false}};
+  };
+  std::vector<std::string> switched;
+  for (const Finding& finding : examine(patient.machine, patient.examination))
+    for (const auto& command : finding.fix)
+      for (const std::string& word : command)
+        if (word.starts_with("/org/bluez/")) switched.push_back(word);
+  EXPECT_EQ(switched, (std::vector<std::string>{"/org/bluez/hci1", "/org/bluez/hci2"}));
 }
 
 TEST(Doctor, LooksAtTheMachineItRunsOn) {
