@@ -1,14 +1,19 @@
 #include "app/cli/candidates.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <variant>
 
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/known_robots.h"
 #include "app/run/resources.h"
+#include "app/runs/run_folder.h"
 
 namespace skein::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::vector<Candidate> keys() {
   std::vector<Candidate> result;
@@ -18,6 +23,11 @@ std::vector<Candidate> keys() {
       for (const std::string_view word : choice->words()) result.push_back({key.name() + "=" + std::string(word), {}});
     if (std::holds_alternative<FlagKey>(key.value) || std::holds_alternative<OptionalFlagKey>(key.value))
       for (const char* word : {"true", "false"}) result.push_back({key.name() + "=" + word, {}});
+  }
+  for (const core::GainName gain : core::pair_names) {
+    const bool strength = gain <= core::gain_names.back();
+    result.push_back({fmt::format("controller.{}{}=", strength ? "gains." : "", word(gain)),
+                      strength ? "coupling of all pairs" : "slope or weight of the coupling of all pairs"});
   }
   return result;
 }
@@ -36,10 +46,21 @@ std::vector<Candidate> robots() {
   return result;
 }
 
+std::vector<Candidate> kept_runs() {
+  std::vector<Candidate> result{{"last", "the newest kept run"}};
+  std::error_code error;
+  const auto directory = runs_directory("");
+  if (!directory) return result;
+  for (fs::directory_iterator it(*directory, error), end; !error && it != end; it.increment(error))
+    if (std::error_code none; fs::exists(it->path() / run_files::story, none))
+      result.push_back({it->path().filename().string(), {}});
+  return result;
+}
+
 std::vector<Candidate> cameras() {
   std::vector<Candidate> result{{"images:", "a folder of pictures"}, {"video:", "a film"}};
   std::error_code error;
-  for (std::filesystem::directory_iterator it("/dev", error), end; !error && it != end; it.increment(error))
+  for (fs::directory_iterator it("/dev", error), end; !error && it != end; it.increment(error))
     if (const std::string name = it->path().filename().string(); name.starts_with("video"))
       result.push_back({"v4l2:/dev/" + name, "a camera"});
   return result;
@@ -52,6 +73,7 @@ std::optional<std::vector<Candidate>> candidates(const std::string& name) {
   if (name == "experiment") return shipped("experiments");
   if (name == "study") return shipped("studies");
   if (name == "robots") return robots();
+  if (name == "run" || name == "other") return kept_runs();
   if (name == "source") return cameras();
   return {};
 }

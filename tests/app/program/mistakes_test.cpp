@@ -214,6 +214,24 @@ TEST_F(Mistakes, WhatTheWordsOrTheFileAreWrongAboutIsNoFailureOfADevice) {
   EXPECT_THAT(said, AnyOf(HasSubstr("no display for the window"), HasSubstr("built without a window")));
 }
 
+TEST_F(Mistakes, GainsAndKeptRunsAreCompleted) {
+  keep_run("2026-11-01_a", "2026-11-01T12:00:00.000+01:00", 0);
+  EXPECT_EQ(shell("$skein complete run e.toml --set controller.gains.k_"), 0);
+  for (const char* const gain : {"controller.gains.k_xx=\t", "controller.gains.k_tt=\t", "controller.gains.k_yy=\t"})
+    EXPECT_THAT(out, HasSubstr(gain));
+  EXPECT_EQ(shell("$skein complete run e.toml --set controller.c_x"), 0);
+  EXPECT_THAT(out, AllOf(HasSubstr("controller.c_x="), HasSubstr("controller.c_xx=")));
+  for (const char* const words : {"runs verify 2", "runs show 2", "runs compare last 2", "runs remove 2", "report 2",
+                                  "export 2", "identify 2026-11-01_a 2"}) {
+    EXPECT_EQ(shell(std::string("export SKEIN_RUNS=$PWD/runs; $skein complete ") + words), 0);
+    EXPECT_THAT(out, HasSubstr("2026-11-01_a")) << words;
+  }
+  EXPECT_EQ(shell("for gain in c_xx c_tt c_yy l_xx l_tt gains.k_xx gains.k_tt gains.k_yy; do "
+                  "$skein check e.toml --set controller.$gain=0.0001 || exit; done"),
+            0)
+      << "each is a key of the file: " << said;
+}
+
 /// Else `last` would be a run that nobody made.
 TEST_F(Mistakes, ARefusedRunLeavesNoKeptRun) {
   EXPECT_EQ(shell("mkdir runs; echo mine > there.csv; $skein run e.toml --keep --runs-dir runs --csv there.csv"), 2);
