@@ -15,6 +15,7 @@
 #include "app/record/csv_reader.h"
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
+#include "app/run/version.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/sha256.h"
 #include "app/session/session.h"
@@ -192,6 +193,12 @@ tl::expected<Verification, std::string> verify_run(const std::string& folder) {
     result.notes.emplace_back(
         "the run was in real time, or was stopped by hand: it follows from its measurements and the operator's "
         "commands");
+  // Another program may compute otherwise: then a difference is no sign of a changed record.
+  const std::string kept_by =
+      fmt::format("{} ({})", text_at(*story, "program", "version"), text_at(*story, "program", "commit"));
+  if (const std::string here = fmt::format("{} ({})", version, commit()); !result.holds() && kept_by != here)
+    result.notes.push_back(
+        fmt::format("kept by skein {}, verified by {}: a difference may come from the program", kept_by, here));
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -305,6 +306,24 @@ TEST(Verify, NoticesARecordThatDoesNotFollowFromItsInputs) {
   forged = csv;
   forged.replace(forged.find("k_xx = 0.008"), 12, "k_xx = 0.007");
   EXPECT_FALSE(holds(forge(forged), "experiment"));
+}
+
+TEST(Verify, SaysThatAnotherProgramKeptTheRunWhereSomethingDiffers) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  auto story = read_story(run).value();
+  story["program"]["commit"] = "0123456789ab";
+  story.erase("sha256");
+  std::ofstream(run + "/run.json") << sealed(story);
+  const auto says = [&] {
+    const std::vector<std::string> notes = verify_run(run)->notes;
+    return std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.find("(0123456789ab), verified by") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(says()) << "nothing differs";
+  std::ofstream(run + "/run.csv", std::ios::app) << "1,2,3\n";
+  EXPECT_TRUE(says());
 }
 
 TEST(Sha256, IsThatOfTheStandard) {
