@@ -9,12 +9,15 @@ set(SKEIN_DOC share/doc)
 # --- skein: the program, its modules, what it comes with ---
 install(TARGETS skein RUNTIME DESTINATION bin COMPONENT skein)
 install(TARGETS skein_media skein_boards skein_aravis LIBRARY DESTINATION lib/skein/modules COMPONENT skein)
-install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures DESTINATION share/skein
+install(DIRECTORY resources/experiments resources/python resources/studies resources/cameras resources/figures resources/robots DESTINATION share/skein
   COMPONENT skein PATTERN __pycache__ EXCLUDE)
 install(FILES resources/experiment.schema.json DESTINATION share/skein COMPONENT skein)
 install(PROGRAMS resources/slurm/sweep.sbatch DESTINATION share/skein/slurm COMPONENT skein)
-install(FILES README.md CHANGELOG.md CONVENTIONS.md DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
-install(DIRECTORY docs DESTINATION ${SKEIN_DOC}/skein COMPONENT skein PATTERN examples EXCLUDE)
+install(FILES README.md CHANGELOG.md CONVENTIONS.md ARCHITECTURE.md CONTRIBUTING.md CITATION.cff DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
+install(DIRECTORY docs DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
+# Documents name files of resources by their places in a checkout.
+file(CREATE_LINK ../../skein ${CMAKE_BINARY_DIR}/debian/resources SYMBOLIC)
+install(FILES ${CMAKE_BINARY_DIR}/debian/resources DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
 install(FILES resources/desktop/org.skein_lab.skein.desktop DESTINATION share/applications COMPONENT skein)
 install(FILES resources/desktop/org.skein_lab.skein.metainfo.xml DESTINATION share/metainfo COMPONENT skein)
 install(FILES resources/desktop/skein.xml DESTINATION share/mime/packages COMPONENT skein)
