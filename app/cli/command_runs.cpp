@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/experiment/experiment_sets.h"
+#include "app/experiment/text_file.h"
 #include "app/run/event.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
@@ -45,6 +47,12 @@ Json json(const RunIndex::Value& value) {
 std::string text(const Facts& facts, const std::string& key) {
   const auto found = facts.find(key);
   return found == facts.end() ? "" : text(found->second);
+}
+
+/// A value that may be as long as a trajectory.
+std::string in_brief(const std::string& value) {
+  constexpr std::size_t longest = 60;
+  return value.size() <= longest ? value : value.substr(0, longest) + "...";
 }
 
 /// Runs as a table, a line each.
@@ -100,6 +108,28 @@ tl::expected<Facts, std::string> facts_of(const std::string& run, const RunsRequ
   const auto story = read_story(*folder);
   if (!story) return tl::unexpected(story.error());
   return run_facts(*story);
+}
+
+/// Adds what the experiments of two runs say otherwise, also where it is no fact of a run: kicks, paths, robots.
+tl::expected<void, std::string> add_differences(const std::string& run_a, Facts& a, const std::string& run_b, Facts& b,
+                                                const RunsRequest& request) {
+  std::array<std::string, 2> texts;
+  for (const auto& [run, text] : {std::pair(&run_a, &texts[0]), std::pair(&run_b, &texts[1])}) {
+    const auto folder = folder_of(*run, request);
+    if (!folder) return tl::unexpected(folder.error());
+    auto read = read_text((std::filesystem::path(*folder) / run_files::as_run).string());
+    if (!read) return tl::unexpected(read.error().front().message());
+    *text = std::move(*read);
+  }
+  const auto add = [&](Facts& facts, const std::string& from, const std::string& to) {
+    for (const std::string& set : sets_between(from, to)) {
+      const std::string key = set.substr(0, set.find('=')), value = set.substr(key.size() + 1);
+      if (value != "{}" && !facts.contains("experiment." + key)) facts.emplace(key, number_of(value).value_or(value));
+    }
+  };
+  add(a, texts[1], texts[0]);
+  add(b, texts[0], texts[1]);
+  return {};
 }
 
 /// A folder by the one name that it has, whichever way it was named.
@@ -166,8 +196,10 @@ int show_run(const RunsRequest& request) {
 }
 
 int compare_runs(const RunsRequest& request) {
-  const auto a = facts_of(request.run, request), b = facts_of(request.other, request);
+  auto a = facts_of(request.run, request), b = facts_of(request.other, request);
   if (!a || !b) return refused(!a ? a.error() : b.error());
+  if (const auto added = add_differences(request.run, *a, request.other, *b, request); !added)
+    complain(fmt::format("{}; only values of run.json are compared", added.error()));
   std::set<std::string> keys;
   for (const Facts* const facts : {&*a, &*b})
     for (const auto& [key, value] : *facts) keys.insert(key);
@@ -181,7 +213,7 @@ int compare_runs(const RunsRequest& request) {
       ++same;
       continue;
     }
-    rows.push_back({key, left, right});
+    rows.push_back({key, in_brief(left), in_brief(right)});
     all[key] = {a->contains(key) ? json(a->at(key)) : Json(), b->contains(key) ? json(b->at(key)) : Json()};
   }
   if (request.json) {

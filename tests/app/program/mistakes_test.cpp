@@ -214,6 +214,26 @@ TEST_F(Mistakes, WhatTheWordsOrTheFileAreWrongAboutIsNoFailureOfADevice) {
   EXPECT_THAT(said, AnyOf(HasSubstr("no display for the window"), HasSubstr("built without a window")));
 }
 
+TEST_F(Mistakes, RunsWithAnotherKickOrPathAreNotSaidToBeTheSame) {
+  const std::string run = "$skein run e.toml --quiet --keep --runs-dir runs --duration 1 ";
+  EXPECT_EQ(shell(run + "&& " + run +
+                  "--set perturb.2.dx=0.05 --set reference.path.width=1.2 --set controller.k_y=10 "
+                  "--set 'obstacle=[{x=0.5,y=0.1,radius=0.05}]'; set -- runs/2*; mv $1 a; mv $2 b"),
+            0)
+      << said;
+  EXPECT_EQ(shell("$skein runs compare a b"), 0) << said;
+  for (const char* const row :
+       {"perturb.2.dx +0.15 +0.05", "reference.path.width +1.3 +1.2", "controller.k_y +11 +10", "obstacle.1"})
+    EXPECT_THAT(out, testing::ContainsRegex(row));
+  EXPECT_THAT(out, Not(HasSubstr("perturb.1")));
+  EXPECT_EQ(shell("$skein runs compare a b --json"), 0);
+  EXPECT_THAT(out, HasSubstr("\"perturb.2.dx\": [\n    0.15,\n    0.05\n"));
+  EXPECT_EQ(shell("$skein runs compare a a"), 0);
+  EXPECT_THAT(out, Not(HasSubstr("perturb")));
+  EXPECT_EQ(shell("rm a/experiment.toml; $skein runs compare a b"), 0);
+  EXPECT_THAT(said, HasSubstr("only values of run.json are compared"));
+}
+
 TEST_F(Mistakes, GainsAndKeptRunsAreCompleted) {
   keep_run("2026-11-01_a", "2026-11-01T12:00:00.000+01:00", 0);
   EXPECT_EQ(shell("$skein complete run e.toml --set controller.gains.k_"), 0);
