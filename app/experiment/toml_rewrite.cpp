@@ -147,16 +147,15 @@ class Edits {
     for (auto&& [key, value] : after) {
       const std::string below = name.empty() ? toml_key(key.str()) : name + '.' + toml_key(key.str());
       const toml::node* const there = before.get(key.str());
-      if (there && has_headers(*there) && !value.is_array_of_tables()) {
-        erase(before.find(key.str())->first, *there);
-        lines += line_of(key, value);
-      } else if (there)
+      const bool becomes_line = there && has_headers(*there) && !value.is_array_of_tables();
+      if (becomes_line) erase(before.find(key.str())->first, *there);
+      // A header at the end of the text would belong to the last element of the array that is being compared.
+      const bool with_header = !becomes_line && !inside_element_;
+      if (there && !becomes_line)
         compare(*there, value, below);
-      else if (inside_element_)  // a header at the end of the text would belong to the array's last element
-        lines += line_of(key, value);
-      else if (value.is_table() && !value.as_table()->is_inline())
+      else if (with_header && value.is_table() && !value.as_table()->is_inline())
         write_table(*value.as_table(), below, false, end_);
-      else if (value.is_array_of_tables())
+      else if (with_header && value.is_array_of_tables())
         for (const toml::node& one : *value.as_array()) write_table(*one.as_table(), below, true, end_);
       else
         lines += line_of(key, value);
