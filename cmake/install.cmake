@@ -16,6 +16,7 @@ install(PROGRAMS resources/slurm/sweep.sbatch DESTINATION share/skein/slurm COMP
 install(FILES README.md CHANGELOG.md CONVENTIONS.md ARCHITECTURE.md CONTRIBUTING.md CITATION.cff DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
 install(DIRECTORY docs DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
 # Documents name files of resources by their places in a checkout.
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/debian)
 file(CREATE_LINK ../../skein ${CMAKE_BINARY_DIR}/debian/resources SYMBOLIC)
 install(FILES ${CMAKE_BINARY_DIR}/debian/resources DESTINATION ${SKEIN_DOC}/skein COMPONENT skein)
 install(FILES resources/desktop/org.skein_lab.skein.desktop DESTINATION share/applications COMPONENT skein)
