@@ -16,7 +16,7 @@ namespace {
 
 std::string rewritten(const std::string& text, const std::string& as) {
   const toml::table document = toml::parse(as);
-  const std::string result = with_document(text, document);
+  std::string result = with_document(text, document);
   EXPECT_EQ(toml::parse(result), document) << result;
   return result;
 }

@@ -52,14 +52,18 @@ class AravisRun : public testing::Test {
     fs::create_directories(folder_);
     EXPECT_TRUE(app::save_calibration(vision::overhead_calibration(2.0, 1.5), folder_ / "cal.toml"));
   }
+
+ public:
   ~AravisRun() override {
     if (pid_ != 0) end(SIGKILL);
     fs::remove_all(folder_);
   }
 
+ protected:
   void begin(std::vector<std::string> words) {
     words.insert(words.begin(), test::program());
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <deque>
 #include <map>
@@ -251,8 +252,7 @@ class FakeCamera final : public V4l2Kernel {
     buffer.bytesused = static_cast<std::uint32_t>(shot.cut_short ? bytes.size() / 2 : bytes.size());
     buffer.flags = timestamp | shot.flags;
     buffer.timestamp.tv_sec = static_cast<time_t>(shot.at);
-    buffer.timestamp.tv_usec =
-        static_cast<suseconds_t>(1e6 * (shot.at - static_cast<double>(buffer.timestamp.tv_sec)) + 0.5);
+    buffer.timestamp.tv_usec = std::lround(1e6 * (shot.at - static_cast<double>(buffer.timestamp.tv_sec)));
     full_.push_back(buffer);
   }
 
