@@ -324,9 +324,10 @@ void TickState::hear_links(const TickInput& input) noexcept {
   }
 }
 
-/// Whether a robot does as it is told, by its first and its newest sight: one that drives otherwise, three times in a
-/// row, is told to stand, until it does. One that stands although it is told to drive is stuck, or was switched off: it
-/// is told to drive all the same, or nobody would learn when it can, and the others take it for an obstacle.
+/// Whether a robot does as it is told, by its first and its newest sight: one that drives or turns otherwise, three
+/// times in a row, is told to stand, until it does. One that stands although it is told to drive is stuck, or was
+/// switched off: it is told to drive all the same, or nobody would learn when it can, and the others take it for an
+/// obstacle.
 void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
   constexpr double contrary = 0.04;     // between expected and measured velocity, of its middle or of a wheel [m/s]
   constexpr double turns_little = 0.3;  // [rad/s]

@@ -162,7 +162,7 @@ struct TickState : TickSetup, TickMemory {
   }
   void hear_links(const TickInput& input) noexcept;
   void measure_twist(std::size_t i) noexcept;
-  /// From a robot's middle [m].
+  /// From a robot's middle to one of its wheels [m].
   double to_wheel(std::size_t i) const noexcept { return 0.5 * experiment.robots[i].drive.track; }
   void watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept;
   bool on_nominal(std::size_t i) const noexcept {

@@ -135,8 +135,10 @@ class V4l2Camera final : public FrameSource {
                        height_, four_letters(format_), options_.rate);
   }
 
-  /// What others may change while frames are read. The kernel knows these values: the camera is not asked.
+  /// What others may change while frames are read. Before the wait for a frame: a kernel may ask the camera over USB
+  /// (uvcvideo: for its exposure), and a frame that is there must not wait for that.
   void look_at_controls() {
+    next_look_ = frames_ + frames_between_looks;
     exposure_ = fixed_exposure(device_).value_or(0.0);
     std::vector<std::string> automatics = automatics_on(device_, options_.controls);
     const std::lock_guard lock(status_mutex_);
@@ -152,6 +154,7 @@ class V4l2Camera final : public FrameSource {
 
   /// Waits for the newest frame. false: none, or a damaged one; `problem`: the camera has stopped delivering.
   bool read_frame(Frame& frame, std::string& problem) {
+    if (frames_ >= next_look_) look_at_controls();
     problem = wait();
     if (!problem.empty()) return false;
     // Everything that has piled up while we were busy; only the last is of use.
@@ -175,7 +178,6 @@ class V4l2Camera final : public FrameSource {
     }
     if (!newest) return false;
     const double arrived_at = monotonic_now();
-    if (frames_ % frames_between_looks == 0) look_at_controls();
     const bool whole = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && convert(*newest, frame);
     const bool first = fresh_ && whole;
     if (first) stamps_.store(stamps_of(*newest), std::memory_order_relaxed);
@@ -403,10 +405,11 @@ class V4l2Camera final : public FrameSource {
   double exposure_ = 0.0;       // [s]; 0: not known, or not constant
   const Media* media_ = nullptr;
   std::int64_t frames_ = 0;
-  int damaged_ = 0;       // frames in a row
-  bool left_ = false;     // whoever waited for a frame does not any more
-  bool fresh_ = true;     // no frame since it was opened
-  double out_for_ = 0.0;  // how long it has not delivered [s]
+  std::int64_t next_look_ = 0;  // at the controls: when so many frames have come
+  int damaged_ = 0;             // frames in a row
+  bool left_ = false;           // whoever waited for a frame does not any more
+  bool fresh_ = true;           // no frame since it was opened
+  double out_for_ = 0.0;        // how long it has not delivered [s]
   double last_stamp_ = 0.0;
   std::atomic<TimeStamps> stamps_{TimeStamps::arrival};  // until a frame has said better
   mutable std::mutex status_mutex_;
