@@ -198,7 +198,11 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     // Too far away to get there by then.
     const double reach = most + fastest * (until + step - other.clock);
     if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
-    const double keep = std::min(most, distance(now, here) - nearing * ahead);
+    // Between the lattice's points routes come a few millimetres nearer to each other. Of two clocks that waited for
+    // more than the routes keep, each would wait for the other.
+    const double planned_apart = distance(other.route.at(until).pose, there);
+    const double keep = std::min(
+        {most, distance(now, here) - nearing * ahead, std::max(planned_apart, least_apart() - closer(i, j)) - 1e-6});
     for (double t = runs_to; t < until + step;) {
       const double apart = distance(other.route.at(std::min(t, until)).pose, there);
       if (apart < keep) {

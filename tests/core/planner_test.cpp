@@ -305,6 +305,26 @@ TEST_P(ManyRobots, EverybodyArrivesAndNobodyTouchesOrLeaves) {
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, ManyRobots, testing::Values(4, 12, 20, 30));
 
+/// At v_max. [s]
+double longest_straight_line(const Scene& scene) {
+  double seconds = 0.0;
+  for (std::size_t i = 0; i < scene.starts.size(); ++i)
+    seconds = std::max(seconds, core::distance(scene.starts[i], scene.lines.at(i, 200.0).pose) / 0.1);
+  return seconds;
+}
+
+/// Between the lattice's points routes come nearer to each other than they keep at the points. While clocks waited for
+/// the distance at the points, two robots crept beside each other until they were planned anew: 1.35 times the straight
+/// line in each of these.
+TEST(Planner, NobodyWaitsForMoreRoomThanTheRoutesKeep) {
+  for (const std::uint64_t seed : {4U, 5U, 7U, 36U}) {
+    const Scene scene = crowd(30, seed);
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
+    EXPECT_LE(o.arrived, 1.3 * longest_straight_line(scene)) << "seed " << seed;
+  }
+}
+
 /// Two clocks that looked farther ahead than they were apart each stood for the other, until everybody was planned anew
 /// (`no_way`, though there was one).
 TEST(Planner, NobodyWaitsForOneWhoWaitsForIt) {
@@ -369,9 +389,7 @@ TEST(Planner, WhoeverArrivesLastGetsABetterWayWhileAllDrive) {
   double sum = 0.0, control = 0.0;
   for (const auto& [seed, at_first] : {std::pair{1, 1.3}, {4, 1.4}, {10, 1.33}, {16, 2.0}}) {
     Scene scene = crowd(30, static_cast<std::uint64_t>(seed));
-    double straight = 0.0;  // [s]
-    for (std::size_t i = 0; i < scene.starts.size(); ++i)
-      straight = std::max(straight, core::distance(scene.starts[i], scene.lines.at(i, 200.0).pose) / 0.1);
+    const double straight = longest_straight_line(scene);
     const Outcome o = run(scene);
     EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
     EXPECT_EQ(o.reversals, 0) << "seed " << seed;
