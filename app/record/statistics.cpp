@@ -120,6 +120,7 @@ void Statistics::record(const TickRecord& record) {
     if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event))
       so_far_.missed_deadlines += missed->ticks;
   }
+  watch_others(record);
   bands_.add(sample);  // a disturbance's own tick is the first after it
   before_.add(sample);
 }
@@ -184,7 +185,8 @@ void Statistics::disturb(double t, double clock, const Event& event) {
   if (first || t - disturbances_.back().t > one_disturbance) {
     if (!first) disturbances_.back().settling = bands_.since(disturbances_.back().t, disturbances_.back().clock);
     before_ = std::exchange(bands_, {});
-    disturbances_.push_back({t, clock, robot, what, {}});
+    disturbances_.push_back({t, clock, robot, what, std::vector<bool>(experiment_.robots.size())});
+    disturbances_.back().moved[static_cast<std::size_t>(robot)] = true;
     return;
   }
   if (disturbances_.size() > 1) {  // the one before it lasted up to now
@@ -195,11 +197,21 @@ void Statistics::disturb(double t, double clock, const Event& event) {
   Disturbance& same = disturbances_.back();
   same.t = t;
   same.clock = clock;
+  same.moved[static_cast<std::size_t>(robot)] = true;
   if (same.robot == robot)
     same.what = what;
   else if (same.what.size() < most_described)
     same.what += "; " + what;
   same.robot = robot;
+}
+
+void Statistics::watch_others(const TickRecord& record) {
+  if (disturbances_.empty()) return;
+  Disturbance& newest = disturbances_.back();
+  for (std::size_t i = 0; i < record.robots.size(); ++i)
+    if (!newest.moved[i])
+      newest.others_away =
+          std::fmax(newest.others_away, core::distance(schedule_.place(record, i), record.robots[i].pose));
 }
 
 void Statistics::Bands::add(const Sample& sample) {
@@ -250,7 +262,8 @@ double Statistics::Durations::median() const {
 Statistics::Summary Statistics::summary() const {
   Summary summary = so_far_;
   for (const Disturbance& d : disturbances_)
-    if (summary.perturbations.size() < most_events) summary.perturbations.push_back({d.t, d.robot, d.what, d.settling});
+    if (summary.perturbations.size() < most_events)
+      summary.perturbations.push_back({d.t, d.robot, d.what, d.settling, d.others_away});
   if (!disturbances_.empty() && disturbances_.size() <= most_events)
     summary.perturbations.back().settling = bands_.since(disturbances_.back().t, disturbances_.back().clock);
   summary.median_compute = compute_times_.median();

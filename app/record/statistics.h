@@ -37,6 +37,9 @@ struct PerturbationResult {
   int robot = -1;
   std::string what;  ///< as in the log
   Settling settling;
+  /// How far a robot that was not moved left its place for those that were: the largest of all, until the next
+  /// perturbation. [m]
+  double others_away = 0.0;
   /// The paper's claim, at 1 cm: the formation settled, and before tracking did.
   bool formation_first() const noexcept;
   /// The same for the neighbours' relative positions.
@@ -126,10 +129,13 @@ class Statistics final : public RecordSink {
     double t, clock;
     int robot;
     std::string what;
-    Settling settling{};  ///< once the next one has begun
+    std::vector<bool> moved{};  ///< by robot
+    Settling settling{};        ///< once the next one has begun
+    double others_away = 0.0;   ///< [m]
   };
   void count_collisions(const TickRecord& record);
   void disturb(double t, double clock, const Event& event);
+  void watch_others(const TickRecord& record);
 
   const Experiment experiment_;
   const Schedule schedule_;

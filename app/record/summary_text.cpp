@@ -38,7 +38,8 @@ Json json(const PerturbationResult& p, bool waits) {
               {"relative_1cm", json(p.settling.relative_1cm)},
               {"relative_5mm", json(p.settling.relative_5mm)},
               {"formation_first", p.formation_first()},
-              {"relative_first", p.relative_first()}};
+              {"relative_first", p.relative_first()},
+              {"others_away", json(p.others_away)}};
   if (waits)
     result.update({{"whole_1cm", json(p.settling.whole_1cm)},
                    {"whole_5mm", json(p.settling.whole_5mm)},

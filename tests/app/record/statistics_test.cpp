@@ -351,7 +351,7 @@ TEST(Summary, ReadsAsLinesAndAsJson) {
       "perturbation_1_what: perturb r2\nperturbation_1_formation_1cm: 4.24\nperturbation_1_formation_5mm: none\n"
       "perturbation_1_tracking_1cm: 6.84\nperturbation_1_tracking_5mm: 7.76\nperturbation_1_relative_1cm: none\n"
       "perturbation_1_relative_5mm: none\nperturbation_1_formation_first: true\nperturbation_1_relative_first: false\n"
-      "events: 2\n");
+      "perturbation_1_others_away: 0.0\nevents: 2\n");
   const auto json = nlohmann::json::parse(as_json(s));
   EXPECT_EQ(json["name"], s.name);
   EXPECT_EQ(json["final_error"], 0.001235);
