@@ -13,19 +13,21 @@
 namespace skein::vision {
 namespace {
 
-void detect(const Frame& frame, std::vector<Detection>& found) {
-  static const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
-  static const auto parameters = [] {
-    cv::setNumThreads(1);
-    auto p = cv::aruco::DetectorParameters::create();
-    p->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-    p->cornerRefinementWinSize = 3;
-    return p;
-  }();
-  const cv::Mat picture(frame.height, frame.width, CV_8UC1, const_cast<std::uint8_t*>(frame.grey.data()));
+cv::Mat as_mat(const Frame& frame) {
+  return {frame.height, frame.width, CV_8UC1, const_cast<std::uint8_t*>(frame.grey.data())};
+}
+
+cv::Ptr<cv::aruco::Dictionary> dictionary_of(int bits) {
+  constexpr int per_size = cv::aruco::DICT_5X5_1000 - cv::aruco::DICT_4X4_1000;
+  return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_1000 + per_size * (bits - 4));
+}
+
+void detect_markers(const Frame& frame, const cv::Ptr<cv::aruco::Dictionary>& dictionary,
+                    const cv::Ptr<cv::aruco::DetectorParameters>& parameters, std::vector<Detection>& found) {
+  cv::setNumThreads(1);
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(picture, dictionary, corners, ids, parameters);
+  cv::aruco::detectMarkers(as_mat(frame), dictionary, corners, ids, parameters);
   found.clear();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Detection& detection = found.emplace_back();
@@ -38,13 +40,27 @@ void detect(const Frame& frame, std::vector<Detection>& found) {
   }
 }
 
-cv::Mat as_mat(const Frame& frame) {
-  return {frame.height, frame.width, CV_8UC1, const_cast<std::uint8_t*>(frame.grey.data())};
+void detect(const Frame& frame, std::vector<Detection>& found) {
+  static const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+  static const auto parameters = [] {
+    auto p = cv::aruco::DetectorParameters::create();
+    p->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+    p->cornerRefinementWinSize = 3;
+    return p;
+  }();
+  detect_markers(frame, dictionary, parameters, found);
 }
 
-cv::Ptr<cv::aruco::Dictionary> dictionary_of(int bits) {
-  constexpr int per_size = cv::aruco::DICT_5X5_1000 - cv::aruco::DICT_4X4_1000;
-  return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_1000 + per_size * (bits - 4));
+void detect_aruco(const Frame& frame, int bits, std::vector<Detection>& found) {
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->errorCorrectionRate = 0.0;
+  parameters->maxErroneousBitsInBorderRate = 0.0;
+  parameters->minMarkerDistanceRate = 0.01;  // else the edge of narrow paper is taken in place of the marker's
+  try {
+    detect_markers(frame, dictionary_of(bits), parameters, found);
+  } catch (const cv::Exception&) {
+    found.clear();  // a picture that is too small or odd in some other way shows no marker
+  }
 }
 
 void find_chessboard(const cv::Mat& picture, const Board& board, std::vector<BoardCorner>& corners) {
@@ -191,7 +207,8 @@ std::vector<bool> marker(int bits, int id) {
 }  // namespace skein::vision
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Boards skein_boards_3 = {.detect = skein::vision::detect,
+const skein::vision::Boards skein_boards_4 = {.detect = skein::vision::detect,
+                                              .detect_aruco = skein::vision::detect_aruco,
                                               .find = skein::vision::find,
                                               .calibrate = skein::vision::calibrate,
                                               .locate = skein::vision::locate,

@@ -18,6 +18,7 @@
 #include <string_view>
 
 #include "vision/diagnosis/light_limits.h"
+#include "vision/modules/media_loader.h"
 #include "vision/tags/detection.h"
 #include "vision/tags/tag_plane.h"
 
@@ -57,11 +58,18 @@ double edge_px_of(const Corners& corners) {
   return sum / 4.0;
 }
 
-Window crop_around(const Corners& corners) {
-  const Eigen::Vector2d middle = middle_of(corners);
-  const double half = edge_px_of(corners);  // a turned tag with its border spans 1.8 edges
-  const int size = static_cast<int>(std::ceil(2.0 * half));
-  return {static_cast<int>(middle.x() - half), static_cast<int>(middle.y() - half), size, size};
+/// The part of a frame around a tag of this edge [px].
+Window crop_around(const Eigen::Vector2d& middle, double edge) {
+  const int size = static_cast<int>(std::ceil(2.0 * edge));  // a turned tag with its border spans 1.8 edges
+  return {static_cast<int>(middle.x() - edge), static_cast<int>(middle.y() - edge), size, size};
+}
+
+/// As far as it lies in the frame; width 0: nowhere.
+Window within(const Frame& frame, const Window& window) {
+  const int left = std::max(window.left, 0), top = std::max(window.top, 0);
+  const int right = std::min(window.left + window.width, frame.width);
+  const int bottom = std::min(window.top + window.height, frame.height);
+  return right > left && bottom > top ? Window{left, top, right - left, bottom - top} : Window{};
 }
 
 /// The white border of a tag reaches over the border of the frame.
@@ -95,7 +103,7 @@ Corners mirrored_back(Corners corners, int width) {
 
 /// Where a detection is and how it looks, into the answer.
 void describe(const Detection& seen, const Calibration& calibration, TagDiagnosis& answer) {
-  answer.crop = crop_around(seen.corners);
+  answer.crops.push_back(crop_around(middle_of(seen.corners), edge_px_of(seen.corners)));
   answer.edge_px = edge_px_of(seen.corners);
   answer.contrast = 2.0 * seen.decision_margin;
   if (const auto place = place_on_plane(calibration, seen.corners)) {
@@ -148,6 +156,15 @@ constexpr std::array other_families{
     OtherFamily{"16h5", tag16h5_create, tag16h5_destroy, true},
 };
 
+/// OpenCV's markers, which are read where there is no AprilTag.
+struct ArucoFamily {
+  std::string_view name;
+  int bits;
+  int last_sure;  // this number and lower ones are believed of a single marker; others may be texture
+};
+constexpr std::array aruco_families{ArucoFamily{"ArUco 4x4", 4, 49}, ArucoFamily{"ArUco 5x5", 5, 999},
+                                    ArucoFamily{"ArUco 6x6", 6, 999}, ArucoFamily{"ArUco 7x7", 7, 999}};
+
 /// A tag of another family, with its family's name.
 struct Stranger {
   std::string_view family;
@@ -189,9 +206,25 @@ std::vector<Stranger> tags_of_other_families(const Frame& frame) {
   return clear;
 }
 
+/// Markers of ArUco, of the dictionary of which there are most. It loads OpenCV: not where robots drive.
+std::vector<Stranger> aruco_markers(const Frame& frame) {
+  std::vector<Stranger> most;
+  const auto module = boards();
+  if (!module) return most;
+  for (const ArucoFamily& family : aruco_families) {
+    std::vector<Detection> found;
+    (*module)->detect_aruco(frame, family.bits, found);
+    if (found.size() <= most.size() || (found.size() == 1 && found.front().tag > family.last_sure)) continue;
+    most.clear();
+    for (const Detection& seen : found) most.push_back({family.name, seen});
+  }
+  return most;
+}
+
 /// The family in which one of the tags is found.
-void look_for_other_families(const Frame& frame, const Calibration& calibration, std::vector<TagDiagnosis>& answers) {
-  for (const Stranger& stranger : tags_of_other_families(frame)) {
+void look_for_other_families(const std::vector<Stranger>& strangers, const Calibration& calibration,
+                             std::vector<TagDiagnosis>& answers) {
+  for (const Stranger& stranger : strangers) {
     const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
       return a.tag == stranger.seen.tag && a.why == NotSeen::not_found;
     });
@@ -271,7 +304,12 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
         answer.why = NotSeen::mirrored;
       }
   }
-  if (any_not_found(answers)) look_for_other_families(frame, calibration, answers);
+  if (any_not_found(answers)) {
+    look_for_other_families(tags_of_other_families(frame), calibration, answers);
+    const auto ever_seen = [](const MissingTag& tag) { return tag.last.has_value(); };
+    if (found.empty() && std::none_of(missing.begin(), missing.end(), ever_seen) && any_not_found(answers))
+      look_for_other_families(aruco_markers(frame), calibration, answers);
+  }
 
   const Light light = light_of(frame);
   const double expected_px = tag_edge_px(calibration);
@@ -283,6 +321,9 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     if (answer.why != NotSeen::not_found) continue;
     answer.edge_px = expected_px;
     const auto& last = missing[i].last;
+    if (last)
+      if (const auto at = pixel_from_world(calibration, {last->x, last->y, calibration.tag_height}))
+        answer.crops.push_back(crop_around(*at, expected_px));
     if (expected_px < least_edge_px)
       answer.why = NotSeen::too_small;
     else if (light.saturated > saturated_share)
@@ -293,6 +334,28 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       answer.why = NotSeen::at_border;
   }
   return answers;
+}
+
+Frame picture_of(const Frame& frame, const TagDiagnosis& diagnosis) {
+  std::vector<Window> parts;
+  int width = 0, height = 0;
+  for (const Window& crop : diagnosis.crops) {
+    const Window part = within(frame, crop);
+    if (part.width == 0) continue;
+    parts.push_back(part);
+    width += part.width;
+    height = std::max(height, part.height);
+  }
+  Frame picture;
+  picture.resize(width, height);
+  std::fill(picture.grey.begin(), picture.grey.end(), std::uint8_t{255});
+  int left = 0;
+  for (const Window& part : parts) {
+    for (int v = 0; v < part.height; ++v)
+      std::copy_n(frame.row(part.top + v) + part.left, part.width, picture.row(v) + left);
+    left += part.width;
+  }
+  return picture;
 }
 
 std::string why_no_tag(const Frame& frame) {
@@ -315,6 +378,11 @@ std::string why_no_tag(const Frame& frame) {
     ids = std::move(of_this);
     family = other.name;
   }
+  if (ids.empty())
+    for (const Stranger& stranger : aruco_markers(frame)) {
+      ids.push_back(stranger.seen.tag);
+      family = stranger.family;
+    }
   if (ids.empty()) return {};
   std::sort(ids.begin(), ids.end());
   return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),

@@ -42,11 +42,21 @@ bool encode_jpeg(const Frame& frame, int quality, std::vector<std::uint8_t>& byt
   }
 }
 
+bool encode_png(const Frame& frame, std::vector<std::uint8_t>& bytes) {
+  const cv::Mat grey(frame.height, frame.width, CV_8U, const_cast<std::uint8_t*>(frame.grey.data()));
+  try {
+    return cv::imencode(".png", grey, bytes);
+  } catch (const cv::Exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 }  // namespace skein::vision::media
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Media skein_media_8 = {.open = skein::vision::media::open,
+const skein::vision::Media skein_media_9 = {.open = skein::vision::media::open,
                                             .decode_jpeg = skein::vision::media::decode_jpeg,
                                             .encode_jpeg = skein::vision::media::encode_jpeg,
+                                            .encode_png = skein::vision::media::encode_png,
                                             .create_film = skein::vision::media::create_film};

@@ -26,6 +26,10 @@ struct Boards {
   /// one thread.
   void (*detect)(const Frame& frame, std::vector<Detection>& found);
 
+  /// ArUco's markers of `bits` by `bits` cells (4 to 7) without a wrong cell; `tag` is the number in the dictionary of
+  /// 1,000. On one thread.
+  void (*detect_aruco)(const Frame& frame, int bits, std::vector<Detection>& found);
+
   /// See find_board.
   void (*find)(const Frame& frame, const Board& board, std::vector<BoardCorner>& corners);
 
@@ -44,6 +48,6 @@ struct Boards {
 };
 
 /// Carries a number for the same reason as media_symbol.
-inline constexpr const char* boards_symbol = "skein_boards_3";
+inline constexpr const char* boards_symbol = "skein_boards_4";
 
 }  // namespace skein::vision

@@ -29,6 +29,9 @@ struct Media {
   /// refuses it.
   bool (*encode_jpeg)(const Frame& frame, int quality, std::vector<std::uint8_t>& bytes);
 
+  /// Encodes a frame as a PNG. false: the encoder refuses it.
+  bool (*encode_png)(const Frame& frame, std::vector<std::uint8_t>& bytes);
+
   /// See film.h.
   std::unique_ptr<FilmWriter> (*create_film)(const std::string& path, const FilmNotes& notes, FilmCoding coding,
                                              std::string& error);
@@ -36,6 +39,6 @@ struct Media {
 
 /// The one name that is looked up in the module. It carries a number, to be raised whenever Media, Frame, FrameSource
 /// or FilmWriter change, so that a module left over from another version is refused.
-inline constexpr const char* media_symbol = "skein_media_8";
+inline constexpr const char* media_symbol = "skein_media_9";
 
 }  // namespace skein::vision

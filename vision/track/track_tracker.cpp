@@ -17,6 +17,7 @@
 #include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame.h"
+#include "vision/recording/picture_file.h"
 #include "vision/sources/open_source.h"
 #include "vision/track/track_parts.h"
 #include "vision/tracker/tracker.h"
@@ -46,13 +47,13 @@ class Explainer {
   void ask(const Frame& frame, const std::vector<MissingTag>& missing, std::string where) {
     where_ = std::move(where);
     if (!apart_) {
-      tell(diagnose(frame, *options_.track.calibration, missing));
+      tell(answer(frame, *options_.track.calibration, missing));
       return;
     }
     answer_ = std::async(std::launch::async, [frame, missing, calibration = *options_.track.calibration] {
       constexpr int lowest_priority = 19;
       ::setpriority(PRIO_PROCESS, 0, lowest_priority);  // of this thread: nobody waits for it
-      return diagnose(frame, calibration, missing);
+      return answer(frame, calibration, missing);
     });
   }
 
@@ -64,20 +65,44 @@ class Explainer {
   bool of_all() const { return of_all_; }
 
  private:
-  void tell(const std::vector<TagDiagnosis>& answers) {
-    for (const TagDiagnosis& tag : answers) {
+  struct Answer {
+    TagDiagnosis tag;
+    Frame picture;
+  };
+
+  static std::vector<Answer> answer(const Frame& frame, const Calibration& calibration,
+                                    const std::vector<MissingTag>& missing) {
+    std::vector<Answer> answers;
+    for (const TagDiagnosis& tag : diagnose(frame, calibration, missing))
+      answers.push_back({tag, picture_of(frame, tag)});
+    for (Answer& one : answers) one.picture.source = frame.source;
+    return answers;
+  }
+
+  /// " (picture: crops/tag-3.png)", of pictures that are searched one by one " (picture: crops/0007.png-tag-3.png)".
+  std::string picture_of_tag(const Answer& one) const {
+    if (options_.crops.empty() || one.picture.width == 0) return {};
+    const std::string of = where_.empty() ? "" : one.picture.source + "-";
+    const std::string path = fmt::format("{}/{}tag-{}.png", options_.crops, of, one.tag.tag);
+    const auto written = write_png(one.picture, path);
+    return fmt::format(" (picture: {})", written ? path : written.error());
+  }
+
+  void tell(const std::vector<Answer>& answers) {
+    for (const Answer& one : answers) {
+      const TagDiagnosis& tag = one.tag;
       of_all_ = of_all_ || tag.why == NotSeen::other_family || tag.why == NotSeen::mirrored;
       // Of many pictures, each shows some of the tags.
       if (!where_.empty() && tag.why == NotSeen::not_found) continue;
       if (told_.insert({where_, {tag.tag, tag.why}}).second && options_.tell)
-        options_.tell(where_ + sentence(tag, *options_.track.calibration));
+        options_.tell(where_ + sentence(tag, *options_.track.calibration) + picture_of_tag(one));
     }
   }
 
   const TrackTrackerOptions& options_;
   bool apart_;  // on a thread of its own
   std::string where_;
-  std::future<std::vector<TagDiagnosis>> answer_;
+  std::future<std::vector<Answer>> answer_;
   std::set<std::pair<std::string, std::pair<int, NotSeen>>> told_;
   bool of_all_ = false;
 };

@@ -26,6 +26,7 @@ struct TrackTrackerOptions {
   std::function<double()> clock{};                          // [s], CLOCK_MONOTONIC for a camera; none: no latencies
   std::function<void(const FrameLatency&)> latency{};       // called for every frame
   std::function<void(const std::string& sentence)> tell{};  // why a tag is not taken, as soon as it is known
+  std::string crops{};  // folder for a picture of each tag that `tell` is called for, which it then names; empty: none
 };
 
 struct TrackTrackerSummary {

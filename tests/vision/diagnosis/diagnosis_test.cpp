@@ -7,6 +7,7 @@
 #include <apriltag/tagCircle49h12.h>
 #include <apriltag/tagCustom48h12.h>
 #include <apriltag/tagStandard52h13.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include <tuple>
 
 #include "tests/vision/support.h"
+#include "vision/modules/media_loader.h"
 #include "vision/synthetic/synthetic_camera.h"
 #include "vision/tracker/tracker.h"
 
@@ -47,10 +49,34 @@ TEST(Diagnosis, WrongSizeIsSaidInMillimetres) {
   EXPECT_TRUE(lab.said().starts_with("tag 3 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << lab.said();
   const auto middle = pixel_from_world(lab.calibration, {0.3, -0.2, lab.calibration.tag_height});
-  EXPECT_GT(middle->x(), found.crop.left);
-  EXPECT_LT(middle->x(), found.crop.left + found.crop.width);
-  EXPECT_GT(middle->y(), found.crop.top);
-  EXPECT_LT(middle->y(), found.crop.top + found.crop.height);
+  ASSERT_EQ(found.crops.size(), 1U);
+  const Window& crop = found.crops.front();
+  EXPECT_GT(middle->x(), crop.left);
+  EXPECT_LT(middle->x(), crop.left + crop.width);
+  EXPECT_GT(middle->y(), crop.top);
+  EXPECT_LT(middle->y(), crop.top + crop.height);
+}
+
+TEST(Diagnosis, APictureShowsTheTagOrWhereItWasLastSeen) {
+  DiagnosisLab lab;
+  // A picture is of the tag if the tag can be read in it.
+  const auto reads = [&](const Frame& picture) {
+    std::vector<int> ids;
+    TagDetector detector;
+    for (const Detection& seen : detector.detect(picture)) ids.push_back(seen.tag);
+    return ids;
+  };
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.04}, {1, {-0.4, 0.3, 1.0}, 0.06}});
+  EXPECT_EQ(reads(picture_of(lab.frame, lab.diagnosis())), std::vector{3}) << "of another size";
+  EXPECT_EQ(picture_of(lab.frame, lab.diagnosis({4, {}})).width, 0) << "the control: nobody knows where to look";
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}, {3, {-0.5, 0.1, 2.0}, 0.06}});
+  EXPECT_EQ(reads(picture_of(lab.frame, lab.diagnosis())), (std::vector{3, 3})) << "twice: both places";
+  lab.show({{5, {0.3, -0.2, 0.4}, 0.06}});
+  const Frame there = picture_of(lab.frame, lab.diagnosis({3, core::Pose{0.3, -0.2, 0.0}}));
+  EXPECT_EQ(reads(there), std::vector{5}) << "what lies where it was last seen";
+  const Frame corner = picture_of(lab.frame, lab.diagnosis({3, core::Pose{-1.05, 0.0, 0.0}}));
+  EXPECT_GT(corner.width, 0);
+  EXPECT_LT(corner.width, there.width) << "the border of the frame cuts it";
 }
 
 TEST(Diagnosis, LargerTagToo) {
@@ -164,6 +190,40 @@ TEST(Diagnosis, TagsOfAprilTagsNewerFamilies) {
     std::free(picture);
     destroy(family);
     EXPECT_EQ(lab.said(), "tag 3 looks like 3 of the family " + name + ": print it anew in 36h11");
+  }
+}
+
+TEST(Diagnosis, MarkersOfArUco) {
+  const auto module = boards();
+  ASSERT_TRUE(module) << module.error();
+  for (const int bits : {4, 5, 6, 7}) {
+    DiagnosisLab lab;
+    const auto print = [&](int id, int left) {
+      constexpr int cell = 6, top = 400;  // [px]
+      const std::vector<bool> ink = (*module)->marker(bits, id);
+      const int cells = bits + 2, border = cell;
+      for (int v = -border; v < cells * cell + border; ++v)
+        for (int u = -border; u < cells * cell + border; ++u) {
+          const bool on_paper = v < 0 || u < 0 || v >= cells * cell || u >= cells * cell;
+          const bool black = !on_paper && ink[static_cast<std::size_t>(v / cell * cells + u / cell)];
+          lab.frame.row(top + v)[left + u] = black ? 30 : 220;
+        }
+    };
+    lab.show({});
+    print(3, 600);
+    const std::string name = fmt::format("ArUco {0}x{0}", bits);
+    EXPECT_EQ(why_no_tag(lab.frame),
+              "no tag is of the family 36h11, but 1 looks like " + name + " (3): print it anew in 36h11");
+    print(17, 300);
+    EXPECT_EQ(why_no_tag(lab.frame),
+              "no tag is of the family 36h11, but 2 look like " + name + " (3, 17): print them anew in 36h11");
+    EXPECT_EQ(lab.said(), "tag 3 looks like 3 of the family " + name + ": print it anew in 36h11");
+    EXPECT_NEAR(picture_of(lab.frame, lab.diagnosis()).width, 2 * (bits + 2) * 6, 6) << "twice the marker's edge [px]";
+    // Controls: not where a run has seen the tag, and not beside a tag of 36h11.
+    EXPECT_EQ(lab.diagnosis({3, core::Pose{0.0, 0.0, 0.0}}).why, NotSeen::not_found);
+    lab.show({{1, {-0.4, 0.3, 1.0}, 0.06}});
+    print(3, 600);
+    EXPECT_EQ(lab.diagnosis().why, NotSeen::not_found);
   }
 }
 

@@ -115,6 +115,37 @@ TEST(TrackTracker, SaysOnceWhyATagIsNotTaken) {
   EXPECT_EQ(lab.told[2], "no tag 4 is in the picture");
 }
 
+TEST(TrackTracker, WritesAPictureOfATagThatIsNotTaken) {
+  FilmLab lab;
+  const std::string film = lab.film(
+      [](int) {
+        return std::vector<SyntheticTag>{{1, {0.2, 0.1, 0.5}, 0.06}, {2, {-0.7, -0.4, -2.5}}};
+      },
+      20);
+  TrackTrackerOptions options = lab.options(film, {1, 2, 4});
+  options.crops = lab.folder.file("crops");
+  ASSERT_TRUE(track_with_tracker(options));
+  ASSERT_EQ(lab.told.size(), 2U) << fmt::format("{}", fmt::join(lab.told, "\n"));
+  EXPECT_TRUE(lab.told[0].ends_with(" (picture: " + options.crops + "/tag-1.png)")) << lab.told[0];
+  EXPECT_EQ(lab.told[1], "no tag 4 is in the picture") << "the control: nothing shows it";
+  TrackOptions again{.source = "images:" + options.crops};
+  const auto read = track(again);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->ids, std::vector{1}) << "the picture shows the tag";
+  EXPECT_EQ(read->frames, 1);
+  // Of pictures that are searched one by one, each has its own.
+  SyntheticCamera camera(lab.calibration, {}, 2);
+  Frame frame;
+  camera.render(std::vector<SyntheticTag>{{1, {0.2, 0.1, 0.5}, 0.06}}, 0.0, frame);
+  test::write_pgm(lab.folder.file("a.pgm"), frame);
+  lab.told.clear();
+  TrackTrackerOptions stills = lab.options("images:" + lab.folder.file("a.pgm"));
+  stills.crops = options.crops;
+  ASSERT_TRUE(track_with_tracker(stills));
+  ASSERT_EQ(lab.told.size(), 1U);
+  EXPECT_TRUE(lab.told[0].ends_with("/a.pgm-tag-1.png)")) << lab.told[0];
+}
+
 TEST(TrackTracker, AGoodFilmHasNothingToSay) {
   FilmLab lab;
   const std::string film = lab.film(
