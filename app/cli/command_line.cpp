@@ -151,6 +151,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       .add_option("--video", run_request.video,
                   "record the camera's frames to this film (Matroska), lossless unless camera.film is small")
       ->type_name("FILE.MKV");
+  run_command
+      .add_option("--crops", run_request.crops,
+                  "write a picture of each tag that is not seen to this folder (with --keep: to the run's own)")
+      ->type_name("DIR");
   CLI::Option* const keep = run_command.add_flag(
       "--keep", run_request.keep, "keep the run with all its inputs in a folder of its own (docs/runs.md)");
   add_runs_directory(run_command, run_request.runs_directory)->needs(keep);
@@ -238,6 +242,10 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   track_command
       .add_option("--tags", track_request.tags, "tags to follow, such as 1-4,7; default: those in the first frame")
       ->type_name("IDS")
+      ->needs(real_tracker);
+  track_command
+      .add_option("--crops", track_request.crops, "write a picture of each tag that is not taken to this folder")
+      ->type_name("DIR")
       ->needs(real_tracker);
   track_command.add_flag("--list-controls", track_request.list_controls,
                          "only list the camera's formats, rates and controls");

@@ -149,6 +149,7 @@ int run(const RunRequest& request) {
     if (const auto ended = kept->end(summary, {status, std::move(problems), film}); !ended)
       complain(fmt::format("{}: the run is kept, but incomplete: {}", kept->folder(), ended.error()));
   };
+  options.crops = request.crops.empty() && kept ? kept->folder() : request.crops;
   auto session = Session::open(*experiment, clock, options);
   if (!session) {
     complain(session.error());

@@ -178,6 +178,7 @@ int track(const TrackRequest& request) {
   Latencies latencies;
   if (request.tracker) {
     vision::TrackTrackerOptions with_tracker{.track = options, .tags = tags, .clock = seconds_now};
+    with_tracker.crops = request.crops;
     with_tracker.latency = [&](const vision::FrameLatency& frame) { latencies.add(frame); };
     with_tracker.tell = [&](const std::string& sentence) {
       if (show_progress) print_error("\r\033[K");

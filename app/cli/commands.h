@@ -26,6 +26,7 @@ std::optional<Experiment> load(const ExperimentRequest& request);
 struct RunRequest {
   ExperimentRequest experiment;
   std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max if nothing is real
+  std::string crops;                      ///< folder for pictures of tags that are not seen; empty: a kept run's own
   bool keep = false;                      ///< in a folder of its own below `runs_directory`
   std::string runs_directory;             ///< empty: runs_directory() says which
   std::vector<std::string> words;         ///< of the command line, for the record of a kept run
@@ -50,6 +51,7 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
 
 struct TrackRequest {
   std::string source, camera, csv, record;
+  std::string crops;  ///< folder for pictures of tags that the tracker does not take
   CameraWords words;
   bool tracker = false;  ///< with the tracker of a run instead of AprilTag
   std::string tags;      ///< for the tracker: "1-4,7"; empty: those of the first frame that shows any

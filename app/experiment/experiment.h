@@ -358,6 +358,7 @@ struct Experiment {
   std::vector<core::Obstacle> obstacles;
   std::vector<RobotSpec> robots;  ///< default: four simulated ones, tags 1 to 4
   CameraSpec camera;
+  std::optional<double> tag_size;  ///< edge of the robots' tags, in place of the calibrations' [m]
   LinksSpec links;
   EstimationSpec estimation;
   StagingSpec staging;

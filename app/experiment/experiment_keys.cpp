@@ -179,6 +179,9 @@ const std::vector<ExperimentKey>& all_keys() {
       {"camera", "stamps_late", "for practice: how late the synthetic camera's time stamps are, which latency corrects",
        NumberKey{[](E& e) -> auto& { return e.camera.stamps_late; }, [](Limits) { return between(0.0, 0.5, "s"); }}},
 
+      {"tags", "size", "edge of the robots' tags (the black square), in place of the calibration's",
+       OptionalNumberKey{[](E& e) -> auto& { return e.tag_size; }, [](Limits) { return between(1e-3, 10.0, "m"); }}},
+
       {"links", "blind_distance", "how far a robot may drive on unconfirmed commands",
        NumberKey{[](E& e) -> auto& { return e.links.blind_distance; },
                  [](Limits) { return between(0.005, 1.0, "m"); }}},

@@ -273,6 +273,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_table(t, "shield", e);
   read_obstacles(t, e);
   read_cameras(t, e, problems);
+  read_table(t, "tags", e);
   read_table(t, "links", e);
   read_table(t, "failure", e);
   read_table(t, "simulation", e);

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/run/tick_record.h"
+#include "core/estimation/not_seen.h"
 
 namespace skein::app {
 
@@ -46,12 +48,26 @@ struct MarksStatus {
   std::string sentence{};                      ///< in words; empty: there is nothing to say
 };
 
+/// What a camera sees of a tag that has no pose.
+struct UnseenTag {
+  int tag = -1;  ///< none: the sentence is about the camera
+  core::NotSeen why = core::NotSeen::not_found;
+  std::string sentence{};  ///< see vision::sentence; empty: nobody has looked yet
+  double size = none;      ///< its edge on the plane of the tags [m]; none: it was not found
+  std::shared_ptr<const Picture>
+      picture{};       ///< the part of the frame that shows it, or where it was last seen; or null
+  std::string file{};  ///< the same as a PNG; empty: none was written
+
+  /// The sentence, and where its picture is.
+  std::string text() const { return file.empty() ? sentence : sentence + " (picture: " + file + ")"; }
+};
+
 /// What is known about the cameras before a start.
 struct CameraStatus {
   std::string down{};                     ///< why they do not deliver frames; empty: they do
   MarksStatus marks{};                    ///< on the floor
   std::vector<std::string> automatics{};  ///< "exposure", "gain", "focus": what they set by themselves, unasked
-  std::vector<std::string> why_lost{};    ///< by robot: what its tag looks like that is not seen; empty: not known
+  std::vector<UnseenTag> why_lost{};      ///< by robot: why its tag was not seen when that was last looked for
 };
 
 /// The result of a check of one robot's wheels.

@@ -18,6 +18,7 @@
 #include "app/experiment/control_settings.h"
 #include "app/run/timing.h"
 #include "app/session/camera_film.h"
+#include "vision/recording/picture_file.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
 
@@ -60,7 +61,9 @@ vision::Calibration shared_floor(const Experiment& experiment, std::size_t numbe
 
 }  // namespace
 
-tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number) {
+namespace {
+
+tl::expected<vision::Calibration, std::string> calibration_as_filed(const Experiment& experiment, std::size_t number) {
   const CameraSpec& camera = experiment.camera_at(number);
   const std::string prefix = camera_prefix(experiment, number);
   if (!camera.calibration.empty()) {
@@ -74,6 +77,14 @@ tl::expected<vision::Calibration, std::string> camera_calibration(const Experime
   if (camera.kind() == CameraKind::synthetic) return shared_floor(experiment, number);
   return tl::unexpected(
       fmt::format("{}camera.calibration is missing: {} needs a calibration file", prefix, camera.source));
+}
+
+}  // namespace
+
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number) {
+  auto calibration = calibration_as_filed(experiment, number);
+  if (calibration && experiment.tag_size) calibration->tag_size = *experiment.tag_size;
+  return calibration;
 }
 
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
@@ -368,7 +379,7 @@ void CameraRig::answer_question() {
   answered_.notify_all();
 }
 
-std::vector<CameraRig::Absence> CameraRig::why_not_seen() {
+std::vector<UnseenTag> CameraRig::why_not_seen() {
   constexpr auto patience = std::chrono::seconds(1);
   std::unique_lock lock(question_mutex_);
   asked_ = true;
@@ -382,10 +393,25 @@ std::vector<CameraRig::Absence> CameraRig::why_not_seen() {
     return {{.sentence =
                  fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}",
                              question.frame.width, question.frame.height, calibration_.width, calibration_.height)}};
-  std::vector<Absence> absences;
+  std::vector<UnseenTag> unseen;
   for (const vision::TagDiagnosis& tag : vision::diagnose(question.frame, calibration_, question.missing))
-    absences.push_back({tag.tag, tag.why, vision::sentence(tag, calibration_)});
-  return absences;
+    unseen.push_back(unseen_tag(question.frame, tag));
+  return unseen;
+}
+
+UnseenTag CameraRig::unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const {
+  UnseenTag unseen{tag.tag, tag.why, vision::sentence(tag, calibration_)};
+  if (tag.size > 0.0) unseen.size = tag.size;
+  vision::Frame crop = vision::picture_of(frame, tag);
+  if (crop.width == 0) return unseen;
+  if (!crops_.empty()) {
+    const std::string camera = experiment_.cameras() == 1 ? "" : fmt::format("camera-{}-", number_ + 1);
+    const std::string path = fmt::format("{}/{}tag-{}.png", crops_, camera, tag.tag);
+    const auto written = vision::write_png(crop, path);
+    unseen.file = written ? path : written.error();
+  }
+  unseen.picture = std::make_shared<const Picture>(Picture{crop.width, crop.height, std::move(crop.grey)});
+  return unseen;
 }
 
 /// Whoever was seen and has not been seen for half a second is asked about, once, at the camera that saw it last. A
@@ -420,20 +446,22 @@ void CameraRig::explain_absences() {
 
 void CameraRig::explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing) {
   if (frame.width != calibration_.width || frame.height != calibration_.height) return;
-  const std::vector<vision::TagDiagnosis> tags = vision::diagnose(frame, calibration_, missing);
+  std::vector<UnseenTag> unseen;
+  for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration_, missing))
+    unseen.push_back(unseen_tag(frame, tag));
   const std::lock_guard lock(absence_mutex_);
-  for (const vision::TagDiagnosis& tag : tags) {
+  for (const UnseenTag& tag : unseen) {
     const auto robot = static_cast<std::size_t>(std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin());
-    why_lost_[robot] = {tag.tag, tag.why, vision::sentence(tag, calibration_)};
+    why_lost_[robot] = tag;
     const bool ever = std::any_of(missing.begin(), missing.end(),
                                   [&](const vision::MissingTag& one) { return one.tag == tag.tag && one.last; });
     if (!ever) continue;  // it is no news that it is not there
     found_out_.push(events::NotSeen{robot, tag.why});
-    alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, why_lost_[robot].sentence));
+    alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, tag.text()));
   }
 }
 
-std::vector<CameraRig::Absence> CameraRig::why_lost() const {
+std::vector<UnseenTag> CameraRig::why_lost() const {
   const std::lock_guard lock(absence_mutex_);
   return why_lost_;
 }

@@ -71,6 +71,9 @@ class CameraRig {
 
   /// Records every frame of the tracker in a film. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
+  /// Writes a picture of each tag that is not seen to this folder, over older ones: tag-3.png, of a further camera
+  /// camera-2-tag-3.png. To be called before the first frame.
+  void keep_crops(const std::string& folder) { crops_ = folder; }
   /// Ends the film. The returned function completes the file, on any thread, even when the rig is gone; null: there is
   /// no film any more.
   std::function<VideoStatus()> end_film();
@@ -98,19 +101,14 @@ class CameraRig {
   /// delay of that interrupt. Wall clock only; control thread only. [s, session's clock]
   void watch_for_frame(double since, double until) const noexcept;
 
-  struct Absence {
-    int tag = -1;  ///< none: the sentence is about the camera
-    core::NotSeen why = core::NotSeen::not_found;
-    std::string sentence;  ///< see vision::sentence
-  };
   /// Why robots' tags were not seen in the next frame; none: all were seen, or no frame came for a second. A robot that
   /// another camera has seen within the bridge time is not missing. Takes up to some seconds. Wall clock only; not on
   /// the control thread, one caller at a time.
-  std::vector<Absence> why_not_seen();
+  std::vector<UnseenTag> why_not_seen();
 
-  /// By robot: why its tag was not seen when that was last looked for, in the background; see Absence. A robot that was
+  /// By robot: why its tag was not seen when that was last looked for, in the background. A robot that was
   /// never seen is looked for every few seconds, others when they are lost. Wall clock only; any thread.
-  std::vector<Absence> why_lost() const;
+  std::vector<UnseenTag> why_lost() const;
 
   /// Sentences about lost robots, as from `why_not_seen`, about marks on the floor and about the tags' size, each once.
   /// Any thread, one caller at a time.
@@ -140,6 +138,7 @@ class CameraRig {
   void answer_question();
   void explain_absences();
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
+  UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
   void watch_marks();
   void watch_tags();
   void watch_source();
@@ -151,6 +150,7 @@ class CameraRig {
   const CameraSpec& spec_;
   const std::size_t number_;
   const std::string prefix_;  // of its messages
+  std::string crops_;         // folder; empty: none
   SessionClock& clock_;
   SimulatedWorld& world_;
   vision::Calibration calibration_;
@@ -209,7 +209,7 @@ class CameraRig {
   std::optional<Question> absence_;
   std::optional<vision::Frame> floor_;  // to be searched for the marks
   std::vector<std::string> alarms_;
-  std::vector<Absence> why_lost_;  // by robot
+  std::vector<UnseenTag> why_lost_;  // by robot
   MarksStatus marks_;
   boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<256>> found_out_;
   std::string reason_;

@@ -29,6 +29,10 @@ tl::expected<void, std::string> Cameras::keep(const std::string& path) {
   return {};
 }
 
+void Cameras::keep_crops(const std::string& folder) {
+  for (Each& camera : all_) camera.rig->keep_crops(folder);
+}
+
 void Cameras::start() {
   for (Each& camera : all_) camera.rig->start();
 }
@@ -116,36 +120,36 @@ vision::SourceStatus Cameras::status() const {
 }
 
 /// What a camera sees of a tag says more than that another one finds nothing of it.
-std::vector<std::string> Cameras::why_not_seen() {
-  std::vector<std::pair<std::size_t, CameraRig::Absence>> all;
+std::vector<UnseenTag> Cameras::why_not_seen() {
+  std::vector<std::pair<std::size_t, UnseenTag>> all;
   for (std::size_t k = 0; k < all_.size(); ++k)
-    for (CameraRig::Absence& absence : all_[k].rig->why_not_seen()) all.emplace_back(k, std::move(absence));
-  std::vector<std::string> sentences;
+    for (UnseenTag& tag : all_[k].rig->why_not_seen()) all.emplace_back(k, std::move(tag));
+  std::vector<UnseenTag> unseen;
   for (auto one = all.begin(); one != all.end(); ++one) {
-    const CameraRig::Absence& absence = one->second;
-    const auto same = [&](const auto& other) { return other.second.tag == absence.tag; };
+    const UnseenTag& tag = one->second;
+    const auto same = [&](const auto& other) { return other.second.tag == tag.tag; };
     const auto tells = [&](const auto& other) { return same(other) && other.second.why != core::NotSeen::not_found; };
-    const bool nothing = absence.tag >= 0 && absence.why == core::NotSeen::not_found;
+    const bool nothing = tag.tag >= 0 && tag.why == core::NotSeen::not_found;
     // Where no camera finds anything, the first says so for all.
     if (nothing && (std::any_of(all.begin(), all.end(), tells) || std::any_of(all.begin(), one, same))) continue;
-    sentences.push_back((nothing ? std::string() : camera_prefix(experiment_, one->first)) + absence.sentence);
+    unseen.push_back(tag);
+    if (!nothing) unseen.back().sentence.insert(0, camera_prefix(experiment_, one->first));
   }
-  return sentences;
+  return unseen;
 }
 
-std::vector<std::string> Cameras::why_lost() const {
-  std::vector<std::string> sentences(experiment_.robots.size());
+std::vector<UnseenTag> Cameras::why_lost() const {
+  std::vector<UnseenTag> unseen(experiment_.robots.size());
   for (std::size_t k = 0; k < all_.size(); ++k) {
-    const std::vector<CameraRig::Absence> absences = all_[k].rig->why_lost();
-    for (std::size_t i = 0; i < sentences.size(); ++i) {
-      const bool tells = absences[i].why != core::NotSeen::not_found;
-      if (tells)
-        sentences[i] = camera_prefix(experiment_, k) + absences[i].sentence;
-      else if (sentences[i].empty())
-        sentences[i] = absences[i].sentence;
+    std::vector<UnseenTag> of_this = all_[k].rig->why_lost();
+    for (std::size_t i = 0; i < unseen.size(); ++i) {
+      const bool tells = of_this[i].why != core::NotSeen::not_found;
+      if (!tells && !unseen[i].sentence.empty()) continue;
+      unseen[i] = std::move(of_this[i]);
+      if (tells) unseen[i].sentence.insert(0, camera_prefix(experiment_, k));
     }
   }
-  return sentences;
+  return unseen;
 }
 
 std::vector<std::string> Cameras::alarms() {

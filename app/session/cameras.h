@@ -24,6 +24,8 @@ class Cameras {
 
   /// Records the frames of each camera, in the files of film_paths. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
+  /// As CameraRig's.
+  void keep_crops(const std::string& folder);
   void start();
   void end();
   /// As CameraRig's, of all; null: there is none.
@@ -46,11 +48,10 @@ class Cameras {
   VideoStatus video() const;
   vision::SourceStatus status() const;
 
-  /// Why robots were seen by no camera, a sentence each. As CameraRig's.
-  std::vector<std::string> why_not_seen();
-  /// By robot: why its tag was not seen when that was last looked for, by the camera that can tell most; empty: not
-  /// known. Any thread.
-  std::vector<std::string> why_lost() const;
+  /// Why robots were seen by no camera. As CameraRig's.
+  std::vector<UnseenTag> why_not_seen();
+  /// By robot: why its tag was not seen when that was last looked for, by the camera that can tell most. Any thread.
+  std::vector<UnseenTag> why_lost() const;
   /// Sentences about lost robots and cameras, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
   /// Of all cameras: `known` if it is for each, `moved` of the first one that moved, and the sentences of all. Any

@@ -83,6 +83,7 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     if (!cameras) return tl::unexpected(cameras.error());
     if (!options.video.empty())
       if (auto begun = (*cameras)->keep(options.video); !begun) return tl::unexpected(begun.error());
+    (*cameras)->keep_crops(options.crops);
     plant->cameras_ = std::move(*cameras);
     if (clock.wall()) plant->cameras_->start();
   } else if (!options.video.empty()) {

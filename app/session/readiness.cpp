@@ -60,20 +60,38 @@ Check settings(const Experiment& e, const CameraStatus& camera) {
           false};
 }
 
-Check tags(const Experiment& e, const TickRecord* record, std::span<const std::string> why_lost) {
+Check tags(const Experiment& e, const TickRecord* record, std::span<const UnseenTag> why_lost) {
   if (!record) return {What::tags, State::waits, "no poses yet", true};
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < record->robots.size(); ++i)
     if (record->robots[i].is(lost)) unseen.push_back(i);
   if (unseen.empty())
     return {What::tags, State::holds, fmt::format("all {} robots have a fresh pose", e.robots.size()), true};
-  // A reason that is known, robot by robot; the others in one breath.
-  std::string reasons;
+  // Reasons that are known, each once; the others in one breath.
+  struct Reason {
+    std::string of_any_tag;  // to compare
+    std::size_t first;
+    std::vector<std::size_t> others;
+  };
+  std::vector<Reason> known;
   std::erase_if(unseen, [&](std::size_t i) {
-    const bool known = i < why_lost.size() && !why_lost[i].empty();
-    if (known) reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", numbers({i}), why_lost[i]);
-    return known;
+    if (i >= why_lost.size() || why_lost[i].sentence.empty()) return false;
+    std::string of_any_tag = why_lost[i].sentence;
+    const std::string number = fmt::format("tag {} ", e.robots[i].tag);
+    if (const auto at = of_any_tag.find(number); at != std::string::npos) of_any_tag.erase(at, number.size());
+    const auto same =
+        std::find_if(known.begin(), known.end(), [&](const Reason& r) { return r.of_any_tag == of_any_tag; });
+    if (same == known.end())
+      known.push_back({std::move(of_any_tag), i, {}});
+    else
+      same->others.push_back(i);
+    return true;
   });
+  std::string reasons;
+  for (const Reason& one : known) {
+    reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", numbers({one.first}), why_lost[one.first].sentence);
+    if (!one.others.empty()) reasons += fmt::format("; {}: likewise", numbers(one.others));
+  }
   std::vector<int> ids;
   ids.reserve(unseen.size());
   for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
@@ -191,6 +209,20 @@ std::vector<Check> readiness(const Experiment& experiment, const Certificate* ce
           gains(certificate),
           reference(certificate),
           places(experiment, record)};
+}
+
+std::optional<double> fitting_tag_size(std::size_t robots, std::span<const UnseenTag> unseen) {
+  constexpr double agreement = 0.03;  // of the smallest and the largest: half of what the tracker accepts
+  const bool wrong = std::any_of(unseen.begin(), unseen.end(),
+                                 [](const UnseenTag& tag) { return tag.why == core::NotSeen::wrong_size; });
+  if (!wrong || unseen.size() < robots) return {};
+  double smallest = none, largest = none;
+  for (const UnseenTag& tag : unseen) {
+    smallest = std::fmin(smallest, tag.size);
+    largest = std::fmax(largest, tag.size);
+  }
+  if (largest > (1.0 + agreement) * smallest) return {};
+  return std::round(1e3 * 0.5 * (smallest + largest)) / 1e3;
 }
 
 bool may_start(std::span<const Check> checks) noexcept {

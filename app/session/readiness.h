@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,6 +40,10 @@ struct Check {
 /// should be fixed.
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const CameraStatus& camera = {});
+
+/// The value of [tags] size, in whole millimetres, with which robots would be seen whose tags are not accepted for
+/// their size: none of the `robots` is seen now, and all tags that are there have this edge [m]. Empty: no such value.
+std::optional<double> fitting_tag_size(std::size_t robots, std::span<const UnseenTag> unseen);
 
 /// Every hard check holds.
 bool may_start(std::span<const Check> checks) noexcept;

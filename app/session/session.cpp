@@ -2,9 +2,9 @@
 #include "app/session/session.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "app/experiment/at_start.h"
+#include "app/session/readiness.h"
 #include "app/session/session_wiring.h"
 
 namespace skein::app {
@@ -17,6 +17,15 @@ constexpr std::size_t channel_capacity =
 /// Until marks on the floor that are hidden are seen, and until a busy machine has looked at them at all. [s]
 constexpr double marks_patience = 5.0, look_patience = 60.0;
 constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
+
+/// What follows "is not seen".
+std::string reasons(const Experiment& experiment, const std::vector<UnseenTag>& unseen) {
+  std::string all;
+  for (const UnseenTag& tag : unseen) all += (all.empty() ? ": " : "; ") + tag.text();
+  if (const auto size = fitting_tag_size(experiment.robots.size(), unseen))
+    all += fmt::format("; if the black edge of the tags measures {:g} mm: --set tags.size={:g}", 1e3 * *size, *size);
+  return all;
+}
 
 }  // namespace
 
@@ -92,7 +101,7 @@ std::uint64_t Session::undrained_rows() const noexcept {
   return wiring_->window_channel ? wiring_->window_channel->dropped() : 0;
 }
 
-std::vector<std::string> Session::why_not_seen() const {
+std::vector<UnseenTag> Session::why_not_seen() const {
   if (!has_camera() || wiring_->closed || !wiring_->clock.wall()) return {};
   return wiring_->plant->cameras()->why_not_seen();
 }
@@ -217,10 +226,9 @@ Phase Session::run(const std::function<bool()>& keep_on) {
     const double give_up = i.clock.now() + first_sight_timeout;
     for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed(); turn()) {
       if (i.clock.now() < give_up) continue;
-      const std::vector<std::string> why = why_not_seen();
-      i.fail(fmt::format("robot {}: its tag {} is not seen{}{}", unseen + 1,
-                         i.experiment.robots[static_cast<std::size_t>(unseen)].tag, why.empty() ? "" : ": ",
-                         fmt::join(why, "; ")));
+      i.fail(fmt::format("robot {}: its tag {} is not seen{}", unseen + 1,
+                         i.experiment.robots[static_cast<std::size_t>(unseen)].tag,
+                         reasons(i.experiment, why_not_seen())));
       break;
     }
     away = i.loop->away();

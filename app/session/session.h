@@ -133,9 +133,9 @@ class Session {
   /// window's.
   bool picture(Picture& out);
   bool has_camera() const noexcept;
-  /// Why the camera does not see robots' tags, a sentence each: "tag 3 is there, but its edge is 40 mm, 33 % smaller
-  /// than [tags] size 60 mm ...". Takes up to some seconds; wall clock only, one caller at a time.
-  std::vector<std::string> why_not_seen() const;
+  /// Why the camera does not see robots' tags: "tag 3 is there, but its edge is 40 mm, 33 % smaller than [tags] size
+  /// 60 mm ...". Takes up to some seconds; wall clock only, one caller at a time.
+  std::vector<UnseenTag> why_not_seen() const;
   /// Projects a point of the plane of the robots' tags into the camera's image, (0, 0) is the centre of its top-left
   /// pixel.
   std::array<double, 2> pixel(double x, double y) const;

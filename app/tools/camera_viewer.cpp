@@ -211,6 +211,7 @@ struct CameraViewer::Work {
       loaded = load_calibration(camera.calibration);
     else
       loaded = tl::unexpected(std::string("without a calibration nothing says where a tag is"));
+    if (loaded && experiment.tag_size) loaded->tag_size = *experiment.tag_size;
     const std::lock_guard lock(mutex);
     if (!loaded) {
       newest.note = loaded.error();

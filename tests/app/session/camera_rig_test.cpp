@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/experiment/experiment_file.h"
+#include "app/session/session.h"
 #include "tests/eventually.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -44,10 +45,10 @@ struct Lab {
   }
   ~Lab() { fs::remove_all(folder); }
 
-  Experiment experiment(const std::string& calibration) const {
-    auto e = parse_experiment(paper_experiment().source, "platoon.toml",
-                              std::vector<std::string>{"camera.source=images:" + (folder / "film").string(),
-                                                       "camera.calibration=" + (folder / calibration).string()});
+  Experiment experiment(const std::string& calibration, std::vector<std::string> sets = {}) const {
+    sets.push_back("camera.source=images:" + (folder / "film").string());
+    sets.push_back("camera.calibration=" + (folder / calibration).string());
+    auto e = parse_experiment(paper_experiment().source, "platoon.toml", sets);
     EXPECT_TRUE(e) << (e ? "" : e.error().front().message());
     return *e;
   }
@@ -77,6 +78,10 @@ TEST(CameraRig, FindsOutByItselfWhyATagWasNeverSeen) {
   EXPECT_EQ(rig->why_lost().at(0).why, core::NotSeen::wrong_size);
   EXPECT_TRUE(rig->why_lost().at(0).sentence.starts_with("tag 1 is there, but its edge is 40 mm"));
   EXPECT_EQ(rig->why_lost().at(1).sentence, "no tag 2 is in the picture");
+  EXPECT_NEAR(rig->why_lost().at(0).size, 0.04, 0.001);
+  ASSERT_TRUE(rig->why_lost().at(0).picture) << "the part of the frame that shows the tag";
+  EXPECT_EQ(rig->why_lost().at(0).file, "") << "nobody wanted it as a file";
+  EXPECT_FALSE(rig->why_lost().at(1).picture) << "the control: nothing shows this one";
   EXPECT_TRUE(rig->alarms().empty()) << "it is no news that a robot is not there yet";
   rig->end();
 }
@@ -88,12 +93,68 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
   auto& [clock, world, rig] = opened;
   ASSERT_TRUE(rig);
   rig->start();
-  const std::vector<CameraRig::Absence> why = rig->why_not_seen();
+  const std::vector<UnseenTag> why = rig->why_not_seen();
   rig->end();
   ASSERT_EQ(why.size(), 4U) << "one sentence a robot";
   EXPECT_TRUE(why[0].sentence.starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << why[0].sentence;
   EXPECT_EQ(why[1].sentence, "no tag 2 is in the picture");
+}
+
+TEST(CameraRig, WritesAPictureOfATagThatIsNotSeen) {
+  const Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml");
+  OpenRig opened(experiment, true);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
+  const fs::path crops = lab.folder / "crops";
+  rig->keep_crops(crops);
+  rig->start();
+  const std::vector<UnseenTag> why = rig->why_not_seen();
+  rig->end();
+  ASSERT_EQ(why.size(), 4U);
+  EXPECT_EQ(why[0].file, crops / "tag-1.png");
+  EXPECT_TRUE(why[0].text().ends_with(" (picture: " + why[0].file + ")")) << why[0].text();
+  EXPECT_EQ(why[1].text(), "no tag 2 is in the picture");
+  auto written = vision::open_source("images:" + why[0].file);
+  ASSERT_TRUE(written) << written.error();
+  vision::Frame picture;
+  ASSERT_TRUE((*written)->read(picture).value_or(false));
+  EXPECT_EQ(picture.grey, why[0].picture->grey) << "the pixels of the frame";
+  // A folder that cannot be written is no failure of the run.
+  OpenRig other(experiment, true);
+  other.rig->keep_crops(why[0].file + "/below-a-file");
+  other.rig->start();
+  EXPECT_NE(other.rig->why_not_seen().at(0).text().find("tag-1.png: cannot be written)"), std::string::npos);
+  other.rig->end();
+}
+
+TEST(CameraRig, TheExperimentsTagSizeHoldsInPlaceOfTheCalibrations) {
+  const Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml", {"tags.size=0.04"});
+  EXPECT_EQ(camera_calibration(lab.experiment("cal.toml"))->tag_size, 0.06) << "the control";
+  EXPECT_EQ(camera_calibration(experiment)->tag_size, 0.04);
+  OpenRig opened(experiment, true);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
+  rig->start();
+  const std::vector<UnseenTag> why = rig->why_not_seen();
+  rig->end();
+  ASSERT_EQ(why.size(), 3U) << "robot 1 is seen";
+  EXPECT_EQ(why[0].tag, 2);
+}
+
+TEST(CameraRig, ARunThatSeesNobodySaysTheSizeThatWouldFit) {
+  const Lab lab;
+  const std::string crops = lab.folder / "crops";
+  auto session = Session::open(lab.experiment("cal.toml"), Session::Clock::wall, {.crops = crops});
+  ASSERT_TRUE(session) << session.error();
+  (*session)->run();
+  const std::string failure = (*session)->failure().value_or("");
+  EXPECT_TRUE(failure.starts_with("robot 1: its tag 1 is not seen: tag 1 is there, but its edge is 40 mm")) << failure;
+  EXPECT_NE(failure.find("(picture: " + crops + "/tag-1.png); no tag 2 is in the picture"), std::string::npos)
+      << failure;
+  EXPECT_TRUE(failure.ends_with("; if the black edge of the tags measures 40 mm: --set tags.size=0.04")) << failure;
 }
 
 TEST(CameraRig, AFrameThatIsDueIsWatchedForWithoutSleeping) {

@@ -157,12 +157,33 @@ TEST_F(Readiness, ARobotThatTheFilePlacesElsewhereIsInPlaceThereUnlessItDrivesTo
 TEST_F(Readiness, WhatIsKnownOfATagThatIsNotAcceptedIsTheReason) {
   measurements[1] = {};
   measurements[2] = {};
-  const CameraStatus camera{.why_lost = {"", "", "tag 3 is there, but its edge is 40 mm", ""}};
+  const CameraStatus camera{.why_lost = {{}, {}, {.sentence = "tag 3 is there, but its edge is 40 mm"}, {}}};
   const auto tags = [&](const CameraStatus& known) {
     return readiness(experiment, &certificate, &look(), robots, known)[static_cast<std::size_t>(Check::What::tags)];
   };
   EXPECT_EQ(tags(camera).reason, "robot 3: tag 3 is there, but its edge is 40 mm; robot 2: no tag 2 in the picture");
   EXPECT_EQ(tags({}).reason, "robots 2, 3: no tag 2, 3 in the picture") << "the control: nobody has looked yet";
+  const CameraStatus both{.why_lost = {{},
+                                       {.sentence = "tag 2 is there, but its edge is 40 mm"},
+                                       {.sentence = "tag 3 is there, but its edge is 40 mm"},
+                                       {}}};
+  EXPECT_EQ(tags(both).reason, "robot 2: tag 2 is there, but its edge is 40 mm; robot 3: likewise") << "once for all";
+}
+
+TEST(FittingTagSize, IsThatOfAllTagsThatAreThereWhereNoRobotIsSeen) {
+  using core::NotSeen;
+  const auto tag = [](NotSeen why, double size = none) { return UnseenTag{.why = why, .size = size}; };
+  const UnseenTag small = tag(NotSeen::wrong_size, 0.0402), nowhere = tag(NotSeen::not_found);
+  const std::vector<UnseenTag> agree{small, tag(NotSeen::wrong_size, 0.0396), nowhere, nowhere};
+  EXPECT_EQ(fitting_tag_size(4, agree), 0.04);
+  EXPECT_EQ(fitting_tag_size(5, agree), std::nullopt) << "a robot is seen, and would not be with another size";
+  const std::vector<UnseenTag> differ{small, tag(NotSeen::wrong_size, 0.03)};
+  EXPECT_EQ(fitting_tag_size(2, differ), std::nullopt);
+  const std::vector<UnseenTag> fits_already{small, tag(NotSeen::covered, 0.06)};
+  EXPECT_EQ(fitting_tag_size(2, fits_already), std::nullopt);
+  const std::vector<UnseenTag> other_reason{tag(NotSeen::covered, 0.06), nowhere};
+  EXPECT_EQ(fitting_tag_size(2, other_reason), std::nullopt);
+  EXPECT_EQ(fitting_tag_size(0, {}), std::nullopt);
 }
 
 TEST_F(Readiness, AutomaticsOfACameraMayBeOverruled) {
