@@ -2,8 +2,10 @@
 // alone.
 #include <QAction>
 #include <QApplication>
+#include <QHelpEvent>
 #include <QLabel>
 #include <QSettings>
+#include <QToolTip>
 #include <cmath>
 #include <functional>
 #include <tuple>
@@ -149,6 +151,30 @@ TEST_F(Arena, SwitchesACouplingWithAClickAndBackWithUndo) {
   EXPECT_GT(live().gain(core::GainName::k_xx, 2, 3), 0.0) << "the others are as they were";
   key(Qt::Key_Z, nullptr, Qt::ControlModifier);
   EXPECT_TRUE(eventually([&] { return live().coupled(i, j); })) << "undo";
+}
+
+TEST_F(Arena, TheTipOfALostRobotShowsWhatTheCameraSeesOfItsTag) {
+  start();
+  app::TickRecord lost_row = record();
+  lost_row.robots[1].mode |= app::lost;
+  ArenaView alone;
+  alone.resize(640, 480);
+  alone.show();
+  alone.show_experiment(live().experiment());
+  alone.show_record(lost_row);
+  app::UnseenTag tag{.tag = 2, .why = core::NotSeen::covered, .sentence = "tag 2 is there, but part of it is covered"};
+  tag.picture = std::make_shared<const app::Picture>(app::Picture{2, 2, {0, 255, 255, 0}});
+  alone.set_unseen({tag, tag, tag, tag});
+  const auto tip = [&](std::size_t robot) {
+    const core::Pose pose = *alone.scene().pose(robot);
+    const QPoint at = alone.map().to_screen({pose.x, pose.y}).toPoint();
+    QHelpEvent event(QEvent::ToolTip, at, alone.mapToGlobal(at));
+    QCoreApplication::sendEvent(&alone, &event);
+    return QToolTip::text();
+  };
+  EXPECT_TRUE(tip(1).contains(QStringLiteral("part of it is covered"))) << tip(1).toStdString();
+  EXPECT_TRUE(tip(1).contains(QStringLiteral("<img"))) << tip(1).toStdString();
+  EXPECT_FALSE(tip(0).contains(QStringLiteral("covered"))) << "the control: this one is seen";
 }
 
 TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {

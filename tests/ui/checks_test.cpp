@@ -2,13 +2,23 @@
 #include <QAbstractItemView>
 #include <QAction>
 #include <QLabel>
+#include <QMessageBox>
+#include <QPlainTextEdit>
 #include <QScrollArea>
 #include <QScrollBar>
 #include <QTabWidget>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "app/calibration/calibration_file.h"
 #include "operator.h"
 #include "tests/places.h"
+#include "ui/base/picture.h"
 #include "ui/calibration/floor_page.h"
+#include "ui/editor/experiment_editor.h"
+#include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::ui::test {
 namespace {
@@ -145,6 +155,99 @@ TEST_F(Checks, ACameraThatMovedOffItsMarksIsCalibratedByThem) {
   ASSERT_EQ(tags->rowCount(), 6);
   EXPECT_EQ(tags->index(5, FloorModel::id).data().toInt(), 25);
   delete find("calibration_dialog");
+}
+
+/// Four robots in their places, with tags of 40 mm under a camera that is calibrated for 60 mm; all in one folder.
+class TagsOfAnotherSize : public Checks {
+ protected:
+  void SetUp() override {
+    Checks::SetUp();
+    auto calibration = vision::overhead_calibration(2.0, 1.5);
+    calibration.tag_size = 0.04;
+    const auto reference = app::make_reference(app::paper_experiment());
+    std::vector<vision::SyntheticTag> tags;
+    for (int k = 0; k < 4; ++k)
+      tags.push_back({k + 1, reference->at(static_cast<std::size_t>(k), 0.0).pose, calibration.tag_size});
+    vision::Frame frame;
+    vision::SyntheticCamera(calibration).render(tags, 0.0, frame);
+    ASSERT_TRUE(QDir(dir.path()).mkdir(QStringLiteral("film")));
+    const QString first = dir.filePath(QStringLiteral("film/0000.pgm"));
+    ASSERT_TRUE(image_of(app::Picture{frame.width, frame.height, frame.grey}).save(first));
+    for (int k = 1; k < 1500; ++k)  // a minute
+      std::filesystem::create_hard_link(
+          first.toStdString(),
+          dir.filePath(QStringLiteral("film/%1.pgm").arg(k, 4, 10, QLatin1Char('0'))).toStdString());
+    calibration.tag_size = 0.06;
+    ASSERT_TRUE(app::save_calibration(calibration, dir.filePath(QStringLiteral("cal.toml")).toStdString()));
+    write(text);
+  }
+  void write(const std::string& content) { std::ofstream(file.toStdString(), std::ios::trunc) << content; }
+  std::string written() {
+    std::ifstream in(file.toStdString());
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Until the list says why, and offers what mends it.
+  void open_file_and_wait() {
+    window.resize(1280, 800);
+    window.show();
+    window.activateWindow();
+    window.open_file(file);
+    ASSERT_TRUE(eventually([&] { return find<QPushButton>("mend_tag_size")->isVisible(); }))
+        << find<QLabel>("check_tags")->text().toStdString();
+  }
+  QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("four.toml"));
+  const std::string text = "# four robots\n[camera]\nsource = \"images:" + dir.path().toStdString() +
+                           "/film\"  # a film\ncalibration = \"cal.toml\"\n";
+};
+
+TEST_F(TagsOfAnotherSize, AreShownAndMendedByAButton) {
+  open_file_and_wait();
+  auto* button = find<QPushButton>("mend_tag_size");
+  EXPECT_EQ(button->text(), QStringLiteral("Set tag size 40 mm"));
+  EXPECT_EQ(button->accessibleName(), QStringLiteral("All tags seen: Set tag size 40 mm"));
+  for (int robot = 1; robot <= 4; ++robot) {
+    auto* picture = find<QLabel>(("tag_picture_" + std::to_string(robot)).c_str());
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->accessibleName(), QStringLiteral("Tag %1 of robot %1, as the camera shows it").arg(robot));
+    EXPECT_TRUE(picture->toolTip().contains(QStringLiteral("33 % smaller than [tags] size 60 mm")))
+        << picture->toolTip().toStdString();
+    EXPECT_GE(picture->pixmap(Qt::ReturnByValue).width(), 50);
+  }
+  button->setFocus();
+  key(Qt::Key_Return);
+  ASSERT_TRUE(eventually([&] { return live().experiment().tag_size == 0.04; })) << "it was not set up again";
+  EXPECT_EQ(written(), text + "\n[tags]\nsize = 0.04\n") << "with its comments";
+  ASSERT_TRUE(eventually([&] { return live().latest() && !record().robots[3].is(app::lost) && !seen(); }));
+  find<QAction>("view_checks")->trigger();
+  EXPECT_TRUE(find<QLabel>("check_tags")->text().contains(QStringLiteral("all 4 robots")))
+      << find<QLabel>("check_tags")->text().toStdString();
+  EXPECT_FALSE(button->isVisible());
+  EXPECT_FALSE(find("tag_pictures")->isVisible());
+  auto* editor = window.findChild<ExperimentEditor*>();
+  ASSERT_TRUE(editor) << "what was written can be undone there";
+  editor->findChild<QPlainTextEdit*>()->undo();
+  EXPECT_EQ(editor->text().toStdString(), text);
+}
+
+TEST_F(TagsOfAnotherSize, WhatSomebodyElseWroteIsNotWrittenOver) {
+  open_file_and_wait();
+  write(text + "# theirs\n");
+  find<QPushButton>("mend_tag_size")->click();
+  EXPECT_TRUE(window.findChild<QMessageBox*>(QStringLiteral("editor_overwrite_dialog"))) << "nobody is asked";
+  EXPECT_EQ(written(), text + "# theirs\n");
+  EXPECT_EQ(live().experiment().tag_size, std::nullopt);
+}
+
+TEST_F(TagsOfAnotherSize, AreShownWholeInASmallWindow) {
+  open_file_and_wait();
+  for (const QSize size : {QSize(1280, 800), QSize(800, 600)}) {
+    window.resize(size);
+    for (const char* name : {"mend_tag_size", "tag_picture_1", "mend_tags"})
+      EXPECT_TRUE(eventually([&] { return find(name)->visibleRegion() == QRegion(find(name)->rect()); }))
+          << name << " at " << size.width();
+    EXPECT_GE(find("tag_picture_1")->height(), 56) << "squeezed at " << size.width();
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "ui/arena/arena_view.h"
 #include "ui/base/modes.h"
+#include "ui/base/picture.h"
 #include "ui/base/why.h"
 
 namespace skein::ui {
@@ -111,15 +112,18 @@ QString ArenaView::tip_at(QPoint where) const {
   }
   const auto i = static_cast<std::size_t>(robot);
   const core::Pose pose = scene_.pose(i).value_or(core::Pose{});
-  return tr("<b>Robot %1</b> (tag %2): %3: %4<br>x %5 m, y %6 m, heading %7°<br>%8")
-      .arg(robot + 1)
-      .arg(scene_.experiment.robots[i].tag)
-      .arg(mode_text(scene_.record->robots[i].mode), why(*scene_.record, i).toHtmlEscaped())
-      .arg(pose.x, 0, 'f', 3)
-      .arg(pose.y, 0, 'f', 3)
-      .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)
-      .arg(can_do(movable(robot) ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")
-                                 : why_not(robot)));
+  const bool unseen = scene_.record->robots[i].is(app::lost) && i < unseen_.size();
+  return (unseen ? html_of(unseen_[i]) : QString()) +
+         tr("<b>Robot %1</b> (tag %2): %3: %4<br>x %5 m, y %6 m, heading %7°<br>%8")
+             .arg(robot + 1)
+             .arg(scene_.experiment.robots[i].tag)
+             .arg(mode_text(scene_.record->robots[i].mode), why(*scene_.record, i).toHtmlEscaped())
+             .arg(pose.x, 0, 'f', 3)
+             .arg(pose.y, 0, 'f', 3)
+             .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)
+             .arg(can_do(movable(robot)
+                             ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")
+                             : why_not(robot)));
 }
 
 /// What the mouse would do, or why it does nothing.

@@ -29,6 +29,7 @@ class ArenaView final : public QWidget {
   void set_camera(ArenaMap::Camera camera);
   void show_record(const app::TickRecord& record) { scene_.show_record(record); }
   void set_picture(const app::Picture& picture);
+  void set_unseen(const std::vector<app::UnseenTag>& tags) { unseen_ = tags; }  ///< by robot: why it is not seen
   void set_may_be_driving(std::vector<std::size_t> robots);  ///< from 0: their stop was not acknowledged
   void set_others(std::vector<OtherRun> others);             ///< drawn pale
   /// Where every robot would go from now on, drawn pale; empty: not requested.
@@ -122,6 +123,7 @@ class ArenaView final : public QWidget {
   QPixmap ground_;    // floor, grid, bounds and path; null: to be drawn
   QRectF ground_of_;  // where the plan is in it
   double painted_t_ = -1.0;
+  std::vector<app::UnseenTag> unseen_;
   std::optional<QPoint> tip_;  // where a tip was requested: its text is kept up to date
   QString fixed_;
 

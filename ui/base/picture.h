@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QBuffer>
 #include <QImage>
 #include <QRectF>
 #include <QSizeF>
@@ -11,6 +12,25 @@ namespace skein::ui {
 /// A camera's picture as Qt draws it.
 inline QImage image_of(const app::Picture& picture) {
   return QImage(picture.grey.data(), picture.width, picture.height, picture.width, QImage::Format_Grayscale8).copy();
+}
+
+/// The picture of a tag that is not seen, so large that its cells can be told apart; null: there is none.
+inline QImage image_of(const app::UnseenTag& tag, int height) {
+  return tag.picture ? image_of(*tag.picture).scaledToHeight(height, Qt::SmoothTransformation) : QImage();
+}
+
+/// The picture and the sentence, for a tip; empty: nobody has looked yet.
+inline QString html_of(const app::UnseenTag& tag) {
+  if (tag.sentence.empty()) return {};
+  QByteArray png;
+  QBuffer buffer(&png);
+  constexpr int tip_height = 160;
+  if (const QImage image = image_of(tag, tip_height); !image.isNull()) image.save(&buffer, "PNG");
+  const QString picture =
+      png.isEmpty()
+          ? QString()
+          : QStringLiteral("<img src=\"data:image/png;base64,%1\"><br>").arg(QString::fromLatin1(png.toBase64()));
+  return picture + QString::fromStdString(tag.sentence).toHtmlEscaped() + QStringLiteral("<br>");
 }
 
 /// Where it is drawn: in the middle of a widget, as large as fits.

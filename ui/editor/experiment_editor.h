@@ -35,6 +35,8 @@ class ExperimentEditor final : public QDialog {
   bool has_changes() const { return text() != kept_; }
   /// Writes the text, finished or not. Returns the error; empty: none.
   QString save(const QString& file);
+  /// As the button of this name does: it asks where the file has changed meanwhile, or there is none.
+  void save_and_open() { save_and(true); }
 
  public slots:
   void reject() override;  ///< closes, or asks about unsaved changes

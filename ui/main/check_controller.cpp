@@ -61,7 +61,21 @@ void CheckController::refresh() {
   const bool something_to_mend = std::any_of(
       checks_.begin(), checks_.end(), [](const app::Check& check) { return check.state == app::Check::State::fails; });
   list_->setVisible(wanted_ || (before_start && something_to_mend));
-  if (list_->isVisible()) list_->show_checks(checks_);
+  if (list_->isVisible()) show_list();
+}
+
+/// The checks, and the tags that the camera does not see now.
+void CheckController::show_list() {
+  std::vector<app::UnseenTag> tags = live_.camera().why_lost, unseen;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const bool lost = live_.latest() && live_.latest()->robots[i].is(app::lost) && !tags[i].sentence.empty();
+    if (lost)
+      unseen.push_back(tags[i]);
+    else
+      tags[i] = {};
+  }
+  list_->show_checks(checks_);
+  list_->show_tags(tags, app::fitting_tag_size(live_.experiment().robots.size(), unseen));
 }
 
 /// What keeps the run from starting: first what nobody may overrule. Null: nothing does.
@@ -91,7 +105,7 @@ void CheckController::start(bool overrule) {
   constexpr std::chrono::seconds patience{1};
   const std::vector<app::Check>& checks = judge(patience);
   if (app::may_start(checks) && (overrule || app::all_hold(checks))) return messages_.tell(live_.start());
-  list_->show_checks(checks);
+  show_list();
   list_->show();
   if (first_amiss()) messages_.say_beside_banner(tr("Not started: %1").arg(why_not()), Severity::warning);
 }

@@ -29,6 +29,7 @@ class CheckController final : public QObject {
 
  private:
   const app::Check* first_amiss() const;
+  void show_list();
   /// Waits for the certificate no longer than `patience`.
   const std::vector<app::Check>& judge(std::chrono::milliseconds patience = {});
   void show_delay();

@@ -41,14 +41,23 @@ void EditorController::edit(const QString& text, const QString& file) {
 }
 
 void EditorController::edit_with(const std::vector<std::pair<QString, QString>>& values) {
-  const RunSource& run = runs_.shown();
-  ExperimentEditor* editor = open_editor(QString::fromStdString(run.experiment().source), run.file());
-  for (const auto& [key, value] : values) editor->set_value(key, value);
+  open_editor_with(values);
+}
+
+void EditorController::save_with(const std::vector<std::pair<QString, QString>>& values) {
+  open_editor_with(values)->save_and_open();
 }
 
 void EditorController::edit_with_tables(const QString& tables) {
   const RunSource& run = runs_.shown();
   open_editor(QString::fromStdString(run.experiment().source), run.file())->append(tables);
+}
+
+ExperimentEditor* EditorController::open_editor_with(const std::vector<std::pair<QString, QString>>& values) {
+  const RunSource& run = runs_.shown();
+  ExperimentEditor* editor = open_editor(QString::fromStdString(run.experiment().source), run.file());
+  for (const auto& [key, value] : values) editor->set_value(key, value);
+  return editor;
 }
 
 ExperimentEditor* EditorController::open_editor(const QString& text, const QString& file) {

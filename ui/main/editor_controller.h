@@ -20,7 +20,10 @@ class EditorController final : public QObject {
   void edit(const QString& text, const QString& file);
   /// The experiment that is shown with other values for these keys, as TOML has them; not saved yet.
   void edit_with(const std::vector<std::pair<QString, QString>>& values);
-  /// The same with more tables at its end.
+  /// The same, saved and opened at once; the editor stays, where it can be undone. Where the file has changed
+  /// meanwhile, or there is none, the editor asks first.
+  void save_with(const std::vector<std::pair<QString, QString>>& values);
+  /// As edit_with, with more tables at its end.
   void edit_with_tables(const QString& tables);
   /// Lets every editor with an unsaved text ask what to do with it; false: there is none.
   bool ask_about_changes() const;
@@ -28,6 +31,7 @@ class EditorController final : public QObject {
 
  private:
   ExperimentEditor* open_editor(const QString& text, const QString& file);
+  ExperimentEditor* open_editor_with(const std::vector<std::pair<QString, QString>>& values);
   void edit_present();
   QString as_done() const;
 

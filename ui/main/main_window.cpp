@@ -513,6 +513,9 @@ void MainWindow::connect_panels() {
   connect(robot_, &RobotController::testing, checks_, &CheckController::set_testing);
   connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
   connect(check_list_, &CheckList::mend, this, &MainWindow::mend);
+  connect(check_list_, &CheckList::tag_size_wanted, editor_, [this](double size) {
+    editor_->save_with({{QStringLiteral("tags.size"), QString::number(size)}});
+  });
   connect(files_, &FileController::experiment_wanted, this,
           [this](const app::Experiment& experiment) { open(experiment, false); });
   comparison_->set_kicks([this] {
@@ -743,6 +746,8 @@ void MainWindow::show_state() {
   show_numbers();
   if (!run.latest()) return;
   arena_->set_may_be_driving(run.may_be_driving());
+  const LiveRun& live = runs_.live();
+  arena_->set_unseen(&run == &live ? live.camera().why_lost : std::vector<app::UnseenTag>());
   robots_->robots().show_record(*run.latest(), {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
   QStringList low;
   const auto& robots = run.robots();

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "ui/base/palette.h"
+#include "ui/base/picture.h"
 
 namespace skein::ui {
 namespace {
@@ -44,10 +45,17 @@ constexpr std::array entries{
           QT_TRANSLATE_NOOP("CheckList", "Brings every robot to its start")},
 };
 
+/// Of a check; the line below it is free.
+int line_of(std::size_t check) {
+  return 2 * static_cast<int>(check);
+}
+
 }  // namespace
 
 CheckList::CheckList(QWidget* parent)
     : QWidget(parent),
+      pictures_(new QWidget(this)),
+      tag_size_(new QPushButton(this)),
       anyway_(new QPushButton(tr("Start anyway"), this)),
       scroll_(new QScrollArea(this)),
       list_(new QWidget) {
@@ -78,7 +86,7 @@ CheckList::CheckList(QWidget* parent)
     row.reason->setTextFormat(Qt::PlainText);
     row.reason->setWordWrap(true);
     row.reason->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    const int line = static_cast<int>(k);
+    const int line = line_of(k);
     layout->addWidget(row.mark, line, 0);
     layout->addWidget(row.title, line, 1);
     layout->addWidget(row.reason, line, 2);
@@ -94,13 +102,24 @@ CheckList::CheckList(QWidget* parent)
       layout->addWidget(row.mend, line, 3);
     }
     rows_.push_back(row);
+    if (static_cast<What>(k) != What::tags) continue;
+    layout->addWidget(pictures_, line + 1, 1, 1, 2);
+    layout->addWidget(tag_size_, line + 1, 3, Qt::AlignTop);
+    QWidget::setTabOrder(row.mend, tag_size_);
   }
+  pictures_->setObjectName(QStringLiteral("tag_pictures"));
+  pictures_->hide();
+  auto* pictures = new QHBoxLayout(pictures_);
+  pictures->setContentsMargins(0, 0, 0, 4);
+  tag_size_->setObjectName(QStringLiteral("mend_tag_size"));
+  tag_size_->hide();
+  connect(tag_size_, &QPushButton::clicked, this, [this] { emit tag_size_wanted(size_); });
   layout->setColumnStretch(2, 1);
   anyway_->setObjectName(QStringLiteral("start_anyway"));
   anyway_->setAccessibleName(anyway_->text());
   anyway_->setToolTip(tr("Starts although a check has failed; only failures without danger can be overridden"));
   connect(anyway_, &QPushButton::clicked, this, &CheckList::start_anyway);
-  layout->addWidget(anyway_, static_cast<int>(entries.size()) - 2, 3);
+  layout->addWidget(anyway_, line_of(entries.size() - 2), 3);
 }
 
 /// High enough for reasons of several lines, also beside a scroll bar: else one that is there would stay for ever.
@@ -113,6 +132,67 @@ QSize CheckList::sizeHint() const {
 void CheckList::show_checks(const std::vector<app::Check>& checks) {
   checks_ = checks;
   dress();
+}
+
+void CheckList::show_tags(const std::vector<app::UnseenTag>& tags, std::optional<double> size) {
+  const bool had_button = tag_size_->isVisibleTo(this);
+  tag_size_->setVisible(size.has_value());
+  if (size && size_ != *size) {
+    size_ = *size;
+    const QString edge = QString::number(1000 * size_);
+    tag_size_->setText(tr("Set tag size %1 mm").arg(edge));
+    tag_size_->setAccessibleName(tr("%1: %2").arg(tr("All tags seen"), tag_size_->text()));
+    tag_size_->setToolTip(
+        tr("Measure the black edge of a tag first. If it has %1 mm: writes size = %2 below [tags] into "
+           "the experiment's file, and sets the experiment up again; the editor opens, where that can "
+           "be undone")
+            .arg(edge)
+            .arg(size_));
+  }
+  std::vector<std::shared_ptr<const app::Picture>> now;
+  for (const app::UnseenTag& tag : tags) now.push_back(tag.picture);
+  if (now != pictured_) {
+    pictured_ = std::move(now);
+    show_pictures(tags);
+  }
+  if (had_button == tag_size_->isVisibleTo(this)) return;
+  keep_lines_whole();
+  updateGeometry();
+}
+
+/// As many as have room beside one another; the sentences above are about all.
+void CheckList::show_pictures(const std::vector<app::UnseenTag>& tags) {
+  constexpr int height = 56, most = 4;
+  QLayout* const layout = pictures_->layout();
+  while (QLayoutItem* const old = layout->takeAt(0)) {
+    delete old->widget();
+    delete old;
+  }
+  int shown = 0;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const QImage image = image_of(tags[i], height);
+    if (image.isNull() || shown == most) continue;
+    ++shown;
+    auto* picture = new QLabel(pictures_);
+    picture->setObjectName(QStringLiteral("tag_picture_%1").arg(i + 1));
+    picture->setPixmap(QPixmap::fromImage(image));
+    const bool there = tags[i].why != core::NotSeen::not_found;
+    const QString what =
+        (there ? tr("Tag %1 of robot %2, as the camera shows it") : tr("Where tag %1 of robot %2 was last seen"))
+            .arg(tags[i].tag)
+            .arg(i + 1);
+    picture->setAccessibleName(what);
+    picture->setToolTip(QStringLiteral("<b>%1</b><br>%2").arg(what.toHtmlEscaped(), html_of(tags[i])));
+    auto* whose = new QLabel(QString::number(i + 1), pictures_);
+    whose->setForegroundRole(QPalette::PlaceholderText);
+    layout->addWidget(picture);
+    layout->addWidget(whose);
+  }
+  static_cast<QHBoxLayout*>(layout)->addStretch();
+  pictures_->setVisible(shown > 0);
+  keep_lines_whole();
+  updateGeometry();
+  scroll_to_amiss();
 }
 
 void CheckList::dress() {
@@ -148,6 +228,7 @@ void CheckList::dress() {
     if (row.mend) row.mend->setVisible(fails);
   }
   anyway_->setVisible(app::may_start(checks_) && !app::all_hold(checks_));
+  keep_lines_whole();
   updateGeometry();
   const auto fails = [](const app::Check& check) { return check.state == app::Check::State::fails; };
   const auto first = std::find_if(checks_.begin(), checks_.end(), fails);
@@ -160,10 +241,20 @@ void CheckList::scroll_to_amiss() {
   if (!amiss_) return;
   const Row& row = rows_[static_cast<std::size_t>(*amiss_)];
   QWidget* const highest = row.mend ? static_cast<QWidget*>(row.mend) : row.reason;
-  QTimer::singleShot(0, this, [this, highest] { scroll_->ensureWidgetVisible(highest, 0, 4); });
+  QTimer::singleShot(0, this, [this, highest] {
+    if (amiss_ == What::tags && !pictures_->isHidden()) scroll_->ensureWidgetVisible(pictures_, 0, 4);
+    scroll_->ensureWidgetVisible(highest, 0, 4);
+  });
+}
+
+/// What has no room is scrolled to: without this the lines would be squeezed, since they wrap.
+void CheckList::keep_lines_whole() {
+  const int width = scroll_->viewport()->width();
+  list_->setMinimumHeight(std::max(0, list_->layout()->totalHeightForWidth(width)));
 }
 
 void CheckList::resizeEvent(QResizeEvent* event) {
+  keep_lines_whole();
   if (event->size().width() != event->oldSize().width()) updateGeometry();
   scroll_to_amiss();
   QWidget::resizeEvent(event);

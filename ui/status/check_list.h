@@ -4,6 +4,7 @@
 #include <QPushButton>
 #include <QScrollArea>
 #include <QWidget>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -21,9 +22,13 @@ class CheckList final : public QWidget {
   QSize sizeHint() const override;
   QSize minimumSizeHint() const override { return {200, 60}; }
   void show_checks(const std::vector<app::Check>& checks);
+  /// By robot: its tag that the camera does not see, an empty one where it does. `size`: the tag size that would mend
+  /// it [m], see app::fitting_tag_size.
+  void show_tags(const std::vector<app::UnseenTag>& tags, std::optional<double> size);
 
  signals:
   void mend(skein::app::Check::What what);
+  void tag_size_wanted(double size);  ///< [m]
   void start_anyway();
 
  protected:
@@ -36,10 +41,16 @@ class CheckList final : public QWidget {
     QPushButton* mend;  // null: nothing to press
   };
   void dress();
+  void show_pictures(const std::vector<app::UnseenTag>& tags);
+  void keep_lines_whole();
   void scroll_to_amiss();
 
   std::vector<app::Check> checks_;
   std::vector<Row> rows_;
+  QWidget* pictures_;  // of tags that are not seen, below the sentences
+  std::vector<std::shared_ptr<const app::Picture>> pictured_;
+  QPushButton* tag_size_;
+  double size_ = 0.0;  // that it would set [m]
   QPushButton* anyway_;
   QScrollArea* scroll_;  // if there is little room
   QWidget* list_;
