@@ -11,6 +11,7 @@
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/number_text.h"
 #include "app/run/output.h"
 #include "app/tools/joint_films.h"
 #include "core/geometry/pose.h"
@@ -43,8 +44,8 @@ void print(const JointFilms& found, std::size_t reference) {
         k == reference
             ? fmt::format("camera {}: the reference\n", k + 1)
             : fmt::format("camera {}: its poses move by {}; in the corners of its picture known to {}; its stamps "
-                          "are {:+.1f} ms late\n",
-                          k + 1, in_mm(camera.moved), in_mm(camera.known), 1e3 * camera.late));
+                          "are {} ms late\n",
+                          k + 1, in_mm(camera.moved), in_mm(camera.known), fixed(1e3 * camera.late, 1)));
   }
 }
 

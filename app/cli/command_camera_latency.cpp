@@ -9,6 +9,7 @@
 #include "app/calibration/calibration_file.h"
 #include "app/cli/commands.h"
 #include "app/run/exit_status.h"
+#include "app/run/number_text.h"
 #include "app/run/output.h"
 #include "app/session/camera_rig.h"
 #include "app/tools/camera_latency.h"
@@ -18,7 +19,7 @@ namespace skein::app {
 namespace {
 
 std::string in_ms(double seconds) {
-  return fmt::format("{:.2f} ms", 1e3 * seconds);
+  return fixed(1e3 * seconds, 2) + " ms";
 }
 
 void print(const CameraLatency& camera, double corrected) {

@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_robots.h"
 #include "app/experiment/experiment_trajectory.h"
 #include "app/experiment/longest.h"
+#include "app/run/number_text.h"
 #include "core/planning/assignment.h"
 
 namespace skein::app {
@@ -168,10 +169,11 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
   if (e.reference.kind != Kind::platoon) room = 2.0 * e.robots[who].radius;
   const double x_most = 0.5 * (e.arena_width - room), y_most = 0.5 * (e.arena_height - room);
   if (outside > 0.0)
-    problems.add(own ? fmt::format("robot.{}.trajectory", who + 1) : "reference.path",
-                 fmt::format("found a place ({:.4g}, {:.4g}) m that a robot reaches, allowed: from -{:.6g} to {:.6g} m "
-                             "along x, -{:.6g} to {:.6g} m along y, the arena less a robot's width of {} m",
-                             farthest.x, farthest.y, x_most, x_most, y_most, y_most, room));
+    problems.add(
+        own ? fmt::format("robot.{}.trajectory", who + 1) : "reference.path",
+        fmt::format("found a place ({}, {}) m that a robot reaches, allowed: from -{:.6g} to {:.6g} m "
+                    "along x, -{:.6g} to {:.6g} m along y, the arena less a robot's width of {} m",
+                    significant(farthest.x, 4), significant(farthest.y, 4), x_most, x_most, y_most, y_most, room));
 }
 
 /// What a robot's body and its detection region ask of an offset. Known once: offsets are hundreds of thousands.
@@ -297,7 +299,8 @@ void check_starts(const Experiment& e, const core::Reference& reference, Problem
   }
   const auto refuse = [&](std::size_t i, const std::string& found_and_allowed) {
     problems.add(fmt::format("robot.{}.start", i + 1),
-                 fmt::format("found ({:.4g}, {:.4g}) m, {}", bodies[i].pose.x, bodies[i].pose.y, found_and_allowed));
+                 fmt::format("found ({}, {}) m, {}", significant(bodies[i].pose.x, 4), significant(bodies[i].pose.y, 4),
+                             found_and_allowed));
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const auto& [pose, radius, own_start] = bodies[i];
@@ -320,9 +323,9 @@ void check_starts(const Experiment& e, const core::Reference& reference, Problem
                               touching));
       else
         problems.add(fmt::format("obstacle.{}", k + 1),
-                     fmt::format("found ({:.4g}, {:.4g}) m, {:.4g} m from where robot {} begins, allowed: at least "
+                     fmt::format("found ({}, {}) m, {:.4g} m from where robot {} begins, allowed: at least "
                                  "{:.4g} m",
-                                 o.x, o.y, distance, i + 1, touching));
+                                 significant(o.x, 4), significant(o.y, 4), distance, i + 1, touching));
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/run/number_text.h"
 #include "core/planning/route_search.h"
 
 namespace skein::app {
@@ -33,10 +34,11 @@ std::vector<std::string> missing_ways(const Experiment& experiment) {
     const core::Lattice::Place inside = lattice.inside(last.pose.x, last.pose.y);
     const bool reached = search.found() && std::hypot(inside.x - last.pose.x, inside.y - last.pose.y) < 5e-3;
     if (!reached)
-      sentences.push_back(fmt::format(
-          "no way for {} from ({:.3g}, {:.3g}) to ({:.3g}, {:.3g}) m: obstacles and the arena's edge are closer than "
-          "the shield lets it go",
-          robot_name(experiment, i), query.from.x, query.from.y, query.to.x, query.to.y));
+      sentences.push_back(
+          fmt::format("no way for {} from ({}, {}) to ({}, {}) m: obstacles and the arena's edge are closer than "
+                      "the shield lets it go",
+                      robot_name(experiment, i), significant(query.from.x, 3), significant(query.from.y, 3),
+                      significant(query.to.x, 3), significant(query.to.y, 3)));
   }
   return sentences;
 }

@@ -10,9 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To a millionth: of a metre, of a second. What is left out is noise, and the numbers stay readable.
+/// To a millionth: of a metre, of a second. What is left out is noise, and the numbers stay readable. Never -0.
 double rounded(double value) {
-  return std::round(value * 1e6) / 1e6;
+  return std::round(value * 1e6) / 1e6 + 0.0;
 }
 
 Json json(double value) {

@@ -1,6 +1,7 @@
 // The window's parts on their own.
 #include <gtest/gtest.h>
 
+#include <QAccessible>
 #include <QApplication>
 #include <QClipboard>
 #include <QRegularExpression>
@@ -259,6 +260,33 @@ TEST(RobotsModel, SaysWhatIsWrongWithALink) {
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ToolTipRole).toString().contains(QStringLiteral("no route to it")));
   EXPECT_EQ(cell(RobotsModel::round_trip, Qt::DisplayRole).toString(), QStringLiteral("12.3 ms"));
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ForegroundRole).isValid());
+}
+
+TEST(RobotsModel, PrintsNoSignBeforeTheZerosOfWheelsThatStand) {
+  const app::Experiment experiment = app::paper_experiment();
+  RobotsModel model;
+  model.show_experiment(experiment);
+  app::TickRecord record = standing(experiment);
+  record.robots[0].wheels = {-0.0, -0.3};
+  record.robots[1].wheels = {-412.0, 0.4};
+  model.show_record(record, {});
+  const auto wheels = [&](int row) {
+    return model.data(model.index(row, RobotsModel::wheels), Qt::DisplayRole).toString();
+  };
+  EXPECT_EQ(wheels(0), QStringLiteral("0 / 0"));
+  EXPECT_EQ(wheels(1), QStringLiteral("-412 / 0"));
+}
+
+TEST(ArenaView, PrintsNoSignBeforeTheZerosOfARobotsPlace) {
+  const app::Experiment experiment = app::paper_experiment();
+  ArenaView view;
+  view.show_experiment(experiment);
+  app::TickRecord record = standing(experiment);
+  record.robots[0].truth = {-0.0004, -0.0, -0.001};
+  view.show_record(record);
+  const QAccessibleInterface* const told = QAccessible::queryAccessibleInterface(&view);
+  const QString spoken = told->text(QAccessible::Value) + told->text(QAccessible::Description);
+  EXPECT_TRUE(spoken.contains(QStringLiteral("Robot 1 at x 0.00 m, y 0.00 m, heading 0°"))) << spoken.toStdString();
 }
 
 TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {

@@ -8,6 +8,7 @@
 #include "ui/arena/arena_painter.h"
 #include "ui/arena/arena_pens.h"
 #include "ui/base/modes.h"
+#include "ui/base/number_text.h"
 #include "ui/base/tr.h"
 
 namespace skein::ui {
@@ -87,10 +88,8 @@ void ArenaPainter::ruler() {
   const double degrees = std::atan2(way.y(), way.x()) * 180.0 / core::pi;
   const QPointF above((a.x() + b.x()) / 2, std::min(a.y(), b.y()) - 44);  // clear of robots at its ends
   note(above, tr("%1 cm   Δx %2   Δy %3   %4°")
-                  .arg(100 * std::hypot(way.x(), way.y()), 0, 'f', 1)
-                  .arg(100 * way.x(), 0, 'f', 1)
-                  .arg(100 * way.y(), 0, 'f', 1)
-                  .arg(degrees, 0, 'f', 0));
+                  .arg(fixed(100 * std::hypot(way.x(), way.y()), 1), fixed(100 * way.x(), 1), fixed(100 * way.y(), 1),
+                       fixed(degrees, 0)));
 }
 
 /// That the keys come here, and where they point.

@@ -5,6 +5,7 @@
 
 #include "ui/arena/arena_view.h"
 #include "ui/base/modes.h"
+#include "ui/base/number_text.h"
 #include "ui/base/picture.h"
 #include "ui/base/why.h"
 
@@ -81,10 +82,7 @@ QString ArenaView::spoken() const {
     const QString doing = why(*scene_.record, i);
     lines << (pose ? tr("Robot %1 at x %2 m, y %3 m, heading %4°: %5")
                          .arg(i + 1)
-                         .arg(pose->x, 0, 'f', 2)
-                         .arg(pose->y, 0, 'f', 2)
-                         .arg(pose->theta * 180.0 / core::pi, 0, 'f', 0)
-                         .arg(doing)
+                         .arg(fixed(pose->x, 2), fixed(pose->y, 2), fixed(pose->theta * 180.0 / core::pi, 0), doing)
                    : tr("Robot %1: %2").arg(i + 1).arg(doing));
   }
   return lines.join(QStringLiteral("; "));
@@ -97,9 +95,7 @@ QString ArenaView::tip_at(QPoint where) const {
     const core::Obstacle& o = scene_.obstacles[static_cast<std::size_t>(obstacle)];
     return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>%5")
         .arg(obstacle + 1)
-        .arg(o.x, 0, 'f', 3)
-        .arg(o.y, 0, 'f', 3)
-        .arg(o.radius, 0, 'f', 3)
+        .arg(fixed(o.x, 3), fixed(o.y, 3), fixed(o.radius, 3))
         .arg(can_do(tr("Drag to move it, wheel to resize it; drag it off the floor, or press Delete, to remove it.")));
   }
   if (robot < 0) {
@@ -118,9 +114,7 @@ QString ArenaView::tip_at(QPoint where) const {
              .arg(robot + 1)
              .arg(scene_.experiment.robots[i].tag)
              .arg(mode_text(scene_.record->robots[i].mode), why(*scene_.record, i).toHtmlEscaped())
-             .arg(pose.x, 0, 'f', 3)
-             .arg(pose.y, 0, 'f', 3)
-             .arg(pose.theta * 180.0 / core::pi, 0, 'f', 0)
+             .arg(fixed(pose.x, 3), fixed(pose.y, 3), fixed(pose.theta * 180.0 / core::pi, 0))
              .arg(can_do(movable(robot)
                              ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")
                              : why_not(robot)));

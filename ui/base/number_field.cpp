@@ -5,6 +5,8 @@
 #include <QStyleOptionSpinBox>
 #include <cmath>
 
+#include "ui/base/number_text.h"
+
 namespace skein::ui {
 namespace {
 
@@ -54,7 +56,7 @@ QSize NumberField::sizeHint() const {
 }
 
 QString NumberField::textFromValue(double value) const {
-  return QString::number(value, 'f', decimals());
+  return fixed(value, decimals());
 }
 
 }  // namespace skein::ui

@@ -4,6 +4,7 @@
 #include <QRegularExpression>
 #include <cmath>
 
+#include "ui/base/number_text.h"
 #include "ui/base/tr.h"
 
 namespace skein::ui {
@@ -139,8 +140,7 @@ QString sentence(const app::Event& event) {
           [&](const PutObstacle& e) {
             return e.obstacle.radius > 0.0 ? tr("Obstacle %1 stands at x %2 m, y %3 m")
                                                  .arg(e.number + 1)
-                                                 .arg(e.obstacle.x, 0, 'f', 2)
-                                                 .arg(e.obstacle.y, 0, 'f', 2)
+                                                 .arg(fixed(e.obstacle.x, 2), fixed(e.obstacle.y, 2))
                                            : tr("Obstacle %1 was removed").arg(e.number + 1);
           },
           [&](const NoWay& e) { return tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1); },

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "ui/base/number_text.h"
+
 namespace skein::ui {
 namespace {
 
@@ -201,9 +203,7 @@ void FloorPage::settle() {
   QString text = tr("Written. Error %1 mm (rms), %2 mm at most. The camera is at x %3, y %4, z %5 m.")
                      .arg(1000 * survey->rms, 0, 'f', 1)
                      .arg(1000 * survey->worst, 0, 'f', 1)
-                     .arg(survey->camera[0], 0, 'f', 3)
-                     .arg(survey->camera[1], 0, 'f', 3)
-                     .arg(survey->camera[2], 0, 'f', 3);
+                     .arg(fixed(survey->camera[0], 3), fixed(survey->camera[1], 3), fixed(survey->camera[2], 3));
   if (std::isfinite(survey->poses_move))
     text += tr(" Poses move by %1 mm (rms).").arg(1000 * survey->poses_move, 0, 'f', 1);
   if (!survey->suspect.empty())

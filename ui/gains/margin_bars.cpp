@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/number_text.h"
 #include "ui/base/palette.h"
 #include "ui/base/told.h"
 
@@ -48,8 +49,8 @@ void MarginBars::show_record(const app::TickRecord& record) {
 
 QString MarginBars::spoken() const {
   const auto left = [](const Bar& bar) {
-    return bar.holds ? tr("%1, %2 %").arg(bar.left, 0, 'f', 4).arg(100 * bar.left / bar.of, 0, 'f', 0)
-                     : tr("%1, (18) does not hold").arg(bar.left, 0, 'f', 4);
+    return bar.holds ? tr("%1, %2 %").arg(fixed(bar.left, 4), fixed(100 * bar.left / bar.of, 0))
+                     : tr("%1, (18) does not hold").arg(fixed(bar.left, 4));
   };
   QStringList robots;
   for (std::size_t i = 0; i < forward_.size(); ++i)
@@ -96,11 +97,11 @@ void MarginBars::paint_bar(QPainter& p, const QRectF& where, const Bar& bar, con
   p.setBrush(fill);
   p.drawRoundedRect(QRectF(where.topLeft(), QSizeF(where.width() * share, where.height())), 3, 3);
   p.setPen(bar.holds ? c.text : c.alarm);
-  const QString number = QString::number(bar.left, 'f', bar.of < 1 ? 4 : 3);
+  const QString number = fixed(bar.left, bar.of < 1 ? 4 : 3);
   p.drawText(where.adjusted(5, 0, -5, 0), Qt::AlignVCenter | Qt::AlignLeft,
              bar.holds ? number : tr("%1 !").arg(number));
   p.drawText(where.adjusted(5, 0, -5, 0), Qt::AlignVCenter | Qt::AlignRight,
-             QStringLiteral("%1 %").arg(100 * bar.left / bar.of, 0, 'f', 0));
+             QStringLiteral("%1 %").arg(fixed(100 * bar.left / bar.of, 0)));
 }
 
 }  // namespace skein::ui

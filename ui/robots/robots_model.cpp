@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ui/base/modes.h"
+#include "ui/base/number_text.h"
 #include "ui/base/sentence.h"
 #include "ui/base/signal_drag.h"
 #include "ui/base/why.h"
@@ -127,7 +128,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
     return record.pose_age < 10 ? tr("%1 ms").arg(record.pose_age * 1000, 0, 'f', 0)
                                 : tr("%1 s").arg(record.pose_age, 0, 'f', 0);
   }
-  return QStringLiteral("%1 / %2").arg(record.wheels.left, 0, 'f', 0).arg(record.wheels.right, 0, 'f', 0);
+  return QStringLiteral("%1 / %2").arg(fixed(record.wheels.left, 0), fixed(record.wheels.right, 0));
 }
 
 QString RobotsModel::tip(std::size_t i, int column) const {

@@ -11,6 +11,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "ui/base/number_text.h"
 #include "ui/base/sentence.h"
 
 namespace skein::ui {
@@ -22,7 +23,7 @@ constexpr int settles_ms = 50;  // while a panel is being drawn wider, sentences
 QString shortened(QString text) {
   static const QRegularExpression long_number(QStringLiteral("-?\\d+\\.\\d{5,}"));
   for (QRegularExpressionMatch match = long_number.match(text); match.hasMatch(); match = long_number.match(text))
-    text.replace(match.capturedStart(), match.capturedLength(), QString::number(match.captured().toDouble(), 'f', 4));
+    text.replace(match.capturedStart(), match.capturedLength(), fixed(match.captured().toDouble(), 4));
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/number_text.h"
 #include "ui/base/palette.h"
 #include "ui/base/sentence.h"
 #include "ui/base/told.h"
@@ -43,9 +44,7 @@ void TimeLine::show_experiment(const app::Experiment& experiment) {
                       tr("%1 s: robot %2 is moved by (%3, %4) cm, %5°")
                           .arg(p.t)
                           .arg(p.robot + 1)
-                          .arg(p.dx * 100, 0, 'f', 1)
-                          .arg(p.dy * 100, 0, 'f', 1)
-                          .arg(p.dtheta * 180 / core::pi, 0, 'f', 0)});
+                          .arg(fixed(p.dx * 100, 1), fixed(p.dy * 100, 1), fixed(p.dtheta * 180 / core::pi, 0))});
   for (const app::GainChange& change : experiment.gain_changes)
     marks_.push_back({change.t, -1, tr("%1 s: the gains change").arg(change.t)});
   for (const app::OperatorAction& action : experiment.actions) {

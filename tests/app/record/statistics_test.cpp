@@ -328,6 +328,12 @@ TEST(Statistics, NobodyArrivesBecauseTheReferencesWereStopped) {
   EXPECT_TRUE(std::isnan(stopped.summary().arrived));
 }
 
+TEST(Summary, PrintsNoSignBeforeAZero) {
+  Statistics::Summary s;
+  s.loop_delay = -1e-9;
+  EXPECT_NE(as_lines(s).find("loop_delay: 0.0\n"), std::string::npos) << as_lines(s);
+}
+
 TEST(Summary, ReadsAsLinesAndAsJson) {
   Statistics::Summary s;
   s.name = "a \"name\"";
