@@ -10,12 +10,14 @@
 #include <QComboBox>
 #include <QDialog>
 #include <QDockWidget>
+#include <QHeaderView>
 #include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
 #include <QPlainTextEdit>
 #include <QScreen>
 #include <QScrollBar>
+#include <QTabBar>
 #include <cmath>
 
 #include "operator.h"
@@ -40,41 +42,35 @@ bool scrolls(const QWidget* widget) {
   return false;
 }
 
-class Look : public Operator, public ::testing::WithParamInterface<Screen> {
- protected:
-  void look();
-  bool is_behind_another_tab(QWidget* widget) {
-    for (; widget; widget = widget->parentWidget())
-      if (auto* dock = qobject_cast<QDockWidget*>(widget))
-        return !window.tabifiedDockWidgets(dock).isEmpty() && dock->visibleRegion().isEmpty();
-    return false;
-  }
-};
-
-TEST_P(Look, CutsNothingOff) {
-  const Screen screen = GetParam();
-  window.set_theme(screen.theme);
-  start();
-  window.resize(screen.width, screen.height);
-  ASSERT_TRUE(eventually([&] { return window.size() == QSize(screen.width, screen.height); }))
-      << "it needs more: " << window.width() << " x " << window.height();
-  QTest::qWait(50);  // layouts
-  // A panel that is a tab behind another one is looked at in front, and only there.
-  for (const char* shown : {"go_to_gains", "go_to_plots"}) {
-    find<QAction>(shown)->trigger();
-    QTest::qWait(50);
-    look();
-  }
+bool is_behind_another_tab(const MainWindow& window, QWidget* widget) {
+  for (; widget; widget = widget->parentWidget())
+    if (auto* dock = qobject_cast<QDockWidget*>(widget))
+      return !window.tabifiedDockWidgets(dock).isEmpty() && dock->visibleRegion().isEmpty();
+  return false;
 }
 
-void Look::look() {
+/// What tabs and the heads of tables cut short, they mark with an ellipsis.
+void expect_nothing_elided(const MainWindow& window) {
+  for (const QTabBar* bar : window.findChildren<QTabBar*>())
+    for (int k = 0; bar->isVisible() && k < bar->count(); ++k)
+      EXPECT_GE(bar->tabRect(k).width(), bar->fontMetrics().horizontalAdvance(bar->tabText(k)))
+          << bar->tabText(k).toStdString();
+  for (const QHeaderView* head : window.findChildren<QHeaderView*>())
+    for (int k = 0; head->isVisible() && head->orientation() == Qt::Horizontal && k < head->count(); ++k)
+      if (const QString text = head->model()->headerData(k, Qt::Horizontal).toString(); !head->isSectionHidden(k)) {
+        EXPECT_GE(head->sectionSize(k), head->fontMetrics().horizontalAdvance(text)) << text.toStdString();
+      }
+}
+
+/// Every text and every button that this window shows now.
+void expect_nothing_cut_off(MainWindow& window) {
   // A label whose text has just changed asks for its room by an event: nobody sees it before.
   QCoreApplication::sendPostedEvents(nullptr, QEvent::LayoutRequest);
   for (QWidget* widget : window.findChildren<QWidget*>()) {
     const bool text = qobject_cast<QAbstractButton*>(widget) || qobject_cast<QAbstractSpinBox*>(widget) ||
                       (qobject_cast<QLabel*>(widget) && widget->objectName() != QStringLiteral("alert"));
     if (!text || !widget->isVisible() || widget->objectName().startsWith(QStringLiteral("qt_"))) continue;  // Qt's own
-    if (is_behind_another_tab(widget)) continue;
+    if (is_behind_another_tab(window, widget)) continue;
     const QSize needed = widget->minimumSizeHint().expandedTo(QSize(0, 0));
     EXPECT_GE(widget->width(), needed.width()) << widget->objectName().toStdString();
     EXPECT_GE(widget->height(), needed.height()) << widget->objectName().toStdString();
@@ -85,11 +81,33 @@ void Look::look() {
     const QRect inside(QPoint(), widget->parentWidget()->size());
     EXPECT_TRUE(inside.contains(widget->geometry())) << widget->objectName().toStdString() << " lies outside";
   }
-  auto* stop = find<QPushButton>("stop");
+  const auto* stop = window.findChild<QPushButton*>(QStringLiteral("stop"));
   EXPECT_EQ(stop->visibleRegion().boundingRect(), stop->rect()) << "STOP is cut off";
   EXPECT_GE(stop->width(), 150);
   EXPECT_GE(stop->height(), 56);
   EXPECT_TRUE(QRect(QPoint(), window.size()).contains({stop->mapTo(&window, QPoint()), stop->size()}));
+}
+
+/// A panel that is a tab behind another one is looked at in front, and only there.
+void expect_nothing_cut_off_in_any_tab(MainWindow& window) {
+  for (const char* shown : {"go_to_gains", "go_to_plots"}) {
+    window.findChild<QAction*>(QString::fromLatin1(shown))->trigger();
+    QTest::qWait(50);
+    expect_nothing_cut_off(window);
+  }
+}
+
+class Look : public Operator, public ::testing::WithParamInterface<Screen> {};
+
+TEST_P(Look, CutsNothingOff) {
+  const Screen screen = GetParam();
+  window.set_theme(screen.theme);
+  start();
+  window.resize(screen.width, screen.height);
+  ASSERT_TRUE(eventually([&] { return window.size() == QSize(screen.width, screen.height); }))
+      << "it needs more: " << window.width() << " x " << window.height();
+  QTest::qWait(50);  // layouts
+  expect_nothing_cut_off_in_any_tab(window);
 }
 
 INSTANTIATE_TEST_SUITE_P(On, Look,
@@ -158,6 +176,28 @@ TEST_F(Operator, FindsTheFirstWindowAndEveryDialogInsideTheScreen) {
     EXPECT_LE(dialog->width(), screen.width()) << dialog->objectName().toStdString();
     EXPECT_LE(dialog->height(), screen.height()) << dialog->objectName().toStdString();
   }
+}
+
+/// The first window that somebody sees, on the screen of this process: ctest runs it on dense ones too
+/// (CMakeLists.txt).
+TEST(FirstWindow, FitsTheScreenAndCutsNothingOff) {
+  settings().clear();
+  MainWindow first;
+  first.show();
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(&first));
+  if (const QString screen = qEnvironmentVariable("SKEIN_TEST_SCREEN"); !screen.isEmpty()) {
+    const QSize points = first.screen()->size();
+    ASSERT_EQ(QStringLiteral("%1x%2").arg(points.width()).arg(points.height()), screen)
+        << "not the screen to be tested";
+  }
+  first.open(app::paper_experiment(), false);
+  ASSERT_TRUE(eventually([&] { return first.live().is_open() && first.live().latest() != nullptr; }));
+  EXPECT_TRUE(first.screen()->availableGeometry().contains(first.frameGeometry()))
+      << first.frameGeometry().width() << " x " << first.frameGeometry().height();
+  expect_nothing_cut_off_in_any_tab(first);
+  expect_nothing_elided(first);
+  first.close();
+  EXPECT_TRUE(eventually([&] { return !first.isVisible(); }));
 }
 
 double luminance(const QColor& colour) {
