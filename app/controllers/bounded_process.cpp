@@ -176,11 +176,11 @@ tl::expected<std::unique_ptr<BoundedProcess>, std::string> BoundedProcess::start
   std::unique_ptr<BoundedProcess> made(new BoundedProcess);
   const auto told = std::make_shared<std::promise<tl::expected<void, std::string>>>();
   auto spawned = told->get_future();
-  made->drainer_ = std::jthread([&setup, told, self = made.get()](const std::stop_token& stop) {
+  made->drainer_ = std::jthread([&setup, told, self = made.get(), prints = setup.prints](const std::stop_token& stop) {
     auto result = self->spawn(setup);
     const bool good = result.has_value();
     told->set_value(std::move(result));
-    if (good) self->drain(stop);
+    if (good) self->drain(stop, prints);
   });
   if (auto result = spawned.get(); !result) return tl::unexpected(result.error());
   return made;
@@ -276,7 +276,7 @@ void BoundedProcess::end() noexcept {
 }
 
 /// What it prints: bounded on the terminal, and never kept waiting.
-void BoundedProcess::drain(const std::stop_token& stop) {
+void BoundedProcess::drain(const std::stop_token& stop, bool prints) {
   std::string line;
   std::size_t printed = 0;
   std::array<char, 4096> block{};
@@ -286,7 +286,7 @@ void BoundedProcess::drain(const std::stop_token& stop) {
     const ssize_t n = ::read(output_, block.data(), block.size());
     if (n <= 0) return;
     const std::string_view text(block.data(), static_cast<std::size_t>(n));
-    if (printed < most_printed) {
+    if (prints && printed < most_printed) {
       printed += text.size();
       print_error(std::string(text));
       if (printed >= most_printed) print_error("\nskein: further output of the controller is not shown\n");

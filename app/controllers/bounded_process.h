@@ -23,7 +23,7 @@ struct ProcessBounds {
 };
 
 /// A foreign process in a group of its own, which ends with this one. It cannot leave its group, so `end` kills every
-/// process that it has started. The first 64 kB of its output go to stderr.
+/// process that it has started. Unless it is started otherwise, the first 64 kB of its output go to stderr.
 class BoundedProcess {
  public:
   struct Setup {
@@ -32,6 +32,7 @@ class BoundedProcess {
     std::vector<std::string> environment;  ///< NAME=VALUE, on top of this process's
     std::vector<int> files;                ///< its descriptors 3, 4, ...; the caller closes its own copies
     ProcessBounds bounds;
+    bool prints = true;  ///< its output goes to stderr
   };
   /// The error names the program and the reason why it cannot be started.
   static tl::expected<std::unique_ptr<BoundedProcess>, std::string> start(const Setup& setup);
@@ -46,7 +47,7 @@ class BoundedProcess {
  private:
   BoundedProcess() = default;
   tl::expected<void, std::string> spawn(const Setup& setup);
-  void drain(const std::stop_token& stop);
+  void drain(const std::stop_token& stop, bool prints);
   bool reap(double patience);
 
   pid_t process_ = -1;

@@ -28,6 +28,7 @@ namespace {
 
 constexpr double start_patience = 20.0;   // an interpreter and its libraries come from a cold disk [s]
 constexpr double waiting_deadline = 0.5;  // where nobody's clock runs [s]
+constexpr double preview_deadline = 2.0;  // of a process that has the lowest priority [s]
 constexpr int late_too_often = 25;        // in a row
 constexpr double watch_seconds = 2e-4;    // an answer that comes sooner costs no sleep and no waking up [s]
 constexpr std::size_t most_samples = 1'000'000;
@@ -120,7 +121,7 @@ tl::expected<std::vector<std::string>, std::string> words_of(const std::string& 
                              : "without | & ; < > ( ) { } outside quotes"));
 }
 
-OwnController::OwnController(const Experiment& experiment, bool waits)
+OwnController::OwnController(const Experiment& experiment, bool waits, bool for_preview)
     : memory_(std::make_unique<Memory>()),
       pipes_(std::make_unique<Pipes>()),
       law_(experiment.robots.size(), core::Twist{none, none}),
@@ -128,7 +129,8 @@ OwnController::OwnController(const Experiment& experiment, bool waits)
       watch_(waits || std::thread::hardware_concurrency() < 2 ? 0.0 : watch_seconds) {
   const LawSpec& law = experiment.controller.law;
   logged_.assign(experiment.robots.size() * law.log.size(), none);
-  report_.deadline = law.deadline.value_or(waits ? waiting_deadline : default_deadline(experiment));
+  report_.deadline =
+      for_preview ? preview_deadline : law.deadline.value_or(waits ? waiting_deadline : default_deadline(experiment));
   report_.waits.reserve(std::min(most_samples, static_cast<std::size_t>(experiment.ticks())));
 }
 
@@ -137,9 +139,9 @@ OwnController::~OwnController() {
 }
 
 tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(const Experiment& experiment, bool waits,
-                                                                               const std::string& program) {
+                                                                               const ControllerStart& how) {
   const LawSpec& law = experiment.controller.law;
-  std::unique_ptr<OwnController> own(new OwnController(experiment, waits));
+  std::unique_ptr<OwnController> own(new OwnController(experiment, waits, how.for_preview));
   if (auto opened = own->memory_->open(); !opened) return tl::unexpected(opened.error());
   if (!own->pipes_->open()) return tl::unexpected(fmt::format("no pipes to the controller: {}", std::strerror(errno)));
 
@@ -161,7 +163,7 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
   if (!law.library.empty()) {
     const std::filesystem::path path =
         std::filesystem::absolute(std::filesystem::path(experiment.directory) / law.library);
-    setup.words = {program.empty() ? "/proc/self/exe" : program, "controller-host", path.string()};
+    setup.words = {how.program.empty() ? "/proc/self/exe" : how.program, "controller-host", path.string()};
   } else {
     auto words = words_of(law.command);
     if (!words) return tl::unexpected(words.error());
@@ -169,6 +171,8 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
   }
   setup.directory = experiment.directory;
   setup.environment = {python_path(), "PYTHONUNBUFFERED=1"};
+  if (how.for_preview) setup.environment.emplace_back("SKEIN_PREVIEW=1");
+  setup.prints = how.prints;
   for (const char* const threads : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"})
     if (!std::getenv(threads)) setup.environment.push_back(std::string(threads) + "=1");
   setup.files = {own->memory_->file, own->pipes_->question[0], own->pipes_->answer[1]};
@@ -179,11 +183,12 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
   if (!process) return tl::unexpected(process.error());
   own->process_ = std::move(*process);
   own->pipes_->keep_ours();
-  if (auto ready = own->become_ready(experiment); !ready) return tl::unexpected(ready.error());
+  if (auto ready = own->become_ready(experiment, how.keep_on); !ready) return tl::unexpected(ready.error());
   return own;
 }
 
-tl::expected<void, std::string> OwnController::become_ready(const Experiment& experiment) {
+tl::expected<void, std::string> OwnController::become_ready(const Experiment& experiment,
+                                                            const std::function<bool()>& keep_on) {
   const double until = seconds_now() + start_patience;
   char byte = 0;
   while (true) {
@@ -198,6 +203,7 @@ tl::expected<void, std::string> OwnController::become_ready(const Experiment& ex
                                                                                    : how.empty() ? "it closed its line"
                                                                                                  : how));
     }
+    if (keep_on && !keep_on()) return tl::unexpected(std::string("the start was given up"));
     if (seconds_now() > until)
       return tl::unexpected(
           fmt::format("the controller was not ready within {:g} s: it must attach to the memory and write a byte to "
@@ -279,7 +285,7 @@ tl::expected<void, std::string> OwnController::take_declarations(const Experimen
   return {};
 }
 
-void OwnController::heed(const EventList& events) noexcept {
+void OwnController::heed(std::span<const Event> events) noexcept {
   for (const Event& event : events)
     if (const auto* const change = std::get_if<events::Parameter>(&event))
       for (Value& value : values_)

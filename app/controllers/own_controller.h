@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,15 +27,26 @@ struct ControllerReport {
   double deadline = 0.0;      ///< [s]
 };
 
+/// How a process of a controller is started.
+struct ControllerStart {
+  std::string program{};  ///< hosts libraries; empty: this one
+  /// A second process, beside that of the run: it has SKEIN_PREVIEW=1 in its environment, and each answer is waited for
+  /// for two seconds.
+  bool for_preview = false;
+  bool prints = true;  ///< its output goes to stderr
+  /// Called while it becomes ready; if it returns false, the start is given up.
+  std::function<bool()> keep_on{};
+};
+
 /// A controller of the user's own: a process that shares memory with this one and is asked once per tick
 /// (skein_controller.h, docs/controllers.md). A library runs in a process too: this program, which loads it there.
 /// Whatever the process does, `ask` returns by the deadline, and its answer is checked on a copy.
 class OwnController {
  public:
   /// Starts it and waits, at most 20 s, until it is ready. `waits`: the clock is virtual and waits for slow answers.
-  /// `program` hosts libraries; empty: this one. The error is a sentence.
+  /// The error is a sentence.
   static tl::expected<std::unique_ptr<OwnController>, std::string> start(const Experiment& experiment, bool waits,
-                                                                         const std::string& program = {});
+                                                                         const ControllerStart& how = {});
   ~OwnController();
 
   /// How long before a question `wake` is best called: longer than an idle processor takes to wake up. [s]
@@ -46,7 +58,7 @@ class OwnController {
   /// thread only: no allocation, no lock; its only system calls are on its own pipes.
   void ask(const core::ControllerInput& input) noexcept;
   /// Takes new parameter values from a tick's events, for the next question. Control thread only.
-  void heed(const EventList& events) noexcept;
+  void heed(std::span<const Event> events) noexcept;
   /// The answer to the last question: unchecked numbers, none if there is no answer.
   std::span<const core::Twist> law() const noexcept { return law_; }
   std::span<const double> logged() const noexcept { return logged_; }
@@ -64,8 +76,8 @@ class OwnController {
  private:
   struct Memory;
   struct Pipes;
-  OwnController(const Experiment& experiment, bool waits);
-  tl::expected<void, std::string> become_ready(const Experiment& experiment);
+  OwnController(const Experiment& experiment, bool waits, bool for_preview);
+  tl::expected<void, std::string> become_ready(const Experiment& experiment, const std::function<bool()>& keep_on);
   tl::expected<void, std::string> take_declarations(const Experiment& experiment);
   tl::expected<void, std::string> take_parameters(const Experiment& experiment);
   bool wait_for(std::uint64_t answer, double seconds) noexcept;

@@ -42,6 +42,7 @@ struct LawSpec {
   std::optional<double> deadline;
   std::int64_t memory = 2048;   ///< limit of each of its processes [MB]
   std::int64_t processes = 16;  ///< how many it may start itself; 0: none
+  bool preview = false;         ///< a second process of it may be started, for previews
 
   friend bool operator==(const LawSpec&, const LawSpec&) = default;
 };

@@ -101,6 +101,8 @@ const std::vector<ExperimentKey>& all_keys() {
        whole<[](E& e) -> auto& { return e.controller.law.memory; }>(16, 1048576)},
       {"controller", "processes", "processes and threads that it may start itself",
        whole<[](E& e) -> auto& { return e.controller.law.processes; }>(0, 4096)},
+      {"controller", "preview", "a second process of it may be started, for previews in the window",
+       FlagKey{[](E& e) -> auto& { return e.controller.law.preview; }}},
 
       {"avoidance", "kind", "field: the paper's, with detours for stuck robots; plan: planned routes",
        choice<[](E& e) -> auto& { return e.avoidance.kind; }>()},

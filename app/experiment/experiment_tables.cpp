@@ -160,7 +160,7 @@ void read_law(TomlTable& t, LawSpec& law, Problems& problems) {
   }
   if (!law.command.empty() && !law.library.empty())
     t.refuse("library", *t.node("library"), "one of controller.command and controller.library");
-  for (const char* const key : {"failure", "deadline", "memory", "processes"})
+  for (const char* const key : {"failure", "deadline", "memory", "processes", "preview"})
     if (t.has(key) && !law.own()) t.refuse(key, *t.node(key), "with controller.command or controller.library");
   read_parameters(t, law, problems);
   read_log(t, law);

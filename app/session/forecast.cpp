@@ -1,13 +1,18 @@
 #include "app/session/forecast.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 
 #include "app/session/due.h"
 
 namespace skein::app {
 namespace {
+
+constexpr double longest_answers = 5.0;  // of a second process, to all questions of a forecast [s]
 
 bool same(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -22,9 +27,9 @@ double next(double now, double period, double rate) noexcept {
 }  // namespace
 
 std::optional<std::string> Forecast::impossible(const Experiment& experiment) {
-  if (experiment.controller.law.own())
+  if (experiment.controller.law.own() && !experiment.controller.law.preview)
     return "the run has a controller of its own, whose answers could change if it were asked about a future that never "
-           "comes";
+           "comes. controller.preview = true lets Skein start a second process of it";
   return {};
 }
 
@@ -58,6 +63,8 @@ void Forecast::follow(const TickRecord& record) {
       complete_ = complete_ && same(here.x, there.x) && same(here.y, there.y) && same(here.theta, there.theta);
     }
   }
+  for (const Event& event : record.events)
+    if (is<events::Parameter>(event)) changed_.push_back(event);
   tick_.step(recorded_.of(record));
   if (exact())
     for (std::size_t i = 0; i < record.robots.size(); ++i) world_.command(i, record.robots[i].wheels);
@@ -103,10 +110,49 @@ void Forecast::measure(double now) {
   }
 }
 
+void Forecast::prepare(const std::function<bool()>& keep_on) {
+  if (!experiment_.controller.law.own() || (second_ && !second_asked_)) return;
+  rest();
+  second_asked_ = false;
+  failure_.clear();
+  auto started =
+      OwnController::start(experiment_, /*waits=*/true, {.for_preview = true, .prints = false, .keep_on = keep_on});
+  if (started)
+    second_ = std::move(*started);
+  else if (!keep_on || keep_on())
+    failure_ = started.error();
+}
+
+/// Between the two parts of a tick, as the run's own process is asked. False: it failed.
+bool Forecast::ask_second(TickInput& input) {
+  input.law = {};
+  if (!second_) return true;
+  second_->heed(ahead_.record().events);
+  const core::ControllerInput* const question = ahead_.ask();
+  if (!question) return true;
+  second_asked_ = true;
+  const auto began = std::chrono::steady_clock::now();
+  second_->ask(*question);
+  second_spent_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  input.law = second_->law();
+  if (second_->state() == ControllerState::ended)
+    failure_ = second_->why_it_ended();
+  else if (second_->state() == ControllerState::late)
+    failure_ = fmt::format("the controller has no answer within {:g} s", second_->report().deadline);
+  else if (second_spent_ > longest_answers)
+    failure_ = fmt::format("the controller takes more than {:g} s for its answers", longest_answers);
+  return failure_.empty();
+}
+
 std::vector<TickRecord> Forecast::ahead(std::size_t ticks, std::span<const OperatorCommand> commands,
                                         const std::function<bool()>& keep_on) {
   const bool begins = last_.phase == Phase::ready, resumes = last_.phase == Phase::paused;
   if (!begun_ || !(begins || resumes || last_.phase == Phase::running)) return {};
+  if (experiment_.controller.law.own()) {
+    if (!second_ || second_asked_) return {};  // not prepared, or it failed
+    second_->heed(changed_);
+  }
+  second_spent_ = 0.0;
   ahead_.go_on_from(tick_);
   if (exact()) {
     floor_ahead_.go_on_from(world_);
@@ -145,7 +191,12 @@ std::vector<TickRecord> Forecast::ahead(std::size_t ticks, std::span<const Opera
     input.measurements = measurements_;
     input.truth = truth_;
     input.commands = commands_;
-    const TickRecord& row = ahead_.step(input);
+    ahead_.see(input);
+    if (!ask_second(input)) {
+      rest();
+      return {};
+    }
+    const TickRecord& row = ahead_.decide(input);
     if (row.phase != Phase::running) break;
     rows.push_back(row);
     for (std::size_t i = 0; i < truth_.size(); ++i) {

@@ -1,9 +1,14 @@
 // While a gain's slider is held: what the next seconds would be.
+#include <unistd.h>
+
 #include <QSlider>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "operator.h"
 #include "tests/places.h"
+#include "tests/processes.h"
 #include "ui/main/preview_controller.h"
 #include "ui/plots/plots_panel.h"
 
@@ -155,6 +160,110 @@ TEST_F(Preview, OfALawsParameterIsDrawnToo) {
   EXPECT_TRUE(preview().hint().startsWith(QStringLiteral("Pale: the next 10 s with ") + name))
       << preview().hint().toStdString();
   EXPECT_TRUE(eventually([&] { return !drawn() && !plotted(); })) << "a second after the key";
+}
+
+std::string law_program() {
+  return std::filesystem::path(skein::test::program()).replace_filename("skein_test_law").string();
+}
+
+/// The window over a law of the user's own, a program.
+class OwnPreview : public Preview {
+ protected:
+  /// `does`: where it is started for a preview, before it drives.
+  void run(const std::string& does = "true", const std::string& experiment = "platoon.toml",
+           const std::string& allowed = "true") {
+    const std::string command = "sh -c 'test -z \\\"$SKEIN_PREVIEW\\\" || " + does + "; exec " + law_program() + "'";
+    const auto read = app::load_experiment(skein::test::in_source("resources/experiments/" + experiment),
+                                           {"controller.command=\"" + command + "\"", "controller.preview=" + allowed});
+    ASSERT_TRUE(read) << read.error().front().message();
+    start(*read);
+    ASSERT_TRUE(eventually([&] { return window.findChild<QSlider*>(QStringLiteral("slider_k_x")) != nullptr; }));
+    ASSERT_TRUE(eventually([&] { return knob()->isVisible() && knob()->isEnabled(); }));
+  }
+  QSlider* knob() { return find<QSlider>("slider_k_x"); }
+  /// The knob is held until the mouse lets it go.
+  void hold() {
+    const QPoint at(8 + static_cast<int>(knob()->value() / 1000.0 * (knob()->width() - 16)), knob()->height() / 2);
+    QTest::mousePress(knob(), Qt::LeftButton, {}, at);
+    QTest::mouseMove(knob(), at + QPoint(30, 0));
+    ASSERT_TRUE(knob()->isSliderDown()) << "the knob was not hit";
+  }
+  void release() { QTest::mouseRelease(knob(), Qt::LeftButton, {}, knob()->rect().center()); }
+  /// Processes of the controller that this one has started, that of the run included.
+  static std::size_t processes(const std::string& word = "skein_test_law") {
+    const std::string child = "PPid:\t" + std::to_string(getpid()) + "\n";
+    std::size_t count = 0;
+    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+      std::ostringstream status;
+      status << std::ifstream(process.path() / "status").rdbuf();
+      const bool ours = status.str().find(child) != std::string::npos;
+      if (ours && skein::test::words_of_process(process.path()).find(word) != std::string::npos) ++count;
+    }
+    return count;
+  }
+};
+
+TEST_F(OwnPreview, AsksASecondProcessAndSaysSo) {
+  run();
+  EXPECT_FALSE(knob()->toolTip().contains(QStringLiteral("No preview"))) << knob()->toolTip().toStdString();
+  EXPECT_EQ(processes(), 1U);
+  hold();
+  ASSERT_TRUE(eventually([&] { return drawn() && plotted(); })) << preview().hint().toStdString();
+  EXPECT_TRUE(preview().hint().startsWith(QStringLiteral("Pale: the next 10 s with k_x")))
+      << preview().hint().toStdString();
+  EXPECT_TRUE(preview().hint().endsWith(
+      QStringLiteral(", by a second process of the controller, without the memory of the first")))
+      << preview().hint().toStdString();
+  EXPECT_TRUE(eventually([&] { return processes() == 2; })) << "one is ready for the next value";
+  const QString before = preview().hint();
+  QTest::mouseMove(knob(), {knob()->width() / 2, knob()->height() / 2});
+  EXPECT_TRUE(eventually([&] { return drawn() && preview().hint() != before; })) << "of the value that is held now";
+  release();
+  EXPECT_TRUE(eventually([&] { return processes() == 1; })) << processes();
+  EXPECT_FALSE(drawn());
+  EXPECT_TRUE(running());
+}
+
+TEST_F(OwnPreview, OfRobotsWithLinksStartsFromTheirPoses) {
+  run("true", "platoon-loopback.toml");
+  hold();
+  ASSERT_TRUE(eventually([&] { return drawn() && plotted(); })) << preview().hint().toStdString();
+  EXPECT_TRUE(preview().hint().contains(
+      QStringLiteral(", robots as the model has them, by a second process of the controller")))
+      << preview().hint().toStdString();
+  release();
+  EXPECT_TRUE(eventually([&] { return processes() == 1; })) << processes();
+}
+
+TEST_F(OwnPreview, EndsWithASentenceWhereTheSecondProcessFails) {
+  run("exit 3");
+  hold();
+  ASSERT_TRUE(eventually([&] { return preview().hint().startsWith(QStringLiteral("No preview: ")); }))
+      << preview().hint().toStdString();
+  EXPECT_TRUE(preview().hint().contains(QStringLiteral("status 3"))) << preview().hint().toStdString();
+  EXPECT_FALSE(drawn());
+  EXPECT_TRUE(running());
+  release();
+  EXPECT_TRUE(preview().hint().isEmpty());
+  EXPECT_EQ(processes(), 1U);
+}
+
+TEST_F(OwnPreview, LeavesNoProcessWhenTheWindowClosesWhileItStarts) {
+  run("exec sleep 1000");
+  hold();
+  ASSERT_TRUE(eventually([&] { return processes("sleep") == 1; }));
+  window.close();
+  EXPECT_TRUE(eventually([&] { return processes("sleep") == 0 && processes() == 0; }))
+      << processes("sleep") << ", " << processes();
+}
+
+TEST_F(OwnPreview, IsNotThereUnlessTheExperimentAllowsASecondProcess) {
+  run("true", "platoon.toml", "false");
+  EXPECT_TRUE(knob()->toolTip().contains(QStringLiteral("controller.preview"))) << knob()->toolTip().toStdString();
+  hold();
+  EXPECT_TRUE(preview().hint().startsWith(QStringLiteral("No preview: "))) << preview().hint().toStdString();
+  EXPECT_EQ(processes(), 1U);
+  release();
 }
 
 TEST_F(Preview, LeavesNoThreadWhenCancelled) {

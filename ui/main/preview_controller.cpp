@@ -34,6 +34,7 @@ PreviewController::PreviewController(const Runs& runs, GainsPanel* gains, ArenaV
   connect(gains, &GainsPanel::parameter_held, this, &PreviewController::hold_parameter);
   connect(gains, &GainsPanel::let_go, this, &PreviewController::let_go);
   connect(&look_ahead_, &LookAhead::seen, this, &PreviewController::show);
+  connect(&look_ahead_, &LookAhead::failed, this, &PreviewController::fail);
 }
 
 void PreviewController::hold_gain(core::GainName gain, double value) {
@@ -57,11 +58,17 @@ void PreviewController::hold(const app::OperatorCommand& wish, const QString& wh
   what_ = what;
   if (const auto why = app::Forecast::impossible(live.experiment()))
     hint_ = tr("No preview: %1").arg(QString::fromStdString(*why));
-  ask();
+  // A second process of a controller cannot take back what it was asked: it is let finish, or it would be started anew
+  // for every value of a moving slider.
+  newer_ = waits_ && live.experiment().controller.law.own();
+  if (!newer_) ask();
 }
 
 void PreviewController::ask() {
   since_asked_.start();
+  asked_what_ = what_;
+  waits_ = true;
+  newer_ = false;
   look_ahead_.ask(*held_);
 }
 
@@ -69,6 +76,7 @@ void PreviewController::let_go() {
   if (!held_) return;
   held_.reset();
   look_ahead_.cancel();
+  waits_ = newer_ = false;
   shown_.reset();
   hint_.clear();
   arena_->set_foreseen({});
@@ -76,18 +84,33 @@ void PreviewController::let_go() {
 }
 
 void PreviewController::show(const LookAhead::Rows& rows, bool exact) {
-  if (!held_) return;
+  waits_ = false;
+  if (!held_ || rows->empty()) return;
   shown_ = rows;
-  const QString what = tr("Pale: the next %1 s with %2").arg(LookAhead::seconds).arg(what_);
-  hint_ = exact ? what : tr("%1, robots as the model has them").arg(what);
+  hint_ = tr("Pale: the next %1 s with %2").arg(LookAhead::seconds).arg(asked_what_);
+  if (!exact) hint_ = tr("%1, robots as the model has them").arg(hint_);
+  if (runs_.live().experiment().controller.law.own())
+    hint_ = tr("%1, by a second process of the controller, without the memory of the first").arg(hint_);
   plots_->foresee(*rows);
   refresh();
+}
+
+/// Nothing more is asked until something else is held, or another value.
+void PreviewController::fail(const QString& why) {
+  waits_ = false;
+  since_asked_.invalidate();
+  if (!held_) return;
+  shown_.reset();
+  arena_->set_foreseen({});
+  plots_->foresee({});
+  hint_ = tr("No preview: %1").arg(why);
 }
 
 void PreviewController::refresh() {
   if (!held_) return;
   if (runs_.live().stop_asked()) return let_go();
-  if (since_asked_.hasExpired(asks_again_ms)) ask();
+  const bool aged = since_asked_.isValid() && since_asked_.hasExpired(asks_again_ms);
+  if (!waits_ && (newer_ || aged)) ask();
   if (!shown_) return;
   std::vector<std::vector<core::Pose>> ways(shown_->front().robots.size());
   for (std::size_t k = 0; k < shown_->size(); ++k) {

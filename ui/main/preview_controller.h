@@ -33,6 +33,7 @@ class PreviewController final : public QObject {
   void hold_parameter(const QString& name, double value);
   void let_go();
   void show(const LookAhead::Rows& rows, bool exact);
+  void fail(const QString& why);
   void ask();
 
   const Runs& runs_;
@@ -43,6 +44,9 @@ class PreviewController final : public QObject {
   std::optional<app::OperatorCommand> held_;
   QString what_;  // the slider that is held, with its value
   QElapsedTimer since_asked_;
+  QString asked_what_;  // what was held then
+  bool waits_ = false;  // for the answer
+  bool newer_ = false;  // another value is held meanwhile
   LookAhead::Rows shown_;
   QString hint_;
 };

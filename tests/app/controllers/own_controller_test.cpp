@@ -253,7 +253,7 @@ TEST(OwnController, AParameterThatIsChangedReachesPython) {
 std::pair<std::vector<core::Twist>, std::int64_t> answers(const std::vector<std::string>& sets,
                                                           const std::function<int(int)>& woken) {
   const Experiment experiment = experiment_of(sets);
-  auto own = OwnController::start(experiment, /*waits=*/true, test::program());
+  auto own = OwnController::start(experiment, /*waits=*/true, {.program = test::program()});
   EXPECT_TRUE(own) << own.error();
   if (!own) return {};
   ControlTick tick(experiment);

@@ -1,6 +1,7 @@
 // What a run will do, computed before it does it: the same bits for a simulation that nobody touches.
 #include "app/session/forecast.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,9 +9,11 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "app/controllers/adversary.h"
 #include "app/experiment/experiment_file.h"
 #include "app/session/session.h"
 #include "tests/app/rows.h"
@@ -203,6 +206,74 @@ TEST(Forecast, SaysWhatItCannotCompute) {
   EXPECT_FALSE(Forecast::impossible(platoon("")));
   EXPECT_FALSE(Forecast::impossible(platoon("", {"avoidance.kind=\"plan\""})));
   EXPECT_TRUE(Forecast::impossible(platoon("", {"controller.command=\"true\""})));
+  EXPECT_FALSE(Forecast::impossible(platoon("", {"controller.command=\"true\"", "controller.preview=true"})));
+}
+
+std::string law_program() {
+  return std::filesystem::path(test::program()).replace_filename("skein_test_law").string();
+}
+std::vector<std::string> own_law(const std::string& command) {
+  return {"controller.command=\"" + command + "\"", "controller.preview=true"};
+}
+/// It does this where it is started for a preview, and drives otherwise.
+std::vector<std::string> law_whose_preview(const std::string& does) {
+  return own_law("sh -c 'test -z \\\"$SKEIN_PREVIEW\\\" || " + does + "; exec " + law_program() + "'");
+}
+
+TEST(Forecast, OfAControllerOfTheUsersOwnAsksASecondProcess) {
+  const std::vector<std::string> law = own_law(law_program());
+  const auto changed = [](double t, const std::string& what) {
+    return "\n[[operator]]\nt = " + std::to_string(t) + "\ndoes = \"parameter " + what + "\"\n";
+  };
+  // Changed once before: the second process has to know.
+  const std::string before = changed(5.0, "k_y 8 -> 12");
+  const std::vector<TickRecord> without = rows_of(platoon(before, law));
+  const std::vector<TickRecord> with = rows_of(platoon(before + changed(18.2, "k_x 2 -> 0.5"), law));
+  const std::vector<TickRecord> never = rows_of(platoon(changed(18.2, "k_x 2 -> 0.5"), law));
+  Forecast forecast(platoon("", law));
+  follow(forecast, without, 18.16);
+  const OperatorCommand set = commands::SetParameter{ParameterName("k_x"), 2.0, 0.5};
+  const std::size_t now = row_at(with, 18.16);
+  EXPECT_TRUE(forecast.ahead(200, {&set, 1}, {}).empty()) << "there is no process yet";
+  for (int again = 0; again < 2; ++again) {
+    forecast.prepare({});
+    const std::vector<TickRecord> ahead = forecast.ahead(200, {&set, 1}, {});
+    ASSERT_EQ(ahead.size(), 200U) << forecast.failure();
+    EXPECT_TRUE(forecast.exact());
+    EXPECT_EQ(first_different(with, now, ahead), -1);
+    EXPECT_NE(first_different(without, now, ahead), -1) << "the control: the other value must matter";
+    EXPECT_NE(first_different(never, now, ahead), -1) << "and so must the change before";
+  }
+  EXPECT_TRUE(forecast.ahead(200, {&set, 1}, {}).empty()) << "a process that was asked is not asked again";
+}
+
+TEST(Forecast, SaysWhyASecondProcessGaveNone) {
+  const std::vector<TickRecord> rows = rows_of(platoon("", {"duration=20"}));
+  const auto failure = [&](const std::string& does) {
+    Forecast forecast(platoon("", law_whose_preview(does)));
+    follow(forecast, rows, 0.2);
+    forecast.prepare({});
+    const bool none = forecast.ahead(60, {}, {}).empty();
+    EXPECT_EQ(none, !forecast.failure().empty()) << does;
+    return forecast.failure();
+  };
+  const auto adversary = [](Adversary kind) {
+    std::uint64_t seed = 0;
+    while (adversary_of(seed) != kind) ++seed;
+    return "exec " + test::program() + " controller-host --adversary " + std::to_string(seed);
+  };
+  EXPECT_EQ(failure("true"), "") << "the control: it drives";
+  EXPECT_THAT(failure("exit 3"), testing::HasSubstr("it exited with status 3"));
+  EXPECT_THAT(failure(adversary(Adversary::hang)), testing::HasSubstr("has no answer within 2 s"));
+  EXPECT_THAT(failure(adversary(Adversary::crash)), testing::HasSubstr("the controller is gone"));
+}
+
+TEST(Forecast, DoesNotWaitForAProcessThatIsNoLongerWanted) {
+  Forecast forecast(platoon("", law_whose_preview("exec sleep 1000")));
+  int asked = 0;
+  forecast.prepare([&] { return ++asked < 3; });
+  EXPECT_EQ(asked, 4) << "the last time, whether anybody still asks why it failed";
+  EXPECT_EQ(forecast.failure(), "");
 }
 
 }  // namespace
