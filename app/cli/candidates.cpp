@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <variant>
 
+#include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/known_robots.h"
 #include "app/run/resources.h"
@@ -15,7 +18,49 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<Candidate> keys() {
+/// The keys of a table that a reader of its own takes, as that reader names them when it meets an unknown one.
+std::vector<std::string> keys_of_table(const std::string& table, const std::vector<std::string>& sets = {}) {
+  std::vector<std::string> probe = sets;
+  probe.push_back(table + ".unknown=0");
+  const auto read = parse_experiment(paper_experiment().source, "", probe);
+  const std::string allowed = " allowed in " + table + ": ";
+  std::vector<std::string> keys;
+  for (const Problem& problem : read ? std::vector<Problem>() : read.error()) {
+    const auto at = problem.text.find(allowed);
+    if (at == std::string::npos) continue;
+    std::istringstream names(problem.text.substr(at + allowed.size()));
+    for (std::string key; names >> key;) keys.push_back(key.substr(0, key.find(',')));
+  }
+  return keys;
+}
+
+/// Of robots, perturbations and the like, which are counted; of the one whose number is typed, else of the first.
+void add_counted(std::vector<Candidate>& result, const std::string& typed) {
+  for (const std::string table : {"robot", "perturb", "obstacle", "gain_change", "operator"}) {
+    std::string number = "1";
+    if (typed.starts_with(table + "."))
+      if (const auto digits = typed.substr(table.size() + 1,
+                                           typed.find_first_not_of("0123456789", table.size() + 1) - table.size() - 1);
+          !digits.empty())
+        number = digits;
+    for (const std::string& key : keys_of_table(table + ".1"))
+      result.push_back({fmt::format("{}.{}.{}=", table, number, key), {}});
+  }
+}
+
+/// Which keys a path has depends on its shape.
+void add_path(std::vector<Candidate>& result) {
+  std::vector<std::string> all;
+  for (const PathSpec::Shape shape : core::all_of<PathSpec::Shape>()) {
+    result.push_back({fmt::format("reference.path.shape={}", word(shape)), {}});
+    for (const std::string& key :
+         keys_of_table("reference.path", {fmt::format("reference.path.shape=\"{}\"", word(shape))}))
+      if (std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
+  }
+  for (const std::string& key : all) result.push_back({"reference.path." + key + "=", {}});
+}
+
+std::vector<Candidate> keys(const std::string& typed) {
   std::vector<Candidate> result;
   for (const ExperimentKey& key : experiment_keys()) {
     result.push_back({key.name() + "=", key.help});
@@ -29,6 +74,10 @@ std::vector<Candidate> keys() {
     result.push_back({fmt::format("controller.{}{}=", strength ? "gains." : "", word(gain)),
                       strength ? "coupling of all pairs" : "slope or weight of the coupling of all pairs"});
   }
+  add_counted(result, typed);
+  for (const std::string& key : keys_of_table("robot_defaults"))
+    result.push_back({fmt::format("robot_defaults.{}=", key), {}});
+  add_path(result);
   return result;
 }
 
@@ -68,8 +117,8 @@ std::vector<Candidate> cameras() {
 
 }  // namespace
 
-std::optional<std::vector<Candidate>> candidates(const std::string& name) {
-  if (name == "--set") return keys();
+std::optional<std::vector<Candidate>> candidates(const std::string& name, const std::string& typed) {
+  if (name == "--set") return keys(typed);
   if (name == "experiment") return shipped("experiments");
   if (name == "study") return shipped("studies");
   if (name == "robots") return robots();

@@ -10,6 +10,6 @@ namespace skein::app {
 
 /// Shell completions of a value, by the name of the option or positional: keys of the experiment file and their words
 /// for --set, the experiments and studies that come with Skein, kept runs, known robots, cameras.
-std::optional<std::vector<Candidate>> candidates(const std::string& name);
+std::optional<std::vector<Candidate>> candidates(const std::string& name, const std::string& typed);
 
 }  // namespace skein::app

@@ -222,7 +222,7 @@ std::string completions(const CLI::App& program, const std::vector<std::string>&
   bool files = false;
   const auto add_values = [&](const CLI::Option& option, const std::string& name) {
     std::optional<std::vector<Candidate>> known;
-    if (values) known = values(name);
+    if (values) known = values(name, typed);
     if (known) found.insert(found.end(), known->begin(), known->end());
     const std::vector<std::string> allowed = allowed_words(option);
     for (const std::string& word : allowed) found.push_back({word, {}});

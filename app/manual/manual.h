@@ -37,8 +37,10 @@ struct Candidate {
   std::string help;  ///< a few words, or none
 };
 
-/// The candidates for the value of an option or positional, by its name ("--set", "experiment"); empty: a file.
-using ValuesOf = std::function<std::optional<std::vector<Candidate>>(const std::string& name)>;
+/// The candidates for the value of an option or positional, by its name ("--set", "experiment") and what is typed of it
+/// already; empty: a file.
+using ValuesOf =
+    std::function<std::optional<std::vector<Candidate>>(const std::string& name, const std::string& typed)>;
 
 /// Completions for `words`, all after the program's name, of which the last is being typed: lines of "WORD<tab>HELP"
 /// that begin with it, after a line "@files" if a file is possible as well (resources/completion). Commands, options

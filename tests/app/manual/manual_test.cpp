@@ -25,15 +25,16 @@ class Manual : public testing::Test {
     program.add_subcommand("secret", "hidden")->group("");
   }
   std::string after(const std::vector<std::string>& words) const {
-    return completions(program, words, [](const std::string& name) -> std::optional<std::vector<Candidate>> {
-      if (name == "--set")
-        return {{{"rate=", "ticks"},
-                 {"avoidance.kind=", "how"},
-                 {"avoidance.kind=plan", {}},
-                 {"avoidance.kind=field", {}}}};
-      if (name == "experiment") return {{{"platoon", {}}, {"parking", {}}}};
-      return {};
-    });
+    return completions(program, words,
+                       [](const std::string& name, const std::string&) -> std::optional<std::vector<Candidate>> {
+                         if (name == "--set")
+                           return {{{"rate=", "ticks"},
+                                    {"avoidance.kind=", "how"},
+                                    {"avoidance.kind=plan", {}},
+                                    {"avoidance.kind=field", {}}}};
+                         if (name == "experiment") return {{{"platoon", {}}, {"parking", {}}}};
+                         return {};
+                       });
   }
   CLI::App program{"Says what it does", "skein"};
   std::string text;

@@ -234,6 +234,20 @@ TEST_F(Mistakes, RunsWithAnotherKickOrPathAreNotSaidToBeTheSame) {
   EXPECT_THAT(said, HasSubstr("only values of run.json are compared"));
 }
 
+TEST_F(Mistakes, KeysOfTablesAreCompleted) {
+  for (const auto& [typed, key] : {std::pair{"robot.", "robot.1.tag=\t"},
+                                   {"robot.12.t", "robot.12.track=\t"},
+                                   {"perturb.2.", "perturb.2.dtheta=\t"},
+                                   {"obstacle.1.", "obstacle.1.radius=\t"},
+                                   {"robot_defaults.", "robot_defaults.model=\t"},
+                                   {"reference.path.", "reference.path.width=\t"},
+                                   {"reference.path.", "reference.path.points=\t"},
+                                   {"reference.path.shape=", "reference.path.shape=circle\t"}}) {
+    EXPECT_EQ(shell(std::string("$skein complete run e.toml --set ") + typed), 0);
+    EXPECT_THAT(out, HasSubstr(key)) << typed;
+  }
+}
+
 TEST_F(Mistakes, GainsAndKeptRunsAreCompleted) {
   keep_run("2026-11-01_a", "2026-11-01T12:00:00.000+01:00", 0);
   EXPECT_EQ(shell("$skein complete run e.toml --set controller.gains.k_"), 0);
