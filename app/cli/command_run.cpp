@@ -133,7 +133,6 @@ int run(const RunRequest& request) {
   if (request.keep) {
     const auto directory = runs_directory(request.runs_directory);
     if (!directory) return complain(directory.error()), wrong_input;
-    if (const auto little = little_room(*directory)) complain(*little);
     auto begun = KeptRun::begin(
         {*directory, request.experiment.file, request.experiment.sets, request.words, clock == Session::Clock::wall},
         *experiment);
@@ -142,6 +141,7 @@ int run(const RunRequest& request) {
       return wrong_input;
     }
     kept = std::move(*begun);
+    if (const auto little = little_room(*directory)) complain(*little);
     if (!record_to(kept->csv())) return wrong_input;
   }
   const auto keep = [&](const Statistics::Summary& summary, int status, std::vector<std::string> problems,

@@ -248,6 +248,12 @@ TEST_F(Mistakes, KeysOfTablesAreCompleted) {
   }
 }
 
+TEST_F(Mistakes, AFolderInWhichNoRunCanBeKeptIsNamedAndNotItsRoom) {
+  EXPECT_EQ(shell("$skein run e.toml --keep --runs-dir /proc/runs"), 2);
+  EXPECT_THAT(said, HasSubstr("/proc/runs"));
+  EXPECT_THAT(said, Not(HasSubstr("are free")));
+}
+
 TEST_F(Mistakes, GainsAndKeptRunsAreCompleted) {
   keep_run("2026-11-01_a", "2026-11-01T12:00:00.000+01:00", 0);
   EXPECT_EQ(shell("$skein complete run e.toml --set controller.gains.k_"), 0);
