@@ -210,9 +210,36 @@ std::vector<IdentifiedRobot> identify_robots(std::vector<RobotHistory> robots) {
   return all;
 }
 
+/// How far its poses are from the first one, at most: in metres, and in radians.
+std::pair<double, double> moved(const std::vector<core::SeenPose>& poses) {
+  double way = 0.0, turn = 0.0;
+  for (const core::SeenPose& seen : poses) {
+    way = std::max(way, core::distance(seen.pose, poses.front().pose));
+    turn = std::max(turn, std::abs(core::wrap_angle(seen.pose.theta - poses.front().pose.theta)));
+  }
+  return {way, turn};
+}
+
+/// It was told to drive, and stood: its data tell nothing about its wheels.
+bool stood(const IdentifiedRobot& robot) {
+  // Whoever drives so far comes away from its place, or turns there, by more than the noise of poses.
+  constexpr double commanded_way = 0.2, commanded_turn = 1.5, still_way = 0.02, still_turn = 0.15;
+  const auto [way, turn] = moved(robot.history.input.poses);
+  return (robot.found.driven > commanded_way || robot.found.turned > commanded_turn) && way < still_way &&
+         turn < still_turn;
+}
+
 std::vector<std::string> doubts(const IdentifiedRobot& robot) {
   const core::Identification& found = robot.found;
   std::vector<std::string> sentences;
+  if (stood(robot)) {
+    sentences.push_back(
+        fmt::format("it stood though it was told to drive {:.2f} m and to turn {:.1f} rad: no pose is farther than "
+                    "{:.0f} mm from the first. Is it switched on, its battery charged, are its wheels free, and is the "
+                    "tag on the robot that has this link?",
+                    found.driven, found.turned, 1e3 * moved(robot.history.input.poses).first));
+    return sentences;
+  }
   const std::size_t poses = robot.history.input.poses.size();
   if (!found.converged) {
     sentences.push_back(found.driven + found.turned > 0.0
@@ -251,6 +278,7 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
 
 std::vector<std::pair<std::string, std::string>> values_to_keep(const IdentifiedRobot& robot) {
   std::vector<std::pair<std::string, std::string>> values;
+  if (stood(robot)) return values;
   const core::Identification& found = robot.found;
   const core::DifferentialDrive drive = found.drive(robot.history.input.believed);
   const auto keep = [&](const char* key, const core::Estimate& estimate, const std::string& value) {

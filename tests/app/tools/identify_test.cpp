@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "app/session/session.h"
+#include "core/simulation/random.h"
 #include "tests/app/folder.h"
 #include "tests/app/rows.h"
 #include "tests/places.h"
@@ -173,6 +174,20 @@ TEST(Identify, SeveralRunsTellMoreThanOne) {
     EXPECT_NEAR(together[i].found.driven / alone[i].found.driven, 2.0, 0.02);
     EXPECT_EQ(together[i].outliers, 0u) << "the way from one run to the next is nobody's";
   }
+}
+
+TEST(Identify, NamesARobotThatStandsThoughItIsToldToDrive) {
+  std::vector<RobotHistory> history = history_of(shipped_experiment("identify.toml", {}));
+  ASSERT_EQ(history.size(), 4u);
+  core::Random noise(1, 0);
+  std::vector<core::SeenPose>& poses = history[1].input.poses;
+  for (core::SeenPose& seen : poses)
+    seen.pose = {poses.front().pose.x + 0.001 * noise.gaussian(), poses.front().pose.y + 0.001 * noise.gaussian(),
+                 poses.front().pose.theta + 0.005 * noise.gaussian()};
+  const auto found = identify_robots(std::move(history));
+  EXPECT_THAT(doubts(found[1]), ElementsAre(HasSubstr("it stood though it was told to drive")));
+  EXPECT_THAT(values_to_keep(found[1]), IsEmpty());
+  EXPECT_THAT(doubts(found[0]), IsEmpty()) << "the control: one that drives";
 }
 
 TEST(Identify, SaysWhatARunCannotTell) {
