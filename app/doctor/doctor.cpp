@@ -485,6 +485,20 @@ Findings calibrations(const Examination& examination) {
   return result;
 }
 
+/// The experiments' own controllers.
+Findings controllers(const Machine& machine, const Examination& examination) {
+  Findings result;
+  for (const auto& [file, experiment] : examination.experiments) {
+    if (!experiment.controller.law.own()) continue;
+    if (const auto started = machine.start_controller(experiment); started)
+      result.push_back(well("controller", fmt::format("that of {} can be started", file)));
+    else
+      result.push_back({State::ill, "controller", fmt::format("{}: {}", file, started.error()),
+                        fmt::format("skein check --controller {} shows all that it prints", file)});
+  }
+  return result;
+}
+
 // --- the program's own parts ---
 
 Findings parts(const Machine& machine) {
@@ -548,6 +562,7 @@ std::vector<Finding> examine(const Machine& machine, const Examination& examinat
   add(serial(machine, examination));
   add(cameras(machine, examination));
   add(calibrations(examination));
+  add(controllers(machine, examination));
   add(parts(machine));
   all.push_back(display(machine));
   if (examination.seconds > 0.0) all.push_back(timing(machine, examination.seconds));

@@ -19,6 +19,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/controllers/own_controller.h"
 #include "app/guard/run_marker.h"
 #include "app/run/memory_lock.h"
 #include "app/run/privileges.h"
@@ -171,6 +172,11 @@ Machine this_machine() {
     return names;
   };
   machine.modules = vision::modules_present;
+  machine.start_controller = [](const Experiment& experiment) -> tl::expected<void, std::string> {
+    const auto own = OwnController::start(experiment, /*waits=*/true, {.prints = false});
+    if (!own) return tl::unexpected(own.error());
+    return {};
+  };
   machine.has_program = on_the_path;
   machine.execute = execute;
   return machine;

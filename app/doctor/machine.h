@@ -9,6 +9,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/experiment/experiment.h"
 #include "app/run/timing.h"
 
 namespace skein::app {
@@ -46,6 +47,8 @@ struct Machine {
   std::function<double(const std::string& folder)> free_in;
   /// Whether markers of runs can be written and a guard be started; the error is the reason.
   std::function<tl::expected<void, std::string>()> guard;
+  /// Starts an experiment's own controller as a run does, and ends it; the error, one line, says why it cannot start.
+  std::function<tl::expected<void, std::string>(const Experiment&)> start_controller;
   std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h
   /// Names and addresses of the GigE and USB3 Vision cameras that answer; takes a second.
   std::function<std::vector<std::string>()> network_cameras;

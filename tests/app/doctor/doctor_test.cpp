@@ -55,6 +55,7 @@ class Patient {
     machine.runs_directory = [this]() -> tl::expected<std::string, std::string> { return (folder / "runs").string(); };
     machine.free_in = [](const std::string&) { return 50e9; };
     machine.guard = [] { return tl::expected<void, std::string>(); };
+    machine.start_controller = [](const Experiment&) { return tl::expected<void, std::string>(); };
     machine.bad_ends = [] { return std::vector<std::string>(); };
     machine.modules = [] { return tl::expected<void, std::string>(); };
     machine.has_program = [](const std::string&) { return true; };
@@ -120,6 +121,17 @@ TEST(Doctor, AHealthyMachineIsWell) {
   EXPECT_EQ(patient.complaints(), std::vector<std::string>());
 }
 
+TEST(Doctor, StartsAnExperimentsOwnController) {
+  Patient patient;
+  patient.machine.start_controller = this_machine().start_controller;
+  patient.lab().controller.law.command = "sh -c 'echo one; echo two: no numpy; exit 1'";
+  const std::vector<std::string> lines = patient.complaints();
+  ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);
+  EXPECT_NE(lines[0].find("controller: "), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("it exited with status 1: two: no numpy"), std::string::npos) << lines[0];
+  EXPECT_EQ(std::count(lines[0].begin(), lines[0].end(), '\n'), 1) << lines[0];
+}
+
 TEST_P(Planted, IsNamedAndNothingElse) {
   Patient patient;
   GetParam().plant(patient);
@@ -131,6 +143,13 @@ TEST_P(Planted, IsNamedAndNothingElse) {
 }
 
 const Fault faults[] = {
+    {"ControllerThatDoesNotStart", State::ill, "No module named 'numpy'",
+     [](Patient& p) {
+       p.lab().controller.law.command = "python3 my_law.py";
+       p.machine.start_controller = [](const Experiment&) -> tl::expected<void, std::string> {
+         return tl::unexpected(std::string("the controller did not become ready: No module named 'numpy'"));
+       };
+     }},
     {"GroupDialout", State::ill, "group dialout", [](Patient& p) { p.machine.groups = {"video"}; }},
     {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
     {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
