@@ -303,10 +303,10 @@ TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
   open_before_start();
   auto* panel = find<GainsPanel>("gains");
   emit panel->experiment_wanted(QStringLiteral("gain_change=[{ t = 1, k_xx = 5 }]"));
-  auto* box = find<QWidget>("problem_dialog");
-  ASSERT_NE(box, nullptr);
+  const auto box = [&] { return window.findChild<QWidget*>(QStringLiteral("problem_dialog")); };
+  ASSERT_TRUE(eventually([&] { return box() != nullptr; }));
   EXPECT_TRUE(live().experiment().gain_changes.empty());
-  delete box;
+  delete box();
 }
 
 /// A number typed into a gain's field, and what becomes of it.

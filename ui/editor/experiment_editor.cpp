@@ -13,6 +13,7 @@
 #include <QSplitter>
 #include <QVBoxLayout>
 #include <optional>
+#include <utility>
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/toml_edit.h"
@@ -109,6 +110,8 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   resize(fitting({980, 720}, parent));
   close_by_key(this);
 
+  asks_.setSingleShot(true);
+  connect(&asks_, &QTimer::timeout, this, [this] { take_verdict({}); });
   pause_.setSingleShot(true);
   connect(&pause_, &QTimer::timeout, this, &ExperimentEditor::check);
   connect(text_, &QPlainTextEdit::textChanged, this, [this] { pause_.start(typing_pause_ms); });
@@ -175,11 +178,29 @@ void ExperimentEditor::show_title() {
   setWindowTitle(text_->document()->isModified() ? tr("%1 (changed)").arg(name) : name);
 }
 
+/// An experiment of many robots with long timetables takes seconds, and this thread shows runs of real robots too.
 void ExperimentEditor::check() {
+  constexpr std::chrono::milliseconds unnoticed{100};
   pause_.stop();
+  opens_then_ = false;
   const QString name = file_.isEmpty() ? tr("experiment") : file_;
-  const auto experiment = app::parse_experiment(text().toStdString(), name.toStdString());
-  const std::vector<app::Problem> problems = experiment ? std::vector<app::Problem>() : experiment.error();
+  checking_.run([text = text().toStdString(), file = name.toStdString()](const std::stop_token&) {
+    auto experiment = app::parse_experiment(text, file);
+    return experiment ? std::vector<app::Problem>() : std::move(experiment.error());
+  });
+  take_verdict(unnoticed);
+}
+
+void ExperimentEditor::take_verdict(std::chrono::milliseconds patience) {
+  constexpr int asks_every_ms = 30;
+  if (const auto problems = checking_.take(patience)) return show_verdict(*problems);
+  open_->setEnabled(false);
+  verdict_->setText(tr("Checking …"));
+  asks_.start(asks_every_ms);
+}
+
+void ExperimentEditor::show_verdict(const std::vector<app::Problem>& problems) {
+  asks_.stop();
   problems_ = static_cast<int>(problems.size());
   text_->show_problems(problems);
   list_->clear();
@@ -198,6 +219,7 @@ void ExperimentEditor::check() {
   open_->setEnabled(problems.empty());
   form_->show_text(text());
   keep_draft();
+  if (std::exchange(opens_then_, false) && problems.empty()) emit open_wanted(file_);
 }
 
 void ExperimentEditor::set_value(const QString& key, const QString& value) {
@@ -233,6 +255,8 @@ void ExperimentEditor::write_and(bool then_open) {
   const QString problem = save(file_);
   if (!problem.isEmpty())
     verdict_->setText(problem);
+  else if (then_open && is_checking())
+    opens_then_ = true;
   else if (then_open && is_valid())
     emit open_wanted(file_);
 }

@@ -2,7 +2,12 @@
 
 #include <QDialog>
 #include <QTimer>
+#include <chrono>
 #include <memory>
+#include <vector>
+
+#include "app/experiment/problem.h"
+#include "ui/base/aside.h"
 
 class QLabel;
 class QListWidget;
@@ -30,7 +35,9 @@ class ExperimentEditor final : public QDialog {
   void set_value(const QString& key, const QString& value);
   /// More tables at the end of the text.
   void append(const QString& tables);
-  bool is_valid() const { return problems_ == 0; }
+  /// Whether it can be run, as far as is known: a large experiment is checked on another thread.
+  bool is_valid() const { return problems_ == 0 && !is_checking(); }
+  bool is_checking() const { return checking_.is_busy(); }
   /// Whether it differs from the last opened or saved text.
   bool has_changes() const { return text() != kept_; }
   /// Writes the text, finished or not. Returns the error; empty: none.
@@ -47,6 +54,8 @@ class ExperimentEditor final : public QDialog {
  private:
   void replace_text(const QString& text);
   void check();
+  void take_verdict(std::chrono::milliseconds patience);
+  void show_verdict(const std::vector<app::Problem>& problems);
   void ask_save(bool then_open);
   void save_and(bool then_open);
   void write_and(bool then_open);
@@ -67,6 +76,9 @@ class ExperimentEditor final : public QDialog {
   QLabel* offer_text_;
   std::unique_ptr<Draft> draft_;
   QTimer pause_;  // in typing
+  Aside<std::vector<app::Problem>> checking_;
+  QTimer asks_;              // for the verdict
+  bool opens_then_ = false;  // if the verdict is good
   QString file_;
   QString kept_;     // the text as it was opened or saved last
   QString on_disk_;  // what file_ held then, as far as is known

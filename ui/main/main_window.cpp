@@ -692,6 +692,7 @@ void MainWindow::on_frame(double now) {
   arena_->set_alert(over ? QString() : alert_->loud_beside_banner(),
                     alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
   files_->refresh();
+  take_reopened({});
   replay_->refresh();
   comparison_->refresh();
   preview_->refresh();
@@ -848,15 +849,28 @@ void MainWindow::reopen_with(const QString& set) {
   const LiveRun& live = runs_.live();
   if (!live.is_open() || live.phase() != app::Phase::ready) return;
   const app::Experiment& now = live.experiment();
-  auto changed = app::parse_experiment(now.source, now.name, {set.toStdString()});
-  if (!changed) {
-    messages_->problem(tr("This cannot run"), QString::fromStdString(changed.error().front().message()));
-    show_run();  // what the panels show is what holds
-    on_opened();
-    return;
-  }
-  changed->directory = now.directory;
-  open(*changed, false);
+  reopened_from_ = now.source;
+  // An experiment of many robots with long timetables takes seconds.
+  reopening_.run([source = now.source, name = now.name, directory = now.directory,
+                  set = set.toStdString()](const std::stop_token&) {
+    auto changed = app::parse_experiment(source, name, {set});
+    if (changed) changed->directory = directory;
+    return changed;
+  });
+  constexpr std::chrono::milliseconds unnoticed{100};
+  take_reopened(unnoticed);
+}
+
+void MainWindow::take_reopened(std::chrono::milliseconds patience) {
+  const auto changed = reopening_.take(patience);
+  if (!changed) return;
+  const LiveRun& live = runs_.live();
+  if (!live.is_open() || live.phase() != app::Phase::ready || live.experiment().source != reopened_from_)
+    return messages_->say(tr("The change came too late: the run was started, or another is open"), Severity::notice);
+  if (*changed) return open(**changed, false);
+  messages_->problem(tr("This cannot run"), QString::fromStdString(changed->error().front().message()));
+  show_run();  // what the panels show is what holds
+  on_opened();
 }
 
 void MainWindow::mend(app::Check::What what) {
@@ -915,6 +929,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   // The robots first; the window goes when they stand, or have not answered for a second.
   let_go_of_session();
   files_->drop();
+  reopening_.drop();
   connect_->stop();
   runs_.live().close();
   setEnabled(false);

@@ -3,9 +3,12 @@
 #include <QDockWidget>
 #include <QLabel>
 #include <QMainWindow>
+#include <chrono>
 #include <map>
 
+#include "app/experiment/problem.h"
 #include "app/session/readiness.h"
+#include "ui/base/aside.h"
 #include "ui/base/palette.h"
 #include "ui/base/throttle.h"
 #include "ui/main/messages.h"
@@ -128,6 +131,7 @@ class MainWindow final : public QMainWindow {
   void mend(app::Check::What what);
   /// The same experiment with one key of its file changed ("key=value"), before its start.
   void reopen_with(const QString& set);
+  void take_reopened(std::chrono::milliseconds patience);
   void let_go_of_session();
   /// STOP by a key. Returns whether anything could have been moving: then the key press is consumed.
   bool stop_by_key();
@@ -179,8 +183,10 @@ class MainWindow final : public QMainWindow {
   bool theme_chosen_ = false;                       // otherwise the desktop's
   bool teaches_ = false;                            // the hint stays until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
-  Throttle texts_{0.19};     // numbers that change five times a second can be read
-  Throttle questions_{0.5};  // to the display
+  Aside<tl::expected<app::Experiment, std::vector<app::Problem>>> reopening_;
+  std::string reopened_from_;  // the text of the experiment that is changed
+  Throttle texts_{0.19};       // numbers that change five times a second can be read
+  Throttle questions_{0.5};    // to the display
 };
 
 }  // namespace skein::ui
