@@ -86,7 +86,8 @@ QString timetables_of_64_robots() {
   for (int i = 0; i < robots; ++i) {
     text += QStringLiteral("[[robot]]\ntag = %1\ntrajectory = { samples = [").arg(i + 1);
     for (int k = 0; k < places; ++k) {
-      const double share = k / (places - 1.0), t = 600.0 * share, x = 1.08 * (i % 8) - 3.8, y = 1.08 * (i / 8) - 3.8;
+      const int column = i % 8, row = i / 8;
+      const double share = k / (places - 1.0), t = 600.0 * share, x = 1.08 * column - 3.8, y = 1.08 * row - 3.8;
       const double turned = 60.0 * share * share * share * (10.0 - 15.0 * share + 6.0 * share * share);
       text += QStringLiteral("[%1, %2, %3], ")
                   .arg(t, 0, 'f', 6)
