@@ -55,7 +55,7 @@ int line_of(std::size_t check) {
 CheckList::CheckList(QWidget* parent)
     : QWidget(parent),
       pictures_(new QWidget(this)),
-      tag_size_(new QPushButton(this)),
+      tag_size_(new QPushButton(tr("Set tag size"), this)),
       anyway_(new QPushButton(tr("Start anyway"), this)),
       scroll_(new QScrollArea(this)),
       list_(new QWidget) {

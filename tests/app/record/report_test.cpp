@@ -78,7 +78,7 @@ TEST_F(Report, DrawsThePaper) {
   const std::string script = text_of(directory / "figure4.gp");
   EXPECT_NE(script.find("n = 4 "), std::string::npos);
   EXPECT_NE(script.find("perturbed = \"18 46 65\""), std::string::npos);
-  EXPECT_NE(script.find("settled = \"22.24 50.24 69.24\""), std::string::npos);
+  EXPECT_NE(script.find("settled = \"22.24 51.68 70.48\""), std::string::npos);
 }
 
 TEST_F(Report, DrawsAnyNumberOfRobotsWithoutPerturbations) {
