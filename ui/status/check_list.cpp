@@ -150,6 +150,7 @@ void CheckList::show_tags(const std::vector<app::UnseenTag>& tags, std::optional
             .arg(size_));
   }
   std::vector<std::shared_ptr<const app::Picture>> now;
+  now.reserve(tags.size());
   for (const app::UnseenTag& tag : tags) now.push_back(tag.picture);
   if (now != pictured_) {
     pictured_ = std::move(now);

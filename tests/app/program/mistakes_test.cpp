@@ -223,11 +223,11 @@ TEST_F(Mistakes, RunsWithAnotherKickOrPathAreNotSaidToBeTheSame) {
       << said;
   EXPECT_EQ(shell("$skein runs compare a b"), 0) << said;
   for (const char* const row :
-       {"perturb.2.dx +0.15 +0.05", "reference.path.width +1.3 +1.2", "controller.k_y +11 +10", "obstacle.1"})
+       {"perturb.2.dx +0.1 +0.05", "reference.path.width +1.3 +1.2", "controller.k_y +11 +10", "obstacle.1"})
     EXPECT_THAT(out, testing::ContainsRegex(row));
   EXPECT_THAT(out, Not(HasSubstr("perturb.1")));
   EXPECT_EQ(shell("$skein runs compare a b --json"), 0);
-  EXPECT_THAT(out, HasSubstr("\"perturb.2.dx\": [\n    0.15,\n    0.05\n"));
+  EXPECT_THAT(out, HasSubstr("\"perturb.2.dx\": [\n    0.1,\n    0.05\n"));
   EXPECT_EQ(shell("$skein runs compare a a"), 0);
   EXPECT_THAT(out, Not(HasSubstr("perturb")));
   EXPECT_EQ(shell("rm a/experiment.toml; $skein runs compare a b"), 0);

@@ -29,13 +29,15 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 class Report : public testing::Test {
+ public:
+  ~Report() override { fs::remove_all(directory); }
+
  protected:
   Report() {
     std::string name =
         (fs::temp_directory_path() / "skein report XXXXXX").string();  // with blanks, as people have them
     directory = mkdtemp(name.data());
   }
-  ~Report() override { fs::remove_all(directory); }
 
   /// Runs an experiment and draws it.
   tl::expected<void, std::string> draw(const Experiment& e) { return draw(e, test::simulate(e)); }
@@ -108,7 +110,9 @@ TEST_F(Report, SaysWhatGnuplotSaid) {
 }
 
 TEST_F(Report, SaysThatGnuplotIsMissing) {
-  const std::string path = std::getenv("PATH");
+  const char* const before = std::getenv("PATH");
+  ASSERT_NE(before, nullptr);
+  const std::string path = before;
   setenv("PATH", "/nowhere", 1);
   const auto checked = check_report(directory.string());
   setenv("PATH", path.c_str(), 1);
