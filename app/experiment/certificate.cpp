@@ -203,6 +203,65 @@ std::vector<core::Gains> all_gains(const Experiment& experiment) {
   return all;
 }
 
+/// A robot's loop somewhere along its reference, with one of the experiment's gains.
+struct Loop {
+  core::Gains gains;
+  core::Twist reference;
+  double t;  // [s]
+  std::size_t robot;
+};
+
+/// Of every robot the straightest, the tightest and the fastest piece, once each: they are mostly the same for all.
+std::vector<Loop> loops_of(const Experiment& experiment) {
+  constexpr int samples = 500;
+  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
+  const std::size_t n = experiment.robots.size();
+
+  struct Place {
+    core::Twist twist;
+    double t;
+    std::size_t robot;
+  };
+  std::vector<Place> places;
+  const auto add = [&](const Place& place) {
+    const auto same = [&](const Place& p) {
+      return std::abs(p.twist.v - place.twist.v) < 1e-9 &&
+             std::abs(std::abs(p.twist.omega) - std::abs(place.twist.omega)) < 1e-9;
+    };
+    if (std::none_of(places.begin(), places.end(), same)) places.push_back(place);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    Place straight{reference->at(i, 0.0).twist, 0.0, i}, tight = straight, fast = straight;
+    for (int k = 1; k < samples; ++k) {
+      const double t = experiment.duration * k / samples;
+      const Place place{reference->at(i, t).twist, t, i};
+      const auto turn = [](const Place& p) { return std::abs(p.twist.omega); };
+      if (turn(place) < turn(straight)) straight = place;
+      if (turn(place) > turn(tight)) tight = place;
+      if (place.twist.v > fast.twist.v) fast = place;
+    }
+    for (const Place& place : {straight, tight, fast}) add(place);
+  }
+  std::vector<Loop> loops;
+  for (const core::Gains& gains : all_gains(experiment))
+    for (const Place& place : places) {
+      Loop& loop = loops.emplace_back(Loop{gains, place.twist, place.t, place.robot});
+      core::use_policy(loop.gains, std::vector<core::Twist>(n, place.twist));
+    }
+  return loops;
+}
+
+Certificate::Delay smallest_delay_margin(const std::vector<Loop>& loops, double period, const std::stop_token& stop) {
+  Certificate::Delay least;
+  least.margin = {infinite, true};
+  for (const Loop& loop : loops) {
+    if (stop.stop_requested()) return least;
+    const core::DelayMargin margin = core::delay_margin(loop.gains, loop.robot, loop.reference, period);
+    if (margin.delay < least.margin.delay) least = {margin, loop.t, loop.robot};
+  }
+  return least;
+}
+
 }  // namespace
 
 bool Certificate::holds() const noexcept {
@@ -294,51 +353,22 @@ Certificate certify(const Experiment& experiment, const std::stop_token& stop) {
     }
   }
   certificate.theorem = cases.found(reference->smooth());
-  certificate.delay = smallest_delay_margin(experiment, stop);
+  const std::vector<Loop> loops = loops_of(experiment);
+  certificate.delay = smallest_delay_margin(loops, experiment.period(), stop);
+  if (!certificate.delay.margin.unbounded) {
+    const double beyond = 1.1 * certificate.delay.margin.delay;
+    for (const double delay : {beyond, std::max(0.1, 2.0 * beyond), std::max(0.2, 4.0 * beyond)}) {
+      Certificate::Swing& swing = certificate.swings.emplace_back(Certificate::Swing{delay, 0.0});
+      for (const Loop& loop : loops)
+        if (!stop.stop_requested())
+          swing.size = std::max(swing.size, core::swing(loop.gains, loop.reference, experiment.period(), delay));
+    }
+  }
   return certificate;
 }
 
 Certificate::Delay smallest_delay_margin(const Experiment& experiment, const std::stop_token& stop) {
-  constexpr int samples = 500;
-  const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
-  const std::size_t n = experiment.robots.size();
-
-  // Of every robot the straightest, the tightest and the fastest piece, once each: they are mostly the same for all.
-  struct Place {
-    core::Twist twist;
-    double t;
-    std::size_t robot;
-  };
-  std::vector<Place> places;
-  const auto add = [&](const Place& place) {
-    const auto same = [&](const Place& p) {
-      return std::abs(p.twist.v - place.twist.v) < 1e-9 &&
-             std::abs(std::abs(p.twist.omega) - std::abs(place.twist.omega)) < 1e-9;
-    };
-    if (std::none_of(places.begin(), places.end(), same)) places.push_back(place);
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    Place straight{reference->at(i, 0.0).twist, 0.0, i}, tight = straight, fast = straight;
-    for (int k = 1; k < samples; ++k) {
-      const double t = experiment.duration * k / samples;
-      const Place place{reference->at(i, t).twist, t, i};
-      const auto turn = [](const Place& p) { return std::abs(p.twist.omega); };
-      if (turn(place) < turn(straight)) straight = place;
-      if (turn(place) > turn(tight)) tight = place;
-      if (place.twist.v > fast.twist.v) fast = place;
-    }
-    for (const Place& place : {straight, tight, fast}) add(place);
-  }
-  Certificate::Delay least;
-  least.margin = {infinite, true};
-  for (core::Gains& gains : all_gains(experiment))
-    for (const Place& place : places) {
-      if (stop.stop_requested()) return least;
-      core::use_policy(gains, std::vector<core::Twist>(n, place.twist));
-      const core::DelayMargin margin = core::delay_margin(gains, place.robot, place.twist, experiment.period());
-      if (margin.delay < least.margin.delay) least = {margin, place.t, place.robot};
-    }
-  return least;
+  return smallest_delay_margin(loops_of(experiment), experiment.period(), stop);
 }
 
 std::string as_lines(const Certificate& certificate) {
@@ -385,6 +415,13 @@ std::string as_lines(const Certificate& certificate) {
   fmt::format_to(out, "delay_margin: {}{:.4g} s (robot {} at t = {:g} s)\n",
                  certificate.delay.margin.unbounded ? "more than " : "", certificate.delay.margin.delay,
                  certificate.delay.robot + 1, certificate.delay.t);
+  if (!certificate.swings.empty()) {
+    std::string sizes;
+    for (const Certificate::Swing& s : certificate.swings)
+      sizes += fmt::format("{}{:.2g} mm at {:.0f} ms", sizes.empty() ? "" : ", ", 1e3 * s.size, 1e3 * s.delay);
+    fmt::format_to(out, "swing: {}: beyond the margin errors do not settle, but stay bounded (without prediction)\n",
+                   sizes);
+  }
   fmt::format_to(out, "sampled_loop: {}\n",
                  certificate.sampled_loop_stable()
                      ? fmt::format("stable at {:g} Hz with a delay below the margin", certificate.rate)

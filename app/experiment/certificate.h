@@ -53,9 +53,15 @@ struct Certificate {
     double t = 0.0;  ///< where along the reference [s]
     std::size_t robot = 0;
   };
+  /// How far robots swing at a delay beyond the margin, if nothing predicts their poses.
+  struct Swing {
+    double delay = 0.0;  ///< [s]
+    double size = 0.0;   ///< largest distance of any from its place [m]
+  };
   std::vector<Robot> robots;
   Theorem theorem;
   Delay delay;
+  std::vector<Swing> swings;  ///< with increasing delays; none where no delay is too long
   double v_max = 0.0, omega_max = 0.0;
   bool fixed = false;  ///< the tracking gains are given
   double rate = 0.0;   ///< at which the loop is sampled [Hz]

@@ -1,8 +1,12 @@
 #include "core/control/delay_margin.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <deque>
+#include <vector>
 
+#include "core/control/coordination_law.h"
 #include "core/kinematics/unicycle.h"
 
 namespace skein::core {
@@ -86,6 +90,35 @@ DelayMargin delay_margin(const Gains& gains, std::size_t i, const Twist& referen
     (stable(middle) ? low : high) = middle;
   }
   return {low, false};
+}
+
+double swing(const Gains& gains, const Twist& reference, double period, double delay) {
+  constexpr double beside = 0.01, turned = 0.1, lasts = 120.0;  // [m], [rad], [s]
+  const std::size_t n = gains.robots();
+  const int whole = static_cast<int>(std::floor(delay / period));
+  const double rest = delay - whole * period;  // so long does the command before still act
+  const std::vector<Twist> references(n, reference);
+  std::deque<std::vector<Twist>> on_their_way(static_cast<std::size_t>(whole) + 1, references);
+  std::vector<Pose> robots(n);
+  for (std::size_t i = 0; i < n; ++i) robots[i] = {i % 2 == 0 ? beside : -beside, 0.0, i % 3 == 0 ? turned : -turned};
+  Pose place{};  // each robot beside its own: distances between places do not enter the law
+  std::vector<TrackingError> errors(n);
+  std::vector<Twist> commands(n);
+  const int ticks = static_cast<int>(lasts / period);
+  double largest = 0.0;
+  for (int k = 0; k < ticks; ++k) {
+    for (std::size_t i = 0; i < n; ++i) errors[i] = tracking_error(place, robots[i]);
+    coordination_law(gains, errors, references, commands);
+    on_their_way.push_back(commands);
+    place = advance(place, reference, period);
+    for (std::size_t i = 0; i < n; ++i) {
+      robots[i] = advance(robots[i], on_their_way[0][i], rest);
+      robots[i] = advance(robots[i], on_their_way[1][i], period - rest);
+      if (k >= ticks - ticks / 4) largest = std::max(largest, distance(robots[i], place));
+    }
+    on_their_way.pop_front();
+  }
+  return largest;
 }
 
 }  // namespace skein::core

@@ -146,6 +146,7 @@ TEST(Certificate, RefusesALoopThatSamplingMakesUnstable) {
     EXPECT_FALSE(certificate.sampled_loop_stable()) << value;
     EXPECT_FALSE(certificate.sound()) << value;
     EXPECT_NE(as_lines(certificate).find("sampled_loop: UNSTABLE at 25 Hz"), std::string::npos);
+    EXPECT_NE(as_lines(certificate).find(" mm at 0 ms, "), std::string::npos) << "how far they swing";
   }
 }
 
